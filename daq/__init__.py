@@ -1,0 +1,1 @@
+"""A port in, a sealed session out: acquisition, sessions, replay and import."""

@@ -1,0 +1,73 @@
+"""A recording: samples on the board's clock, with the lost ones marked."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What one channel measures: `quantity` is displacement, velocity, acceleration, force or other.
+
+    `unit` is the SI unit of the samples as they stand in a `Recording` (m, rad, m/s, rad/s, m/s^2, N ...).
+    `resolution` (one code of the converter), `low` and `high` (the range) are in that unit.
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    resolution: float | None = None
+    low: float | None = None
+    high: float | None = None
+    group_delay_s: float = 0.0
+    sensor: str = ""
+    calibration_uncertainty: float | None = None
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Samples `first` to `first + count - 1` that were lost, and why (wire, overrun, reboot, checksum)."""
+
+    first: int
+    count: int
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Samples in SI units, shape (channels, n), at `rate` Hz; `valid` (n,) is False where they were lost.
+
+    `rate_std` is the standard error of the rate in Hz (None when unknown), `trigger` the sample at which
+    the station saw the release during the capture (None for imports), `notes` what was understood or
+    guessed on the way in, a sentence each.
+    """
+
+    rate: float
+    channels: tuple[Channel, ...]
+    samples: Array
+    valid: Mask
+    gaps: tuple[Gap, ...] = ()
+    rate_std: float | None = None
+    trigger: int | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        samples = np.array(self.samples, dtype=np.float64)
+        valid = np.array(self.valid, dtype=np.bool_)
+        if samples.ndim != 2 or samples.shape[0] != len(self.channels) or samples.shape[1] != len(valid):
+            raise ValueError(f"samples {samples.shape}, {len(self.channels)} channels, mask {valid.shape}")
+        samples.setflags(write=False)
+        valid.setflags(write=False)
+        object.__setattr__(self, "samples", samples)
+        object.__setattr__(self, "valid", valid)
+
+    def channel(self, quantity: str) -> Array | None:
+        """Return the samples of the first channel of that quantity, shape (n,), or None."""
+        for channel, samples in zip(self.channels, self.samples, strict=True):
+            if channel.quantity == quantity:
+                return samples
+        return None

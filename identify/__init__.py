@@ -1,0 +1,1 @@
+"""Arrays in, frozen results out: the identification and diagnosis of free decays."""

@@ -1,0 +1,72 @@
+"""A free decay: one release, as it was recorded."""
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from identify.arrays import Array, Mask, frozen, frozen_mask
+
+
+@dataclass(frozen=True, eq=False)
+class FreeDecay:
+    """One release of a mass on springs, from the rest before it to the end of the record.
+
+    All channels that are present have the same length n and share one clock; sample i lies at
+    `i / rate` seconds. Quantities are SI (m or rad, per second, per second squared). At least one of
+    `displacement`, `velocity`, `acceleration` is present.
+
+    `release` is the first sample of free motion (0 when the record begins in mid-decay);
+    `rest` is the half-open range of samples before the release in which the mass is held still,
+    empty (0, 0) when there is none. `valid` is False where a sample was lost; the values there mean
+    nothing. `noise_*` are white-noise standard deviations of the channels, None when unknown.
+    `force` is an external force per unit mass (m/s^2) when one was recorded. `mass` is in kg
+    (kg m^2 for angles), None when unknown: everything is then per unit mass.
+    """
+
+    rate: float
+    displacement: Array | None = None
+    velocity: Array | None = None
+    acceleration: Array | None = None
+    release: int = 0
+    rest: tuple[int, int] = (0, 0)
+    valid: Mask | None = None
+    noise_displacement: float | None = None
+    noise_velocity: float | None = None
+    noise_acceleration: float | None = None
+    force: Array | None = None
+    mass: float | None = None
+    mass_std: float | None = None
+    unit: str = "m"
+
+    def __post_init__(self) -> None:
+        lengths = set()
+        for name in ("displacement", "velocity", "acceleration", "force"):
+            values = getattr(self, name)
+            if values is not None:
+                object.__setattr__(self, name, frozen(values))
+                lengths.add(len(values))
+        if self.valid is not None:
+            object.__setattr__(self, "valid", frozen_mask(self.valid))
+            lengths.add(len(self.valid))
+        if self.displacement is None and self.velocity is None and self.acceleration is None:
+            raise ValueError("a free decay needs a displacement, a velocity or an acceleration")
+        if len(lengths) != 1:
+            raise ValueError(f"channels of different lengths: {sorted(lengths)}")
+        if not (np.isfinite(self.rate) and self.rate > 0):
+            raise ValueError(f"the rate must be positive, not {self.rate} Hz")
+
+    def __len__(self) -> int:
+        for values in (self.displacement, self.velocity, self.acceleration):
+            if values is not None:
+                return len(values)
+        return 0
+
+    @property
+    def time(self) -> Array:
+        """Time of each sample, shape (n,), s, from the first sample."""
+        return np.arange(len(self)) / self.rate
+
+    def with_(self, **changes: object) -> Self:
+        """Return a copy with some fields replaced."""
+        return replace(self, **changes)  # type: ignore[arg-type]

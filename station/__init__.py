@@ -1,0 +1,1 @@
+"""The operator's program: settings, pipeline, views, report and command line."""

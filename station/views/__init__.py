@@ -1,0 +1,1 @@
+"""What Rerun shows, one tab a file."""
