@@ -1,0 +1,145 @@
+"""What can go wrong on the way from a port to a sealed session, by whose fault it is.
+
+    StationError               1  unexpected
+    |- OperatorError           2  settings or usage
+    |  |- SettingsError           a setting that cannot be met
+    |  |- UnreadableFile          a file that is not what it was said to be
+    |  |- SessionExists           a folder that already holds something
+    |  |- NotASession             a folder that is no session
+    |  `- NoRelease               armed, and nobody released the mass
+    |- PortError               3  no board, or a port that cannot be had
+    |  |- NoBoard                 nothing there, or nothing that answers
+    |  |- SeveralBoards           more than one answers: name one
+    |  |- PortBusy                another program has it
+    |  `- PortForbidden           no permission
+    |- BoardError              4  the board's fault
+    |  |- VersionRefused          another major version of the protocol
+    |  |- BoardRefused            the board said no, in its own words
+    |  `- ProtocolError           the board does not keep to the protocol
+    |- DataLost                5  more samples lost than the limit allows
+    |- LinkLost                6  the connection ended before the recording did
+    |  |- Disconnected            unplugged
+    |  |- Stalled                 silent
+    |  `- Rebooted                the board started anew in mid-capture
+    `- StorageError            7  the disk's fault
+       |- SessionLocked           another process is writing this session
+       `- SessionDamaged          what is stored is not what was written
+
+Each message says what happened, what was kept and what to do, in one sentence or two.
+"""
+
+from pathlib import Path
+
+
+class StationError(Exception):
+    """What the operator must be told; `exit_code` is the program's, `session` the folder that was kept."""
+
+    exit_code = 1
+
+    def __init__(self, message: str, session: Path | None = None) -> None:
+        super().__init__(message)
+        self.session = session
+
+
+class OperatorError(StationError):
+    """The request cannot be met as it stands."""
+
+    exit_code = 2
+
+
+class SettingsError(OperatorError):
+    """A setting is out of its range or contradicts another."""
+
+
+class UnreadableFile(OperatorError):  # noqa: N818
+    """A file is not what it was said to be; the message says where."""
+
+
+class SessionExists(OperatorError):  # noqa: N818
+    """The folder holds something already; nothing was overwritten."""
+
+
+class NotASession(OperatorError):  # noqa: N818
+    """The folder is not a session."""
+
+
+class NoRelease(OperatorError):  # noqa: N818
+    """The station was armed (or waited for rest) and nothing came within the time set."""
+
+
+class PortError(StationError):
+    """There is no board, or its port cannot be had."""
+
+    exit_code = 3
+
+
+class NoBoard(PortError):  # noqa: N818
+    """Nothing is there, or nothing that answers as a board."""
+
+
+class SeveralBoards(PortError):  # noqa: N818
+    """More than one board answers and none was named."""
+
+
+class PortBusy(PortError):  # noqa: N818
+    """Another program has the port."""
+
+
+class PortForbidden(PortError):  # noqa: N818
+    """The port is there but this user may not open it."""
+
+
+class BoardError(StationError):
+    """The board does something that it should not."""
+
+    exit_code = 4
+
+
+class VersionRefused(BoardError):  # noqa: N818
+    """The board speaks another major version of the protocol."""
+
+
+class BoardRefused(BoardError):  # noqa: N818
+    """The board answered NACK."""
+
+
+class ProtocolError(BoardError):
+    """The board's messages contradict the protocol or each other."""
+
+
+class DataLost(StationError):  # noqa: N818
+    """More samples stayed lost than the settings allow; the session is kept."""
+
+    exit_code = 5
+
+
+class LinkLost(StationError):  # noqa: N818
+    """The connection ended before the recording did; what was received is kept."""
+
+    exit_code = 6
+
+
+class Disconnected(LinkLost):
+    """The port went away."""
+
+
+class Stalled(LinkLost):
+    """The board is connected but silent."""
+
+
+class Rebooted(LinkLost):
+    """The board started anew in mid-capture: its sample index began again."""
+
+
+class StorageError(StationError):
+    """The disk refused, or what it holds is not what was written."""
+
+    exit_code = 7
+
+
+class SessionLocked(StorageError):  # noqa: N818
+    """Another process is writing this session."""
+
+
+class SessionDamaged(StorageError):  # noqa: N818
+    """A checksum does not match."""
