@@ -27,9 +27,10 @@ class Frame(NamedTuple):
     message: Message | OtherVersion
 
 
-def encode(message: Message, sequence: int, stream: int = 0) -> bytes:
+def encode(message: Message, sequence: int, stream: int = 0, *, version: int = PROTOCOL_MAJOR) -> bytes:
     """Return the whole frame, with COBS and the closing 0x00.
 
+    `version` is the header's major version; another one than ours is for tests of the refusal.
     ValueError when a value does not fit its field or the frame is longer than 1024 bytes.
     """
     body = write_body(message)
@@ -37,6 +38,6 @@ def encode(message: Message, sequence: int, stream: int = 0) -> bytes:
         raise ValueError(f"{type(message).__name__} of {len(body)} bytes; a frame carries at most {MAX_BODY}")
     if not 0 <= stream <= 255:
         raise ValueError(f"stream {stream}; the header carries 0 to 255")
-    head = HEADER.pack(PROTOCOL_MAJOR, TYPE_OF[type(message)], 0, stream, sequence & 0xFFFFFFFF)
+    head = HEADER.pack(version, TYPE_OF[type(message)], 0, stream, sequence & 0xFFFFFFFF)
     plain = head + body
     return bytes(cobs.encode(plain + CHECKSUM.pack(crc32(plain)))) + DELIMITER

@@ -54,12 +54,10 @@ class NackCode(IntEnum):
     """Why the board refused a request; a value that this version does not know reads as OTHER."""
 
     NOT_UNDERSTOOD = 1
-    VERSION = 2
-    BUSY = 3
-    NOT_RUNNING = 4
-    UNSUPPORTED = 5
-    NOT_HELD = 6
-    SENSOR = 7
+    BUSY = 2
+    UNSUPPORTED = 3
+    NOT_HELD = 4
+    SENSOR = 5
     OTHER = 255
 
     @classmethod
@@ -153,12 +151,18 @@ class Start:
 
 @dataclass(frozen=True)
 class Stop:
-    """Host to board: stop sampling; answered by ACK, the DATA still waiting, then END."""
+    """Host to board: stop sampling; answered by ACK, the DATA still waiting, then END.
+
+    While idle it is answered by ACK and the END of the last capture again.
+    """
 
 
 @dataclass(frozen=True)
 class Resend:
-    """Host to board, after END: send samples `first` to `first + count - 1` again."""
+    """Host to board, after END: send samples `first` to `first + count - 1` again.
+
+    The board sends the ones it still holds as DATA, then ACK, or NACK NOT_HELD when some are missing.
+    """
 
     first: int
     count: int
