@@ -30,7 +30,7 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
     "end_stop": ("ks", "gap", "side"),
     "freeplay": ("kf", "gap"),
     "bilinear_stiffness": ("kb",),
-    "hysteresis": ("kh", "uy"),
+    "hysteresis": ("kh", "uy", "z_start"),
     "maxwell_element": ("k1", "tau"),
     "second_mass": ("ratio", "w2", "zeta"),
     "time_varying_stiffness": ("rate",),
@@ -117,14 +117,22 @@ def kinks(effects: tuple[Effect, ...]) -> np.ndarray:
 
 
 def state_at_rest(effects: tuple[Effect, ...], displacement: float) -> np.ndarray:
-    """Return the state after a slow pull from zero to `displacement` and a long hold there."""
+    """Return the state after a long hold at `displacement`: dampers and second mass at ease.
+
+    Hysteresis begins at its parameter `z_start`, m: 0 if the hold has relaxed it,
+    `pulled(displacement, uy)` if it remembers a slow pull from zero.
+    """
     state = np.zeros(STATES)
     state[0] = state[3] = state[4] = displacement
     for effect in effects:
         if effect.name == "hysteresis":
-            yield_at = effect.parameters["uy"]
-            state[2] = yield_at * math.tanh(displacement / yield_at)
+            state[2] = effect.parameters["z_start"]
     return state
+
+
+def pulled(displacement: float, yield_at: float) -> float:
+    """Return the hysteresis' internal displacement after a slow pull: dz/du = 1 - (z/uy)^2."""
+    return yield_at * math.tanh(displacement / yield_at)
 
 
 @njit(cache=True)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from mocks import sensors
-from mocks.forces import OUTSIDE_THE_LIBRARY, PARAMETERS, Effect
+from mocks.forces import OUTSIDE_THE_LIBRARY, PARAMETERS, Effect, pulled
 from mocks.sensors import SENSOR_FAULTS, Sensor
 from mocks.testbed import Bench, Release, simulate, simulate_channels
 
@@ -115,7 +115,13 @@ def hide(
     pinned = pinned or {}
     size = abs(release.displacement) or abs(release.velocity) / bench.angular_frequency
     shapes = {
-        name: _draw_shape(name, size, bench, np.random.default_rng([seed, 2, zlib.crc32(name.encode())]))
+        name: _draw_shape(
+            name,
+            release.displacement,
+            size,
+            bench,
+            np.random.default_rng([seed, 2, zlib.crc32(name.encode())]),
+        )
         | dict(pinned.get(name, {}))
         for name in strengths
     }
@@ -175,7 +181,9 @@ def _draw_setting(seed: int, fixed: dict[str, Any]) -> dict[str, Any]:
     return setting | fixed
 
 
-def _draw_shape(name: str, size: float, bench: Bench, random: np.random.Generator) -> dict[str, float]:
+def _draw_shape(
+    name: str, displacement: float, size: float, bench: Bench, random: np.random.Generator
+) -> dict[str, float]:
     """Draw what the search for the strength does not scale; the first value is its order of magnitude."""
     w = bench.angular_frequency
     side = -1.0 if random.random() < 0.5 else 1.0
@@ -206,7 +214,9 @@ def _draw_shape(name: str, size: float, bench: Bench, random: np.random.Generato
     elif name == "freeplay":
         shape |= {"gap": random.uniform(0.001, 0.004)}
     elif name == "hysteresis":
-        shape |= {"uy": random.uniform(0.0015, 0.006)}
+        yield_at = random.uniform(0.0015, 0.006)
+        remembered = random.random() < 0.5
+        shape |= {"uy": yield_at, "z_start": pulled(displacement, yield_at) if remembered else 0.0}
     elif name == "maxwell_element":
         shape |= {"tau": math.exp(random.uniform(math.log(0.008), math.log(0.12)))}
     elif name == "second_mass":
@@ -218,7 +228,7 @@ def _draw_shape(name: str, size: float, bench: Bench, random: np.random.Generato
     elif name == "magnet":
         shape |= {"at": side * size * random.uniform(0.2, 0.7), "width": random.uniform(0.0015, 0.004)}
     elif name == "notched_spring":
-        shape |= {"at": size * random.uniform(-0.6, 0.6), "width": random.uniform(0.001, 0.003)}
+        shape |= {"at": side * size * random.uniform(0.25, 0.65), "width": random.uniform(0.001, 0.003)}
     elif name == "amplitude_switched_damping":
         shape |= {"at": size * random.uniform(0.3, 0.6)}
     elif name == "stribeck_friction":
