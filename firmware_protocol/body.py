@@ -19,6 +19,7 @@ from firmware_protocol.layout import (
 from firmware_protocol.messages import ChannelDescription, Data, Describe, Message, SampleFormat
 
 MAX_TEXT = 255
+MAX_CHANNELS = 255
 
 
 class MalformedError(ValueError):
@@ -90,6 +91,8 @@ _FORMATS = {int(form): (form, form.size) for form in SampleFormat}
 
 
 def _write_channels(channels: tuple[ChannelDescription, ...]) -> bytes:
+    if len(channels) > MAX_CHANNELS:
+        raise ValueError(f"{len(channels)} channels; the wire carries at most {MAX_CHANNELS}")
     records = [_CHANNEL.write(channel) for channel in channels]
     lengths = [len(record).to_bytes(2, "little") for record in records]
     return bytes((len(records),)) + b"".join(a + b for a, b in zip(lengths, records, strict=True))
