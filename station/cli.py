@@ -1,0 +1,134 @@
+"""The command line: it parses, calls one command and turns what went wrong into a sentence.
+
+A command is one file in `station/commands/`, imported only when it is called, so that `station --help`
+answers at once. To add a command: write the file, add a line to COMMANDS.
+"""
+
+import importlib
+import sys
+import traceback
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import click
+
+from station import exits
+
+
+class Entry(NamedTuple):
+    """One command: its name, the module that holds its function `command`, one line of help."""
+
+    name: str
+    module: str
+    help: str
+
+
+COMMANDS = (
+    Entry("demo", "demo", "Run the whole job on a simulated board."),
+    Entry("ports", "ports", "List the ports on which a board may be."),
+    Entry("capture", "capture", "Record one release from a board, then identify it."),
+    Entry("replay", "replay", "Send a session's raw bytes through the decoder again."),
+    Entry("import", "import_", "Turn a file of another board into sessions."),
+    Entry("identify", "identify", "Find stiffness, friction and damping in a session."),
+    Entry("view", "view", "Open a session in the Rerun viewer."),
+    Entry("table", "table", "Print the paper's tables for any number of sessions."),
+    Entry("list", "list_", "List the sessions in a folder."),
+    Entry("info", "info", "Tell what a session holds."),
+    Entry("verify", "verify", "Check a session's files against its manifest."),
+    Entry("recover", "recover", "Seal a session that was cut off in mid-capture."),
+)
+
+
+class LazyGroup(click.Group):
+    """A group that knows its commands by name and imports one when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names in the order in which a newcomer needs them."""
+        return [entry.name for entry in COMMANDS]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import the module of a command and return the command, or None when there is none of that name."""
+        for entry in COMMANDS:
+            if entry.name == cmd_name:
+                module = importlib.import_module(f"station.commands.{entry.module}")
+                command: click.Command = module.command
+                return command
+        return None
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands without importing any of them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(entry.name, entry.help) for entry in COMMANDS])
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 80})
+@click.version_option(package_name="free-decay-station", prog_name="station")
+@click.option("--settings", "settings_file", metavar="FILE", help="Settings (default: ./station.toml if it exists).")
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+@click.pass_context
+def station(ctx: click.Context, settings_file: str | None, debug: bool) -> None:
+    """Release a mass on springs, record it, and learn which forces act on it.
+
+    Begin with `station demo`, or with `station import FILE` and
+    `station identify SESSION`.
+    """
+    ctx.obj = settings_file
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit with the code that says how it ended."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    sys.exit(run(given))
+
+
+def run(arguments: list[str]) -> int:
+    """Run the command line; return its exit code instead of leaving the process."""
+    try:
+        result: Any = station.main(args=arguments, prog_name="station", standalone_mode=False)
+        sys.stdout.flush()
+        return result if isinstance(result, int) else exits.DONE
+    except click.exceptions.Exit as leaving:
+        return int(leaving.exit_code)
+    except click.exceptions.Abort:
+        return _failed(KeyboardInterrupt(), exits.INTERRUPTED, "interrupted", arguments)
+    except click.ClickException as error:
+        return _failed(error, exits.USAGE, _usage_sentence(error), arguments)
+    except BrokenPipeError:  # the reader of a pipe has left, as `head` does
+        sys.stderr.close()
+        return exits.DONE
+    except KeyboardInterrupt as error:
+        return _failed(error, exits.INTERRUPTED, str(error) or "interrupted", arguments)
+    except Exception as error:
+        return _failed(error, exits.code_of(error), _sentence(error), arguments)
+
+
+def _sentence(error: Exception) -> str:
+    if exits.code_of(error) != exits.UNEXPECTED or isinstance(error, exits.StationError):
+        return " ".join(str(error).split()) or type(error).__name__
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return (
+        f"a fault of this program ({type(error).__name__}: {' '.join(str(error).split())}; {place.name}, line "
+        f"{place.lineno}); nothing recorded is lost; run `station --debug ...` again and report what it prints"
+    )
+
+
+def _usage_sentence(error: click.ClickException) -> str:
+    sentence = error.format_message().rstrip(".")
+    context = getattr(error, "ctx", None)
+    where = context.command_path if context is not None else "station"
+    return f"{sentence}; see `{where} --help`"
+
+
+def _failed(error: BaseException, code: int, sentence: str, arguments: list[str]) -> int:
+    if "--debug" in arguments:
+        traceback.print_exception(error)
+    if "--json" in arguments and not getattr(error, "reported", False):
+        from station.output import print_json
+
+        print_json({"error": {"message": sentence, "exit_code": code, "meaning": exits.MEANING.get(code, "")}})
+    click.echo(f"station: {sentence}", err=True)
+    return code
+
+
+if __name__ == "__main__":
+    main()

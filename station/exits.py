@@ -1,0 +1,55 @@
+"""Exit codes: how a command ended, for the shell and for scripts."""
+
+DONE = 0
+UNEXPECTED = 1
+USAGE = 2
+NO_BOARD = 3
+PROTOCOL = 4
+LOST_DATA = 5
+DISCONNECTED = 6
+STORAGE = 7
+NOT_IDENTIFIABLE = 8
+INTERRUPTED = 130
+
+MEANING = {
+    DONE: "done",
+    UNEXPECTED: "unexpected: a fault of the program",
+    USAGE: "wrong usage, settings or file",
+    NO_BOARD: "no board, or the port is busy",
+    PROTOCOL: "the board speaks another protocol or version",
+    LOST_DATA: "more data were lost than the limit allows",
+    DISCONNECTED: "the board was disconnected or stalled",
+    STORAGE: "the disk refused: full, read-only or damaged",
+    NOT_IDENTIFIABLE: "the record does not allow an identification",
+    INTERRUPTED: "interrupted by the operator",
+}
+
+
+class StationError(Exception):
+    """A failure with words for the operator: what happened, what was kept, what to do."""
+
+    exit_code = UNEXPECTED
+
+
+class UsageProblem(StationError):
+    """The operator asked for something that cannot be done so."""
+
+    exit_code = USAGE
+
+
+def code_of(error: BaseException) -> int:
+    """Return the exit code of an error, by whose fault it is.
+
+    The errors of the acquisition carry their own `exit_code`; an identification that is not possible is 8,
+    the disk's OSErrors are 7.
+    """
+    if isinstance(error, KeyboardInterrupt):
+        return INTERRUPTED
+    carried = getattr(error, "exit_code", None)
+    if isinstance(carried, int):
+        return carried
+    if type(error).__name__ == "NotIdentifiable":  # named, not imported: that would import numpy at start-up
+        return NOT_IDENTIFIABLE
+    if isinstance(error, OSError):
+        return STORAGE
+    return UNEXPECTED

@@ -1,0 +1,49 @@
+"""What a command prints: one JSON object on stdout when asked, progress and errors on stderr."""
+
+import json
+import math
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+WIDTH = 80
+
+
+def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the option `--json`, passed on as `as_json`."""
+    return click.option("--json", "as_json", is_flag=True, help="One JSON object on stdout.")(command)
+
+
+def print_json(document: dict[str, Any]) -> None:
+    """Print one JSON object on stdout; numbers that are not finite become null, as JSON has none."""
+    sys.stdout.write(json.dumps(finite(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    sys.stdout.flush()
+
+
+def finite(value: Any) -> Any:
+    """Return `value` with every float that is not finite replaced by None, all the way down."""
+    if isinstance(value, dict):
+        return {str(key): finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def progress(text: str) -> None:
+    """Tell the operator on stderr what is going on."""
+    click.echo(text, err=True)
+
+
+def screen() -> "Console":
+    """Return the console on stdout: 80 columns unless the terminal says otherwise."""
+    from rich.console import Console
+
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=WIDTH)

@@ -1,0 +1,77 @@
+"""Settings: what the operator writes once in station.toml and overrides by options."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from station.exits import UsageProblem
+
+DEFAULT_FILE = Path("station.toml")
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Specimen(_Section):
+    """What hangs on the springs, and who tests it."""
+
+    operator: str = ""
+    name: str = ""
+    mass_kg: float | None = Field(default=None, gt=0, allow_inf_nan=False)
+    mass_std_kg: float | None = Field(default=None, ge=0, allow_inf_nan=False)
+
+
+class Capture(_Section):
+    """How a release is recorded: port, rate (Hz), duration after the release (s), patience (s)."""
+
+    port: str | None = None
+    rate: float = Field(default=256.0, ge=5, le=20_000, allow_inf_nan=False)
+    duration: float = Field(default=8.0, gt=0, le=3600, allow_inf_nan=False)
+    pretrigger: float = Field(default=0.75, ge=0, le=60, allow_inf_nan=False)
+    patience: float = Field(default=60.0, gt=0, le=3600, allow_inf_nan=False)
+
+
+class Identify(_Section):
+    """How many orders of damping are tried, and which orders of stiffness the surface has."""
+
+    max_order: int = Field(default=3, ge=0, le=5)
+    stiffness_orders: tuple[int, ...] = (1,)
+
+
+class Settings(_Section):
+    """All settings, each with a default that suits the paper's testbed."""
+
+    sessions: Path = Path("sessions")
+    specimen: Specimen = Specimen()
+    capture: Capture = Capture()
+    identify: Identify = Identify()
+
+
+def load_settings(file: str | Path | None) -> Settings:
+    """Read settings from a TOML file; without one, ./station.toml if it exists, else the defaults.
+
+    Raises UsageProblem that names the file and the entry that is wrong.
+    """
+    path = DEFAULT_FILE if file is None else Path(file)
+    if file is None and not path.is_file():
+        return Settings()
+    try:
+        with path.open("rb") as stream:
+            content = tomllib.load(stream)
+    except OSError as error:
+        raise UsageProblem(f"the settings {path} cannot be read: {error.strerror or error}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise UsageProblem(f"the settings {path} are not TOML: {error}") from error
+    return _checked(content, path)
+
+
+def _checked(content: dict[str, Any], path: Path) -> Settings:
+    try:
+        return Settings.model_validate(content)
+    except ValidationError as error:
+        first = error.errors()[0]
+        entry = ".".join(str(part) for part in first["loc"])
+        raise UsageProblem(f"the settings {path}: {entry}: {first['msg']}") from error

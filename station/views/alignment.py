@@ -1,0 +1,170 @@
+"""The Alignment tab: the channels over each other before and after, and what the lag would have spoiled."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from station.identification import Identification
+from station.quantities import written
+from station.views import log, palette
+from station.views.figure import figure
+from station.views.log import Array
+
+WINDOW_S = 0.12
+CURVES = "/alignment"
+
+
+@dataclass(frozen=True, eq=False)
+class Overlay:
+    """Acceleration and twice differentiated displacement under the same filter, m/s^2, on `time` (s)."""
+
+    time: Array
+    acceleration: Array
+    before: Array
+    after: Array
+
+
+def overlay(result: Identification) -> Overlay | None:
+    """Put both channels on one footing: the same local cubic smooths one and differentiates the other.
+
+    None without a displacement and an acceleration.
+    """
+    from scipy.signal import savgol_filter
+
+    recorded, aligned = result.decay, result.aligned
+    if recorded.acceleration is None or recorded.displacement is None or aligned.displacement is None:
+        return None
+    window = max(5, 2 * int(WINDOW_S * recorded.rate / 2) + 1)
+    if window >= len(recorded):
+        return None
+    step = 1 / recorded.rate
+    second = [savgol_filter(u, window, 3, deriv=2, delta=step) for u in (recorded.displacement, aligned.displacement)]
+    inside = slice(window, len(recorded) - window)
+    return Overlay(
+        recorded.time[inside],
+        savgol_filter(recorded.acceleration, window, 3)[inside],
+        second[0][inside],
+        second[1][inside],
+    )
+
+
+def write(stream: rr.RecordingStream, name: str, result: Identification) -> None:
+    """Log the overlaid channels, their difference before and after, and the lag in words."""
+    log.markdown(stream, f"{CURVES}/text", words(result))
+    shown = overlay(result)
+    if shown is None:
+        return
+    unit = f"{result.decay.unit}/s^2"
+    for when, second in (("before", shown.before), ("after", shown.after)):
+        log.series(
+            stream, f"{CURVES}/{when}/acceleration", shown.time, shown.acceleration,
+            f"acceleration [{unit}]", palette.ACCELERATION,
+        )  # fmt: skip
+        log.series(
+            stream, f"{CURVES}/{when}/displacement", shown.time, second,
+            f"displacement, differentiated twice [{unit}]", palette.DISPLACEMENT,
+        )  # fmt: skip
+    gain = 1.0 if result.alignment is None else result.alignment.gain.value
+    for when, second, colour in (("before", shown.before, palette.WRONG), ("after", shown.after, palette.FORCE)):
+        difference = shown.acceleration - gain * second
+        log.series(stream, f"{CURVES}/difference/{when}", shown.time, difference, f"{when} [{unit}]", colour)
+    _zoom(stream, result, shown, gain)
+    _story(stream, result)
+
+
+def _zoom(stream: rr.RecordingStream, result: Identification, shown: Overlay, gain: float) -> None:
+    start = result.release.settle / result.decay.rate
+    later = np.flatnonzero(shown.time > start + 2 * WINDOW_S)
+    if len(later) < 10:
+        return
+    a = shown.acceleration[later]
+    crossings = np.flatnonzero(np.diff(np.sign(a)) > 0)
+    middle = shown.time[later[crossings[0]]] if len(crossings) else shown.time[later[0]]
+    near = np.abs(shown.time - middle) < WINDOW_S / 4
+    unit = f"{result.decay.unit}/s²"
+    drawn, axes = figure(7.2, 3.3, 1, 2, sharey=True)
+    for axis, second, title in zip(axes, (shown.before, shown.after), ("as recorded", "lag corrected"), strict=True):
+        ms = (shown.time[near] - middle) * 1e3
+        axis.plot(ms, shown.acceleration[near], "o-", color=palette.css(palette.ACCELERATION), ms=4, lw=1)
+        axis.plot(ms, gain * second[near], "s--", color=palette.css(palette.DISPLACEMENT), ms=4, lw=1)
+        axis.set_title(title)
+        axis.set_xlabel("time about a zero of the acceleration [ms]")
+    axes[0].set_ylabel(f"acceleration [{unit}]")
+    axes[1].legend(["acceleration", "displacement, twice\ndifferentiated"], loc="upper left", labelcolor=palette.INK)
+    numbers = {"time": shown.time[near], "acceleration": shown.acceleration[near]}
+    log.picture(stream, f"{CURVES}/zoom", drawn, numbers | {"before": shown.before[near], "after": shown.after[near]})
+
+
+def _story(stream: rr.RecordingStream, result: Identification) -> None:
+    found = [
+        ("restoring force,\nas recorded", result.without_alignment, palette.WRONG),
+        ("restoring force,\nlag corrected", result.restoring_force, palette.FORCE),
+        ("wavelet (does not\nfeel the lag)", result.wavelet, palette.WAVELET),
+    ]
+    known = [(label, m.damping[1], colour) for label, m, colour in found if m is not None and len(m.damping) > 1]
+    if not known:
+        return
+    drawn, (axis,) = figure(5.4, 3.3)
+    for row, (_, value, colour) in enumerate(known):
+        axis.barh(row, value.value, color=palette.css(colour), height=0.55)
+        axis.errorbar(value.value, row, xerr=2 * value.std, color=palette.INK, capsize=4, lw=1.2)
+        axis.annotate(
+            f"  {written(value)}", (max(value.value, 0.0) + 2 * value.std, row), va="center", fontsize=9, color=palette.INK
+        )
+    axis.set_yticks(range(len(known)), [label for label, _, _ in known])
+    axis.invert_yaxis()
+    axis.grid(axis="y", visible=False)
+    left, right = axis.get_xlim()
+    axis.set_xlim(left, right + 0.45 * (right - left))
+    axis.set_xlabel(f"viscous damping mu_1 [{known[0][1].unit}], bars: 2 standard errors")
+    numbers = {"value": [value.value for _, value, _ in known], "std": [value.std for _, value, _ in known]}
+    log.picture(stream, f"{CURVES}/story", drawn, numbers)
+
+
+def words(result: Identification) -> str:
+    """Return the lag and what it would have done, as markdown."""
+    found = result.alignment
+    if found is None:
+        return f"## Not aligned\n\n{result.refusals.get('alignment', 'There is one channel only.')}"
+    lag = found.lag
+    late = "late" if lag.value >= 0 else "early"
+    text = (
+        f"## The displacement is {late} by {abs(lag.value) * 1e6:.1f} ± {lag.std * 1e6:.1f} us\n\n"
+        f"Gain of the acceleration against it: {written(found.gain)}. Found by {found.method}; "
+        "kinematics alone, no law of force.\n\n"
+    )
+    if found.caution:
+        text += f"**Caution**: {found.caution}\n\n"
+    without, with_ = result.without_alignment, result.restoring_force
+    if without is not None and with_ is not None and min(len(without.damping), len(with_.damping)) > 1:
+        omega_squared = with_.stiffness.value / (result.decay.mass or 1.0)
+        text += (
+            "## Without the correction\n\nthe restoring force surface would have said "
+            f"mu_1 = **{without.damping[1].value:.3f} {without.damping[1].unit}** instead of "
+            f"**{with_.damping[1].value:.3f}**. A displacement late by the lag adds omega_0^2 times it: "
+            f"{omega_squared * lag.value:+.3f} {with_.damping[1].unit}."
+        )
+    return text
+
+
+def tab(result: Identification) -> rrb.Container | None:
+    """Return the layout of the tab."""
+    if overlay(result) is None:
+        return rrb.Vertical(log.document("Lag", f"{CURVES}/text"), name="Alignment")
+    return rrb.Vertical(
+        rrb.Horizontal(
+            log.shown_picture("Close to a zero of the acceleration", f"{CURVES}/zoom"),
+            log.shown_picture("What each method says of the viscous damping", f"{CURVES}/story"),
+            log.document("Lag", f"{CURVES}/text"),
+            column_shares=[7.2, 5.4, 3.6],
+        ),
+        rrb.Horizontal(
+            log.curves("Channels as recorded", [f"{CURVES}/before/**"]),
+            log.curves("Channels, lag corrected", [f"{CURVES}/after/**"]),
+        ),
+        log.curves("Difference of the two, before and after", [f"{CURVES}/difference/**"]),
+        row_shares=[1.25, 1, 1],
+        name="Alignment",
+    )

@@ -1,0 +1,91 @@
+"""The Capture tab: what was recorded, where it was released, what was lost."""
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from identify.free_decay import FreeDecay
+from station.identification import Identification
+from station.terminal import KINDS
+from station.views import log, palette
+
+SCALE = {
+    ("displacement", "m"): (1e3, "mm"),
+    ("displacement", "rad"): (1.0, "rad"),
+    ("velocity", "m"): (1.0, "m/s"),
+    ("velocity", "rad"): (1.0, "rad/s"),
+    ("acceleration", "m"): (1.0, "m/s^2"),
+    ("acceleration", "rad"): (1.0, "rad/s^2"),
+}
+
+
+def channels(decay: FreeDecay) -> list[str]:
+    """Return the names of the channels that were recorded."""
+    return [name for name in palette.CHANNEL if getattr(decay, name) is not None]
+
+
+def write(stream: rr.RecordingStream, name: str, result: Identification) -> None:
+    """Log the channels as recorded (lost samples left out), the states of the mass, and the facts."""
+    decay = result.decay
+    kept = np.ones(len(decay), dtype=bool) if decay.valid is None else decay.valid
+    for channel in channels(decay):
+        factor, unit = SCALE[channel, decay.unit]
+        values = np.where(kept, getattr(decay, channel), np.nan) * factor
+        label = f"{channel} [{unit}]"
+        log.series(stream, f"/capture/{channel}", decay.time, values, label, palette.CHANNEL[channel])
+    _states(stream, result)
+    log.markdown(stream, "/capture/facts", facts(name, result))
+
+
+def _states(stream: rr.RecordingStream, result: Identification) -> None:
+    release, rate = result.release, result.decay.rate
+    changes = [(release.settle / rate, "free"), (release.end / rate, "come to rest, or record ends")]
+    if release.rest[1] > release.rest[0]:
+        changes.append((release.rest[0] / rate, "rest"))
+        changes.append((release.rest[1] / rate, "hand"))
+    if release.settle > release.index:
+        changes.append((release.time_s, "letting go"))
+    for time, state in sorted(changes):
+        stream.set_time(log.TIMELINE, duration=time)
+        stream.log("/capture/mass", rr.StateChange(state=state))
+    stream.reset_time()
+
+
+def facts(name: str, result: Identification) -> str:
+    """Return what is known of the capture, as markdown."""
+    decay, release = result.decay, result.release
+    lost = 0 if decay.valid is None else int((~decay.valid).sum())
+    rest = (release.rest[1] - release.rest[0]) / decay.rate
+    lines = [
+        f"# {name}",
+        "",
+        "| | |",
+        "|---|---|",
+        f"| rate | {decay.rate:g} Hz |",
+        f"| samples | {len(decay)} ({len(decay) / decay.rate:.2f} s), {lost} lost |",
+        f"| rest before | {rest:.2f} s |",
+        f"| release | {release.time_s:.4f} s: {KINDS[release.kind]} |",
+        f"| mass | {'not given' if decay.mass is None else f'{decay.mass:g} kg'} |",
+    ]
+    for channel in channels(decay):
+        noise = getattr(decay, f"noise_{channel}")
+        factor, unit = SCALE[channel, decay.unit]
+        text = "unknown" if noise is None else f"{noise * factor:.3g} {unit} rms"
+        lines.append(f"| noise, {channel} | {text} |")
+    lines += [f"\n**{step.replace('_', ' ')}**: {reason}" for step, reason in result.refusals.items()]
+    return "\n".join(lines)
+
+
+def tab(result: Identification) -> rrb.Container:
+    """Return the layout of the tab."""
+    views = [
+        log.curves(f"{name.capitalize()} as recorded", [f"/capture/{name}"])
+        for name in channels(result.decay)
+    ]
+    states = rrb.StateTimelineView(origin="/capture/mass", name="What the mass did")
+    return rrb.Horizontal(
+        rrb.Vertical(*views, states, row_shares=[4.0] * len(views) + [1.2]),
+        log.document("Record", "/capture/facts"),
+        column_shares=[3, 1],
+        name="Capture",
+    )

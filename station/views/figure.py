@@ -1,0 +1,52 @@
+"""Pictures with real axes and units, dark as the viewer is."""
+
+from typing import TYPE_CHECKING
+
+import matplotlib
+
+from station.views import palette
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DOTS_PER_INCH = 150
+
+STYLE = {
+    "figure.facecolor": palette.PANEL,
+    "axes.facecolor": palette.PANEL,
+    "axes.edgecolor": palette.FAINT,
+    "axes.labelcolor": palette.INK,
+    "axes.titlecolor": palette.INK,
+    "axes.titlesize": 11,
+    "axes.labelsize": 10,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": palette.FAINT,
+    "grid.alpha": 0.35,
+    "grid.linewidth": 0.6,
+    "text.color": palette.INK,
+    "xtick.color": palette.INK,
+    "ytick.color": palette.INK,
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "legend.frameon": False,
+    "legend.fontsize": 9,
+    "font.size": 10,
+}
+
+
+def figure(
+    width: float, height: float, rows: int = 1, columns: int = 1, **layout: object
+) -> tuple["Figure", list["Axes"]]:
+    """Return a figure of that size in inches and its axes in reading order."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context(STYLE):
+        made = Figure(figsize=(width, height), dpi=DOTS_PER_INCH, layout="constrained")
+        FigureCanvasAgg(made)
+        axes = made.subplots(rows, columns, squeeze=False, **layout)  # type: ignore[arg-type]
+    return made, list(axes.ravel())

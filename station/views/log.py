@@ -1,0 +1,100 @@
+"""The few ways in which numbers are put into a Rerun recording."""
+
+from collections.abc import Mapping
+from io import BytesIO
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+from numpy.typing import NDArray
+from rerun.blueprint.archetypes import PlotBackground
+
+from station.views import palette
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+Colour = tuple[int, int, int]
+
+TIMELINE = "time"
+
+
+def series(
+    stream: rr.RecordingStream,
+    path: str,
+    time: Array,
+    values: Array,
+    name: str,
+    colour: Colour,
+    width: float = 1.5,
+) -> None:
+    """Log a curve over the record's time in s; the name carries the unit."""
+    style = rr.SeriesLines(colors=colour, names=name, widths=width, aggregation_policy="MinMax")
+    _scalars(stream, path, time, values, style)
+
+
+def points(
+    stream: rr.RecordingStream,
+    path: str,
+    time: Array,
+    values: Array,
+    name: str,
+    colour: Colour,
+    size: float = 2.5,
+) -> None:
+    """Log points over the record's time in s; the name carries the unit."""
+    style = rr.SeriesPoints(colors=colour, names=name, marker_sizes=size, markers="circle")
+    _scalars(stream, path, time, values, style)
+
+
+def _scalars(
+    stream: rr.RecordingStream, path: str, time: Array, values: Array, style: rr.AsComponents
+) -> None:
+    stream.log(path, style, static=True)
+    stream.send_columns(
+        path,
+        indexes=[rr.TimeColumn(TIMELINE, duration=np.asarray(time, dtype=np.float64))],
+        columns=rr.Scalars.columns(scalars=np.asarray(values, dtype=np.float64)),
+    )
+
+
+def picture(
+    stream: rr.RecordingStream, path: str, figure: "Figure", numbers: Mapping[str, Array | list[float]]
+) -> None:
+    """Log a picture with real axes, and beside it the numbers that it shows."""
+    buffer = BytesIO()
+    figure.savefig(buffer, format="png", facecolor=palette.PANEL)
+    stream.log(path, rr.EncodedImage(contents=buffer.getvalue(), media_type="image/png"), static=True)
+    columns = {name: np.asarray(values, dtype=np.float64).ravel() for name, values in numbers.items()}
+    stream.log(f"{path}/numbers", rr.AnyValues(drop_untyped_nones=True, **columns), static=True)
+
+
+def markdown(stream: rr.RecordingStream, path: str, text: str) -> None:
+    """Log a text."""
+    stream.log(path, rr.TextDocument(text, media_type="text/markdown"), static=True)
+
+
+def curves(name: str, contents: list[str], low: float | None = None, high: float | None = None) -> rrb.View:
+    """Return a view of curves over time, linked in time with the others, its legend at the top right."""
+    axis = None if low is None or high is None else rrb.ScalarAxis(range=(low, high))
+    return rrb.TimeSeriesView(
+        origin="/",
+        contents=contents,
+        name=name,
+        axis_x=rrb.TimeAxis(link="LinkToGlobal"),
+        axis_y=axis,
+        plot_legend=rrb.PlotLegend("RightTop"),
+        background=PlotBackground(color=palette.BACKGROUND, show_grid=True),
+    )
+
+
+def shown_picture(name: str, path: str) -> rrb.View:
+    """Return a view of one picture."""
+    return rrb.Spatial2DView(origin=path, contents=[path], name=name, background=palette.BACKGROUND)
+
+
+def document(name: str, path: str) -> rrb.View:
+    """Return a view of one text."""
+    return rrb.TextDocumentView(origin=path, contents=[path], name=name)

@@ -1,0 +1,86 @@
+"""Pictures of the tabs where there is no screen: for tests, for documentation, for a machine in the cellar."""
+
+import contextlib
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from rerun.experimental import ViewerClient
+
+from station.exits import StationError
+from station.views.viewer import HOST, start
+
+START_S = 30.0
+PAINT_S = 12.0
+ADVICE = "without a screen it needs a software Vulkan driver (Debian: mesa-vulkan-drivers)"
+
+
+def photograph(file: Path, folder: Path, size: str = "1600x900") -> list[Path]:
+    """Write one PNG for each tab of a recording into `folder`; return their paths in the order of the tabs."""
+    folder.mkdir(parents=True, exist_ok=True)
+    pictures = []
+    with _viewer(size) as client:
+        client.open(str(file.resolve()))
+        layout = client.get_blueprint().blueprint
+        tabs = _tabs(layout)
+        for path, name in tabs.items():
+            for part in layout.values():
+                if "active_tab" in part.get("ContainerBlueprint", {}):
+                    part["ContainerBlueprint"]["active_tab"] = path
+            client.set_blueprint(layout, of="recording")
+            picture = folder / f"{name.lower().replace(' ', '_')}.png"
+            picture.write_bytes(_settled(client))
+            pictures.append(picture)
+    return pictures
+
+
+def _tabs(layout: dict[str, Any]) -> dict[str, str]:
+    for part in layout.values():
+        container = part.get("ContainerBlueprint", {})
+        if container.get("container_kind") == "Tabs":
+            return {
+                path: layout[f"/{path}"]["ContainerBlueprint"].get("display_name", f"tab {number}")
+                for number, path in enumerate(container["contents"])
+            }
+    raise StationError("the recording has no tabs to take pictures of")
+
+
+@contextlib.contextmanager
+def _viewer(size: str) -> Iterator[ViewerClient]:
+    with socket.socket() as free:
+        free.bind((HOST, 0))
+        port = free.getsockname()[1]
+    process = start("--headless", "--port", str(port), "--window-size", size, "--hide-welcome-screen")
+    try:
+        yield _connected(f"rerun+http://{HOST}:{port}/proxy")
+    finally:
+        process.terminate()
+        process.wait(timeout=10)
+
+
+def _connected(url: str) -> ViewerClient:
+    last: Exception | None = None
+    end = time.monotonic() + START_S
+    while time.monotonic() < end:
+        try:
+            client = ViewerClient.connect(url)
+            client.get_state()
+            return client
+        except (RuntimeError, ConnectionError, OSError, ValueError) as error:
+            last = error
+            time.sleep(0.2)
+    raise StationError(f"the viewer did not start ({last}); {ADVICE}")
+
+
+def _settled(client: ViewerClient) -> bytes:
+    """Return the picture once three in a row are the same: what is loaded late has then been painted."""
+    end = time.monotonic() + PAINT_S
+    seen: list[bytes] = []
+    while time.monotonic() < end:
+        time.sleep(0.25)
+        seen = [*seen[-2:], bytes(client.take_screenshot())]
+        if len(seen) == 3 and seen[0] == seen[1] == seen[2]:
+            break
+    return seen[-1]

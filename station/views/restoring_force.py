@@ -1,0 +1,204 @@
+"""The Restoring force tab: the surface with the measured points, its sections, the orders, the significance."""
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from identify.restoring_force import RestoringForceResult, Section
+from station.identification import Identification
+from station.views import log, palette
+from station.views.figure import figure
+from station.views.log import Array
+from station.views.wavelet import orders
+
+ROOT = "/restoring_force"
+MOST_POINTS = 4000
+
+
+def write(stream: rr.RecordingStream, name: str, result: Identification) -> None:
+    """Log what the restoring force surface found; only the refusal when there is none."""
+    found = result.restoring_force
+    if found is None:
+        reason = result.refusals.get("restoring_force", "")
+        log.markdown(stream, f"{ROOT}/refusal", f"## Not identified\n\n{reason}")
+        return
+    cube = Cube(found, result.decay.unit)
+    _surface(stream, found, cube)
+    _points(stream, found, cube)
+    cube.draw(stream)
+    _sections(stream, found, result.decay.unit)
+    orders(stream, f"{ROOT}/orders", found.mse_percent_by_order, found.order, palette.css(palette.FORCE))
+    _significance(stream, found)
+
+
+class Cube:
+    """The normalised cube: displacement, velocity and force each from -1 to 1, with axes in real units."""
+
+    def __init__(self, found: RestoringForceResult, length: str) -> None:
+        self.scale = np.array(
+            [_round_up(np.max(np.abs(v))) for v in (found.displacement, found.velocity, found.force)]
+        )
+        factor, unit = (1e3, "mm") if length == "m" else (1.0, "rad")
+        self.labels = (
+            f"displacement ± {self.scale[0] * factor:g} {unit}",
+            f"velocity ± {self.scale[1]:g} {length}/s",
+            f"force per unit mass ± {self.scale[2]:g} {length}/s^2",
+        )
+
+    def place(self, u: Array, v: Array, force: Array) -> Array:
+        """Return points (n, 3) in the cube."""
+        placed: Array = np.column_stack([np.ravel(u), np.ravel(v), np.ravel(force)]) / self.scale
+        return placed
+
+    def draw(self, stream: rr.RecordingStream) -> None:
+        """Log the frame: a floor with grid lines, and one labelled axis for each quantity."""
+        steps = np.linspace(-1, 1, 5)
+        floor = [[[x, -1, -1], [x, 1, -1]] for x in steps] + [[[-1, y, -1], [1, y, -1]] for y in steps]
+        faint = (70, 76, 84)
+        stream.log(f"{ROOT}/surface/floor", rr.LineStrips3D(floor, colors=faint, radii=0.002), static=True)
+        axes = [[[-1, -1, -1], [1, -1, -1]], [[1, -1, -1], [1, 1, -1]], [[-1, -1, -1], [-1, -1, 1]]]
+        colours = [palette.DISPLACEMENT, palette.VELOCITY, palette.ACCELERATION]
+        stream.log(f"{ROOT}/surface/axes", rr.LineStrips3D(axes, colors=colours, radii=0.006), static=True)
+        ends = [[0, -1.18, -1.02], [1.18, 0.1, -1.02], [-1, -1, 1.12]]
+        stream.log(
+            f"{ROOT}/surface/names",
+            rr.Points3D(ends, labels=list(self.labels), colors=colours, radii=0.008, show_labels=True),
+            static=True,
+        )
+
+
+def _round_up(value: float) -> float:
+    if not value > 0:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(step * power for step in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if step * power >= value * 0.999))
+
+
+def _surface(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube) -> None:
+    rows, columns = found.surface.shape
+    u, v = np.meshgrid(found.grid_displacement, found.grid_velocity)
+    vertices = np.clip(cube.place(u, v, found.surface), -1.2, 1.2)
+    corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
+    first = np.column_stack([corner, corner + 1, corner + columns])
+    second = np.column_stack([corner + 1, corner + columns + 1, corner + columns])
+    triangles = np.vstack([first, second])
+    reached = _near(found.visited > 0).ravel()
+    triangles = triangles[reached[triangles].all(axis=1)]
+    stream.log(
+        f"{ROOT}/surface/fit",
+        rr.Mesh3D(
+            vertex_positions=vertices,
+            triangle_indices=triangles if len(triangles) else first,
+            vertex_colors=_colours(vertices[:, 2]),
+            face_rendering="DoubleSided",
+        ),
+        static=True,
+    )
+    stream.log(
+        f"{ROOT}/surface/fit/numbers",
+        rr.AnyValues(
+            displacement=found.grid_displacement,
+            velocity=found.grid_velocity,
+            surface=found.surface.ravel(),
+            visited=found.visited.ravel(),
+        ),
+        static=True,
+    )
+
+
+def _near(visited: Array) -> Array:
+    """Widen the visited region by two cells, so that the surface joins between the turns of the spiral."""
+    from scipy.ndimage import binary_closing, binary_dilation
+
+    wide = np.pad(np.asarray(visited, dtype=bool), 4)
+    closed = binary_closing(wide, np.ones((3, 3)), iterations=3)
+    grown: Array = binary_dilation(closed, np.ones((3, 3)))[4:-4, 4:-4]
+    return grown
+
+
+def _colours(height: Array) -> Array:
+    import matplotlib
+
+    table = matplotlib.colormaps["viridis"]((np.clip(height, -1, 1) + 1) / 2)
+    colours: Array = (table * 255).astype(np.uint8)
+    return colours
+
+
+def _points(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube) -> None:
+    every = max(1, len(found.force) // MOST_POINTS)
+    placed = cube.place(found.displacement[::every], found.velocity[::every], found.force[::every])
+    stream.log(
+        f"{ROOT}/surface/measured", rr.Points3D(placed, colors=palette.MEASURED, radii=0.007), static=True
+    )
+
+
+def _sections(stream: rr.RecordingStream, found: RestoringForceResult, length: str) -> None:
+    factor, unit = (1e3, "mm") if length == "m" else (1.0, "rad")
+    drawn, axes = figure(8.4, 3.6, 1, 2)
+    _cut(axes[0], found.section_zero_velocity, factor, f"displacement [{unit}]", "at velocity 0: the springs", length)
+    _cut(axes[1], found.section_zero_displacement, 1.0, f"velocity [{length}/s]", "at displacement 0: the damping", length)
+    axes[0].legend(loc="upper left", labelcolor=palette.INK)
+    numbers = {}
+    for name, cut in (("u", found.section_zero_velocity), ("v", found.section_zero_displacement)):
+        numbers |= {f"{name}_position": cut.position, f"{name}_force": cut.force, f"{name}_fit": cut.fit}
+    log.picture(stream, f"{ROOT}/sections", drawn, numbers)
+
+
+def _cut(axis: object, section: Section, factor: float, label: str, title: str, length: str) -> None:
+    from matplotlib.axes import Axes
+
+    assert isinstance(axis, Axes)
+    x = section.position * factor
+    axis.errorbar(
+        x, section.force, yerr=2 * section.std, fmt="o", ms=3.5, lw=1, capsize=2,
+        color=palette.css(palette.MEASURED), label="measured, 2 std",
+    )  # fmt: skip
+    axis.plot(x, section.fit, color=palette.css(palette.FORCE), lw=1.8, label="fit")
+    axis.axhline(0, color=palette.FAINT, lw=0.8)
+    axis.axvline(0, color=palette.FAINT, lw=0.8)
+    axis.set(xlabel=label, ylabel=f"force per unit mass [{length}/s²]", title=title)
+
+
+def _significance(stream: rr.RecordingStream, found: RestoringForceResult) -> None:
+    terms = sorted(found.significance_percent.items(), key=lambda item: -item[1])
+    drawn, (axis,) = figure(4.6, 3.6)
+    floor = 1e-6
+    values = [max(value, floor) for _, value in terms]
+    axis.barh(range(len(terms)), values, color=palette.css(palette.FORCE), height=0.6, log=True)
+    for row, (_, value) in enumerate(terms):
+        axis.annotate(
+            f" {value:.3g} %", (max(value, floor), row), va="center", fontsize=9, color=palette.INK
+        )
+    axis.set_yticks(range(len(terms)), [name for name, _ in terms])
+    axis.invert_yaxis()
+    axis.grid(axis="y", visible=False)
+    axis.set_xlim(min(values) / 3, 3e3)
+    axis.set_xlabel("significance, share of the variance [%]")
+    log.picture(stream, f"{ROOT}/significance", drawn, {"percent": [value for _, value in terms]})
+
+
+def tab(result: Identification) -> rrb.Container:
+    """Return the layout of the tab."""
+    if result.restoring_force is None:
+        return rrb.Vertical(log.document("Restoring force", f"{ROOT}/refusal"), name="Restoring force")
+    surface = rrb.Spatial3DView(
+        origin=f"{ROOT}/surface",
+        name="Restoring force surface (points: measured)",
+        background=palette.BACKGROUND,
+        line_grid=False,
+        eye_controls=rrb.EyeControls3D(
+            position=(-2.0, -3.4, 1.9), look_target=(0.05, 0.0, -0.12), eye_up=(0.0, 0.0, 1.0)
+        ),
+    )
+    return rrb.Horizontal(
+        surface,
+        rrb.Vertical(
+            log.shown_picture("Sections", f"{ROOT}/sections"),
+            rrb.Horizontal(
+                log.shown_picture("Error against order", f"{ROOT}/orders"),
+                log.shown_picture("Significance of the terms", f"{ROOT}/significance"),
+            ),
+        ),
+        column_shares=[1, 1.05],
+        name="Restoring force",
+    )

@@ -1,0 +1,87 @@
+"""The Results tab: both methods side by side, and the reconstruction over the measurement."""
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from station.identification import Identification
+from station.terminal import rows, uncorrected
+from station.views import log, palette
+from station.views.capture import SCALE
+
+ROOT = "/results"
+
+
+def write(stream: rr.RecordingStream, name: str, result: Identification) -> None:
+    """Log the table, the decay rebuilt from the parameters, and the force rebuilt from its fit."""
+    log.markdown(stream, f"{ROOT}/table", table(name, result))
+    _decay(stream, result)
+    _force(stream, result)
+
+
+def _decay(stream: rr.RecordingStream, result: Identification) -> None:
+    found = result.wavelet
+    if found is None:
+        return
+    measured = getattr(result.aligned, found.channel)
+    factor, unit = SCALE[found.channel, result.decay.unit]
+    index = np.clip(np.round(found.time * result.decay.rate).astype(int), 0, len(measured) - 1)
+    offset = float(np.median(measured[index] - found.reconstruction))
+    rebuilt = (found.reconstruction + offset) * factor
+    log.points(
+        stream, f"{ROOT}/decay/measured", found.time, measured[index] * factor, f"measured [{unit}]", palette.MEASURED
+    )
+    log.series(stream, f"{ROOT}/decay/rebuilt", found.time, rebuilt, f"rebuilt by the wavelet [{unit}]", palette.WAVELET)
+    log.series(
+        stream, f"{ROOT}/decay_error/difference", found.time, measured[index] * factor - rebuilt,
+        f"measured minus rebuilt [{unit}]", palette.WAVELET,
+    )  # fmt: skip
+
+
+def _force(stream: rr.RecordingStream, result: Identification) -> None:
+    found = result.restoring_force
+    if found is None:
+        return
+    unit = f"{result.decay.unit}/s^2"
+    log.points(
+        stream, f"{ROOT}/force/measured", found.time, found.force, f"measured [{unit}]", palette.MEASURED
+    )
+    log.series(stream, f"{ROOT}/force/fit", found.time, found.force_fit, f"fit [{unit}]", palette.FORCE)
+    log.series(
+        stream, f"{ROOT}/force_error/difference", found.time, found.force - found.force_fit,
+        f"measured minus fit [{unit}]", palette.FORCE,
+    )  # fmt: skip
+
+
+def table(name: str, result: Identification) -> str:
+    """Return both methods side by side, as markdown."""
+    lines = [f"# {name}", "", "| | unit | wavelet | restoring force |", "|---|---|---:|---:|"]
+    lines += [f"| {label} | {unit} | {wavelet} | {force} |" for label, unit, wavelet, force in rows(result)]
+    if result.decay.mass is None:
+        lines.append("\nNo mass was given: the stiffness is per unit mass.")
+    if result.wavelet is not None:
+        lines.append(f"\n**Wavelet**: {result.wavelet.reason}")
+    if result.restoring_force is not None:
+        lines.append(f"\n**Restoring force**: {result.restoring_force.reason}")
+    for step, reason in result.refusals.items():
+        lines.append(f"\n**{step.replace('_', ' ').capitalize()}**: {reason}")
+    warning = uncorrected(result)
+    if warning:
+        lines.append(f"\nWithout {warning}.")
+    return "\n".join(lines)
+
+
+def tab(result: Identification) -> rrb.Container:
+    """Return the layout of the tab."""
+    views = []
+    if result.wavelet is not None:
+        views.append(log.curves("Decay: measured, and rebuilt from the parameters", [f"{ROOT}/decay/**"]))
+        views.append(log.curves("What the rebuilt decay leaves", [f"{ROOT}/decay_error/**"]))
+    if result.restoring_force is not None:
+        views.append(log.curves("Restoring force per unit mass: measured, and its fit", [f"{ROOT}/force/**"]))
+        views.append(log.curves("What the fit leaves", [f"{ROOT}/force_error/**"]))
+    text = log.document("Both methods", f"{ROOT}/table")
+    if not views:
+        return rrb.Vertical(text, name="Results")
+    shares = [1.6, 1.0] * (len(views) // 2)
+    return rrb.Horizontal(text, rrb.Vertical(*views, row_shares=shares), column_shares=[1, 1.6], name="Results")

@@ -1,0 +1,40 @@
+"""One recording with all tabs: written into the session, opened from there."""
+
+import os
+from pathlib import Path
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from station.identification import Identification
+from station.views import alignment, capture, log, restoring_force, results, wavelet
+
+APPLICATION = "free-decay-station"
+
+TABS = (capture, alignment, wavelet, restoring_force, results)
+NAMES = ("Capture", "Alignment", "Wavelet", "Restoring force", "Results")
+
+
+def write(file: Path, name: str, result: Identification) -> None:
+    """Write the recording with its blueprint to `file`, whole or not at all."""
+    stream = rr.RecordingStream(APPLICATION, send_properties=False)
+    part = file.with_name(f".{file.name}.part")
+    stream.save(part, default_blueprint=blueprint(result))
+    for tab in TABS:
+        tab.write(stream, name, result)
+    stream.flush()
+    stream.disconnect()
+    os.replace(part, file)
+
+
+def blueprint(result: Identification, active: str = "Results") -> rrb.Blueprint:
+    """Return the layout: one named tab for each step of the story."""
+    tabs = [tab.tab(result) for tab in TABS]
+    return rrb.Blueprint(
+        rrb.Tabs(*tabs, active_tab=NAMES.index(active)),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=log.TIMELINE),
+        auto_views=False,
+        auto_layout=False,
+    )

@@ -1,0 +1,44 @@
+"""The viewer itself: opened on a file where there is a screen."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from station.exits import StationError
+
+HOST = "127.0.0.1"
+
+
+def has_screen() -> bool:
+    """Return whether a window can be opened here."""
+    if sys.platform in ("win32", "darwin"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def executable() -> str:
+    """Return the path of the viewer that came with the SDK."""
+    beside = Path(sys.executable).with_name("rerun.exe" if sys.platform == "win32" else "rerun")
+    found = str(beside) if beside.exists() else shutil.which("rerun")
+    if found is None:
+        raise StationError("the Rerun viewer is not installed; `pip install rerun-sdk` brings it")
+    return found
+
+
+def start(*arguments: str) -> "subprocess.Popen[bytes]":
+    """Start a viewer as a process of its own, listening on 127.0.0.1 only."""
+    return subprocess.Popen(
+        [executable(), *arguments, "--bind", HOST],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+        env=os.environ | {"RUST_LOG": "error"},
+    )
+
+
+def open_viewer(file: Path) -> None:
+    """Open a recording in a viewer that outlives this command."""
+    start(str(file), "--port", "auto")
