@@ -1,0 +1,63 @@
+"""Calling a compiled effect by its address, so that a model is an array of addresses and never recompiles."""
+
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir
+from numba import njit, types
+from numba.core.typing import signature
+from numba.experimental.function_type import _get_wrapper_address
+from numba.extending import intrinsic
+
+STATES = 2
+PARAMETERS = 6
+_SCALAR = types.float64
+STATE_TUPLE = types.UniTuple(_SCALAR, STATES)
+PARAMETER_TUPLE = types.UniTuple(_SCALAR, PARAMETERS)
+_ARGUMENTS = (_SCALAR, _SCALAR, _SCALAR, STATE_TUPLE, PARAMETER_TUPLE)
+_FORCE = signature(_SCALAR, *_ARGUMENTS)
+_RATES = signature(STATE_TUPLE, *_ARGUMENTS)
+
+
+def force_function(function: Callable[..., float]) -> Any:
+    """Compile `function(t, u, v, z, p)` to a force, or a friction level, per unit mass (m/s^2).
+
+    `z` is a tuple of two internal states, `p` of six parameters.
+    """
+    return njit(_FORCE, cache=True, error_model="numpy")(function)
+
+
+def rate_function(function: Callable[..., tuple[float, float]]) -> Any:
+    """Compile `function(t, u, v, z, p)` to the rates of the two internal states."""
+    return njit(_RATES, cache=True, error_model="numpy")(function)
+
+
+def address_of_force(function: Any) -> int:
+    """Return where a compiled force lies in memory; 0 for None."""
+    return 0 if function is None else int(_get_wrapper_address(function, _FORCE))
+
+
+def address_of_rates(function: Any) -> int:
+    """Return where a compiled rate lies in memory; 0 for None."""
+    return 0 if function is None else int(_get_wrapper_address(function, _RATES))
+
+
+def _call(result: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        kinds = [context.get_value_type(kind) for kind in signature.args[1:]]
+        kind = ir.FunctionType(context.get_value_type(result), kinds)
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+
+    return generate
+
+
+@intrinsic
+def call_force(typing, address, t, u, v, z, p):  # type: ignore[no-untyped-def]
+    """Call the force at `address`."""
+    return signature(_SCALAR, types.int64, *_ARGUMENTS), _call(_SCALAR)
+
+
+@intrinsic
+def call_rates(typing, address, t, u, v, z, p):  # type: ignore[no-untyped-def]
+    """Call the rates at `address`."""
+    return signature(STATE_TUPLE, types.int64, *_ARGUMENTS), _call(STATE_TUPLE)

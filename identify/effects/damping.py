@@ -1,0 +1,70 @@
+"""Effects of damping: smooth forces that depend on the velocity."""
+
+from math import inf
+
+from identify.effects.compiled import force_function
+from identify.effects.effect import Effect, Parameter
+
+VISCOUS_DAMPING = Effect(
+    name="viscous_damping",
+    title="viscous damping",
+    kind="physics",
+    equation="mu_1 v",
+    parameters=(Parameter("mu_1", "1/s", "viscous damping per unit mass", 0.0, inf),),
+    tell="exponential decay",
+    proof="the decrement is the same at every amplitude",
+)
+
+
+@force_function
+def _quadratic(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * v * abs(v)
+
+
+QUADRATIC_DAMPING = Effect(
+    name="quadratic_damping",
+    title="drag (quadratic damping)",
+    kind="physics",
+    equation="c2 v |v|",
+    parameters=(Parameter("c2", "1/m", "drag per unit mass", 0.0, inf),),
+    force=_quadratic,
+    tell="the decrement grows in proportion to the amplitude",
+    proof="release from twice the amplitude: the extra decrement doubles",
+    confusable_with=("cubic_damping", "position_dependent_damping"),
+)
+
+
+@force_function
+def _cubic(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * v * v * v
+
+
+CUBIC_DAMPING = Effect(
+    name="cubic_damping",
+    title="cubic damping",
+    kind="physics",
+    equation="c3 v^3",
+    parameters=(Parameter("c3", "s/m^2", "cubic damping per unit mass", 0.0, inf),),
+    force=_cubic,
+    tell="the decrement grows with the square of the amplitude, third harmonic in phase with v",
+    proof="release from twice the amplitude: the extra decrement grows fourfold",
+    confusable_with=("quadratic_damping", "position_dependent_damping"),
+)
+
+
+@force_function
+def _position_dependent(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * u * u * v
+
+
+POSITION_DEPENDENT_DAMPING = Effect(
+    name="position_dependent_damping",
+    title="damping that grows away from the middle",
+    kind="physics",
+    equation="c12 u^2 v",
+    parameters=(Parameter("c12", "1/(m^2 s)", "damping per unit mass and squared displacement", 0.0, inf),),
+    force=_position_dependent,
+    tell="the decrement grows with the square of the amplitude, opposite third harmonic",
+    proof="the section of the restoring force at u = 0 stays straight",
+    confusable_with=("cubic_damping", "quadratic_damping"),
+)

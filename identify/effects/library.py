@@ -1,0 +1,67 @@
+"""The library: every effect and every sensor's fault, in one tuple."""
+
+from identify.effects.damping import (
+    CUBIC_DAMPING,
+    POSITION_DEPENDENT_DAMPING,
+    QUADRATIC_DAMPING,
+    VISCOUS_DAMPING,
+)
+from identify.effects.effect import Effect
+from identify.effects.friction import COULOMB_FRICTION, POSITION_DEPENDENT_FRICTION, STRIBECK_FRICTION
+from identify.effects.memory import HYSTERESIS, MAXWELL_ELEMENT, SECOND_MASS
+from identify.effects.sensors import (
+    AC_COUPLING,
+    CHANNEL_GAIN,
+    CHANNEL_LAG,
+    CLIPPING,
+    DROPOUTS,
+    MAINS_HUM,
+    OFFSET_DRIFT,
+)
+from identify.effects.stiffness import (
+    BILINEAR_STIFFNESS,
+    CUBIC_STIFFNESS,
+    END_STOP,
+    FREEPLAY,
+    LINEAR_STIFFNESS,
+    QUADRATIC_STIFFNESS,
+    QUINTIC_STIFFNESS,
+)
+from identify.effects.time import HARMONIC_FORCING, TIME_VARYING_STIFFNESS
+
+BASE = (LINEAR_STIFFNESS, COULOMB_FRICTION, VISCOUS_DAMPING)
+
+LIBRARY: tuple[Effect, ...] = (
+    *BASE,
+    QUADRATIC_DAMPING,
+    CUBIC_DAMPING,
+    POSITION_DEPENDENT_DAMPING,
+    STRIBECK_FRICTION,
+    POSITION_DEPENDENT_FRICTION,
+    CUBIC_STIFFNESS,
+    QUADRATIC_STIFFNESS,
+    QUINTIC_STIFFNESS,
+    END_STOP,
+    FREEPLAY,
+    BILINEAR_STIFFNESS,
+    HYSTERESIS,
+    MAXWELL_ELEMENT,
+    SECOND_MASS,
+    TIME_VARYING_STIFFNESS,
+    HARMONIC_FORCING,
+    CHANNEL_LAG,
+    CHANNEL_GAIN,
+    OFFSET_DRIFT,
+    CLIPPING,
+    AC_COUPLING,
+    MAINS_HUM,
+    DROPOUTS,
+)
+
+
+def find_effect(name: str, library: tuple[Effect, ...] = LIBRARY) -> Effect:
+    """Return the effect of that name; KeyError, naming those there are, when there is none."""
+    for effect in library:
+        if effect.name == name:
+            return effect
+    raise KeyError(f"no effect is called '{name}'; there are: {', '.join(effect.name for effect in library)}")

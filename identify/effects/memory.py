@@ -1,0 +1,113 @@
+"""Effects with memory: forces that depend on where the mass has been."""
+
+from math import copysign, inf, pi
+
+from identify.effects.compiled import force_function, rate_function
+from identify.effects.effect import Effect, Parameter, Scales
+
+
+@force_function
+def _hysteresis(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * z[0]
+
+
+@rate_function
+def _hysteresis_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    if v * z[0] > 0.0:
+        ratio = z[0] / p[1]
+        return v * (1.0 - ratio * ratio), 0.0
+    return v, 0.0
+
+
+def _yield_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    return tuple((share * scales.amplitude,) for share in (0.1, 0.25, 0.6))
+
+
+HYSTERESIS = Effect(
+    name="hysteresis",
+    title="hysteresis (micro-slip in a joint)",
+    kind="physics",
+    equation="kh z,  z' = v (1 - (z/uy)^2 [v z > 0])",
+    parameters=(
+        Parameter("kh", "1/s^2", "stiffness of the joint before it slips, per unit mass", 0.0, inf),
+        Parameter("uy", "m", "displacement at which it yields", 0.0, inf),
+    ),
+    force=_hysteresis,
+    rates=_hysteresis_rates,
+    rest=lambda u, p: (copysign(min(abs(u), float(p[1])), u), 0.0),
+    starts=_yield_starts,
+    tell="a loop in the plane of displacement and force; softer at large amplitude",
+    proof="the loss per cycle stops growing once the amplitude is well above the yield displacement",
+    confusable_with=("coulomb_friction", "freeplay", "position_dependent_friction"),
+    kinked=True,
+)
+
+
+@force_function
+def _maxwell(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * (u - z[0])
+
+
+@rate_function
+def _maxwell_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return (u - z[0]) / p[1], 0.0
+
+
+def _time_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    return tuple((share / scales.frequency,) for share in (0.3, 1.0, 8.0))
+
+
+MAXWELL_ELEMENT = Effect(
+    name="maxwell_element",
+    title="spring and dashpot in series (Maxwell)",
+    kind="physics",
+    equation="k1 (u - q),  q' = (u - q)/tau",
+    parameters=(
+        Parameter("k1", "1/s^2", "stiffness per unit mass", 0.0, inf),
+        Parameter("tau", "s", "relaxation time", 0.0, inf),
+    ),
+    force=_maxwell,
+    rates=_maxwell_rates,
+    rest=lambda u, p: (u, 0.0),
+    starts=_time_starts,
+    tell="at one frequency it looks like stiffness and viscous damping; it shows only in the transient",
+    proof="add a known mass: the damping changes with frequency as k1 tau/(1 + w^2 tau^2)",
+    confusable_with=("viscous_damping", "linear_stiffness", "ac_coupling"),
+)
+
+
+@force_function
+def _second_mass(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * (p[1] * p[1] * (u - z[0]) + 2.0 * p[2] * p[1] * (v - z[1]))
+
+
+@rate_function
+def _second_mass_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return z[1], p[1] * p[1] * (u - z[0]) + 2.0 * p[2] * p[1] * (v - z[1])
+
+
+def _line_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    nyquist = 3.0 * scales.rate
+    frequencies = [2.0 * pi * line for line in scales.line_frequencies]
+    frequencies += [ratio * scales.frequency for ratio in (0.55, 1.6, 3.0)]
+    return tuple((frequency, 0.02) for frequency in frequencies if frequency < nyquist)
+
+
+SECOND_MASS = Effect(
+    name="second_mass",
+    title="a second mass on a spring of its own",
+    kind="physics",
+    equation="ratio (w2^2 (u - y) + 2 zeta w2 (v - y')),  y'' = w2^2 (u - y) + 2 zeta w2 (v - y')",
+    parameters=(
+        Parameter("ratio", "1", "second mass over the first", 0.0, 1.0),
+        Parameter("w2", "rad/s", "angular frequency of the second mass on its spring", 0.0, inf),
+        Parameter("zeta", "1", "damping ratio of the second mass", 0.0, 1.0),
+    ),
+    force=_second_mass,
+    rates=_second_mass_rates,
+    rest=lambda u, p: (u, 0.0),
+    starts=_line_starts,
+    tell="a second line that starts at the release and dies by itself; beats",
+    proof="clamp or remove the suspected part: the second line is gone",
+    confusable_with=("harmonic_forcing", "linear_stiffness"),
+)

@@ -1,0 +1,151 @@
+"""Faults of a sensor: they change a reading, not the motion, and so break a = D^2 u.
+
+An observer takes the predicted readings of one channel, shape (n,), at `time` (s since the release) and returns what
+the faulty sensor would show.
+"""
+
+from math import inf, pi
+
+import numpy as np
+from scipy.signal import lfilter
+
+from identify.arrays import Array
+from identify.effects.effect import Effect, Parameter, Scales
+
+_BOTH = ({"channel": "displacement"}, {"channel": "acceleration"}, {"channel": "velocity"})
+
+
+CHANNEL_LAG = Effect(
+    name="channel_lag",
+    title="one channel is late",
+    kind="sensor",
+    equation="u(t - lag)",
+    parameters=(Parameter("lag", "s", "delay of the displacement (or velocity) behind the acceleration"),),
+    tell="the error of a = D^2 u is proportional to the jerk",
+    proof="normal: every record is corrected for it",
+)
+
+CHANNEL_GAIN = Effect(
+    name="channel_gain",
+    title="the gains of the two channels disagree",
+    kind="sensor",
+    equation="(1 + error) a",
+    parameters=(Parameter("error", "1", "gain of the acceleration relative to the displacement, less one"),),
+    tell="the error of a = D^2 u is proportional to the acceleration",
+    proof="calibrate both sensors against one reference",
+)
+
+
+def _drift(time: Array, reading: Array, p: Array) -> Array:
+    return reading + p[0] * time
+
+
+OFFSET_DRIFT = Effect(
+    name="offset_drift",
+    title="the zero of a sensor drifts",
+    kind="sensor",
+    equation="reading + rate t",
+    parameters=(Parameter("rate", "reading/s", "drift of the zero"),),
+    observe=_drift,
+    variants=_BOTH,
+    tell="the mean of one channel moves steadily, and the other does not follow",
+    proof="record ten seconds without motion: the zero still moves",
+    confusable_with=("quadratic_stiffness", "bilinear_stiffness"),
+)
+
+
+def _clip(time: Array, reading: Array, p: Array) -> Array:
+    return np.clip(reading, -p[0], p[0])
+
+
+def _limit_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
+    return tuple((share * scales.peaks[channel],) for share in (0.995, 0.97, 0.9))
+
+
+CLIPPING = Effect(
+    name="clipping",
+    title="a sensor or converter saturates",
+    kind="sensor",
+    equation="clip(reading, -limit, limit)",
+    parameters=(Parameter("limit", "reading", "largest reading", 0.0, inf),),
+    observe=_clip,
+    sensor_starts=_limit_starts,
+    variants=_BOTH,
+    tell="flat peaks in one channel only, at one level",
+    proof="release from a smaller amplitude, or choose a larger range",
+    confusable_with=("end_stop", "cubic_stiffness"),
+)
+
+
+def _high_pass(time: Array, reading: Array, p: Array) -> Array:
+    if len(time) < 2:
+        return reading
+    step = float(time[1] - time[0])
+    rate = 2.0 * pi * p[0]
+    keep = float(np.exp(-rate * step))
+    ramp = (1.0 - keep) / (rate * step) if rate * step > 1e-9 else 1.0
+    jumps = np.diff(reading, prepend=reading[0]) * ramp
+    jumps[0] = reading[0]
+    return np.asarray(lfilter([1.0], [1.0, -keep], jumps)) + p[1] * np.exp(-rate * (time - time[0]))
+
+
+def _corner_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
+    return tuple((share * scales.frequency / (2.0 * pi), 0.0) for share in (0.01, 0.06))
+
+
+AC_COUPLING = Effect(
+    name="ac_coupling",
+    title="a sensor does not hold a constant reading (AC coupling)",
+    kind="sensor",
+    equation="first-order high-pass at fc",
+    parameters=(
+        Parameter("fc", "Hz", "corner frequency", 0.0, inf),
+        Parameter("transient", "reading", "what the coupling remembers of the time before the fit"),
+    ),
+    observe=_high_pass,
+    sensor_starts=_corner_starts,
+    variants=_BOTH,
+    tell="one channel leads in phase, the more the slower the motion, and forgets its mean",
+    proof="hold the mass off its zero: the reading creeps back",
+    confusable_with=("channel_lag", "maxwell_element", "viscous_damping"),
+)
+
+
+def _hum(time: Array, reading: Array, p: Array) -> Array:
+    return reading + p[0] * np.sin(2.0 * pi * p[1] * time + p[2])
+
+
+def _hum_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
+    return tuple(
+        (amplitude, line, phase) for line, amplitude, phase in scales.lines.get(channel, ()) if line > 0.0
+    )
+
+
+MAINS_HUM = Effect(
+    name="mains_hum",
+    title="hum in one channel",
+    kind="sensor",
+    equation="reading + amp sin(2 pi f t + phase)",
+    parameters=(
+        Parameter("amp", "reading", "amplitude of the hum", 0.0, inf),
+        Parameter("f", "Hz", "frequency (as sampled)", 0.0, inf),
+        Parameter("phase", "rad", "phase at the release"),
+    ),
+    observe=_hum,
+    sensor_starts=_hum_starts,
+    variants=_BOTH,
+    tell="a line in one channel only, there before the release",
+    proof="record at rest: the line is there; move the cables or the supply: it changes",
+    confusable_with=("harmonic_forcing",),
+)
+
+DROPOUTS = Effect(
+    name="dropouts",
+    title="a sensor repeats or loses readings",
+    kind="sensor",
+    equation="single readings stand still or fall to zero",
+    parameters=(Parameter("share", "1", "share of the readings that are wrong", 0.0, 1.0),),
+    variants=_BOTH,
+    tell="isolated readings of one channel far off its neighbours, while the other channel runs on",
+    proof="record again with another cable; compare where the readings fail",
+)

@@ -1,0 +1,150 @@
+"""Effects of the spring: forces that depend on the displacement."""
+
+from math import inf
+
+from identify.effects.compiled import force_function
+from identify.effects.effect import Effect, Parameter, Scales
+
+LINEAR_STIFFNESS = Effect(
+    name="linear_stiffness",
+    title="linear spring",
+    kind="physics",
+    equation="k u",
+    parameters=(Parameter("k", "1/s^2", "stiffness per unit mass", 0.0, inf),),
+    tell="one frequency at every amplitude",
+    proof="the frequency stays the same when the release amplitude is changed",
+)
+
+
+@force_function
+def _cubic(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * u * u * u
+
+
+CUBIC_STIFFNESS = Effect(
+    name="cubic_stiffness",
+    title="hardening or softening spring (Duffing)",
+    kind="physics",
+    equation="k3 u^3",
+    parameters=(Parameter("k3", "1/(m^2 s^2)", "cubic stiffness per unit mass"),),
+    force=_cubic,
+    tell="the frequency moves with the square of the amplitude, alike in both directions",
+    proof="release from twice the amplitude: the frequency shift grows fourfold",
+    confusable_with=("quintic_stiffness", "end_stop", "time_varying_stiffness", "freeplay"),
+)
+
+
+@force_function
+def _quadratic(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * u * u
+
+
+QUADRATIC_STIFFNESS = Effect(
+    name="quadratic_stiffness",
+    title="one-sided hardening spring",
+    kind="physics",
+    equation="k2 u^2",
+    parameters=(Parameter("k2", "1/(m s^2)", "quadratic stiffness per unit mass"),),
+    force=_quadratic,
+    tell="the mean position moves with the square of the amplitude; second harmonic",
+    proof="release from the opposite side: the shift of the mean keeps its sign",
+    confusable_with=("bilinear_stiffness", "offset_drift"),
+)
+
+
+@force_function
+def _quintic(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * u**5
+
+
+QUINTIC_STIFFNESS = Effect(
+    name="quintic_stiffness",
+    title="sharply hardening spring",
+    kind="physics",
+    equation="k5 u^5",
+    parameters=(Parameter("k5", "1/(m^4 s^2)", "quintic stiffness per unit mass"),),
+    force=_quintic,
+    tell="the frequency moves with the fourth power of the amplitude",
+    proof="releases from two amplitudes: the shift grows as the fourth power",
+    confusable_with=("cubic_stiffness", "end_stop"),
+)
+
+
+@force_function
+def _end_stop(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    force = 0.0
+    if p[2] >= 0.0 and u > p[1]:
+        force = p[0] * (u - p[1])
+    if p[2] <= 0.0 and u < -p[1]:
+        force = p[0] * (u + p[1])
+    return force
+
+
+def _gap_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    return tuple((share * scales.amplitude,) for share in (0.35, 0.6, 0.8))
+
+
+END_STOP = Effect(
+    name="end_stop",
+    title="end stop",
+    kind="physics",
+    equation="ks max(u - gap, 0) on side +1, -1 or both (0)",
+    parameters=(
+        Parameter("ks", "1/s^2", "stiffness of the stop per unit mass", 0.0, inf),
+        Parameter("gap", "m", "displacement at which it is met", 0.0, inf),
+        Parameter("side", "1", "+1, -1, or 0 for both"),
+    ),
+    force=_end_stop,
+    starts=_gap_starts,
+    variants=({"side": 1.0}, {"side": -1.0}, {"side": 0.0}),
+    tell="nothing happens below the gap; above it the force has a kink",
+    proof="release from just below the gap: the effect is gone",
+    confusable_with=("cubic_stiffness", "quintic_stiffness", "bilinear_stiffness", "clipping"),
+    kinked=True,
+)
+
+
+@force_function
+def _freeplay(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return -p[0] * min(max(u, -p[1]), p[1])
+
+
+def _play_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    return tuple((share * scales.amplitude,) for share in (0.06, 0.14, 0.3))
+
+
+FREEPLAY = Effect(
+    name="freeplay",
+    title="play in a joint",
+    kind="physics",
+    equation="-kf clip(u, -gap, gap)",
+    parameters=(
+        Parameter("kf", "1/s^2", "stiffness missing inside the play, per unit mass", 0.0, inf),
+        Parameter("gap", "m", "half of the play", 0.0, inf),
+    ),
+    force=_freeplay,
+    starts=_play_starts,
+    tell="softer at small amplitude",
+    proof="release from a few times the gap: the frequency falls further",
+    confusable_with=("cubic_stiffness", "time_varying_stiffness", "hysteresis"),
+    kinked=True,
+)
+
+
+@force_function
+def _bilinear(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * max(u, 0.0)
+
+
+BILINEAR_STIFFNESS = Effect(
+    name="bilinear_stiffness",
+    title="spring stiffer on one side",
+    kind="physics",
+    equation="kb max(u, 0)",
+    parameters=(Parameter("kb", "1/s^2", "extra stiffness on the positive side, per unit mass"),),
+    force=_bilinear,
+    tell="one half-cycle shorter than the other at every amplitude; even harmonics",
+    proof="the half-cycles keep their difference at small amplitude",
+    confusable_with=("quadratic_stiffness", "end_stop"),
+    kinked=True,
+)

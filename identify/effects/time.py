@@ -1,0 +1,52 @@
+"""Effects that depend on time itself."""
+
+from math import inf, pi, sin
+
+from identify.effects.compiled import force_function
+from identify.effects.effect import Effect, Parameter, Scales
+
+
+@force_function
+def _time_varying(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * p[1] * t * u
+
+
+TIME_VARYING_STIFFNESS = Effect(
+    name="time_varying_stiffness",
+    title="stiffness that drifts with time",
+    kind="physics",
+    equation="k rate t u",
+    parameters=(Parameter("rate", "1/s", "relative change of the stiffness per second since the release"),),
+    borrows=("linear_stiffness.k",),
+    force=_time_varying,
+    tell="the frequency moves with time, not with amplitude",
+    proof="a second release at a quarter of the amplitude: the drift with time is the same",
+    confusable_with=("cubic_stiffness", "freeplay"),
+)
+
+
+@force_function
+def _forcing(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return -p[0] * sin(2.0 * pi * p[1] * t + p[2])
+
+
+def _line_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    return tuple((line, phase) for line in scales.line_frequencies for phase in (0.8, 3.9))
+
+
+HARMONIC_FORCING = Effect(
+    name="harmonic_forcing",
+    title="shaking from outside at one frequency",
+    kind="physics",
+    equation="-amp sin(2 pi f t + phase)",
+    parameters=(
+        Parameter("amp", "m/s^2", "amplitude of the force per unit mass", 0.0, inf),
+        Parameter("f", "Hz", "frequency", 0.0, inf),
+        Parameter("phase", "rad", "phase at the release"),
+    ),
+    force=_forcing,
+    starts=_line_starts,
+    tell="a line that does not decay, in both channels, with the ratio -w^2",
+    proof="record without a release: the line is still there",
+    confusable_with=("second_mass", "mains_hum"),
+)

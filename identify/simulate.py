@@ -1,0 +1,312 @@
+"""The simulator: free motion under a sum of effects, exact in stick and slip.
+
+Fixed steps of the classical fourth-order Runge-Kutta method run in one direction of slip until the velocity
+crosses zero; the crossing is located, the mass sticks if friction can hold the other forces, and goes on
+in the new direction otherwise. Readings between steps come from the quintic Hermite polynomial through
+position, velocity and acceleration at both ends of the step, so that a late channel costs nothing.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from identify.arrays import Array
+from identify.effects.compiled import address_of_force, address_of_rates, call_force, call_rates
+from identify.effects.effect import Effect
+
+_STEP_ANGLE = 0.055
+_STEP_ANGLE_KINKED = 0.027
+_EVENTS_PER_STEP = 16
+_COMPILE: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """A model made ready to run: the addresses of force, friction and rates of each effect, shape (effects, 3)."""
+
+    addresses: NDArray[np.int64]
+    kinked: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Displacement and velocity at `time - lag`, acceleration at `time`: shape (n,) each, SI."""
+
+    displacement: Array
+    velocity: Array
+    acceleration: Array
+
+
+@njit(**_COMPILE)
+def _acceleration(addresses, t, u, v, states, s, linear, table, drive):  # type: ignore[no-untyped-def]
+    total = linear[0] * u + linear[1] * v - drive
+    level = linear[2]
+    for i in range(addresses.shape[0]):
+        if addresses[i, 0] != 0 or addresses[i, 1] != 0:
+            z = (states[i, 0], states[i, 1])
+            p = (table[i, 0], table[i, 1], table[i, 2], table[i, 3], table[i, 4], table[i, 5])
+            if addresses[i, 0] != 0:
+                total += call_force(addresses[i, 0], t, u, v, z, p)
+            if addresses[i, 1] != 0:
+                level += call_force(addresses[i, 1], t, u, v, z, p)
+    return -total - s * max(level, 0.0), total, max(level, 0.0)
+
+
+@njit(**_COMPILE)
+def _state_rates(addresses, t, u, v, states, table, out):  # type: ignore[no-untyped-def]
+    for i in range(addresses.shape[0]):
+        if addresses[i, 2] != 0:
+            z = (states[i, 0], states[i, 1])
+            p = (table[i, 0], table[i, 1], table[i, 2], table[i, 3], table[i, 4], table[i, 5])
+            out[i, 0], out[i, 1] = call_rates(addresses[i, 2], t, u, v, z, p)
+
+
+@njit(**_COMPILE)
+def _blend(states, factor, slope, out):  # type: ignore[no-untyped-def]
+    for i in range(states.shape[0]):
+        out[i, 0] = states[i, 0] + factor * slope[i, 0]
+        out[i, 1] = states[i, 1] + factor * slope[i, 1]
+
+
+@njit(**_COMPILE)
+def _step(addresses, memory, t, u, v, a, states, s, h, linear, table, drives, work):  # type: ignore[no-untyped-def]
+    """One Runge-Kutta step of length h from (u, v, states) with acceleration a; new states go to work[4]."""
+    half = 0.5 * h
+    if memory:
+        _state_rates(addresses, t, u, v, states, table, work[0])
+        _blend(states, half, work[0], work[4])
+    u2 = u + half * v
+    v2 = v + half * a
+    a2 = _acceleration(addresses, t + half, u2, v2, work[4], s, linear, table, drives[1])[0]
+    if memory:
+        _state_rates(addresses, t + half, u2, v2, work[4], table, work[1])
+        _blend(states, half, work[1], work[4])
+    u3 = u + half * v2
+    v3 = v + half * a2
+    a3 = _acceleration(addresses, t + half, u3, v3, work[4], s, linear, table, drives[1])[0]
+    if memory:
+        _state_rates(addresses, t + half, u3, v3, work[4], table, work[2])
+        _blend(states, h, work[2], work[4])
+    u4 = u + h * v3
+    v4 = v + h * a3
+    a4 = _acceleration(addresses, t + h, u4, v4, work[4], s, linear, table, drives[2])[0]
+    if memory:
+        _state_rates(addresses, t + h, u4, v4, work[4], table, work[3])
+        for i in range(states.shape[0]):
+            for j in range(states.shape[1]):
+                slope = work[0, i, j] + 2.0 * (work[1, i, j] + work[2, i, j]) + work[3, i, j]
+                work[4, i, j] = states[i, j] + h / 6.0 * slope
+    return u + h / 6.0 * (v + 2.0 * (v2 + v3) + v4), v + h / 6.0 * (a + 2.0 * (a2 + a3) + a4)
+
+
+@njit(**_COMPILE)
+def _hermite(x, h, u0, v0, a0, u1, v1, a1):  # type: ignore[no-untyped-def]
+    """Quintic through both ends of a step of length h, at fraction x: value and slope."""
+    d1 = v0 * h
+    d2 = 0.5 * a0 * h * h
+    e0 = u1 - u0 - d1 - d2
+    e1 = v1 * h - d1 - 2.0 * d2
+    e2 = a1 * h * h - 2.0 * d2
+    c3 = 10.0 * e0 - 4.0 * e1 + 0.5 * e2
+    c4 = -15.0 * e0 + 7.0 * e1 - e2
+    c5 = 6.0 * e0 - 3.0 * e1 + 0.5 * e2
+    value = u0 + x * (d1 + x * (d2 + x * (c3 + x * (c4 + x * c5))))
+    slope = d1 + x * (2.0 * d2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
+    return value, slope / h
+
+
+@njit(**_COMPILE)
+def _drive(external, position):  # type: ignore[no-untyped-def]
+    """Recorded external force at a fractional sample, by the cubic through four neighbours (Catmull-Rom)."""
+    n = external.shape[0]
+    i = min(max(int(position), 0), n - 2)
+    x = position - i
+    p1 = external[i]
+    p2 = external[i + 1]
+    p0 = external[i - 1] if i > 0 else 2.0 * p1 - p2
+    p3 = external[i + 2] if i + 2 < n else 2.0 * p2 - p1
+    return p1 + 0.5 * x * (p2 - p0 + x * (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3 + x * (3.0 * (p1 - p2) + p3 - p0)))
+
+
+@njit(**_COMPILE)
+def _run(  # type: ignore[no-untyped-def]
+    addresses, memory, dry, t0, n, interval, substeps, u, v, states, linear, table, lag, external
+):
+    displacement = np.empty(n)
+    velocity = np.empty(n)
+    acceleration = np.empty(n)
+    work = np.zeros((5, addresses.shape[0], 2))
+    drives = np.zeros(3)
+    driven = external.shape[0] > 1
+    h = interval / substeps
+    t = t0
+    if driven:
+        drives[0] = _drive(external, 0.0)
+    s = 0.0
+    if dry:
+        s = np.sign(v)
+    a, total, level = _acceleration(addresses, t, u, v, states, s, linear, table, drives[0])
+    if dry and s == 0.0 and abs(total) > level:
+        s = -np.sign(total)
+        a = -total - s * level
+    elif dry and s == 0.0:
+        a = 0.0
+    stuck = dry and s == 0.0
+    due = 0
+    while due < n and due * interval - lag <= 0.0:
+        ahead = due * interval - lag
+        displacement[due] = u + ahead * (v + 0.5 * ahead * a)
+        velocity[due] = v + ahead * a
+        due += 1
+    acceleration[0] = a
+    for i in range(n):
+        acceleration[i] = a
+        if i == n - 1 and due >= n:
+            break
+        for k in range(substeps):
+            remaining = h
+            base = t0 + i * interval + k * h
+            for _ in range(_EVENTS_PER_STEP):
+                t = base + (h - remaining)
+                step = remaining
+                if driven:
+                    position = (t - t0) / interval
+                    drives[1] = _drive(external, position + 0.5 * step / interval)
+                    drives[2] = _drive(external, position + step / interval)
+                crossed = False
+                if stuck:
+                    un = u
+                    vn = 0.0
+                    if memory:
+                        _state_rates(addresses, t, u, 0.0, states, table, work[0])
+                        _blend(states, 0.5 * step, work[0], work[4])
+                        _state_rates(addresses, t + 0.5 * step, u, 0.0, work[4], table, work[1])
+                        _blend(states, step, work[1], work[4])
+                else:
+                    un, vn = _step(addresses, memory, t, u, v, a, states, s, step, linear, table, drives, work)
+                    if dry and vn * s < 0.0:
+                        crossed = True
+                        low = 0.0
+                        high = step
+                        vlow = v
+                        vhigh = vn
+                        for _ in range(8):
+                            guess = low + (high - low) * vlow / (vlow - vhigh)
+                            guess = min(max(guess, low + 1e-3 * (high - low)), high - 1e-3 * (high - low))
+                            if driven:
+                                drives[1] = _drive(external, position + 0.5 * guess / interval)
+                                drives[2] = _drive(external, position + guess / interval)
+                            un, vn = _step(
+                                addresses, memory, t, u, v, a, states, s, guess, linear, table, drives, work
+                            )
+                            step = guess
+                            if abs(vn) <= 1e-9 * (abs(a) * h + 1e-300):
+                                break
+                            if vn * s > 0.0:
+                                low = guess
+                                vlow = vn
+                            else:
+                                high = guess
+                                vhigh = vn
+                        vn = 0.0
+                an = 0.0
+                if memory:
+                    for r in range(states.shape[0]):
+                        if addresses[r, 2] != 0:
+                            states[r, 0] = work[4, r, 0]
+                            states[r, 1] = work[4, r, 1]
+                if not stuck:
+                    an = _acceleration(
+                        addresses, t + step, un, vn, states, s, linear, table, drives[2]
+                    )[0]
+                while due < n and due * interval - lag <= t + step - t0 + 1e-12:
+                    x = (due * interval - lag - (t - t0)) / step
+                    displacement[due], velocity[due] = _hermite(x, step, u, v, a, un, vn, an)
+                    due += 1
+                u = un
+                v = vn
+                a = an
+                if dry and (crossed or stuck):
+                    _, total, level = _acceleration(
+                        addresses, t + step, u, 0.0, states, 0.0, linear, table, drives[2]
+                    )
+                    stuck = abs(total) <= level
+                    if stuck:
+                        s = 0.0
+                        a = 0.0
+                    else:
+                        s = -np.sign(total)
+                        a = -total - s * level
+                remaining -= step
+                if remaining <= 1e-9 * h:
+                    break
+            if not (abs(u) < 1e12):
+                displacement[due:] = np.inf
+                velocity[due:] = np.inf
+                acceleration[i + 1 :] = np.inf
+                return displacement, velocity, acceleration
+    while due < n:
+        ahead = due * interval - lag - (n - 1) * interval
+        displacement[due] = u + ahead * v
+        velocity[due] = v
+        due += 1
+    return displacement, velocity, acceleration
+
+
+def substeps_for(frequency: float, rate: float, *, kinked: bool) -> int:
+    """Return how many integration steps a sample needs for an angular frequency in rad/s at a rate in Hz."""
+    angle = _STEP_ANGLE_KINKED if kinked else _STEP_ANGLE
+    return max(1, int(np.ceil(frequency / (rate * angle))))
+
+
+def simulate(
+    system: System,
+    linear: Array,
+    table: Array,
+    *,
+    start: tuple[float, float],
+    states: Array,
+    samples: int,
+    rate: float,
+    substeps: int,
+    time: float = 0.0,
+    lag: float = 0.0,
+    external: Array | None = None,
+) -> Response:
+    """Run the motion from `start` = (displacement m, velocity m/s) at `time` s after the release.
+
+    `linear` is (k 1/s^2, mu_1 1/s, mu_0 m/s^2); `table` (slots, 6) holds the parameters of the slots, `states`
+    (slots, 2) their internal states at the start; `external` (samples,) a recorded force per unit mass. Displacement
+    and velocity are read at `lag` s before each sample. A motion that runs away is filled with inf.
+    """
+    dry = bool(linear[2] > 0.0 or system.addresses[:, 1].any())
+    displacement, velocity, acceleration = _run(
+        system.addresses,
+        bool(system.addresses[:, 2].any()),
+        dry,
+        time,
+        samples,
+        1.0 / rate,
+        substeps,
+        start[0],
+        start[1],
+        np.array(states, dtype=np.float64),
+        linear,
+        table,
+        lag,
+        np.zeros(0) if external is None else external,
+    )
+    return Response(displacement, velocity, acceleration)
+
+
+def make_system(effects: tuple[Effect, ...]) -> System:
+    """Make effects (beyond the linear part and Coulomb friction) ready for the simulator."""
+    addresses = np.zeros((len(effects), 3), dtype=np.int64)
+    for row, effect in zip(addresses, effects, strict=True):
+        row[0] = address_of_force(effect.force)
+        row[1] = address_of_force(effect.friction)
+        row[2] = address_of_rates(effect.rates)
+    return System(addresses, any(effect.kinked for effect in effects))
