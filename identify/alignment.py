@@ -2,7 +2,19 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from identify.arrays import Array, Mask
+from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
+from identify.fractional_delay import bridge, read_at_shift
+from identify.free_decay import FreeDecay
+from identify.kinematics import Agreement, Pair, agree
+from identify.noise import noise_of
+from identify.oscillation import dominant_frequency
+
+HAND_S = 0.030
+"""The hand has surely let go this long after the release, for oscillations of about 4 Hz."""
 
 
 @dataclass(frozen=True)
@@ -18,3 +30,127 @@ class Alignment:
     gain: Estimate
     method: str
     caution: str = ""
+
+
+def align(decay: FreeDecay) -> Alignment:
+    """Return lag and gain between the displacement (or velocity) and the acceleration, from kinematics alone.
+
+    Maximum likelihood of N a = g H u (see `identify.kinematics`), which holds under any force and from any state at
+    either end. Raises NotIdentifiable with fewer than two channels or too little motion.
+    """
+    pair = pair_of(decay)
+    moving = slice(decay.release, None)
+    frequency = dominant_frequency(pair.high[moving], pair.rate)
+    if frequency <= 0:
+        raise NotIdentifiable(
+            "The channels hold no oscillation to align: record a release with a visible decay."
+        )
+    best = min(
+        (agree(pair, lag, gain, steps=8) for lag, gain in _starts(pair, moving, frequency)),
+        key=lambda found: found.chi_square,
+    )
+    return _judged(pair, best, frequency)
+
+
+def correct(decay: FreeDecay, alignment: Alignment, *, gain: bool = True) -> FreeDecay:
+    """Return the decay with the displacement (or velocity) moved earlier by the lag, a true fractional delay.
+
+    With `gain` the acceleration is divided by its gain, so that it is the second derivative of the displacement.
+    Samples that the move takes from beyond the record, or from a lost sample, are marked as not valid.
+    """
+    name = "displacement" if decay.displacement is not None else "velocity"
+    values = getattr(decay, name)
+    if values is None or decay.acceleration is None:
+        raise NotIdentifiable("There is only one channel: nothing to move it against.")
+    moved, known = read_at_shift(values, alignment.lag.value * decay.rate, decay.valid)
+    valid = known if decay.valid is None else known & decay.valid
+    acceleration = decay.acceleration / alignment.gain.value if gain else decay.acceleration
+    return decay.with_(
+        **{name: moved, "acceleration": acceleration, "valid": None if bool(valid.all()) else valid}
+    )
+
+
+def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
+    """Return the two channels with the variance of every sample; raises NotIdentifiable with one channel."""
+    if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
+        raise NotIdentifiable(
+            "Only one channel was recorded, so there is no lag to find: record displacement (or velocity) and acceleration."
+        )
+    low_name, order = ("displacement", 2) if decay.displacement is not None else ("velocity", 1)
+    low = decay.displacement if decay.displacement is not None else decay.velocity
+    assert low is not None
+    high = decay.acceleration
+    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.array(decay.valid)
+    floors = noise_of(decay)
+    noise_low = getattr(decay, f"noise_{low_name}") or floors[low_name].std
+    noise_high = decay.noise_acceleration or floors["acceleration"].std
+    noise_low = max(noise_low, 1e-9 * float(np.ptp(low)), 1e-300)
+    noise_high = max(noise_high, 1e-9 * float(np.ptp(high)), 1e-300)
+    variance_low = np.full(len(decay), noise_low**2)
+    variance_high = noise_high**2 + jump_variance(high, noise_high)
+    out = ~valid
+    if leave_out_hand and decay.release > 0:
+        after = decay.release + max(4, int(np.ceil(HAND_S * decay.rate)))
+        out[max(decay.release - 4, 0) : after] = True
+    variance_low[out] = max(float(np.ptp(low[valid])), noise_low) ** 2
+    variance_high[out] = max(float(np.ptp(high[valid])), noise_high) ** 2
+    return Pair(bridge(low, valid), bridge(high, valid), order, decay.rate, variance_low, variance_high)
+
+
+def jump_variance(high: Array, noise: float) -> Array:
+    """Return the extra variance of samples next to a jump of the acceleration, shape (n,).
+
+    Where between two samples the jump fell (a reversal under dry friction, a sudden release) is not known: the mean over
+    the interval is uncertain by the jump over the square root of twelve. Jumps show in the third differences.
+    """
+    third = np.abs(np.diff(high, 3))
+    extra = np.zeros(len(high))
+    if len(third) < 8:
+        return extra
+    threshold = max(4.5 * np.sqrt(20.0) * noise, 5.0 * float(np.quantile(third, 0.75)))
+    jump = np.where(third > threshold, third, 0.0) ** 2 / 96.0
+    extra[1:-2] += jump
+    extra[2:-1] += jump
+    return extra
+
+
+def _starts(pair: Pair, moving: slice, frequency: float) -> list[tuple[float, float]]:
+    """Coarse lag and gain from the cross-spectrum around the oscillation, for either sign of the gain."""
+    low, high = pair.low[moving], pair.high[moving]
+    taper = np.hanning(len(low))
+    size = 4 * len(low)
+    bins = np.fft.rfftfreq(size, 1.0 / pair.rate)
+    derivative = (2j * np.pi * bins) ** pair.order * np.fft.rfft((low - low.mean()) * taper, size)
+    measured = np.fft.rfft((high - high.mean()) * taper, size)
+    band = (bins > 0.7 * frequency) & (bins < 1.3 * frequency)
+    cross = np.sum(measured[band] * np.conj(derivative[band]))
+    size_of_gain = abs(cross) / max(float(np.sum(np.abs(derivative[band]) ** 2)), 1e-300)
+    angle = float(np.angle(cross))
+    opposite = angle - np.pi if angle > 0 else angle + np.pi
+    omega = 2.0 * np.pi * frequency
+    return [(angle / omega, size_of_gain), (opposite / omega, -size_of_gain)]
+
+
+def _judged(pair: Pair, found: Agreement, frequency: float) -> Alignment:
+    excess = max(found.chi_square / max(found.degrees, 1), 1.0)
+    gain_std, lag_std = np.sqrt(excess * np.diag(found.covariance)[:2])
+    if not np.isfinite(lag_std) or lag_std > 0.1 / frequency or gain_std > 0.3 * abs(found.gain):
+        raise NotIdentifiable(
+            "There is too little motion above the noise to know the lag between the channels: release from further away."
+        )
+    cautions = []
+    if excess > 1.5:
+        cautions.append(
+            f"The channels disagree by {np.sqrt(excess):.1f} times their noise even when aligned: suspect a sensor."
+        )
+    if found.gain < 0:
+        cautions.append("The two channels have opposite signs.")
+    if lag_std * frequency > 0.002:
+        cautions.append("The lag is known to no better than 0.2 % of a period: record a larger release.")
+    name = "displacement" if pair.order == 2 else "velocity"
+    return Alignment(
+        Estimate(found.lag, float(lag_std), "s"),
+        Estimate(found.gain, float(gain_std), "1"),
+        f"maximum likelihood of acceleration against {name}, kinematics only",
+        " ".join(cautions),
+    )

@@ -1,0 +1,92 @@
+"""Fractional delay: read a sampled channel between its samples, without ringing at a jump."""
+
+import numpy as np
+
+from identify.arrays import Array, Mask
+
+HALF_WIDTH = 3
+"""Samples on either side of the nearest one that the interpolating polynomial passes through."""
+
+
+def lagrange_taps(fraction: float, half_width: int = HALF_WIDTH) -> Array:
+    """Return weights that read a signal `fraction` of a sample after the centre one.
+
+    `fraction` lies in [-0.5, 0.5]; weights multiply samples -half_width ... half_width. Lagrange
+    interpolation is exact for polynomials of degree 2 half_width and, having finite support, cannot
+    ring beyond it (Laakso et al., IEEE Signal Processing Magazine 13(1), 1996).
+    """
+    nodes = np.arange(-half_width, half_width + 1, dtype=float)
+    taps = np.ones_like(nodes)
+    for j, node in enumerate(nodes):
+        others = np.delete(nodes, j)
+        taps[j] = np.prod((fraction - others) / (node - others))
+    return taps
+
+
+def lagrange_slope_taps(fraction: float, half_width: int = HALF_WIDTH) -> Array:
+    """Return the derivative of `lagrange_taps` with respect to `fraction`, 1/sample."""
+    nodes = np.arange(-half_width, half_width + 1, dtype=float)
+    taps = np.zeros_like(nodes)
+    for j, node in enumerate(nodes):
+        others = np.delete(nodes, j)
+        for k in range(len(others)):
+            rest = np.delete(others, k)
+            taps[j] += np.prod(fraction - rest)
+        taps[j] /= np.prod(node - others)
+    return taps
+
+
+def split_shift(samples: float) -> tuple[int, float]:
+    """Split a shift in samples into the nearest whole number and the rest in [-0.5, 0.5]."""
+    whole = round(samples)
+    return whole, samples - whole
+
+
+def read_at_shift(values: Array, samples: float, valid: Mask | None = None) -> tuple[Array, Mask]:
+    """Return `values` read `samples` later than each sample, shape (n,), and where that is known.
+
+    Near the ends the polynomial goes through the last samples there are. Beyond the ends the last
+    value is held and marked as not known; so is all that touches a lost sample with a weight above
+    one per cent.
+    """
+    n = len(values)
+    known = np.ones(n, dtype=bool) if valid is None else np.asarray(valid, dtype=bool)
+    whole, fraction = split_shift(samples)
+    width = min(HALF_WIDTH, (n - 1) // 2)
+    centre = np.arange(n) + whole
+    base = np.clip(centre, width, n - 1 - width)
+    filled = bridge(values, known)
+    result = np.zeros(n)
+    doubt = np.zeros(n)
+    for offset, weight in zip(range(-width, width + 1), lagrange_taps(fraction, width), strict=True):
+        result += weight * filled[base + offset]
+        doubt += abs(weight) * ~known[base + offset]
+    for i in np.flatnonzero(base != centre):
+        position = centre[i] + fraction
+        if 0 <= position <= n - 1:
+            result[i], doubt[i] = _read_near_end(filled, known, float(position), width)
+        else:
+            result[i], doubt[i] = filled[0 if position < 0 else n - 1], 1.0
+    return result, doubt < 0.01
+
+
+def bridge(values: Array, known: Mask) -> Array:
+    """Return `values` with straight lines across the samples that are not known."""
+    if bool(known.all()):
+        return np.asarray(values, dtype=float)
+    index = np.arange(len(values))
+    if not bool(known.any()):
+        return np.zeros(len(values))
+    return np.interp(index, index[known], np.asarray(values)[known])
+
+
+def _read_near_end(values: Array, known: Mask, position: float, width: int) -> tuple[float, float]:
+    """Cubic through the four samples nearest to `position`: the long polynomial would amplify noise there."""
+    count = min(4, 2 * width + 1)
+    first = int(np.clip(np.floor(position) - count // 2 + 1, 0, len(values) - count))
+    nodes = np.arange(first, first + count, dtype=float)
+    weights = np.array(
+        [np.prod((position - np.delete(nodes, j)) / (nodes[j] - np.delete(nodes, j))) for j in range(count)]
+    )
+    window = slice(first, first + count)
+    return float(weights @ values[window]), float(np.abs(weights) @ ~known[window])

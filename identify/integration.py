@@ -1,0 +1,46 @@
+"""Integration with the low frequencies removed, the ends treated: what the paper did with its accelerometer."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from identify.arrays import Array, Mask
+from identify.kinematics import AVERAGES
+
+
+class Slow(NamedTuple):
+    """The slow part of an integral and its first two derivatives, each of shape (n,)."""
+
+    value: Array
+    first: Array
+    second: Array
+
+
+def integrate(values: Array, rate: float) -> Array:
+    """Return the integral of `values` (n,) from the first sample, exact for polynomials of degree 5 inside."""
+    first, taps = AVERAGES[1]
+    steps = 0.5 * (values[1:] + values[:-1])
+    inner = np.correlate(values, taps, "valid")
+    steps[-first : -first + len(inner)] = inner
+    return np.concatenate([[0.0], np.cumsum(steps)]) / rate
+
+
+def slow_part(values: Array, rate: float, frequency: float, weights: Mask) -> Slow:
+    """Return what drifts under an oscillation at `frequency` (Hz), found beside the oscillation, not by filtering it.
+
+    Least squares of `values` on splines of one knot in two periods, together with the same splines times cosine
+    and sine. The oscillation has its own terms, so neither its start nor its decay leaks into the slow part:
+    a filter would do most harm at the release, where the amplitude is largest.
+    """
+    n = len(values)
+    time = np.arange(n) / rate
+    spans = max(1, round(time[-1] * frequency / 2.0))
+    inner = np.linspace(0.0, time[-1], spans + 1)
+    knots = np.concatenate([[0.0] * 5, inner, [time[-1]] * 5])
+    splines = BSpline.design_matrix(np.clip(time, 0.0, time[-1]), knots, 5).toarray()
+    phase = 2.0 * np.pi * frequency * time
+    design = np.hstack([splines, splines * np.cos(phase)[:, None], splines * np.sin(phase)[:, None]])
+    coefficients = np.linalg.lstsq(design[weights], values[weights], rcond=1e-10)[0][: splines.shape[1]]
+    spline = BSpline(knots, coefficients, 5)
+    return Slow(spline(time), spline.derivative(1)(time), spline.derivative(2)(time))

@@ -1,0 +1,64 @@
+"""Smoothing with the noise in view: the smoothest signal that stays within the noise of one channel."""
+
+import numpy as np
+from scipy.linalg import solveh_banded
+
+from identify.arrays import Array, Mask
+
+PENALTY_ORDER = 4
+_PENALTY = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+SLOPE = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
+"""Central first derivative, exact to degree 6, per sample."""
+
+
+def smooth(values: Array, corner: float, known: Mask | None = None) -> Array:
+    """Return the penalised least-squares smooth of `values` (n,); `corner` is in cycles per sample.
+
+    Fourth differences are penalised (Whittaker 1923): the gain at frequency f is 1 / (1 + (f/corner)^8), without phase,
+    and polynomials of degree 3 pass unchanged, at the ends too. Unknown samples have no weight.
+    """
+    n = len(values)
+    if n < 10 or corner >= 0.4:
+        return np.array(values, dtype=float)
+    strength = (2.0 * np.sin(np.pi * corner)) ** -8
+    band = np.zeros((PENALTY_ORDER + 1, n))
+    for k in range(PENALTY_ORDER + 1):
+        for m in range(PENALTY_ORDER + 1 - k):
+            band[k, m : m + n - PENALTY_ORDER] += strength * _PENALTY[m] * _PENALTY[m + k]
+    weights = np.ones(n) if known is None else known.astype(float)
+    band[0] += weights
+    return np.asarray(solveh_banded(band, weights * values, lower=True, check_finite=False))
+
+
+def slope(values: Array, rate: float) -> Array:
+    """Return the first derivative of a smooth signal, shape (n,); seven points inside, cubic at the ends."""
+    n = len(values)
+    if n < 8:
+        return np.gradient(values) * rate
+    result = np.empty(n)
+    result[3:-3] = np.correlate(values, SLOPE, "valid")
+    for end, piece in ((slice(0, 3), values[:5]), (slice(n - 3, n), values[-5:])):
+        place = np.arange(3.0) if end.start == 0 else np.arange(2.0, 5.0)
+        fit = np.polynomial.polynomial.polyfit(np.arange(5.0) - 2.0, piece, 4)
+        result[end] = np.polynomial.polynomial.polyval(place - 2.0, np.polynomial.polynomial.polyder(fit))
+    return result * rate
+
+
+def smooth_to_noise(
+    values: Array, noise: float, frequency: float, known: Mask | None = None
+) -> tuple[Array, float]:
+    """Return the smooth of `values` with the lowest corner that leaves no more than the noise, and that corner.
+
+    `frequency` of the oscillation and the corner are in cycles per sample. The corner starts at five times the frequency,
+    where the oscillation itself loses 3e-6, and rises until the misfit is the noise within four per cent.
+    """
+    weights = np.ones(len(values), dtype=bool) if known is None else known
+    corner = 5.0 * frequency
+    smoothed = smooth(values, corner, known)
+    while corner < 0.3:
+        misfit = float(np.sqrt(np.mean((values - smoothed)[weights] ** 2)))
+        if misfit <= 1.04 * noise:
+            break
+        corner *= 1.4
+        smoothed = smooth(values, corner, known)
+    return smoothed, min(corner, 0.5)
