@@ -1,0 +1,107 @@
+"""How fast the wire's decoder is, and whether damage ever passes for a message."""
+
+import random
+import time
+
+from firmware_protocol import Data, Decoder, SampleFormat, encode
+
+TITLE = "The wire"
+
+Row = tuple[str, float, str, str]
+# What a serial driver hands over at once is between a few bytes and its buffer of 4 KB.
+PIECE = 4096
+
+
+def _frames(count: int, n: int, form: SampleFormat, seed: int) -> list[bytes]:
+    rng = random.Random(seed)
+    size = n * 2 * form.size
+    return [encode(Data(i * n, i * n * 3906, 0, n, 2, form, rng.randbytes(size)), i) for i in range(count)]
+
+
+def _decoded_mb_per_s(n: int, form: SampleFormat, count: int, at_once: int = PIECE) -> float:
+    """Bytes of the wire per second, the best of five runs, all frames checked to have come."""
+    wire = b"".join(_frames(count, n, form, seed=n))
+    pieces = [wire[at : at + at_once] for at in range(0, len(wire), at_once)]
+    best = float("inf")
+    for _ in range(5):
+        decoder = Decoder()
+        start = time.perf_counter()
+        frames = sum(len(decoder.feed(piece)) for piece in pieces)
+        best = min(best, time.perf_counter() - start)
+        if frames != count:
+            raise AssertionError(f"{frames} of {count} frames came")
+    return len(wire) / best / 1e6
+
+
+def _encoded_mb_per_s(n: int, form: SampleFormat, count: int) -> float:
+    data = Data(0, 0, 0, n, 2, form, random.Random(n).randbytes(n * 2 * form.size))
+    size = len(encode(data, 0))
+    start = time.perf_counter()
+    for i in range(count):
+        encode(data, i)
+    return size * count / (time.perf_counter() - start) / 1e6
+
+
+def _wrong_of_damaged(count: int) -> tuple[int, int, int]:
+    """Damage every frame; return how many were damaged, came back as sent, came back as something else."""
+    rng = random.Random(2)
+    decoder, as_sent, wrong = Decoder(), 0, 0
+    for frame in _frames(count, 8, SampleFormat.I16, seed=3):
+        honest = Decoder().feed(frame)[0]
+        wire = bytearray(frame)
+        for _ in range(rng.randint(1, 4)):
+            at = rng.randrange(len(wire) - 1)
+            fault = rng.randrange(4)
+            if fault == 0:
+                wire[at] ^= 1 << rng.randrange(8)
+            elif fault == 1:
+                del wire[at]
+            elif fault == 2:
+                wire.insert(at, rng.randrange(256))
+            else:
+                wire[at:at] = wire[at : at + 4]
+        for got in decoder.feed(bytes(wire)):
+            as_sent += got == honest
+            wrong += got != honest
+    return count, as_sent, wrong
+
+
+def run_rows(quick: bool) -> list[Row]:
+    """Measure; rows are (what, value, unit, target)."""
+    count = 5_000 if quick else 50_000
+    i16, i32, f64 = SampleFormat.I16, SampleFormat.I32, SampleFormat.F64
+    damaged, as_sent, wrong = _wrong_of_damaged(20_000 if quick else 400_000)
+    return [
+        ("decoded, 16 samples of 2 x i16 a frame", _decoded_mb_per_s(16, i16, count), "MB/s", ">= 50"),
+        ("decoded, 16 samples of 2 x i32 a frame", _decoded_mb_per_s(16, i32, count), "MB/s", ">= 50"),
+        ("decoded, 60 samples of 2 x i32 a frame", _decoded_mb_per_s(60, i32, count), "MB/s", ">= 50"),
+        ("decoded, 60 samples of 2 x f64 a frame", _decoded_mb_per_s(60, f64, count), "MB/s", ">= 50"),
+        (
+            "decoded, 16 x 2 x i32, bytes arriving 64 at a time",
+            _decoded_mb_per_s(16, i32, count // 5, 64),
+            "MB/s",
+            "",
+        ),
+        ("encoded, 16 samples of 2 x i32 a frame", _encoded_mb_per_s(16, i32, count), "MB/s", ""),
+        ("frames damaged by 1 to 4 faults each", damaged, "", ""),
+        ("of these, messages that were not sent", wrong, "", "0"),
+        ("of these, come back as sent (faults that undid themselves)", as_sent, "", ""),
+    ]
+
+
+def run(quick: bool) -> str:
+    """Return the section of the benchmark page."""
+    lines = ["| what | value | unit | target |", "|---|---:|---|---|"]
+    for name, value, unit, target in run_rows(quick):
+        lines.append(f"| {name} | {value:.0f} | {unit} | {target} |")
+    lines += [
+        "",
+        "Bytes on the wire per second of one core, best of five runs, random samples, fed in pieces of "
+        f"{PIECE} bytes unless said; the encoder is run once. Damaged frames: bits flipped, bytes dropped, "
+        "inserted or duplicated at random places of every frame, seed 2.",
+    ]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(run(quick=False))
