@@ -1,0 +1,190 @@
+"""One channel's ridge, fitted: envelope and phase freed of the transform's own bias.
+
+Averaging is first order in the damping, a window is one-sided at the ends of a record, and dry friction
+shifts the displacement's phase. All three are the same for the measured decay and for a computed one with
+nearly the same parameters. So the fitted model is integrated exactly, sent through the same transform, and
+what the transform then shows beyond the averaged model is taken off the measurement; a few rounds suffice.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array, Mask
+from identify.averaging import backbone_factors, envelope_factors
+from identify.envelope import EnvelopeFit, PhaseFit, fit_envelope, fit_phase, solve_integrated
+from identify.half_cycles import Decay, simulate_decay
+from identify.morlet import Ridge, prepare_ridge, transform, weights_on_samples
+
+WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
+_POINTS = 400
+
+
+@dataclass(frozen=True, eq=False)
+class Observed:
+    """One channel of the span, ready for the ridge.
+
+    `samples` (n,) are the channel's, `derivatives` 0, 1 or 2 says how often displacement was differentiated to give it,
+    `noise` its white-noise standard deviation; `points` are the samples at which the ridge is
+    fitted, `weight` (m,) and `variance` (m,) the weight and the variance of the envelope there.
+    """
+
+    samples: Array
+    valid: Mask
+    rate: float
+    derivatives: int
+    angular_frequency: float
+    noise: float
+    ridge: Ridge
+    points: Array
+    weight: Array
+    variance: Array
+
+    @property
+    def step(self) -> float:
+        """Time between two fitted points, s."""
+        return float((self.points[1] - self.points[0]) / self.rate)
+
+    @property
+    def independent(self) -> float:
+        """Number of independent points: the window's noise is correlated over 2 sqrt(pi) widths."""
+        return float(len(self.samples) / (2 * np.sqrt(np.pi) * self.ridge.width) + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class RidgeFit:
+    """Envelope and phase models, and the exact decay that they reproduce."""
+
+    envelope_fit: EnvelopeFit
+    phase_fit: PhaseFit
+    stiffness_orders: tuple[int, ...]
+    envelope: Array
+    phase: Array
+    bias_envelope: Array
+    bias_phase: Array
+
+    @property
+    def order(self) -> int:
+        """The damping order."""
+        return len(self.envelope_fit.parameters) - 2
+
+
+def observe(
+    samples: Array, valid: Mask, rate: float, derivatives: int, angular_frequency: float, noise: float
+) -> Observed:
+    """Prepare the ridge of one channel at `angular_frequency` (rad/s)."""
+    cycle = 2 * np.pi * rate / angular_frequency
+    ridge = prepare_ridge(valid, angular_frequency / rate, WIDTH_CYCLES * cycle)
+    every = max(1, int(np.ceil(len(samples) / _POINTS)))
+    points = np.arange(0, len(samples), every)
+    inside = np.sqrt(np.pi) * ridge.width
+    widening = np.maximum(np.trace(ridge.solution[points, :2, 1:3], axis1=1, axis2=2), 0) / 2
+    widening = widening * (np.sqrt(2 * np.pi) * ridge.width) / 2
+    usable = ridge.support[points] > 0.3
+    variance = noise**2 / inside * np.maximum(widening, 1.0) / angular_frequency ** (2 * derivatives)
+    weight = np.where(usable, 1 / np.sqrt(np.maximum(widening, 1.0)), 0.0)
+    return Observed(
+        samples, valid, rate, derivatives, angular_frequency, noise, ridge, points, weight, variance + 1e-300
+    )
+
+
+def envelope_and_phase(observed: Observed, samples: Array) -> tuple[Array, Array, Array]:
+    """Return displacement's envelope, phase (rad) and frequency (rad/s) on the ridge at every sample, (n,)."""
+    p, q = transform(observed.ridge, samples)
+    envelope = np.abs(p) / observed.angular_frequency**observed.derivatives
+    phase = np.unwrap(np.angle(p)) - observed.derivatives * np.pi / 2
+    slope = np.imag(q * np.conj(p)) / np.maximum(np.abs(p) ** 2, 1e-300)
+    return envelope, phase, (slope + observed.ridge.frequency) * observed.rate
+
+
+def parameters_of(
+    envelope_fit: EnvelopeFit, phase_fit: PhaseFit, orders: tuple[int, ...]
+) -> tuple[Array, Array]:
+    """Return the stiffness k_1, k_2, ... (zero at even orders) and the damping mu_0, ... per unit mass."""
+    w = phase_fit.parameters[1]
+    damping = envelope_fit.parameters[1:] / envelope_factors(w, len(envelope_fit.parameters) - 2)
+    stiffness = np.zeros(max(orders))
+    factors = backbone_factors(orders)
+    for order, slope, factor in zip(orders, phase_fit.parameters[1:], factors, strict=True):
+        stiffness[order - 1] = w**2 if order == 1 else 2 * w * slope / factor
+    return stiffness, damping
+
+
+def exact_decay(
+    observed: Observed, envelope_fit: EnvelopeFit, phase_fit: PhaseFit, orders: tuple[int, ...]
+) -> Decay:
+    """Integrate the fitted model over the span from the fitted first amplitude and phase."""
+    stiffness, damping = parameters_of(envelope_fit, phase_fit, orders)
+    amplitude, phase = envelope_fit.parameters[0], phase_fit.parameters[0]
+    loss = -np.polynomial.polynomial.polyval(amplitude, envelope_fit.parameters[1:])
+    velocity = loss * np.cos(phase) - phase_fit.parameters[1] * amplitude * np.sin(phase)
+    return simulate_decay(
+        amplitude * np.cos(phase), velocity, stiffness, damping, 1 / observed.rate, len(observed.samples)
+    )
+
+
+def channel_of(decay: Decay, derivatives: int) -> Array:
+    """Return the displacement, velocity or acceleration of a computed decay."""
+    return (decay.displacement, decay.velocity, decay.acceleration)[derivatives]
+
+
+def first_fit(observed: Observed, order: int, orders: tuple[int, ...]) -> RidgeFit:
+    """Fit the ridge as it comes, by eqs. (9)-(12), with nothing taken off yet."""
+    envelope, phase, _ = envelope_and_phase(observed, observed.samples)
+    envelope, phase = envelope[observed.points], phase[observed.points]
+    zero = np.zeros(len(envelope))
+    start = solve_integrated(envelope, observed.step, order, observed.weight)
+    fitted = fit_envelope(envelope, observed.step, start, observed.weight)
+    phases = fit_phase(phase, envelope, observed.step, orders, observed.weight)
+    return RidgeFit(fitted, phases, orders, envelope, phase, zero, zero)
+
+
+def other_order(observed: Observed, fit: RidgeFit, order: int) -> EnvelopeFit:
+    """Fit another damping order to the envelope of `fit`, as it stands freed of bias."""
+    start = solve_integrated(fit.envelope, observed.step, order, observed.weight)
+    return fit_envelope(fit.envelope, observed.step, start, observed.weight, rounds=2)
+
+
+def other_backbone(observed: Observed, fit: RidgeFit, orders: tuple[int, ...]) -> PhaseFit:
+    """Fit other stiffness orders to the phase of `fit`, as it stands freed of bias."""
+    return fit_phase(fit.phase, np.abs(fit.envelope), observed.step, orders, observed.weight)
+
+
+def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 1) -> RidgeFit:
+    """Take the transform's own bias off, as the model `fit` shows it, and fit again; `rounds` times."""
+    for _ in range(rounds):
+        decay = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
+        seen, phase, _ = envelope_and_phase(observed, channel_of(decay, observed.derivatives))
+        bias_envelope = seen[observed.points] - fit.envelope_fit.fit
+        bias_phase = phase[observed.points] - fit.phase_fit.fit
+        bias_phase -= 2 * np.pi * np.round(np.median(bias_phase) / (2 * np.pi))
+        envelope = fit.envelope + fit.bias_envelope - bias_envelope
+        phases = fit.phase + fit.bias_phase - bias_phase
+        fitted = fit_envelope(envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1)
+        phase_fit = fit_phase(phases, np.abs(envelope), observed.step, fit.stiffness_orders, observed.weight)
+        fit = RidgeFit(fitted, phase_fit, fit.stiffness_orders, envelope, phases, bias_envelope, bias_phase)
+    return fit
+
+
+def noise_in_envelope(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
+    """Return the covariance that white noise gives to parameters with `gain` (p, m) on the envelope, (p, p)."""
+    return _carried(observed, gain * _turn(observed, fit))
+
+
+def noise_in_phase(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
+    """Return the covariance that white noise gives to parameters with `gain` (p, m) on the phase, (p, p)."""
+    amplitude = np.abs(fit.envelope)
+    amplitude = np.maximum(amplitude, 1e-3 * np.max(amplitude))
+    return _carried(observed, 1j * gain * _turn(observed, fit) / amplitude)
+
+
+def _turn(observed: Observed, fit: RidgeFit) -> Array:
+    scale = observed.angular_frequency**observed.derivatives
+    return np.exp(1j * (fit.phase + fit.bias_phase + observed.derivatives * np.pi / 2)) / scale
+
+
+def _carried(observed: Observed, on_points: Array) -> Array:
+    weights = np.zeros((len(on_points), len(observed.samples)), dtype=complex)
+    weights[:, observed.points] = on_points
+    rows = weights_on_samples(observed.ridge, weights)
+    return observed.noise**2 * rows @ rows.T

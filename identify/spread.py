@@ -1,0 +1,33 @@
+"""The spread of parameters: what noise does to them, and what a misfit adds."""
+
+import numpy as np
+
+from identify.arrays import Array
+
+_SURE = 3.0  # standard deviations by which a misfit must exceed the noise before it counts
+
+
+def misfit_covariance(residual: Array, gain: Array, independent: float) -> Array:
+    """Return the covariance that a model's misfit adds to its parameters, shape (p, p), zero when there is none.
+
+    `residual` (m,) is what the model leaves of the observations, in standard deviations of their noise;
+    `gain` (p, m) carries the observations, in the same measure, into the parameters;
+    `independent` is the number of independent observations among the m under noise alone. A misfit is
+    correlated over longer stretches than noise: its length is read off its own autocorrelation.
+    """
+    parameters = len(gain)
+    free = max(1.0, independent - parameters)
+    ratio = float(np.mean(residual**2)) * independent / free
+    if ratio <= 1 + _SURE * np.sqrt(2 / free):
+        return np.zeros((parameters, parameters))
+    centred = residual - np.mean(residual)
+    m = len(centred)
+    spectrum = np.abs(np.fft.rfft(centred, 2 * m)) ** 2
+    autocorrelation = np.fft.irfft(spectrum)[:m]
+    autocorrelation = autocorrelation / max(autocorrelation[0], 1e-300)
+    short = np.flatnonzero(autocorrelation < np.exp(-1))
+    length = float(max(short[0] if len(short) else m, m / independent / 3.5))
+    stretches = max(m / (2 * length), parameters + 1.0)
+    variance = float(np.mean(residual**2)) * stretches / (stretches - parameters)
+    distance = np.abs(np.subtract.outer(np.arange(m), np.arange(m)))
+    return np.asarray(gain @ (variance * np.exp(-distance / length)) @ gain.T)
