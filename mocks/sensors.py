@@ -6,17 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-
-#: Faults of a sensor, and the parameters of each.
-SENSOR_FAULTS: dict[str, tuple[str, ...]] = {
-    "channel_lag": ("lag",),
-    "channel_gain": ("error",),
-    "offset_drift": ("rate",),
-    "clipping": ("limit",),
-    "ac_coupling": ("fc",),
-    "mains_hum": ("amp", "f", "phase"),
-    "dropouts": ("share",),
-}
+from scipy.signal import lfilter
 
 
 @dataclass(frozen=True)
@@ -63,8 +53,6 @@ def high_pass(signal: np.ndarray, interval: float, corner: float, before: float)
     ramp = (1.0 - keep) / (rate * interval)
     jumps = np.diff(signal, prepend=before) * ramp
     jumps[0] /= ramp  # The first sample is a step from `before`, not a ramp.
-    from scipy.signal import lfilter
-
     out: np.ndarray = lfilter([1.0], [1.0, -keep], jumps)
     return out
 

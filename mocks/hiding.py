@@ -1,0 +1,133 @@
+"""Find how large a hidden effect must be for its force to have the strength asked for."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Mapping
+
+import numpy as np
+
+from mocks.forces import PARAMETERS, Effect, pulled
+from mocks.testbed import Bench, Release, simulate
+
+#: Effects whose force may have either sign.
+SIGNED = {
+    "linear_stiffness",
+    "cubic_stiffness",
+    "quadratic_stiffness",
+    "quintic_stiffness",
+    "time_varying_stiffness",
+    "magnet",
+}
+
+
+def hide(
+    bench: Bench,
+    release: Release,
+    strengths: Mapping[str, float],
+    seed: int,
+    seconds: float = 8.0,
+    pinned: Mapping[str, Mapping[str, float]] | None = None,
+) -> tuple[Bench, dict[str, float]]:
+    """Return the bench with each effect added at its strength, and the strengths reached."""
+    if not strengths:
+        return bench, {}
+    pinned = pinned or {}
+    size = abs(release.displacement) or abs(release.velocity) / bench.angular_frequency
+    shapes = {
+        name: _draw_shape(
+            name,
+            release.displacement,
+            size,
+            bench,
+            np.random.default_rng([seed, 2, zlib.crc32(name.encode())]),
+        )
+        | dict(pinned.get(name, {}))
+        for name in strengths
+    }
+    searched = [n for n in strengths if PARAMETERS[n][0] not in pinned.get(n, {})]
+    scale = {n: abs(shapes[n][PARAMETERS[n][0]]) * 1e-6 if n in searched else 1.0 for n in strengths}
+    sign = {n: math.copysign(1.0, shapes[n][PARAMETERS[n][0]]) if n in searched else 1.0 for n in strengths}
+    time = np.arange(int(seconds * 256.0)) / 256.0
+    for _ in range(80):
+        effects = []
+        for name, shape in shapes.items():
+            main = PARAMETERS[name][0]
+            value = sign[name] * scale[name] if name in searched else shape[main]
+            effects.append(Effect(name, shape | {main: value}))
+        hidden = Bench(bench.stiffness, bench.mu_0, bench.mu_1, tuple(effects), bench.mass)
+        motion = simulate(hidden, release, time)
+        total = _rms(motion.acceleration)
+        reached = {n: _rms(f) / total for n, f in zip(strengths, motion.effects, strict=True)}
+        if all(abs(reached[n] / strengths[n] - 1.0) < 1e-3 for n in searched):
+            return hidden, reached
+        for name in searched:
+            change = strengths[name] / max(reached[name], 1e-300)
+            scale[name] *= (
+                change if scale[name] < 1e-4 * abs(shapes[name][PARAMETERS[name][0]]) else change**0.8
+            )
+    raise ValueError(f"no size of {', '.join(searched)} reaches the strength asked for on this bench")
+
+
+def _draw_shape(
+    name: str, displacement: float, size: float, bench: Bench, random: np.random.Generator
+) -> dict[str, float]:
+    """Draw what the search for the strength does not scale; the first value is its order of magnitude."""
+    w = bench.angular_frequency
+    side = -1.0 if random.random() < 0.5 else 1.0
+    per_force = w * w * size  # An acceleration of the order of the total one.
+    first = {
+        "linear_stiffness": w * w,
+        "viscous_damping": w,
+        "quadratic_damping": 1.0 / size,
+        "cubic_damping": 1.0 / (w * size * size),
+        "position_dependent_damping": w / size**2,
+        "cubic_stiffness": w * w / size**2,
+        "quadratic_stiffness": w * w / size,
+        "quintic_stiffness": w * w / size**4,
+        "end_stop": w * w,
+        "freeplay": w * w,
+        "bilinear_stiffness": w * w,
+        "hysteresis": w * w,
+        "maxwell_element": w * w,
+        "second_mass": 1.0,
+        "time_varying_stiffness": 1.0,
+        "amplitude_switched_damping": w,
+        "one_way_cable": w * w,
+        "position_dependent_friction": w * w,
+    }.get(name, per_force)
+    shape = {PARAMETERS[name][0]: side * first if name in SIGNED else first}
+    if name == "end_stop":
+        shape |= {"gap": size * random.uniform(0.5, 0.85), "side": float(random.integers(-1, 2))}
+    elif name == "freeplay":
+        shape |= {"gap": random.uniform(0.001, 0.004)}
+    elif name == "hysteresis":
+        yield_at = random.uniform(0.0015, 0.006)
+        remembered = random.random() < 0.5
+        shape |= {"uy": yield_at, "z_start": pulled(displacement, yield_at) if remembered else 0.0}
+    elif name == "maxwell_element":
+        shape |= {"tau": math.exp(random.uniform(math.log(0.008), math.log(0.12)))}
+    elif name == "second_mass":
+        shape |= {"w2": w * random.uniform(1.5, 5.0), "zeta": random.uniform(0.005, 0.05)}
+    elif name == "harmonic_forcing":
+        low = random.random() < 0.15
+        f = random.uniform(1.0, 3.2) if low else random.uniform(5.0, 30.0)
+        shape |= {"f": f, "phase": random.uniform(0.0, 2.0 * math.pi)}
+    elif name == "magnet":
+        shape |= {"at": side * size * random.uniform(0.2, 0.7), "width": random.uniform(0.0015, 0.004)}
+    elif name == "notched_spring":
+        shape |= {"at": side * size * random.uniform(0.25, 0.65), "width": random.uniform(0.001, 0.003)}
+    elif name == "amplitude_switched_damping":
+        shape |= {"at": size * random.uniform(0.3, 0.6)}
+    elif name == "stribeck_friction":
+        shape |= {"vs": random.uniform(0.04, 0.15)}
+    elif name == "fading_friction":
+        shape |= {"tau": random.uniform(0.8, 3.0)}
+    elif name == "adhesion":
+        shape |= {"length": random.uniform(0.0005, 0.002)}
+    return shape
+
+
+def _rms(x: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(x))))
