@@ -69,5 +69,6 @@ class Recording:
         """Return the samples of the first channel of that quantity, shape (n,), or None."""
         for channel, samples in zip(self.channels, self.samples, strict=True):
             if channel.quantity == quantity:
-                return samples
+                found: Array = samples
+                return found
         return None

@@ -1,0 +1,288 @@
+"""The conversation with a board: a thread that frames and timestamps, and requests that are answered.
+
+The thread reads, writes the bytes to the raw log, cuts them into frames and queues these: nothing else.
+Everything that understands happens in the caller's thread, in `take`, `request` and what builds on them.
+No wait is unbounded.
+"""
+
+import queue
+import threading
+import time
+from collections.abc import Callable
+from typing import Self
+
+from daq.decode import Assembly, Block
+from daq.errors import (
+    BoardRefused,
+    Disconnected,
+    NoBoard,
+    ProtocolError,
+    Stalled,
+    StationError,
+    VersionRefused,
+)
+from daq.port import Port
+from daq.raw_log import Kind, RawLog
+from daq.recording import Gap
+from firmware_protocol import (
+    PROTOCOL_MAJOR,
+    PROTOCOL_MINOR,
+    TYPE_OF,
+    Ack,
+    Config,
+    Data,
+    Decoder,
+    Describe,
+    End,
+    Frame,
+    Hello,
+    HelloRequest,
+    Message,
+    Nack,
+    NackCode,
+    OtherVersion,
+    Resend,
+    Start,
+    Statistics,
+    Stop,
+    encode,
+)
+
+HELLO_EVERY_S = 0.25
+HELLO_FOR_S = 5.0
+ANSWER_S = 0.25
+TRIES = 3
+WARN_S = 0.5
+GIVE_UP_S = 2.0
+RESEND_FOR_S = 30.0
+
+Happening = Block | Gap
+Arrival = tuple[float, Frame]
+
+
+class Link:
+    """One board behind one port; its frames go through `assembly`, its bytes to `log`."""
+
+    def __init__(self, port: Port, log: RawLog | None = None) -> None:
+        self.port = port
+        self.log = RawLog() if log is None else log
+        self.assembly = Assembly()
+        self.last_frame = time.monotonic()
+        self.bytes_received = 0
+        self.on_happening: Callable[[Happening], None] = lambda happening: None
+        self._decoder = Decoder()
+        self._queue: queue.SimpleQueue[Arrival | StationError] = queue.SimpleQueue()
+        self._gone: StationError | None = None
+        self._stopping = threading.Event()
+        self._sequence = 0
+        self._reader = threading.Thread(target=self._read, name=f"reader of {port.name}", daemon=True)
+        self._reader.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *reason: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stop reading and give the port back."""
+        self._stopping.set()
+        self._reader.join(timeout=2.0)
+        self.port.close()
+
+    @property
+    def statistics(self) -> Statistics:
+        """What the decoder counted."""
+        return self._decoder.statistics
+
+    def _read(self) -> None:
+        try:
+            while not self._stopping.is_set():
+                data = self.port.read()
+                if data:
+                    when = self.log.append(Kind.RECEIVED, data)
+                    self.bytes_received += len(data)
+                    for frame in self._decoder.feed(data):
+                        self._queue.put((when, frame))
+        except StationError as error:
+            self._queue.put(error)
+        except Exception as error:
+            self._queue.put(Disconnected(f"{self.port.name} cannot be read any more ({error})"))
+
+    def take(self, timeout: float) -> Frame | None:
+        """Return the next frame, having passed it through the assembly; None when none came in time.
+
+        Raises Disconnected once everything that came before it was taken.
+        """
+        self.log.sync_if_due()
+        if self._gone is not None:
+            raise self._gone
+        try:
+            item = self._queue.get(timeout=timeout) if timeout > 0 else self._queue.get_nowait()
+        except queue.Empty:
+            return None
+        if isinstance(item, StationError):
+            self._gone = item
+            raise item
+        when, frame = item
+        self.last_frame = time.monotonic()
+        for happening in self.assembly.take(frame, when):
+            self.on_happening(happening)
+        return frame
+
+    def silence(self) -> float:
+        """Seconds since the last sound frame was taken."""
+        return time.monotonic() - self.last_frame
+
+    def send(self, message: Message, prefix: bytes = b"") -> int:
+        """Send one message and return its frame's sequence."""
+        sequence, self._sequence = self._sequence, self._sequence + 1
+        data = prefix + encode(message, sequence)
+        self.log.append(Kind.SENT, data)
+        self.port.write(data)
+        return sequence
+
+    def wait(self, is_it: Callable[[Message | OtherVersion], bool], seconds: float) -> Frame | None:
+        """Take frames until one is what is waited for; None after that many seconds."""
+        until = time.monotonic() + seconds
+        while (left := until - time.monotonic()) > 0:
+            frame = self.take(min(left, 0.1))
+            if frame is not None and is_it(frame.message):
+                return frame
+        return None
+
+    def handshake(self, seconds: float = HELLO_FOR_S) -> Hello:
+        """Ask who is there until HELLO and DESCRIBE have come; stop a board that still samples.
+
+        VersionRefused for another major version, ProtocolError for a description that makes no sense,
+        NoBoard when nothing answers in time.
+        """
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            self.send(HelloRequest(), prefix=b"\0")
+            ask_again = min(time.monotonic() + HELLO_EVERY_S, until)
+            while (left := ask_again - time.monotonic()) > 0:
+                frame = self.take(left)
+                hello = self._understand(frame.message) if frame is not None else None
+                if hello is not None:
+                    return self._at_rest(hello)
+        raise NoBoard(self._nobody(seconds))
+
+    def _understand(self, message: Message | OtherVersion) -> Hello | None:
+        """Return HELLO once both it and DESCRIBE are there."""
+        if isinstance(message, OtherVersion):
+            raise VersionRefused(_versions(f"{message.major}"))
+        if isinstance(message, Hello) and message.major != PROTOCOL_MAJOR:
+            raise VersionRefused(_versions(f"{message.major}.{message.minor}"))
+        if isinstance(message, Describe) and self.assembly.description is None:
+            raise ProtocolError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
+        described = self.assembly.description is not None
+        return self.assembly.hello if described and isinstance(message, Hello | Describe) else None
+
+    def _nobody(self, seconds: float) -> str:
+        if not self.bytes_received:
+            return f"{self.port.name}: nothing answered within {seconds:g} s; is the board there and powered?"
+        return (
+            f"{self.port.name}: {self.bytes_received} bytes came within {seconds:g} s, but no answer of a"
+            " board; check baud rate and port"
+        )
+
+    def _at_rest(self, hello: Hello) -> Hello:
+        """Stop a board that may still be sampling for somebody who is gone."""
+        self.stop()
+        self.assembly.contradictions.clear()
+        return hello
+
+    def request(self, message: Message, also: Callable[[Message | OtherVersion], bool] | None = None) -> None:
+        """Send a request until it is answered by ACK, or by what is as good (`also`).
+
+        BoardRefused on NACK, Stalled when the board fell silent, ProtocolError when it talks of other things.
+        """
+        sent = set()
+        for _ in range(TRIES):
+            sent.add(self.send(message))
+            frame = self.wait(
+                lambda m: _answers(m, message, sent) or (also is not None and also(m)), ANSWER_S
+            )
+            if frame is None:
+                continue
+            if isinstance(frame.message, Nack):
+                raise _refused(message, frame.message)
+            return
+        raise self._unanswered(message)
+
+    def _unanswered(self, message: Message) -> StationError:
+        what = type(message).__name__.upper()
+        if self.silence() > WARN_S:
+            return Stalled(f"{self.port.name}: the board fell silent and did not answer {what}; reset it")
+        return ProtocolError(
+            f"{self.port.name}: the board does not answer {what}; its firmware needs a correction"
+        )
+
+    def configure(self, rate_hz: float) -> None:
+        """Set the rate (0: the board's own) and learn from DESCRIBE what the board will really do."""
+        before = self.assembly.description
+        self.request(Config(rate_hz=rate_hz))
+        if self.wait(lambda message: isinstance(message, Describe), 2 * ANSWER_S) is None:
+            self.handshake(GIVE_UP_S)
+        if self.assembly.contradictions:
+            raise ProtocolError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
+        if self.assembly.description is None:
+            self.assembly.description = before
+
+    def start(self) -> None:
+        """Begin to sample at index 0."""
+        self.log.note(event="start")
+        self.assembly.take_note({"event": "start"})
+        self.request(Start(), also=lambda message: isinstance(message, Data))
+        self.last_frame = time.monotonic()
+
+    def stop(self) -> None:
+        """End sampling and wait for END; asked for again when it was lost."""
+        for _ in range(TRIES):
+            self.request(Stop(), also=lambda message: isinstance(message, End))
+            while self.assembly.end is None and self.silence() < 2 * ANSWER_S:
+                self.take(0.05)
+            if self.assembly.end is not None:
+                return
+        raise ProtocolError(
+            f"{self.port.name}: the board stopped without END; its firmware needs a correction"
+        )
+
+    def resend(self, first: int, count: int) -> bool:
+        """Ask for samples again, after END; tell whether the board holds them all.
+
+        Returns when it is answered or nothing comes any more.
+        """
+        message = Resend(first, count)
+        sequence = self.send(message)
+        until = time.monotonic() + RESEND_FOR_S
+        quiet_from = time.monotonic()
+        while time.monotonic() < until and time.monotonic() - max(quiet_from, self.last_frame) < 2 * ANSWER_S:
+            frame = self.take(0.05)
+            if frame is not None and _answers(frame.message, message, {sequence}):
+                return isinstance(frame.message, Ack)
+        return True
+
+
+def _answers(answer: Message | OtherVersion, request: Message, sequences: set[int]) -> bool:
+    return (
+        isinstance(answer, Ack | Nack)
+        and answer.request_type == TYPE_OF[type(request)]
+        and answer.request_sequence in sequences
+    )
+
+
+def _refused(request: Message, nack: Nack) -> StationError:
+    what = type(request).__name__.upper()
+    words = nack.text or nack.code.name.replace("_", " ").lower()
+    if nack.code == NackCode.UNSUPPORTED and isinstance(request, Config):
+        return BoardRefused(f"the board cannot do {request.rate_hz:g} Hz: {words}; ask for another rate")
+    return BoardRefused(f"the board refused {what}: {words}")
+
+
+def _versions(theirs: str) -> str:
+    return (
+        f"the board speaks version {theirs} of the protocol, this station"
+        f" {PROTOCOL_MAJOR}.{PROTOCOL_MINOR}; bring both to the same major version"
+    )

@@ -1,0 +1,169 @@
+"""The manifest of a session: a checksum of every file, counts, gaps and verdict, and a checksum of itself."""
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from daq.errors import NotASession, SessionDamaged, StationError
+from daq.quality import Verdict
+from daq.raw_log import MAX_LOG
+from daq.session_info import State
+from daq.storage import Lock, digest, read_regular, write_whole
+
+NAME = "manifest.json"
+MAX_MANIFEST = 1 << 24
+TEMPORARY = ".new"
+
+
+class FileEntry(BaseModel):
+    """What a file was when it was written."""
+
+    model_config = ConfigDict(frozen=True)
+
+    size: int = Field(ge=0)
+    sha256: str = Field(pattern="^[0-9a-f]{64}$")
+
+
+class GapEntry(BaseModel):
+    """Samples `first` to `first + count - 1` of the recording that are lost."""
+
+    model_config = ConfigDict(frozen=True)
+
+    first: int
+    count: int
+    reason: str
+
+
+class Counts(BaseModel):
+    """Samples of the recording, and what the wire did to get them; zero where it does not apply."""
+
+    model_config = ConfigDict(frozen=True)
+
+    samples: int = 0
+    lost: int = 0
+    planned: int = 0
+    resent: int = 0
+    frames: int = 0
+    damaged_frames: int = 0
+    duplicates: int = 0
+
+
+class Manifest(BaseModel):
+    """What `manifest.json` holds; `files` by path relative to the session's folder."""
+
+    model_config = ConfigDict(frozen=True)
+
+    format: int = Field(default=1, ge=1, le=1)
+    state: State
+    files: dict[str, FileEntry]
+    counts: Counts = Counts()
+    gaps: tuple[GapEntry, ...] = ()
+    verdict: Verdict | None = None
+
+    def to_bytes(self) -> bytes:
+        """Return the one way in which this manifest is written; its last entry is its own checksum."""
+        content = self.model_dump(mode="json")
+        plain = json.dumps(content, indent=1, sort_keys=True).encode()
+        return json.dumps({**content, "sha256": digest(plain)}, indent=1, sort_keys=True).encode() + b"\n"
+
+    def with_file(self, name: str, data: bytes) -> "Manifest":
+        """Return a copy in which the file has this content."""
+        return self.model_copy(update={"files": {**self.files, name: entry(data)}})
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What `verify` found: `problems` in words (none when all is as it was written), `files` checked."""
+
+    folder: Path
+    problems: tuple[str, ...]
+    files: int
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        """Whether everything is as it was written."""
+        return not self.problems
+
+
+def entry(data: bytes) -> FileEntry:
+    """Return what the manifest keeps of a file."""
+    return FileEntry(size=len(data), sha256=digest(data))
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """Read and check the manifest; NotASession when there is none, SessionDamaged when it was altered."""
+    data = read_regular(folder / NAME, MAX_MANIFEST)
+    try:
+        manifest = Manifest.model_validate_json(data)
+    except ValidationError as error:
+        raise SessionDamaged(f"{folder / NAME}: no manifest any more ({_first(error)})") from error
+    if manifest.to_bytes() != data:
+        raise SessionDamaged(f"{folder / NAME}: its own checksum does not agree; it was altered")
+    return manifest
+
+
+def write_manifest(folder: Path, manifest: Manifest) -> None:
+    """Write the manifest as a whole."""
+    write_whole(folder / NAME, manifest.to_bytes())
+
+
+def verify(folder: Path) -> Verification:
+    """Compare every file of a session with the manifest; finds one flipped bit anywhere.
+
+    Files in `results` that the manifest does not know are remarks, elsewhere problems. Never raises for
+    what is in the folder.
+    """
+    try:
+        manifest = read_manifest(folder)
+    except NotASession:
+        return Verification(folder, (f"{folder}: not sealed, or no session; recover it first",), 0)
+    except StationError as error:
+        return Verification(folder, (str(error),), 0)
+    problems = [p for name, known in manifest.files.items() if (p := _compare(folder, name, known))]
+    remarks: list[str] = []
+    for name in session_files(folder):
+        if name in manifest.files:
+            continue
+        text = f"{name}: not in the manifest"
+        (remarks if name.startswith("results/") else problems).append(text)
+    return Verification(folder, tuple(problems), len(manifest.files) + 1, tuple(remarks))
+
+
+def _compare(folder: Path, name: str, known: FileEntry) -> str:
+    if not is_plain_name(name):
+        return f"{name!r}: the manifest names a file outside the session"
+    try:
+        data = read_regular(folder / name, max(known.size, 1) if known.size <= MAX_LOG else MAX_LOG)
+    except StationError as error:
+        return f"{name}: {str(error).removeprefix(str(folder / name)).strip(': ')}"
+    if len(data) != known.size:
+        return f"{name}: {len(data)} bytes, but {known.size} were written"
+    return "" if digest(data) == known.sha256 else f"{name}: its checksum does not agree; it was altered"
+
+
+def is_plain_name(name: str) -> bool:
+    """Tell whether a relative path stays in its folder, on any system."""
+    parts = name.replace("\\", "/").split("/")
+    return len(name) < 256 and all(p not in ("", ".", "..") and ":" not in p and "\0" not in p for p in parts)
+
+
+def session_files(folder: Path) -> list[str]:
+    """Return the files of a session but the manifest, the lock and temporaries; links are not followed."""
+    names = []
+    for top, _, files in os.walk(folder):
+        for file in files:
+            name = (Path(top) / file).relative_to(folder).as_posix()
+            passing = name == Lock.NAME or (file.startswith(".") and file.endswith(TEMPORARY))
+            if not passing and name != NAME:
+                names.append(name)
+    return sorted(names)
+
+
+def _first(error: ValidationError) -> str:
+    first = error.errors(include_url=False, include_input=False)[0]
+    where = ".".join(str(part) for part in first["loc"])
+    return f"{where}: {first['msg']}" if where else str(first["msg"])

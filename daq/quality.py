@@ -1,0 +1,255 @@
+"""The verdict on a recording: OK, USABLE WITH GAPS or REJECT, with the reasons in words.
+
+It judges what was recorded, not what it means: losses, saturation, a dead channel, too little motion, a
+start in mid-motion, noise, clocks, channels that contradict each other.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from enum import StrEnum
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict
+
+from daq.decode import Assembly
+from daq.recording import Array, Channel, Gap, Recording
+from firmware_protocol import EventKind
+
+LOST_LIMIT = 0.02
+LONGEST_GAP_S = 0.25
+SATURATED_LIMIT = 3
+CLOCK_LIMIT = 0.005
+SHORTEST_CLOCK_S = 2.0
+MOTION_TO_NOISE = 20.0
+
+
+class Word(StrEnum):
+    """The verdict in a word."""
+
+    OK = "OK"
+    USABLE = "USABLE WITH GAPS"
+    REJECT = "REJECT"
+
+
+class Verdict(BaseModel):
+    """A word and its reasons, worst first; `advice` says what to do before taking it again."""
+
+    model_config = ConfigDict(frozen=True)
+
+    word: Word
+    reasons: tuple[str, ...] = ()
+    advice: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return "\n".join((self.word.value, *(f"- {reason}" for reason in self.reasons)))
+
+
+class _Findings:
+    def __init__(self) -> None:
+        self.found: list[tuple[Word, str, str]] = []
+
+    def reject(self, reason: str, advice: str = "") -> None:
+        self.found.append((Word.REJECT, reason, advice))
+
+    def usable(self, reason: str, advice: str = "") -> None:
+        self.found.append((Word.USABLE, reason, advice))
+
+    def verdict(self) -> Verdict:
+        for word in (Word.REJECT, Word.USABLE):
+            if any(found[0] is word for found in self.found):
+                break
+        else:
+            return Verdict(word=Word.OK)
+        ordered = sorted(self.found, key=lambda found: found[0] is not Word.REJECT)
+        advice = dict.fromkeys(found[2] for found in ordered if found[2])
+        return Verdict(word=word, reasons=tuple(found[1] for found in ordered), advice=tuple(advice))
+
+
+def judge(
+    recording: Recording,
+    assembly: Assembly | None = None,
+    planned: int | None = None,
+    noise: Mapping[str, float] | None = None,
+    check_clock: bool = True,
+) -> Verdict:
+    """Return the verdict on a recording.
+
+    `assembly` adds what the board and the wire told, `planned` the number of samples wanted, `noise` the
+    standard deviation of each channel at rest by its name (channel's unit).
+    """
+    findings = _Findings()
+    _losses(findings, recording, planned)
+    for channel, samples in zip(recording.channels, recording.samples, strict=True):
+        _one_channel(findings, channel, samples[recording.valid], (noise or {}).get(channel.name))
+    _start(findings, recording)
+    _kinematics(findings, recording)
+    if assembly is not None:
+        _told_by_board(findings, assembly)
+        _clocks(findings, assembly, check_clock)
+    return findings.verdict()
+
+
+def summary(gaps: Iterable[Gap]) -> str:
+    """Return lost samples by reason: `16 on the wire, 32 by overrun of the board`."""
+    words = {
+        "wire": "on the wire",
+        "overrun": "by overrun of the board",
+        "reboot": "by a reboot of the board",
+        "checksum": "to a wrong checksum",
+    }
+    counts: Counter[str] = Counter()
+    for gap in gaps:
+        counts[gap.reason] += gap.count
+    return ", ".join(f"{n} {words.get(reason, f'({reason})')}" for reason, n in counts.items())
+
+
+def _losses(findings: _Findings, recording: Recording, planned: int | None) -> None:
+    n = len(recording.valid)
+    lost = int(n - recording.valid.sum())
+    if planned is not None and n < planned:
+        share = n / planned
+        say = findings.reject if share < 0.5 else findings.usable
+        say(
+            f"ends {(planned - n) / recording.rate:.2f} s early, after {n} of {planned} samples",
+            "check cable and board",
+        )
+    if not lost:
+        return
+    longest = max((gap.count for gap in recording.gaps), default=lost) / recording.rate
+    reason = f"{lost} of {n} samples lost: {summary(recording.gaps)}; the longest gap {longest * 1e3:.0f} ms"
+    advice = "a shorter cable, a slower rate, or a faster port"
+    if lost > LOST_LIMIT * n or longest > LONGEST_GAP_S:
+        findings.reject(reason, advice)
+    else:
+        findings.usable(reason, advice)
+
+
+def _one_channel(findings: _Findings, channel: Channel, samples: Array, noise: float | None) -> None:
+    if not len(samples):
+        return
+    span = float(np.ptp(samples))
+    step = channel.resolution or 0.0
+    if span <= step:
+        findings.reject(
+            f"{channel.name} does not move: dead, or not connected", f"check the sensor of {channel.name}"
+        )
+        return
+    clipped = _saturated(channel, samples)
+    if clipped >= SATURATED_LIMIT:
+        findings.reject(
+            f"{channel.name} is at the end of its range in {clipped} samples",
+            f"a smaller release, or a wider range of {channel.name}",
+        )
+    if noise is not None and span < MOTION_TO_NOISE * noise:
+        findings.reject(
+            f"{channel.name} moves by only {span / noise:.0f} times its noise", "a larger release"
+        )
+
+
+def _saturated(channel: Channel, samples: Array) -> int:
+    """Count samples within one code of an end of the range that stay there for two samples or more."""
+    step = channel.resolution or 0.0
+    at_end = np.zeros(len(samples), dtype=np.bool_)
+    if channel.high is not None:
+        at_end |= samples >= channel.high - 1.01 * step
+    if channel.low is not None:
+        at_end |= samples <= channel.low + 1.01 * step
+    return int((at_end[1:] & at_end[:-1]).sum())
+
+
+def _start(findings: _Findings, recording: Recording) -> None:
+    """A capture that begins in mid-motion has missed its release."""
+    trigger = recording.trigger
+    if trigger is None:
+        return
+    if trigger < 0.25 * recording.rate:
+        findings.usable(f"only {trigger / recording.rate:.2f} s were recorded before the release")
+
+
+def _kinematics(findings: _Findings, recording: Recording) -> None:
+    """About a spring's rest the acceleration opposes the displacement: a sign that does not is reversed.
+
+    Only asked when both channels are there; a correlation between the two that is near zero means that
+    the channels measure different things.
+    """
+    displacement, acceleration = recording.channel("displacement"), recording.channel("acceleration")
+    if displacement is None or acceleration is None:
+        return
+    start = recording.trigger or 0
+    good = np.flatnonzero(recording.valid)
+    good = good[good >= start]
+    if len(good) < 32:
+        return
+    x, a = displacement[good], acceleration[good]
+    x, a = x - x[-len(x) // 8 :].mean(), a - a.mean()
+    power = float(np.sqrt((x @ x) * (a @ a)))
+    correlation = float(x @ a) / power if power > 0 else 0.0
+    if correlation > 0.5:
+        findings.reject(
+            "displacement and acceleration have the same sign: one of them is reversed",
+            "turn one sensor round, or change the sign of its scale",
+        )
+    elif correlation > -0.5:
+        findings.usable(
+            f"displacement and acceleration hardly agree (correlation {correlation:.2f}, near -1 expected):"
+            " swapped, or on different masses",
+            "check which sensor is on which channel",
+        )
+    elif _looks_swapped(x, a, recording.rate):
+        findings.reject("displacement and acceleration look swapped", "swap the two channels")
+
+
+def _looks_swapped(x: Array, a: Array, rate: float) -> bool:
+    """Compare the ratio a/x with the square of the frequency at which x crosses zero; swapped inverts it."""
+    threshold = 0.2 * np.abs(x).max()
+    side = np.where(x > threshold, 1, np.where(x < -threshold, -1, 0))
+    side = side[side != 0]
+    crossings = int((side[1:] != side[:-1]).sum())
+    big = np.flatnonzero(np.abs(x) > threshold)
+    if crossings < 4 or len(big) < 16:
+        return False
+    omega = np.pi * crossings / ((big[-1] - big[0]) / rate)
+    ratio = float(np.sqrt((a @ a) / (x @ x))) / omega**2
+    return ratio < 0.1 and bool(abs(np.log(ratio * omega**4)) < np.log(10))
+
+
+def _told_by_board(findings: _Findings, assembly: Assembly) -> None:
+    for contradiction in assembly.contradictions[:3]:
+        findings.reject(f"the board contradicts itself: {contradiction}", "correct the firmware")
+    saturated = Counter(
+        e.channel for e in assembly.events if e.kind == EventKind.SATURATION and _within(assembly, e.index)
+    )
+    for number, count in saturated.items():
+        name = assembly.channels[number].name if number < len(assembly.channels) else "a channel"
+        findings.reject(f"the board reports saturation of {name} ({count} times)", "a smaller release")
+    faults = [e for e in assembly.events if e.kind == EventKind.SENSOR_FAULT]
+    if faults:
+        findings.reject(
+            f"the board reports a sensor fault: {faults[0].text or 'no details'}", "check the sensor"
+        )
+    if assembly.checksum_agrees() is False:
+        findings.reject("the board's checksum of all samples does not agree", "take it again")
+    if assembly.rebooted:
+        findings.reject("the board rebooted in mid-capture", "check its supply")
+
+
+def _within(assembly: Assembly, index: int) -> bool:
+    return assembly.start <= index < assembly.stop
+
+
+def _clocks(findings: _Findings, assembly: Assembly, check_host: bool) -> None:
+    board, rate = assembly.board_clock(), assembly.rate
+    if board is not None and abs(board.rate / rate - 1) > max(CLOCK_LIMIT, 5 * board.std / rate):
+        findings.reject(
+            f"the board says {rate:g} Hz, but its own clock says {board.rate:.6g} Hz", "correct the firmware"
+        )
+        return
+    host = assembly.host_clock()
+    if not check_host or host is None or host.span < SHORTEST_CLOCK_S:
+        return
+    if abs(host.rate / rate - 1) > max(CLOCK_LIMIT, 5 * host.std / rate):
+        findings.reject(
+            f"the board says {rate:g} Hz, but {host.rate:.4g} samples came per second of this computer's"
+            " clock: every frequency would be wrong by that factor",
+            "correct the rate in the firmware",
+        )

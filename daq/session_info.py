@@ -1,0 +1,71 @@
+"""What a session says about itself: `session.json`, checked when it is read."""
+
+from datetime import UTC, datetime
+from enum import StrEnum
+
+from pydantic import BaseModel, ConfigDict, Field
+
+FORMAT = 1
+
+
+class State(StrEnum):
+    """Where a session stands."""
+
+    RECORDING = "recording"
+    SEALED = "sealed"
+    RECOVERED = "recovered"
+    ABORTED = "aborted"
+
+
+class SensorInfo(BaseModel):
+    """A sensor and its calibration: `uncertainty` is relative (0.01 is one per cent)."""
+
+    model_config = ConfigDict(frozen=True)
+
+    channel: str = Field(max_length=255)
+    sensor: str = Field(default="", max_length=255)
+    calibrated: str = Field(default="", max_length=255)
+    uncertainty: float | None = Field(default=None, ge=0, le=10, allow_inf_nan=False)
+
+
+class BoardInfo(BaseModel):
+    """Which board it was, as it said itself."""
+
+    model_config = ConfigDict(frozen=True)
+
+    board: str = Field(default="", max_length=255)
+    firmware: str = Field(default="", max_length=255)
+    unique_id: str = Field(default="", max_length=255)
+    boot_id: int = 0
+    protocol: str = Field(default="", max_length=16)
+
+
+class SessionInfo(BaseModel):
+    """The metadata of a session; SI units, the mass in kg (kg m^2 for angles).
+
+    `source` is the port or the file, `noise` the standard deviation of each channel at rest in its unit,
+    `rate_std_hz` the standard error of the rate as far as it was measured, `reason` why a session was
+    aborted or recovered.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    format: int = Field(default=FORMAT, ge=1, le=FORMAT)
+    name: str = Field(default="", max_length=255)
+    created: datetime = Field(default_factory=lambda: datetime.now(UTC).replace(microsecond=0))
+    state: State = State.RECORDING
+    operator: str = Field(default="", max_length=255)
+    specimen: str = Field(default="", max_length=1000)
+    remarks: str = Field(default="", max_length=10000)
+    mass_kg: float | None = Field(default=None, gt=0, allow_inf_nan=False)
+    mass_std_kg: float | None = Field(default=None, ge=0, allow_inf_nan=False)
+    sensors: tuple[SensorInfo, ...] = Field(default=(), max_length=256)
+    source: str = Field(default="", max_length=4096)
+    source_file: str = Field(default="", max_length=255)
+    board: BoardInfo | None = None
+    rate_hz: float | None = Field(default=None, gt=0, allow_inf_nan=False)
+    rate_std_hz: float | None = Field(default=None, ge=0, allow_inf_nan=False)
+    planned_samples: int | None = Field(default=None, ge=0)
+    noise: dict[str, float] = Field(default_factory=dict, max_length=256)
+    verdict: str = Field(default="", max_length=64)
+    reason: str = Field(default="", max_length=2000)
