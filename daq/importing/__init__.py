@@ -1,0 +1,7 @@
+"""Recordings of other boards, from the files people have."""
+
+from daq.importing.errors import ImportProblem
+from daq.importing.options import ImportOptions
+from daq.importing.reading import read_file
+
+__all__ = ["ImportOptions", "ImportProblem", "read_file"]

@@ -1,0 +1,171 @@
+"""Which column is which quantity: what the options say, else what the headers say, never a silent guess."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from daq.importing.columns import INDEX, Meaning, meaning, words
+from daq.importing.errors import ImportProblem, problem
+from daq.importing.options import NONE, QUANTITIES, ImportOptions
+from daq.importing.table import SourceColumn, Table
+from daq.importing.units import Unit
+
+MOTIONS = ("displacement", "velocity", "acceleration")
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """A column taken as a quantity; `unit` is what the file says about it, `asked` whether an option named it."""
+
+    quantity: str
+    column: SourceColumn
+    unit: Unit | None
+    unit_text: str
+    angular: bool
+    named_derived: bool
+    asked: bool
+
+
+def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> dict[str, Choice]:
+    """Return the column of each quantity that the table has; sentences about it go to `notes`.
+
+    Raises ImportProblem when several columns could be meant, or none is a motion.
+    """
+    meanings = {c.number: _meaning(c) for c in table.columns}
+    choices = {
+        quantity: _asked(table, quantity, wanted, meanings)
+        for quantity, wanted in options.columns.items()
+        if str(wanted).strip().lower() != NONE
+    }
+    taken = {choice.column.number for choice in choices.values()}
+    motion_asked = any(quantity in options.columns for quantity in (*MOTIONS, "force"))
+    for quantity in QUANTITIES:
+        if quantity in options.columns or (motion_asked and quantity != "time"):
+            continue
+        if quantity == "time" and options.rate is not None:
+            continue
+        found = _found(table, quantity, [c for c in table.columns if c.number not in taken], meanings)
+        if found is not None:
+            choices[quantity] = found
+            taken.add(found.column.number)
+    if "time" not in options.columns and "time" not in choices and options.rate is None:
+        clock = _rising_first(table, taken)
+        if clock is not None:
+            choices["time"] = _as_choice("time", clock, meanings[clock.number], asked=False)
+            taken.add(clock.number)
+            notes.append(f"{clock.place} has no name that says so, but its numbers rise evenly: it was taken as time")
+    if not any(quantity in choices for quantity in MOTIONS):
+        raise _no_motion(table, taken)
+    return choices
+
+
+def left_out(table: Table, choices: dict[str, Choice]) -> str:
+    """Return a sentence that names the columns nobody chose, or ""."""
+    taken = {choice.column.number for choice in choices.values()}
+    rest = [column.place for column in table.columns if column.number not in taken]
+    if not rest:
+        return ""
+    shown = ", ".join(rest[:6]) + (f" and {len(rest) - 6} more" if len(rest) > 6 else "")
+    return f"not used: {shown}"
+
+
+def _meaning(column: SourceColumn) -> Meaning:
+    if column.quantity is None:
+        said = meaning(column.label, column.unit)
+        return Meaning("time", 2, None, "", False, False, False) if column.clock and not said.quantity else said
+    said = meaning("", column.unit)
+    unit = said.unit if said.unit is not None and said.unit.quantity in (None, column.quantity) else None
+    return Meaning(column.quantity, 3, unit, said.unit_text, said.angular, False, False)
+
+
+def _as_choice(quantity: str, column: SourceColumn, said: Meaning, *, asked: bool) -> Choice:
+    fits = said.unit is not None and said.unit.quantity in (None, quantity)
+    return Choice(
+        quantity, column, said.unit if fits else None, said.unit_text if fits else "", said.angular, said.derived, asked
+    )
+
+
+def _asked(table: Table, quantity: str, wanted: str | int, meanings: dict[int, Meaning]) -> Choice:
+    """Return the column that an option names, by number or by name."""
+    text = " ".join(str(wanted).split())
+    tests = (
+        lambda c: c.label == str(wanted),
+        lambda c: str(c.number) == text,
+        lambda c: " ".join(c.label.split()).casefold() == text.casefold(),
+        lambda c: " ".join(words(c.label)) == " ".join(words(text)) != "",
+        lambda c: len(text) > 2 and text.casefold() in c.label.casefold(),
+    )
+    for test in tests:
+        found = [c for c in table.columns if test(c)]
+        if len(found) == 1:
+            return _as_choice(quantity, found[0], meanings[found[0].number], asked=True)
+        if found:
+            raise problem(
+                table.path, f"'{text}' could be {_listed(found)}", f"give the number (columns {quantity}={found[0].number})"
+            )
+    raise problem(
+        table.path, f"there is no column '{text}' for the {quantity}; the file has {_listed(table.columns)}",
+        "name one of these, or give its number",
+    )  # fmt: skip
+
+
+def _found(
+    table: Table, quantity: str, free: Sequence[SourceColumn], meanings: dict[int, Meaning]
+) -> Choice | None:
+    """Return the one column whose header says this quantity best."""
+    candidates = [c for c in free if meanings[c.number].quantity == quantity and np.isfinite(c.values).any()]
+    if quantity == "time":
+        candidates += [c for c in free if c not in candidates and words(c.label) == ("s",)][: 0 if candidates else 1]
+    candidates = [c for c in candidates if not meanings[c.number].derived] or candidates
+    best = max((meanings[c.number].strength for c in candidates), default=0)
+    top = [c for c in candidates if meanings[c.number].strength == best]
+    if len(top) > 1:
+        top = [c for c in top if not set(words(c.label)) & INDEX] or top
+    if not top:
+        return None
+    if len(top) > 1 and not _same_numbers(top):
+        raise problem(
+            table.path, f"{len(top)} columns could be the {quantity}: {_listed(top)}",
+            f"choose one, such as columns {quantity}={_name(top[0])}" + (f" ({quantity}=none leaves it out)" if quantity != "time" else ""),
+        )  # fmt: skip
+    return _as_choice(quantity, top[0], meanings[top[0].number], asked=False)
+
+
+def _same_numbers(columns: Sequence[SourceColumn]) -> bool:
+    return all(np.array_equal(columns[0].values, c.values, equal_nan=True) for c in columns[1:])
+
+
+def _rising_first(table: Table, taken: set[int]) -> SourceColumn | None:
+    """Return the first free column if its numbers rise all the way and nearly evenly."""
+    if not table.columns or table.columns[0].number in taken or table.columns[0].bad is not None:
+        return None
+    column = table.columns[0]
+    if words(column.label) and not set(words(column.label)) <= INDEX:
+        return None
+    values = column.values
+    if set(words(column.label)) & INDEX or len(table.columns) < 2 or len(values) < 3:
+        return None
+    steps = np.diff(values)
+    even = np.all(steps > 0.0) and float(np.max(steps)) < 1e3 * float(np.median(steps))
+    return column if even and np.isfinite(values).all() else None
+
+
+def _name(column: SourceColumn) -> str:
+    label = " ".join(column.label.split())
+    return f"'{label}'" if " " in label else label if 0 < len(label) <= 20 else str(column.number)
+
+
+def _listed(columns: Sequence[SourceColumn]) -> str:
+    shown = ", ".join(c.place for c in columns[:8])
+    return shown + (f" and {len(columns) - 8} more" if len(columns) > 8 else "")
+
+
+def _no_motion(table: Table, taken: set[int]) -> ImportProblem:
+    rest = [c for c in table.columns if c.number not in taken]
+    if not rest:
+        return problem(table.path, "holds no column beside the time", "name a file with a displacement, velocity or acceleration")
+    return problem(
+        table.path, f"nothing says which column is a displacement, velocity or acceleration among {_listed(rest)}",
+        f"say it, such as columns displacement={_name(rest[-1])} and its unit",
+    )  # fmt: skip

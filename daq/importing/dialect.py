@@ -1,0 +1,180 @@
+"""How a text file is written: its encoding, its delimiter, its decimal sign, and where its numbers begin."""
+
+import codecs
+import csv
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from daq.importing.errors import problem
+from daq.importing.numbers import parse_clock, parse_number
+from daq.importing.options import ImportOptions
+
+BLANK = " "
+COMMENTS = ("#", "%", "//", "!", "'", "*")
+DELIMITERS = (";", "\t", ",", "|", BLANK)
+NAMES = {";": "semicolon", "\t": "tab", ",": "comma", "|": "bar", BLANK: "blank"}
+_SAMPLE_LINES = 400
+_SAMPLE_CHARACTERS = 400_000
+_RUN = 3
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """Delimiter and decimal sign, the first line of numbers (0-based), and how many cells a row has."""
+
+    delimiter: str
+    decimal: str
+    start: int
+    width: int
+
+
+def decode(path: Path, data: bytes, encoding: str | None) -> tuple[str, str]:
+    """Return the text of a file and a sentence about its encoding ("" when there is nothing to say).
+
+    Raises ImportProblem when it is not text.
+    """
+    if encoding is not None:
+        try:
+            return data.decode(encoding), f"the text was read as {encoding}, as asked"
+        except (LookupError, UnicodeError, ValueError) as error:
+            raise problem(path, f"cannot be read as {encoding} ({error})", "name another encoding") from None
+    marks = (
+        (codecs.BOM_UTF8, "utf-8-sig"),
+        (codecs.BOM_UTF32_LE, "utf-32"),
+        (codecs.BOM_UTF16_LE, "utf-16"),
+        (codecs.BOM_UTF16_BE, "utf-16"),
+    )
+    name = next((name for mark, name in marks if data.startswith(mark)), None)
+    if name is None and b"\0" in data[:4000]:
+        head = data[:4000]
+        even, odd = head[0::2].count(0), head[1::2].count(0)
+        name = "utf-16-le" if odd > 0.8 * len(head) / 2 else "utf-16-be" if even > 0.8 * len(head) / 2 else None
+        if name is None:
+            raise _binary(path)
+    try:
+        text = data.decode(name or "utf-8")
+    except UnicodeError:
+        if name is not None:
+            raise problem(path, f"begins as {name} text but does not go on so", "save it again as text") from None
+        text, name = data.decode("cp1252", errors="replace"), "windows-1252 (latin-1)"
+    odd_ones = sum(text.count(chr(code)) for code in range(32) if code not in (9, 10, 11, 12, 13, 26, 27, 30, 31))
+    if odd_ones > 3 + len(text) // 1000:
+        raise _binary(path)
+    text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\x1a", "").replace("\0", "")
+    return text, f"the text was read as {name}" if name not in (None, "utf-8-sig") else ""
+
+
+def _binary(path: Path) -> Exception:
+    return problem(
+        path, "is not text, nor a MATLAB or UFF file that can be read", "export the recording as CSV and import that"
+    )
+
+
+def split(line: str, delimiter: str) -> list[str]:
+    """Return the cells of one line; quotes protect delimiters."""
+    if delimiter == BLANK:
+        return line.replace('"', "").split()
+    if '"' not in line:
+        return line.split(delimiter)
+    try:
+        return next(csv.reader([line], delimiter=delimiter), [])
+    except csv.Error:
+        return line.split(delimiter)
+
+
+def is_comment(line: str) -> bool:
+    """Tell whether a line is a remark."""
+    return line.lstrip().startswith(COMMENTS)
+
+
+def _row_width(line: str, delimiter: str, decimal: str) -> int:
+    """Return the number of cells of a line that begins a row of numbers, 0 for any other line."""
+    cells = split(line, delimiter)
+    if is_comment(line) or not line.strip():
+        return 0
+    found = 0
+    for cell in cells[:64]:
+        number = parse_number(cell, decimal)
+        if number is None and parse_clock(cell) is None:
+            return 0
+        found += number is None or number == number
+    return len(cells) if found else 0
+
+
+def _mixed_row_width(line: str, delimiter: str, decimal: str) -> int:
+    """As `_row_width`, for tables in which some column holds text: two numbers are enough."""
+    cells = split(line, delimiter)
+    if is_comment(line) or not line.strip():
+        return 0
+    found = sum(
+        parse_clock(cell) is not None or ((n := parse_number(cell, decimal)) is not None and n == n)
+        for cell in cells[:64]
+    )
+    return len(cells) if found >= 2 else 0
+
+
+def _candidates(options: ImportOptions) -> list[tuple[str, str]]:
+    delimiters = (options.delimiter,) if options.delimiter else DELIMITERS
+    decimals = (options.decimal,) if options.decimal else (".", ",")
+    return [(d, s) for d in delimiters for s in decimals if options.delimiter is None or d != s]
+
+
+def _sample(lines: Sequence[str], skip: int) -> list[int]:
+    """Return the numbers of the lines to look at: the first few hundred that are not blank."""
+    picked: list[int] = []
+    size = 0
+    for i in range(skip, len(lines)):
+        if lines[i].strip():
+            picked.append(i)
+            size += len(lines[i])
+        if len(picked) >= _SAMPLE_LINES or size > _SAMPLE_CHARACTERS:
+            break
+    return picked
+
+
+def find_dialect(path: Path, lines: Sequence[str], options: ImportOptions) -> Dialect:
+    """Return how the lines are to be cut, by trying every way and keeping the one that leaves most numbers.
+
+    Raises ImportProblem when there are no rows of numbers.
+    """
+    picked = _sample(lines, options.skip_rows)
+    for width_of in (_row_width, _mixed_row_width):
+        best: tuple[tuple[float, ...], Dialect] | None = None
+        for delimiter, decimal in _candidates(options):
+            widths = [width_of(lines[i], delimiter, decimal) for i in picked]
+            start = _start(widths)
+            if start is None:
+                continue
+            rows = widths[start:]
+            width, count = Counter(w for w in rows if w).most_common(1)[0]
+            above = split(lines[picked[start - 1]], delimiter) if start else []
+            agrees = float(len(above) == width)
+            score = (round(count / len(rows), 1), float(width > 1), agrees, count / len(rows), -DELIMITERS.index(delimiter) if delimiter in DELIMITERS else 0.0)
+            if best is None or score > best[0]:
+                best = (score, Dialect(delimiter, decimal, picked[start], width))
+        if best is not None:
+            return best[1]
+    raise _no_rows(path, lines, picked)
+
+
+def _start(widths: Sequence[int]) -> int | None:
+    """Return the first of three rows of numbers in a row (or of what there is at the end of a short file)."""
+    for i, width in enumerate(widths):
+        run = widths[i : i + _RUN]
+        if width and all(run) and len(set(run)) <= 2 and (len(run) == _RUN or i + len(run) == len(widths)):
+            return i
+    return None
+
+
+def _no_rows(path: Path, lines: Sequence[str], picked: Sequence[int]) -> Exception:
+    if not picked:
+        return problem(path, "holds no rows", "record again or name another file")
+    text = " ".join(lines[picked[-1]].split())[:40]
+    return problem(
+        path,
+        f"no rows of numbers were found; '{text}' is none",
+        "export the recording as a table of numbers with one header row, or give the delimiter and the decimal sign",
+        line=picked[-1] + 1,
+    )

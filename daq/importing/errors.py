@@ -1,0 +1,21 @@
+"""What a file can do wrong: one sentence that says where, and what to do."""
+
+from pathlib import Path
+
+from daq.errors import UnreadableFile
+
+
+class ImportProblem(UnreadableFile):
+    """A file that cannot be imported as it stands, or an option that does not fit it (exit code 2)."""
+
+
+def problem(
+    path: Path, what: str, todo: str = "", *, line: int | None = None, column: int | None = None
+) -> ImportProblem:
+    """Return the error whose sentence gives file, line, column, what is wrong and what to do."""
+    where = path.name
+    if line is not None:
+        where += f", line {line}"
+    if column is not None:
+        where += f", column {column}"
+    return ImportProblem(f"{where}: {what}" + (f"; {todo}" if todo else ""))

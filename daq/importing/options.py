@@ -1,0 +1,62 @@
+"""What the operator says about a file that the file does not say itself."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from daq.importing.errors import ImportProblem
+
+QUANTITIES = ("time", "displacement", "velocity", "acceleration", "force")
+NONE = "none"
+
+
+def _empty() -> Mapping[str, str]:
+    return MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class ImportOptions:
+    """Choices that override what the importer finds out by itself; the default is to find out everything.
+
+    `columns` maps a quantity (time, displacement, velocity, acceleration, force) to a column's name or
+    1-based number; "none" leaves the quantity out. In a MATLAB file a column is a variable, in a UFF file
+    a data set of type 58 (its number, its ID line, or its node and direction such as `3:+Z`).
+    `units` maps a quantity to the unit of the numbers in the file, such as `mm`, `deg`, `g`, `V`, or a
+    number and a unit for a sensor's scale, such as `0.0025 m`. `rate` (Hz) serves where there is no time column.
+    `delimiter` (one character, or "blank", "tab"), `decimal` ("." or ","), `encoding` and `skip_rows`
+    (lines to ignore at the top) are for text. `resample` puts samples with uneven time stamps on an even
+    clock by a spline; `keep_derived` keeps a channel that was computed from another one.
+
+    Raises ImportProblem when an option contradicts itself.
+    """
+
+    columns: Mapping[str, str | int] = field(default_factory=_empty)
+    units: Mapping[str, str] = field(default_factory=_empty)
+    rate: float | None = None
+    delimiter: str | None = None
+    decimal: str | None = None
+    encoding: str | None = None
+    skip_rows: int = 0
+    resample: bool = False
+    keep_derived: bool = False
+
+    def __post_init__(self) -> None:
+        for name, mapping in (("columns", self.columns), ("units", self.units)):
+            for quantity in mapping:
+                if quantity not in QUANTITIES:
+                    raise ImportProblem(f"{name}: '{quantity}' is not one of {', '.join(QUANTITIES)}")
+            object.__setattr__(self, name, MappingProxyType(dict(mapping)))
+        if self.rate is not None and not 0.0 < self.rate < 1e9:
+            raise ImportProblem(f"the rate must be a positive number of Hz, not {self.rate}")
+        if self.decimal not in (None, ".", ","):
+            raise ImportProblem(f"the decimal sign must be '.' or ',', not '{self.decimal}'")
+        if self.skip_rows < 0:
+            raise ImportProblem(f"the number of rows to skip cannot be negative ({self.skip_rows})")
+        delimiter = {"tab": "\t", "\\t": "\t", "blank": " ", "space": " "}.get(
+            self.delimiter or "", self.delimiter
+        )
+        if delimiter is not None and len(delimiter) != 1:
+            raise ImportProblem(f"the delimiter must be one character, 'tab' or 'blank', not '{delimiter}'")
+        if delimiter is not None and delimiter == self.decimal:
+            raise ImportProblem(f"'{delimiter}' cannot be both the delimiter and the decimal sign")
+        object.__setattr__(self, "delimiter", delimiter)

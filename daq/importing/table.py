@@ -1,0 +1,52 @@
+"""The common ground of all formats: named columns of numbers, before anybody says what they mean."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from daq.recording import Array
+
+
+@dataclass(frozen=True, eq=False)
+class SourceColumn:
+    """One column of a file: what is written above it, and its numbers, NaN where there is none.
+
+    `number` counts from 1; `label` is the header as it stands, without a unit row's unit, which is in
+    `unit`. `quantity` is set where the format itself says it (UFF). `bad` is the first cell that is
+    neither a number nor empty, as (line, text). `clock` is True for dates and times of day (then in s).
+    `noun` is what the format calls a column.
+    """
+
+    number: int
+    label: str
+    values: Array
+    unit: str = ""
+    quantity: str | None = None
+    bad: tuple[int, str] | None = None
+    clock: bool = False
+    noun: str = "column"
+    rate: float | None = None
+
+    @property
+    def place(self) -> str:
+        """How a sentence calls this column."""
+        text = " ".join(self.label.split())
+        text = text if len(text) <= 40 else text[:37] + "..."
+        return f"{self.noun} {self.number} '{text}'" if text else f"{self.noun} {self.number}"
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The columns of one file, all of one length, with the line each row came from where there are lines."""
+
+    path: Path
+    columns: tuple[SourceColumn, ...]
+    lines: np.ndarray[tuple[int], np.dtype[np.int64]] | None = None
+    rate: float | None = None
+    rate_source: str = ""
+    notes: tuple[str, ...] = ()
+
+    def line(self, row: int) -> int | None:
+        """Return the 1-based line of a row, or None where the format has no lines."""
+        return None if self.lines is None else int(self.lines[row])

@@ -1,0 +1,223 @@
+"""From time stamps to an even clock: its rate, how far the stamps stray, which samples are missing."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from daq.importing.errors import problem
+from daq.importing.table import SourceColumn, Table
+from daq.importing.units import SECOND, Unit
+from daq.recording import Array
+
+Index = NDArray[np.int64]
+EVEN = 1e-3
+TOO_IRREGULAR = 0.2
+MAX_GROWTH = 20
+MAX_SAMPLES = 50_000_000
+DAY = 86400.0
+
+
+@dataclass(frozen=True, eq=False)
+class Timebase:
+    """An even clock for the rows of a table.
+
+    `rows` (m,) are the rows to keep and `index` (m,) the sample each becomes, out of `count`; `stamps` (m,)
+    are their times in s from sample 0 (None without stamps). `stray_rms` is in s.
+    """
+
+    rate: float
+    rate_std: float | None
+    rows: Index
+    index: Index
+    count: int
+    stamps: Array | None = None
+    stray_rms: float = 0.0
+    notes: tuple[str, ...] = ()
+
+
+def from_rate(rate: float, rows: int, note: str) -> Timebase:
+    """Return the clock of a table without time stamps."""
+    every = np.arange(rows)
+    return Timebase(rate, None, every, every, rows, notes=(note,))
+
+
+def guess_time_unit(column: SourceColumn) -> tuple[Unit, str]:
+    """Return the unit of stamps that do not say it: seconds, unless whole numbers with long steps say otherwise.
+
+    A free decay is sampled at 5 Hz or faster: whole steps of 1 to 200 are then milliseconds, longer ones
+    microseconds, and above a million (of an epoch) nanoseconds.
+    """
+    if column.clock:
+        return SECOND, ""
+    finite = column.values[np.isfinite(column.values)]
+    steps = np.diff(finite[:100_000])
+    steps = np.abs(steps[steps != 0.0])
+    step = float(np.median(steps)) if len(steps) else 0.0
+    whole = bool(np.all(finite[:1000] == np.round(finite[:1000])))
+    if whole and step >= 1.0:
+        if step <= 200.0:
+            return Unit(1e-3, "s", "time"), f"whole steps of {step:g} were taken for milliseconds"
+        if step <= 200_000.0:
+            return Unit(1e-6, "s", "time"), f"whole steps of {step:g} were taken for microseconds"
+        return Unit(1e-9, "s", "time"), f"whole steps of {step:g} were taken for nanoseconds"
+    return SECOND, "seconds were assumed"
+
+
+def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *, resample: bool) -> Timebase:
+    """Return the even clock that fits the stamps of `column`; `values` (channels, n) tell repeated rows from equal stamps.
+
+    Raises ImportProblem when the stamps make no clock.
+    """
+    notes: list[str] = []
+    stamps = column.values * unit.scale
+    rows = np.flatnonzero(np.isfinite(stamps))
+    if len(rows) < len(stamps):
+        missing = int(np.flatnonzero(~np.isfinite(stamps))[0])
+        if len(rows) < 0.9 * len(stamps) or len(rows) < 2:
+            raise problem(
+                table.path, f"{len(stamps) - len(rows)} of {len(stamps)} time stamps are empty",
+                "name another time column, or leave it out (columns time=none) and give the rate",
+                line=table.line(missing), column=column.number,
+            )  # fmt: skip
+        notes.append(f"{len(stamps) - len(rows)} rows without a time stamp were left out")
+    if len(rows) < 2:
+        raise problem(table.path, "has fewer than two samples", "record again or name another file")
+    time = stamps[rows]
+    if column.clock:
+        time = _over_midnight(time, notes)
+    time, rows = _in_order(table, column, time, rows, values, notes)
+    period = float(np.median(np.diff(time)))
+    if not period > 0.0:
+        period = float(time[-1] - time[0]) / (len(time) - 1)
+    if not (period > 0.0 and math.isfinite(1.0 / period)):
+        raise problem(
+            table.path, "the time stamps do not advance",
+            "name another time column, or leave it out (columns time=none) and give the rate",
+            line=table.line(int(rows[0])), column=column.number,
+        )  # fmt: skip
+    index = _number_samples(table, column, time, rows, period)
+    slope, start, stray, rate_std = _line(index, time)
+    if stray > TOO_IRREGULAR * slope and not resample:
+        raise problem(
+            table.path,
+            f"the time stamps stray by {_milli(stray)} rms from an even clock of {1 / slope:.6g} Hz, "
+            f"{100 * stray / slope:.0f} % of a sampling interval",
+            "ask for resampling (resample), or leave the time column out and give the rate",
+            line=table.line(int(rows[int(np.argmax(np.abs(time - start - slope * index)))])), column=column.number,
+        )  # fmt: skip
+    lost = int(index[-1]) + 1 - len(index)
+    if lost:
+        first = int(np.flatnonzero(np.diff(index) > 1)[0])
+        line = table.line(int(rows[first + 1]))
+        where = f" (line {line})" if line else ""
+        notes.append(
+            f"{lost} samples are missing by their time stamps, the first before t = {time[first + 1] - time[0]:.6g} s{where}; "
+            "they are marked as lost"
+        )
+    return Timebase(
+        1.0 / slope, rate_std, rows, index, int(index[-1]) + 1, time - start, stray, (*notes, *_evenness(slope, stray, resample))
+    )  # fmt: skip
+
+
+def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:
+    if stray <= EVEN * slope:
+        return (f"rate {1 / slope:.6g} Hz from the time stamps, which are even",)
+    text = (
+        f"the time stamps stray by {_milli(stray)} rms from an even clock of {1 / slope:.6g} Hz "
+        f"({100 * stray / slope:.2g} % of a sampling interval)"
+    )
+    if resample:
+        return (f"{text}; the samples were put on the even clock by a cubic spline through their stamps, as asked",)
+    return (f"{text}; the mean rate is used and nothing was resampled (ask for it with resample)",)
+
+
+def _milli(seconds: float) -> str:
+    return f"{seconds * 1e3:.3g} ms"
+
+
+def _over_midnight(time: Array, notes: list[str]) -> Array:
+    days = np.cumsum(np.diff(time, prepend=time[0]) < -DAY / 2)
+    if days[-1]:
+        notes.append("the time of day passes midnight; a day was added from there on")
+    return time + DAY * days
+
+
+def _in_order(
+    table: Table, column: SourceColumn, time: Array, rows: Index, values: Array, notes: list[str]
+) -> tuple[Array, Index]:
+    """Return stamps that never fall: rows written twice are dropped, rows slightly out of order are sorted."""
+    steps = np.diff(time)
+    if np.all(steps > 0.0):
+        return time, rows
+    back = np.flatnonzero(steps < 0.0)
+    typical = float(np.median(np.abs(steps)))
+    if len(back):
+        depth = float(np.max(np.maximum.accumulate(time) - time))
+        if depth > 20.0 * typical or len(back) > len(time) // 20 + 1:
+            raise problem(
+                table.path, f"the time stamp jumps back from {time[back[0]]:.6g} s to {time[back[0] + 1]:.6g} s",
+                "split the file there, or leave the time column out (columns time=none) and give the rate",
+                line=table.line(int(rows[back[0] + 1])), column=column.number,
+            )  # fmt: skip
+        order = np.argsort(time, kind="stable")
+        time, rows = time[order], rows[order]
+        notes.append(f"{len(back)} rows stood out of order and were sorted by their time stamps")
+    same = np.flatnonzero(np.diff(time) == 0.0) + 1
+    if not len(same):
+        return time, rows
+    here, before = values[:, rows[same]], values[:, rows[same - 1]]
+    twice = same[np.all((here == before) | (np.isnan(here) & np.isnan(before)), axis=0)]
+    if len(same) <= len(time) // 4 and (len(twice) == len(same) or _fits_better(time, same)):
+        keep = np.ones(len(time), dtype=bool)
+        keep[same] = False
+        line = table.line(int(rows[same[0]]))
+        alike = "" if len(twice) == len(same) else " (with other values)"
+        notes.append(
+            f"{len(same)} rows repeat the time stamp before them{alike}"
+            + (f", first in line {line}" if line else "")
+            + "; the repetitions were left out"
+        )
+        return time[keep], rows[keep]
+    notes.append(f"{len(same)} time stamps equal the one before: the stamps are coarser than the sampling")
+    return time, rows
+
+
+def _fits_better(time: Array, same: Index) -> bool:
+    """Tell whether the stamps are more even without the repetitions than with them."""
+    keep = np.ones(len(time), dtype=bool)
+    keep[same] = False
+    left = time[keep]
+    return _line(np.arange(len(left)), left)[2] < _line(np.arange(len(time)), time)[2]
+
+
+def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index, period: float) -> Index:
+    """Return the sample that each stamp belongs to: consecutive, or with holes if holes make the clock more even."""
+    plain: Index = np.arange(len(time), dtype=np.int64)
+    steps = np.diff(time) / period
+    total = float(np.sum(np.maximum(np.rint(steps), 1.0))) + 1.0
+    if total == len(time):
+        return plain
+    holes = np.flatnonzero(steps > 1.5)
+    if total > MAX_GROWTH * len(time) + 1000 or total > MAX_SAMPLES:
+        worst = int(np.argmax(steps))
+        raise problem(
+            table.path, f"the time stamp jumps from {time[worst]:.6g} s to {time[worst + 1]:.6g} s",
+            "split the file there, or leave the time column out (columns time=none) and give the rate",
+            line=table.line(int(rows[worst + 1])), column=column.number,
+        )  # fmt: skip
+    if not len(holes):
+        return plain
+    holed = np.concatenate(([0], np.cumsum(np.maximum(np.rint(steps), 1.0)))).astype(np.int64)
+    return holed if _line(holed, time)[2] < 0.5 * _line(plain, time)[2] else plain
+
+
+def _line(index: Index, time: Array) -> tuple[float, float, float, float]:
+    """Return period, start, rms of the stamps about the line, and the standard error of the rate."""
+    k = index - index.mean()
+    t = time - time.mean()
+    spread = float(k @ k)
+    slope = float(k @ t) / spread
+    stray = float(np.sqrt(np.mean((t - slope * k) ** 2)))
+    return slope, float(time.mean() - slope * index.mean()), stray, stray / math.sqrt(spread) / slope**2

@@ -1,0 +1,145 @@
+"""Universal files, data set 58: one trace a set, its quantity by the set's own codes, through pyuff."""
+
+import re
+import tempfile
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from daq.importing.errors import ImportProblem, problem
+from daq.importing.options import ImportOptions
+from daq.importing.table import SourceColumn, Table
+from daq.recording import Array
+
+TIME_RESPONSES = (0, 1)
+QUANTITY_CODES = {8: "displacement", 11: "velocity", 12: "acceleration", 9: "force", 13: "force"}
+SI = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N"}
+SI_ROTATION = {"displacement": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "force": "Nm"}
+DIRECTIONS = {0: "", 1: "+X", 2: "+Y", 3: "+Z", 4: "+RX", 5: "+RY", 6: "+RZ"}
+DIRECTIONS |= {-k: text.replace("+", "-") for k, text in DIRECTIONS.items() if k}
+MARK = re.compile(rb"^ {4}-1[ ]*\r?$", re.M)
+MAX_TRACES = 2000
+NO_TEXT = ("", "none", "null")
+
+
+def is_uff(data: bytes) -> bool:
+    """Tell whether these bytes begin a universal file: a line `-1`, then the number of a data set."""
+    return re.match(rb"\s*-1[ \t]*\r?\n\s*\d{1,5}[bB ]?", data[:400]) is not None
+
+
+def read_uff(path: Path, data: bytes, options: ImportOptions) -> Table:
+    """Return the time traces of a universal file as columns. Raises ImportProblem."""
+    sets, kinds = _sets(path, data)
+    traces = [(number, trace) for number, trace in sets if _is_trace(trace)]
+    if not traces:
+        found = ", ".join(str(k) for k in kinds[:8]) or "none"
+        raise problem(
+            path, f"holds no time trace of data set 58 (data sets found: {found})",
+            "export the time responses (function type 1), not spectra",
+        )  # fmt: skip
+    notes = [f"universal file: {len(traces)} time traces in {len(kinds)} data sets"]
+    if len(traces) < len(sets):
+        notes.append(f"{len(sets) - len(traces)} data sets 58 are no real time responses and were left out")
+    length = _length(traces, options)
+    columns: list[SourceColumn] = []
+    stamps = None
+    for number, trace in traces:
+        values = np.asarray(trace["data"], dtype=np.float64).ravel()
+        if len(values) != length:
+            notes.append(f"data set {number} has {len(values)} samples, not {length}, and was left out")
+            continue
+        quantity, unit = _quantity(trace)
+        even = int(trace.get("abscissa_spacing", 0)) == 1
+        rate = _rate(trace) if even else None
+        if even and rate is None:
+            raise problem(path, f"data set {number} gives no sampling interval", "export it again with its abscissa increment")
+        if not even and stamps is None:
+            stamps = np.asarray(trace["x"], dtype=np.float64).ravel()[:length]
+        columns.append(SourceColumn(number, _label(trace), values, unit, quantity, noun="data set", rate=rate))
+    if stamps is not None and len(stamps) == length:
+        columns.append(SourceColumn(max(c.number for c in columns) + 1, "time", stamps, "s", "time", noun="abscissa"))
+        columns = [_without_rate(c) for c in columns]
+    rates = {c.rate for c in columns if c.rate is not None}
+    if len(rates) > 1:
+        notes.append("the traces have different rates: " + ", ".join(f"{r:g} Hz" for r in sorted(rates)))
+    return Table(path, tuple(columns), None, None, "", tuple(notes))
+
+
+def _without_rate(column: SourceColumn) -> SourceColumn:
+    return SourceColumn(column.number, column.label, column.values, column.unit, column.quantity, noun=column.noun)
+
+
+def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], list[int]]:
+    """Return the data sets 58 with their numbers, and the types of all sets, after a look at what the headers promise."""
+    import pyuff
+
+    try:
+        with warnings.catch_warnings(), tempfile.TemporaryDirectory() as folder:
+            warnings.simplefilter("ignore")
+            copy = Path(folder) / "traces.uff"
+            copy.write_bytes(data)
+            file = pyuff.UFF(str(copy))
+            kinds = [int(k) for k in file.get_set_types()]
+            if len(kinds) > MAX_TRACES:
+                raise problem(path, f"holds {len(kinds)} data sets, more than {MAX_TRACES}", "export one recording")
+            sets = []
+            for i, kind in enumerate(kinds):
+                if kind != 58:
+                    continue
+                promised = int(file.read_sets(i, header_only=True).get("num_pts", 0))
+                if not 0 <= promised <= len(data):
+                    raise problem(path, f"data set {i + 1} promises {promised} samples, more than the file can hold", "export it again")
+                sets.append((i + 1, dict(file.read_sets(i))))
+            return sets, kinds
+    except ImportProblem:
+        raise
+    except MemoryError:
+        raise problem(path, "asks for more memory than there is", "export one recording") from None
+    except Exception as error:
+        said = " ".join(str(error).split())[:80] or type(error).__name__
+        raise problem(path, f"is a damaged universal file ({said})", "export it again") from None
+
+
+def _is_trace(trace: dict[str, Any]) -> bool:
+    values = np.asarray(trace.get("data", ()))
+    return int(trace.get("func_type", -1)) in TIME_RESPONSES and values.size > 1 and not np.iscomplexobj(values)
+
+
+def _length(traces: list[tuple[int, dict[str, Any]]], options: ImportOptions) -> int:
+    """Return the length of the first trace asked for, else the commonest length, the longest among equals."""
+    wanted = {str(w).strip() for w in options.columns.values()}
+    for number, trace in traces:
+        if str(number) in wanted or _label(trace) in wanted:
+            return int(np.size(trace["data"]))
+    lengths = [int(np.size(trace["data"])) for _, trace in traces]
+    return max(set(lengths), key=lambda n: (lengths.count(n), n))
+
+
+def _quantity(trace: dict[str, Any]) -> tuple[str | None, str]:
+    """Return the quantity that the ordinate's code says and its unit; SI by the standard where no unit is written."""
+    quantity = QUANTITY_CODES.get(int(trace.get("ordinate_spec_data_type", 0)))
+    unit = str(trace.get("ordinate_axis_units_lab", "")).strip()
+    if unit.lower() in NO_TEXT:
+        rotation = abs(int(trace.get("rsp_dir", 0))) > 3
+        unit = (SI_ROTATION if rotation else SI)[quantity] if quantity else ""
+    return quantity, unit
+
+
+def _label(trace: dict[str, Any]) -> str:
+    """Return the trace's name: its axis label or ID line, with node and direction."""
+    texts = (str(trace.get(key, "")).strip() for key in ("ordinate_axis_lab", "id1", "id5"))
+    name = next((text for text in texts if text.lower() not in NO_TEXT), "")
+    direction = DIRECTIONS.get(int(trace.get("rsp_dir", 0)), "")
+    node = int(trace.get("rsp_node", 0))
+    place = f"{node}:{direction}" if direction or node else ""
+    return f"{name} {place}".strip()
+
+
+def _rate(trace: dict[str, Any]) -> float | None:
+    step = float(trace.get("abscissa_inc", 0.0))
+    x: Array = np.asarray(trace.get("x", ()), dtype=np.float64).ravel()
+    if step <= 0.0 and x.size > 1:
+        step = float(x[-1] - x[0]) / (x.size - 1)
+    return 1.0 / step if 1e-9 < step < 1e6 else None
