@@ -103,7 +103,7 @@ def run(arguments: list[str]) -> int:
 
 
 def _sentence(error: Exception) -> str:
-    if exits.code_of(error) != exits.UNEXPECTED or isinstance(error, exits.StationError):
+    if exits.code_of(error) != exits.UNEXPECTED or isinstance(error, exits.Problem):
         return " ".join(str(error).split()) or type(error).__name__
     place = traceback.extract_tb(error.__traceback__)[-1]
     return (

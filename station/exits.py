@@ -25,13 +25,13 @@ MEANING = {
 }
 
 
-class StationError(Exception):
+class Problem(Exception):
     """A failure with words for the operator: what happened, what was kept, what to do."""
 
     exit_code = UNEXPECTED
 
 
-class UsageProblem(StationError):
+class UsageProblem(Problem):
     """The operator asked for something that cannot be done so."""
 
     exit_code = USAGE

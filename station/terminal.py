@@ -1,5 +1,7 @@
 """A result in one screenful of 80 columns, in words and units that a person understands."""
 
+from pathlib import Path
+
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
@@ -10,9 +12,9 @@ from station.identification import Identification
 from station.quantities import damping_name, written
 
 KINDS = {
-    "displaced": "held away from rest, then let go",
-    "impulse": "set in motion by an impulse",
-    "in_motion": "already in motion when the record begins",
+    "displaced": "held away, then let go",
+    "impulse": "set going by an impulse",
+    "in_motion": "already moving at the start",
 }
 
 
@@ -146,3 +148,9 @@ def uncorrected(result: Identification) -> str:
         f"the lag corrected, the restoring force would have said mu_1 = {wrong.value:.3f} {wrong.unit} "
         f"instead of {right.value:.3f}"
     )
+
+
+def next_steps(console: Console, folder: Path) -> None:
+    """Print where everything is and what to do next."""
+    console.print(Text(f" everything is in {folder}", style="dim"), soft_wrap=True)
+    console.print(f" next: station view {folder}", markup=False, soft_wrap=True)

@@ -9,10 +9,10 @@ import rerun.blueprint as rrb
 from station.identification import Identification
 from station.quantities import written
 from station.views import log, palette
-from station.views.figure import figure
+from station.views.figure import figure, legend
 from station.views.log import Array
 
-WINDOW_S = 0.12
+PERIOD_SHARE = 0.05
 CURVES = "/alignment"
 
 
@@ -27,27 +27,38 @@ class Overlay:
 
 
 def overlay(result: Identification) -> Overlay | None:
-    """Put both channels on one footing: the same local cubic smooths one and differentiates the other.
+    """Put both channels on one footing: the same Gaussian smooths one and differentiates the other twice.
 
     None without a displacement and an acceleration.
     """
-    from scipy.signal import savgol_filter
+    from scipy.ndimage import gaussian_filter1d
 
     recorded, aligned = result.decay, result.aligned
     if recorded.acceleration is None or recorded.displacement is None or aligned.displacement is None:
         return None
-    window = max(5, 2 * int(WINDOW_S * recorded.rate / 2) + 1)
-    if window >= len(recorded):
+    width = max(1.5, PERIOD_SHARE * _period(result) * recorded.rate)
+    edge = int(4 * width) + 1
+    if 4 * edge >= len(recorded):
         return None
-    step = 1 / recorded.rate
-    second = [savgol_filter(u, window, 3, deriv=2, delta=step) for u in (recorded.displacement, aligned.displacement)]
-    inside = slice(window, len(recorded) - window)
+    inside = slice(edge, len(recorded) - edge)
+
+    def second_derivative(displacement: Array) -> Array:
+        smooth: Array = gaussian_filter1d(displacement, width, order=2) * recorded.rate**2
+        return smooth[inside]
+
     return Overlay(
         recorded.time[inside],
-        savgol_filter(recorded.acceleration, window, 3)[inside],
-        second[0][inside],
-        second[1][inside],
+        gaussian_filter1d(recorded.acceleration, width)[inside],
+        second_derivative(recorded.displacement),
+        second_derivative(aligned.displacement),
     )
+
+
+def _period(result: Identification) -> float:
+    found = result.restoring_force or result.wavelet
+    if found is None or found.stiffness.value <= 0:
+        return 0.0
+    return float(2 * np.pi / np.sqrt(found.stiffness.value / (result.decay.mass or 1.0)))
 
 
 def write(stream: rr.RecordingStream, name: str, result: Identification) -> None:
@@ -67,22 +78,23 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
             f"displacement, differentiated twice [{unit}]", palette.DISPLACEMENT,
         )  # fmt: skip
     gain = 1.0 if result.alignment is None else result.alignment.gain.value
-    for when, second, colour in (("before", shown.before, palette.WRONG), ("after", shown.after, palette.FORCE)):
+    for when, second, colour in (("as_recorded", shown.before, palette.WRONG), ("corrected", shown.after, palette.FORCE)):
         difference = shown.acceleration - gain * second
-        log.series(stream, f"{CURVES}/difference/{when}", shown.time, difference, f"{when} [{unit}]", colour)
+        log.series(stream, f"{CURVES}/difference/{when}", shown.time, difference, f"{when.replace('_', ' ')} [{unit}]", colour)
     _zoom(stream, result, shown, gain)
     _story(stream, result)
 
 
 def _zoom(stream: rr.RecordingStream, result: Identification, shown: Overlay, gain: float) -> None:
     start = result.release.settle / result.decay.rate
-    later = np.flatnonzero(shown.time > start + 2 * WINDOW_S)
+    span = _period(result) or 10 / result.decay.rate
+    later = np.flatnonzero(shown.time > start + span)
     if len(later) < 10:
         return
     a = shown.acceleration[later]
     crossings = np.flatnonzero(np.diff(np.sign(a)) > 0)
     middle = shown.time[later[crossings[0]]] if len(crossings) else shown.time[later[0]]
-    near = np.abs(shown.time - middle) < WINDOW_S / 4
+    near = np.abs(shown.time - middle) < max(0.06 * span, 3 / result.decay.rate)
     unit = f"{result.decay.unit}/s²"
     drawn, axes = figure(7.2, 3.3, 1, 2, sharey=True)
     for axis, second, title in zip(axes, (shown.before, shown.after), ("as recorded", "lag corrected"), strict=True):
@@ -92,7 +104,7 @@ def _zoom(stream: rr.RecordingStream, result: Identification, shown: Overlay, ga
         axis.set_title(title)
         axis.set_xlabel("time about a zero of the acceleration [ms]")
     axes[0].set_ylabel(f"acceleration [{unit}]")
-    axes[1].legend(["acceleration", "displacement, twice\ndifferentiated"], loc="upper left", labelcolor=palette.INK)
+    legend(axes[1], "upper left", ["acceleration", "displacement, twice\ndifferentiated"])
     numbers = {"time": shown.time[near], "acceleration": shown.acceleration[near]}
     log.picture(stream, f"{CURVES}/zoom", drawn, numbers | {"before": shown.before[near], "after": shown.after[near]})
 

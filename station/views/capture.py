@@ -39,10 +39,10 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
 
 def _states(stream: rr.RecordingStream, result: Identification) -> None:
     release, rate = result.release, result.decay.rate
-    changes = [(release.settle / rate, "free"), (release.end / rate, "come to rest, or record ends")]
+    changes = [(release.settle / rate, "free"), (release.end / rate, "stopped")]
     if release.rest[1] > release.rest[0]:
-        changes.append((release.rest[0] / rate, "rest"))
-        changes.append((release.rest[1] / rate, "hand"))
+        changes.append((release.rest[0] / rate, "at rest"))
+        changes.append((release.rest[1] / rate, "in the hand"))
     if release.settle > release.index:
         changes.append((release.time_s, "letting go"))
     for time, state in sorted(changes):
@@ -64,7 +64,8 @@ def facts(name: str, result: Identification) -> str:
         f"| rate | {decay.rate:g} Hz |",
         f"| samples | {len(decay)} ({len(decay) / decay.rate:.2f} s), {lost} lost |",
         f"| rest before | {rest:.2f} s |",
-        f"| release | {release.time_s:.4f} s: {KINDS[release.kind]} |",
+        f"| release | at {release.time_s:.4f} s |",
+        f"| kind | {KINDS[release.kind]} |",
         f"| mass | {'not given' if decay.mass is None else f'{decay.mass:g} kg'} |",
     ]
     for channel in channels(decay):
@@ -86,6 +87,6 @@ def tab(result: Identification) -> rrb.Container:
     return rrb.Horizontal(
         rrb.Vertical(*views, states, row_shares=[4.0] * len(views) + [1.2]),
         log.document("Record", "/capture/facts"),
-        column_shares=[3, 1],
+        column_shares=[2.4, 1],
         name="Capture",
     )

@@ -32,8 +32,6 @@ STYLE = {
     "ytick.color": palette.INK,
     "xtick.labelsize": 9,
     "ytick.labelsize": 9,
-    "legend.frameon": False,
-    "legend.fontsize": 9,
     "font.size": 10,
 }
 
@@ -50,3 +48,9 @@ def figure(
         FigureCanvasAgg(made)
         axes = made.subplots(rows, columns, squeeze=False, **layout)  # type: ignore[arg-type]
     return made, list(axes.ravel())
+
+
+def legend(axis: "Axes", place: str, labels: list[str] | None = None, colour: str = palette.INK) -> None:
+    """Put a legend without a box at `place`."""
+    handles = {} if labels is None else {"labels": labels}
+    axis.legend(loc=place, frameon=False, labelcolor=colour, fontsize=9, **handles)

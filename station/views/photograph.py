@@ -9,7 +9,7 @@ from typing import Any
 
 from rerun.experimental import ViewerClient
 
-from station.exits import StationError
+from station.exits import Problem
 from station.views.viewer import HOST, start
 
 START_S = 30.0
@@ -44,7 +44,7 @@ def _tabs(layout: dict[str, Any]) -> dict[str, str]:
                 path: layout[f"/{path}"]["ContainerBlueprint"].get("display_name", f"tab {number}")
                 for number, path in enumerate(container["contents"])
             }
-    raise StationError("the recording has no tabs to take pictures of")
+    raise Problem("the recording has no tabs to take pictures of")
 
 
 @contextlib.contextmanager
@@ -71,7 +71,7 @@ def _connected(url: str) -> ViewerClient:
         except (RuntimeError, ConnectionError, OSError, ValueError) as error:
             last = error
             time.sleep(0.2)
-    raise StationError(f"the viewer did not start ({last}); {ADVICE}")
+    raise Problem(f"the viewer did not start ({last}); {ADVICE}")
 
 
 def _settled(client: ViewerClient) -> bytes:

@@ -7,7 +7,7 @@ import rerun.blueprint as rrb
 from identify.restoring_force import RestoringForceResult, Section
 from station.identification import Identification
 from station.views import log, palette
-from station.views.figure import figure
+from station.views.figure import figure, legend
 from station.views.log import Array
 from station.views.wavelet import orders
 
@@ -137,7 +137,7 @@ def _sections(stream: rr.RecordingStream, found: RestoringForceResult, length: s
     drawn, axes = figure(8.4, 3.6, 1, 2)
     _cut(axes[0], found.section_zero_velocity, factor, f"displacement [{unit}]", "at velocity 0: the springs", length)
     _cut(axes[1], found.section_zero_displacement, 1.0, f"velocity [{length}/s]", "at displacement 0: the damping", length)
-    axes[0].legend(loc="upper left", labelcolor=palette.INK)
+    legend(axes[0], "upper left")
     numbers = {}
     for name, cut in (("u", found.section_zero_velocity), ("v", found.section_zero_displacement)):
         numbers |= {f"{name}_position": cut.position, f"{name}_force": cut.force, f"{name}_fit": cut.fit}
@@ -187,7 +187,7 @@ def tab(result: Identification) -> rrb.Container:
         background=palette.BACKGROUND,
         line_grid=False,
         eye_controls=rrb.EyeControls3D(
-            position=(-2.0, -3.4, 1.9), look_target=(0.05, 0.0, -0.12), eye_up=(0.0, 0.0, 1.0)
+            position=(-1.55, -2.9, 1.55), look_target=(0.08, 0.0, -0.1), eye_up=(0.0, 0.0, 1.0)
         ),
     )
     return rrb.Horizontal(

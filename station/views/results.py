@@ -8,6 +8,7 @@ from station.identification import Identification
 from station.terminal import rows, uncorrected
 from station.views import log, palette
 from station.views.capture import SCALE
+from station.views.log import Array
 
 ROOT = "/results"
 
@@ -27,14 +28,12 @@ def _decay(stream: rr.RecordingStream, result: Identification) -> None:
     factor, unit = SCALE[found.channel, result.decay.unit]
     index = np.clip(np.round(found.time * result.decay.rate).astype(int), 0, len(measured) - 1)
     offset = float(np.median(measured[index] - found.reconstruction))
-    rebuilt = (found.reconstruction + offset) * factor
-    log.points(
-        stream, f"{ROOT}/decay/measured", found.time, measured[index] * factor, f"measured [{unit}]", palette.MEASURED
-    )
-    log.series(stream, f"{ROOT}/decay/rebuilt", found.time, rebuilt, f"rebuilt by the wavelet [{unit}]", palette.WAVELET)
+    left = measured[index] - found.reconstruction - offset
+    fine, fine_unit = (1e3, "um") if unit == "mm" else (1.0, unit)
+    _pair(stream, "decay", found.time, measured[index] * factor, (found.reconstruction + offset) * factor, unit)
     log.series(
-        stream, f"{ROOT}/decay_error/difference", found.time, measured[index] * factor - rebuilt,
-        f"measured minus rebuilt [{unit}]", palette.WAVELET,
+        stream, f"{ROOT}/decay_error", found.time, left * factor * fine, f"measured minus model [{fine_unit}]",
+        palette.WAVELET,
     )  # fmt: skip
 
 
@@ -43,14 +42,17 @@ def _force(stream: rr.RecordingStream, result: Identification) -> None:
     if found is None:
         return
     unit = f"{result.decay.unit}/s^2"
-    log.points(
-        stream, f"{ROOT}/force/measured", found.time, found.force, f"measured [{unit}]", palette.MEASURED
-    )
-    log.series(stream, f"{ROOT}/force/fit", found.time, found.force_fit, f"fit [{unit}]", palette.FORCE)
+    _pair(stream, "force", found.time, found.force, found.force_fit, unit)
     log.series(
-        stream, f"{ROOT}/force_error/difference", found.time, found.force - found.force_fit,
-        f"measured minus fit [{unit}]", palette.FORCE,
+        stream, f"{ROOT}/force_error", found.time, found.force - found.force_fit, f"measured minus model [{unit}]",
+        palette.FORCE,
     )  # fmt: skip
+
+
+def _pair(stream: rr.RecordingStream, what: str, time: Array, measured: Array, model: Array, unit: str) -> None:
+    colour = palette.WAVELET if what == "decay" else palette.FORCE
+    log.series(stream, f"{ROOT}/{what}/measured", time, measured, f"measured [{unit}]", palette.MEASURED, 4.5)
+    log.series(stream, f"{ROOT}/{what}/model", time, model, f"model [{unit}]", colour, 1.5)
 
 
 def table(name: str, result: Identification) -> str:
@@ -76,10 +78,10 @@ def tab(result: Identification) -> rrb.Container:
     views = []
     if result.wavelet is not None:
         views.append(log.curves("Decay: measured, and rebuilt from the parameters", [f"{ROOT}/decay/**"]))
-        views.append(log.curves("What the rebuilt decay leaves", [f"{ROOT}/decay_error/**"]))
+        views.append(log.curves("What the rebuilt decay leaves", [f"{ROOT}/decay_error"]))
     if result.restoring_force is not None:
         views.append(log.curves("Restoring force per unit mass: measured, and its fit", [f"{ROOT}/force/**"]))
-        views.append(log.curves("What the fit leaves", [f"{ROOT}/force_error/**"]))
+        views.append(log.curves("What the fit leaves", [f"{ROOT}/force_error"]))
     text = log.document("Both methods", f"{ROOT}/table")
     if not views:
         return rrb.Vertical(text, name="Results")

@@ -1,6 +1,5 @@
 """One recording with all tabs: written into the session, opened from there."""
 
-import os
 from pathlib import Path
 
 import rerun as rr
@@ -16,15 +15,13 @@ NAMES = ("Capture", "Alignment", "Wavelet", "Restoring force", "Results")
 
 
 def write(file: Path, name: str, result: Identification) -> None:
-    """Write the recording with its blueprint to `file`, whole or not at all."""
+    """Write the recording with its blueprint to `file`."""
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
-    part = file.with_name(f".{file.name}.part")
-    stream.save(part, default_blueprint=blueprint(result))
+    stream.save(file, default_blueprint=blueprint(result))
     for tab in TABS:
         tab.write(stream, name, result)
     stream.flush()
     stream.disconnect()
-    os.replace(part, file)
 
 
 def blueprint(result: Identification, active: str = "Results") -> rrb.Blueprint:

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from station.exits import StationError
+from station.exits import Problem
 
 HOST = "127.0.0.1"
 
@@ -23,7 +23,7 @@ def executable() -> str:
     beside = Path(sys.executable).with_name("rerun.exe" if sys.platform == "win32" else "rerun")
     found = str(beside) if beside.exists() else shutil.which("rerun")
     if found is None:
-        raise StationError("the Rerun viewer is not installed; `pip install rerun-sdk` brings it")
+        raise Problem("the Rerun viewer is not installed; `pip install rerun-sdk` brings it")
     return found
 
 

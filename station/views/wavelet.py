@@ -7,7 +7,7 @@ import rerun.blueprint as rrb
 from identify.wavelet import WaveletResult
 from station.identification import Identification
 from station.views import log, palette
-from station.views.figure import figure
+from station.views.figure import figure, legend
 
 ROOT = "/wavelet"
 
@@ -24,8 +24,8 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
     log.series(
         stream, f"{ROOT}/envelope/hilbert", time, hilbert, f"Hilbert, for reference [{unit}]", palette.REFERENCE, 1.0
     )
-    log.series(stream, f"{ROOT}/envelope/ridge", time, found.envelope * factor, f"ridge [{unit}]", palette.MEASURED, 2.5)
-    log.series(stream, f"{ROOT}/envelope/fit", time, found.envelope_fit * factor, f"fit [{unit}]", palette.WAVELET)
+    log.series(stream, f"{ROOT}/envelope/measured", time, found.envelope * factor, f"ridge [{unit}]", palette.MEASURED, 4.0)
+    log.series(stream, f"{ROOT}/envelope/model", time, found.envelope_fit * factor, f"fit [{unit}]", palette.WAVELET)
     frequency = np.where(trusted, found.frequency, np.nan)
     log.series(stream, f"{ROOT}/frequency/ridge", time, frequency, "instantaneous frequency [Hz]", palette.WAVELET)
     _scalogram(stream, found)
@@ -46,8 +46,11 @@ def _scalogram(stream: rr.RecordingStream, found: WaveletResult) -> None:
     axis.plot(found.time[trusted], found.frequency[trusted], color="white", lw=1.8, label="ridge (dotted: not trusted)")
     axis.set(xlabel="time [s]", ylabel="frequency [Hz]", ylim=(low, high))
     axis.grid(visible=False)
-    axis.legend(loc="upper right", labelcolor="white")
-    drawn.colorbar(shown, ax=axis, label="modulus [dB of its maximum]", pad=0.01)
+    legend(axis, "upper right", colour="white")
+    bar = drawn.colorbar(shown, ax=axis, pad=0.01)
+    bar.set_label("modulus [dB of its maximum]", color=palette.INK)
+    bar.ax.tick_params(colors=palette.INK)
+    bar.outline.set_visible(False)  # type: ignore[operator]
     log.picture(stream, f"{ROOT}/scalogram", drawn, {"time": found.time, "ridge": found.frequency})
 
 
@@ -75,7 +78,7 @@ def _backbone(stream: rr.RecordingStream, found: WaveletResult, factor: float, u
     axis.set(xlim=(middle - half, middle + half), xlabel="frequency [Hz]", ylabel=f"amplitude [{unit}]")
     axis.ticklabel_format(axis="x", useOffset=False)
     axis.set_ylim(bottom=0)
-    axis.legend(["on the ridge", "its averaged model"], loc="lower left", labelcolor=palette.INK)
+    legend(axis, "lower left", ["on the ridge", "its averaged model"])
     numbers = {
         "frequency": found.backbone_frequency,
         "amplitude": found.backbone_amplitude,

@@ -1,0 +1,67 @@
+"""`station identify`: stiffness, friction and damping of one session, by both methods."""
+
+from typing import Any
+
+import click
+
+from station.output import json_option, print_json, screen
+
+
+@click.command("identify")
+@click.argument("session")
+@click.option("--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass, instead of the session's.")
+@click.option("--session", "into", metavar="FOLDER", help="Where a data file is imported to.")
+@click.option("--max-order", type=click.IntRange(0, 5), help="Highest order of damping that is tried.")
+@click.option("--view", "with_view", is_flag=True, help="Write the viewer's recording too, and open it where there is a screen.")
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    session: str,
+    mass: float | None,
+    into: str | None,
+    max_order: int | None,
+    with_view: bool,
+    as_json: bool,
+) -> None:
+    """Find stiffness, friction and damping in SESSION.
+
+    SESSION is a session's folder or name, or a data file, which is imported
+    first. Without a mass the values are per unit mass, and the units say so.
+    """
+    from dataclasses import replace
+
+    from station.identifying import identify_session, options_for, refuse_if_nothing
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    opened = _opened(session, into, mass, settings)
+    options = options_for(opened, settings, mass)
+    if max_order is not None:
+        options = replace(options, max_order=max_order)
+    result, document = identify_session(opened, options)
+    if as_json:
+        print_json(document)
+    else:
+        from station.terminal import next_steps, show_identification
+
+        show_identification(screen(), opened.folder.name, result)
+        next_steps(screen(), opened.folder)
+    refuse_if_nothing(result)
+    if with_view:
+        from station.commands.view import show_session
+
+        show_session(opened, result)
+
+
+def _opened(session: str, into: str | None, mass: float | None, settings: Any) -> Any:
+    from pathlib import Path
+
+    from daq.importing.options import ImportOptions
+    from station.commands.import_ import describe
+    from station.sessions import import_file, open_session
+
+    info = describe(settings, mass, None, None, None)
+    if into is None:
+        return open_session(session, settings.sessions, info)
+    return import_file(Path(session), Path(into), settings.sessions, ImportOptions(), info).sessions[0]

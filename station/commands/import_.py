@@ -1,0 +1,122 @@
+"""`station import`: recordings of other boards become sessions."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from station.exits import UsageProblem
+from station.output import json_option, print_json, screen
+
+if TYPE_CHECKING:
+    from daq.session_info import SessionInfo
+    from station.sessions import Imported
+    from station.settings import Settings
+
+
+@click.command("import")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--session", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Folder of the new session (default: ./sessions/NAME).")
+@click.option("--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles).")
+@click.option("--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass.")
+@click.option("--column", "columns", multiple=True, metavar="QUANTITY=COLUMN", help="Which column holds a quantity (time, displacement, velocity, acceleration, force): a name, a number from 1, or none.")
+@click.option("--unit", "units", multiple=True, metavar="QUANTITY=UNIT", help="Unit of a column, as mm, deg, g.")
+@click.option("--rate", type=click.FloatRange(min=0, min_open=True), metavar="HZ", help="Sampling rate, where the file has no time.")
+@click.option("--delimiter", metavar="SIGN", help="Between columns: a character, tab or blank.")
+@click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign.")
+@click.option("--encoding", help="Text encoding.")
+@click.option("--skip-rows", type=click.IntRange(min=0), default=0, metavar="N", help="Lines to ignore at the top.")
+@click.option("--resample", is_flag=True, help="Put uneven time stamps on an even clock.")
+@click.option("--keep-derived", is_flag=True, help="Keep channels that were computed from another one.")
+@click.option("--specimen", help="What was tested.")
+@click.option("--operator", help="Who tested it.")
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    file: Path,
+    folder: Path | None,
+    mass: float | None,
+    mass_std: float | None,
+    columns: tuple[str, ...],
+    units: tuple[str, ...],
+    specimen: str | None,
+    operator: str | None,
+    as_json: bool,
+    **text: Any,
+) -> None:
+    """Turn FILE (CSV, MATLAB .mat, UFF58) into sessions, one for each release.
+
+    Prints what was understood and what was guessed; nothing is overwritten.
+    """
+    from daq.importing.options import ImportOptions
+    from station.sessions import import_file
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    chosen = {name: _number(value) for name, value in _pairs("--column", columns).items()}
+    options = ImportOptions(columns=chosen, units=_pairs("--unit", units), **text)
+    info = describe(settings, mass, mass_std, specimen, operator)
+    imported = import_file(file, folder, settings.sessions, options, info)
+    if as_json:
+        print_json(_document(file, imported))
+    else:
+        _say(file, imported)
+
+
+def describe(
+    settings: "Settings", mass: float | None, mass_std: float | None, specimen: str | None, operator: str | None
+) -> "SessionInfo":
+    """Return a session's metadata from options, else from the settings."""
+    from daq.session_info import SessionInfo
+
+    known = settings.specimen
+    return SessionInfo(
+        operator=operator if operator is not None else known.operator,
+        specimen=specimen if specimen is not None else known.name,
+        mass_kg=mass if mass is not None else known.mass_kg,
+        mass_std_kg=mass_std if mass is not None or mass_std is not None else known.mass_std_kg,
+    )
+
+
+def _pairs(option: str, given: tuple[str, ...]) -> dict[str, str]:
+    pairs = {}
+    for pair in given:
+        name, separator, value = pair.partition("=")
+        if not separator or not name.strip() or not value.strip():
+            raise UsageProblem(f"{option} {pair}: write QUANTITY=VALUE, as displacement=2")
+        pairs[name.strip()] = value.strip()
+    return pairs
+
+
+def _number(value: str) -> str | int:
+    return int(value) if value.isdigit() else value
+
+
+def _document(file: Path, imported: "Imported") -> dict[str, Any]:
+    recording = imported.recording
+    return {
+        "file": str(file),
+        "sessions": [str(session.folder) for session in imported.sessions],
+        "rate_hz": recording.rate,
+        "samples": int(recording.samples.shape[1]),
+        "lost_samples": int((~recording.valid).sum()),
+        "channels": [
+            {"name": channel.name, "quantity": channel.quantity, "unit": channel.unit}
+            for channel in recording.channels
+        ],
+        "notes": list(imported.notes),
+    }
+
+
+def _say(file: Path, imported: "Imported") -> None:
+    console, recording = screen(), imported.recording
+    samples = recording.samples.shape[1]
+    names = ", ".join(f"{channel.quantity} [{channel.unit}]" for channel in recording.channels)
+    console.print(f"{file.name}: {samples} samples at {recording.rate:.6g} Hz ({samples / recording.rate:.4g} s)")
+    console.print(f"  channels: {names}", markup=False)
+    for note in imported.notes:
+        console.print(f"  - {note}", markup=False)
+    for session in imported.sessions:
+        console.print(f"session: {session.folder}", markup=False, soft_wrap=True)
+    console.print(f"next:    station identify {imported.sessions[0].folder}", markup=False, soft_wrap=True)

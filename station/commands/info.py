@@ -1,0 +1,64 @@
+"""`station info`: what a session holds."""
+
+from typing import Any
+
+import click
+
+from station.output import json_option, print_json, screen
+
+
+@click.command("info")
+@click.argument("session")
+@json_option
+@click.pass_obj
+def command(settings_file: str | None, session: str, as_json: bool) -> None:
+    """Tell what SESSION holds: metadata, channels, losses, verdict, results."""
+    from station.sessions import open_session
+    from station.settings import load_settings
+
+    opened = open_session(session, load_settings(settings_file).sessions)
+    recording = opened.recording()
+    verdict = opened.verdict
+    document: dict[str, Any] = {
+        "session": str(opened.folder),
+        **opened.info.model_dump(mode="json"),
+        "samples": int(recording.samples.shape[1]),
+        "lost_samples": int((~recording.valid).sum()),
+        "channels": [
+            {"name": c.name, "quantity": c.quantity, "unit": c.unit, "sensor": c.sensor}
+            for c in recording.channels
+        ],
+        "gaps": [{"first": g.first, "count": g.count, "reason": g.reason} for g in recording.gaps],
+        "notes": list(recording.notes),
+        "verdict": None if verdict is None else verdict.model_dump(mode="json"),
+        "results": sorted(path.name for path in opened.results.iterdir()) if opened.results.is_dir() else [],
+    }
+    if as_json:
+        print_json(document)
+    else:
+        _print(document, recording.rate)
+
+
+def _print(document: dict[str, Any], rate: float) -> None:
+    console = screen()
+    samples, lost = document["samples"], document["lost_samples"]
+    mass = "not given" if document["mass_kg"] is None else f"{document['mass_kg']:g} kg"
+    lines = [
+        ("session", document["session"]),
+        ("made", document["created"]),
+        ("state", document["state"]),
+        ("source", document["source"]),
+        ("operator", document["operator"]),
+        ("specimen", document["specimen"]),
+        ("mass", mass),
+        ("record", f"{samples} samples at {rate:g} Hz ({samples / rate:.3f} s), {lost} lost"),
+        ("channels", ", ".join(f"{c['name']} [{c['unit']}]" for c in document["channels"])),
+        ("results", ", ".join(document["results"]) or "none yet"),
+    ]
+    verdict = document["verdict"]
+    if verdict is not None:
+        lines.append(("verdict", "; ".join([verdict["word"], *verdict["reasons"]])))
+    lines += [("note", note) for note in document["notes"]]
+    for label, text in lines:
+        if text:
+            console.print(f" {label:<9} {text}", markup=False)

@@ -1,0 +1,64 @@
+"""`station list`: the sessions in a folder."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from station.output import json_option, print_json, screen
+
+
+@click.command("list")
+@click.argument("folder", required=False, type=click.Path(path_type=Path))
+@json_option
+@click.pass_obj
+def command(settings_file: str | None, folder: Path | None, as_json: bool) -> None:
+    """List the sessions in FOLDER (default: ./sessions), oldest first."""
+    from daq.session import list_sessions
+    from station.exits import UsageProblem
+    from station.settings import load_settings
+
+    place = folder or load_settings(settings_file).sessions
+    if folder is not None and not place.is_dir():
+        raise UsageProblem(f"{place}: there is no such folder")
+    found = list_sessions(place) if place.is_dir() else ()
+    if as_json:
+        print_json({"folder": str(place), "sessions": [_entry(summary) for summary in found]})
+        return
+    if not found:
+        screen().print(f"no sessions in {place}; make one with `station demo`, `capture` or `import`", markup=False)
+        return
+    _print(found)
+
+
+def _entry(summary: Any) -> dict[str, Any]:
+    info = summary.info
+    if info is None:
+        return {"session": str(summary.folder), "problem": summary.problem}
+    return {
+        "session": str(summary.folder),
+        "name": info.name,
+        "created": info.created.isoformat(),
+        "state": info.state.value,
+        "verdict": getattr(info, "verdict", None) or None,
+        "mass_kg": info.mass_kg,
+        "rate_hz": info.rate_hz,
+        "source": info.source,
+    }
+
+
+def _print(found: Any) -> None:
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("session", "made", "state", "verdict", "mass"):
+        table.add_column(name, overflow="ellipsis", no_wrap=True)
+    for summary in found:
+        info = summary.info
+        if info is None:
+            table.add_row(summary.folder.name, "", "damaged", summary.problem, "")
+            continue
+        made = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
+        mass = "" if info.mass_kg is None else f"{info.mass_kg:g} kg"
+        table.add_row(summary.folder.name, made, info.state.value, getattr(info, "verdict", ""), mass)
+    screen().print(table)

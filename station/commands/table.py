@@ -1,0 +1,54 @@
+"""`station table`: the paper's tables for any number of sessions."""
+
+from typing import Any
+
+import click
+
+from station.exits import UsageProblem
+from station.output import print_json, progress
+
+FORMATS = ("text", "csv", "latex", "json")
+
+
+@click.command("table")
+@click.argument("sessions", nargs=-1, required=True)
+@click.option("--format", "form", type=click.Choice(FORMATS), default="text", show_default=True)
+@click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
+@click.pass_obj
+def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_json: bool) -> None:
+    """Print Table 1 (each release) and Table 2 (mean, spread) of SESSIONS.
+
+    Sessions are identified on the way. Angles and lengths do not go into one
+    table.
+    """
+    from identify.errors import NotIdentifiable
+    from station import table
+    from station.identifying import identify_session, options_for
+    from station.sessions import open_session
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    documents: list[dict[str, Any]] = []
+    for name in sessions:
+        session = open_session(name, settings.sessions)
+        try:
+            result, document = identify_session(session, options_for(session, settings))
+        except NotIdentifiable as refusal:
+            progress(f"left out: {name}: {refusal}")
+            continue
+        if result.wavelet is None and result.restoring_force is None:
+            progress(f"left out: {name}: nothing identified")
+            continue
+        documents.append(document)
+    if not documents:
+        raise NotIdentifiable("none of the sessions could be identified")
+    if len({document["record"]["unit"] for document in documents}) > 1:
+        raise UsageProblem("some sessions are in m and some in rad: make one table of each")
+    if len({document["record"]["mass_kg"] is None for document in documents}) > 1:
+        raise UsageProblem("some sessions have a mass and some have none: K has no common unit; give --mass on import")
+    tables = table.make_tables(documents)
+    if as_json or form == "json":
+        print_json(table.as_json(tables))
+    else:
+        writers = {"text": table.as_text, "csv": table.as_csv, "latex": table.as_latex}
+        click.echo(writers[form](tables), nl=False)

@@ -1,0 +1,51 @@
+"""`station verify`: does every file of a session still hold what was written?"""
+
+from typing import Any
+
+import click
+
+from station.exits import STORAGE, Problem
+from station.output import json_option, print_json, screen
+
+
+class Altered(Problem):
+    """A session is not what was written; the message says how many problems there are."""
+
+    exit_code = STORAGE
+    reported = True
+
+
+@click.command("verify")
+@click.argument("sessions", nargs=-1, required=True)
+@json_option
+@click.pass_obj
+def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool) -> None:
+    """Check SESSIONS against their manifests; one flipped bit is found."""
+    from pathlib import Path
+
+    from daq.session import verify
+    from station.settings import load_settings
+
+    root = load_settings(settings_file).sessions
+    checked = [verify(Path(name) if Path(name).is_dir() else root / name) for name in sessions]
+    if as_json:
+        print_json({"ok": all(one.ok for one in checked), "sessions": [_entry(one) for one in checked]})
+    else:
+        for one in checked:
+            state = "as it was written" if one.ok else "NOT as it was written"
+            screen().print(f"{one.folder}: {one.files} files checked, {state}", markup=False, soft_wrap=True)
+            for problem in (*one.problems, *one.remarks):
+                screen().print(f"  - {problem}", markup=False, soft_wrap=True)
+    bad = sum(not one.ok for one in checked)
+    if bad:
+        raise Altered(f"{bad} of {len(checked)} sessions are not as they were written")
+
+
+def _entry(one: Any) -> dict[str, Any]:
+    return {
+        "session": str(one.folder),
+        "ok": one.ok,
+        "files": one.files,
+        "problems": list(one.problems),
+        "remarks": list(one.remarks),
+    }

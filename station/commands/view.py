@@ -1,0 +1,68 @@
+"""`station view`: a session in the Rerun viewer, or as pictures where there is no screen."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from station.output import json_option, print_json, progress
+
+if TYPE_CHECKING:
+    from daq.session import Session
+    from station.identification import Identification
+
+
+@click.command("view")
+@click.argument("session")
+@click.option("--screenshot", type=click.Path(path_type=Path), metavar="DIR", help="Write a picture of every tab into DIR; needs no screen.")
+@click.option("--no-viewer", is_flag=True, help="Write the recording only.")
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None, session: str, screenshot: Path | None, no_viewer: bool, as_json: bool
+) -> None:
+    """Open SESSION in the viewer: capture, alignment, both methods, results.
+
+    Identifies it first, and keeps the recording in the session's results.
+    """
+    from station.identifying import identify_session, options_for, write_view
+    from station.sessions import open_session
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    opened = open_session(session, settings.sessions)
+    result, _ = identify_session(opened, options_for(opened, settings))
+    file = write_view(opened, result)
+    document: dict[str, Any] = {"session": str(opened.folder), "recording": str(file), "pictures": []}
+    progress(f"recording: {file}")
+    if screenshot is not None:
+        from station.views.photograph import photograph
+
+        document["pictures"] = [str(picture) for picture in photograph(file, screenshot)]
+        for picture in document["pictures"]:
+            progress(f"picture:   {picture}")
+    elif not no_viewer:
+        open_if_possible(file)
+    if as_json:
+        print_json(document)
+
+
+def show_session(session: "Session", result: "Identification") -> None:
+    """Write the recording of an identification that is at hand, and open it where there is a screen."""
+    from station.identifying import write_view
+
+    file = write_view(session, result)
+    progress(f"recording: {file}")
+    open_if_possible(file)
+
+
+def open_if_possible(file: Path) -> None:
+    """Open the viewer where there is a screen; say how to look at it where there is none."""
+    from station.views import viewer
+
+    if viewer.has_screen():
+        viewer.open_viewer(file)
+        progress("the viewer is opening")
+    else:
+        progress(f"no screen here: look at it elsewhere with `rerun {file}`, or take pictures with")
+        progress(f"`station view {file.parent.parent} --screenshot DIR`")
