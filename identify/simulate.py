@@ -128,7 +128,9 @@ def _drive(external, position):  # type: ignore[no-untyped-def]
     p2 = external[i + 1]
     p0 = external[i - 1] if i > 0 else 2.0 * p1 - p2
     p3 = external[i + 2] if i + 2 < n else 2.0 * p2 - p1
-    return p1 + 0.5 * x * (p2 - p0 + x * (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3 + x * (3.0 * (p1 - p2) + p3 - p0)))
+    return p1 + 0.5 * x * (
+        p2 - p0 + x * (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3 + x * (3.0 * (p1 - p2) + p3 - p0))
+    )
 
 
 @njit(**_COMPILE)
@@ -186,7 +188,9 @@ def _run(  # type: ignore[no-untyped-def]
                         _state_rates(addresses, t + 0.5 * step, u, 0.0, work[4], table, work[1])
                         _blend(states, step, work[1], work[4])
                 else:
-                    un, vn = _step(addresses, memory, t, u, v, a, states, s, step, linear, table, drives, work)
+                    un, vn = _step(
+                        addresses, memory, t, u, v, a, states, s, step, linear, table, drives, work
+                    )
                     if dry and vn * s < 0.0:
                         crossed = True
                         low = 0.0
@@ -219,9 +223,7 @@ def _run(  # type: ignore[no-untyped-def]
                             states[r, 0] = work[4, r, 0]
                             states[r, 1] = work[4, r, 1]
                 if not stuck:
-                    an = _acceleration(
-                        addresses, t + step, un, vn, states, s, linear, table, drives[2]
-                    )[0]
+                    an = _acceleration(addresses, t + step, un, vn, states, s, linear, table, drives[2])[0]
                 while due < n and due * interval - lag <= t + step - t0 + 1e-12:
                     x = (due * interval - lag - (t - t0)) / step
                     displacement[due], velocity[due] = _hermite(x, step, u, v, a, un, vn, an)

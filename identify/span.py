@@ -1,51 +1,63 @@
-"""The span of a record that identifies: after the hand has let go, before the mass comes near to sticking."""
+"""A span: the part of a free decay that is fitted, and the noise that each reading has."""
+
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from identify.arrays import Array, Mask
-from identify.errors import NotIdentifiable
-from identify.free_decay import FreeDecay
 
-HAND_S = 0.03  # a hand takes up to 20 ms to let go; the ideal release loses an eighth of a cycle to it
+CHANNELS = ("displacement", "velocity", "acceleration")
 
 
-def valid_samples(decay: FreeDecay) -> Mask:
-    """Return the mask of samples that were recorded and are numbers, shape (n,)."""
-    good = np.ones(len(decay), dtype=np.bool_) if decay.valid is None else decay.valid.copy()
-    for values in (decay.displacement, decay.velocity, decay.acceleration):
-        if values is not None:
-            good &= np.isfinite(values)
-    return good
+@dataclass(frozen=True, eq=False)
+class Span:
+    """Readings of one release from the first sample that is compared, shape (n,) a channel, SI.
 
-
-def first_free_sample(decay: FreeDecay, frequency: float | None = None) -> int:
-    """Return the first sample at which the hand has surely let go.
-
-    `frequency` (Hz) shortens the wait where 30 ms is more than a quarter of a cycle. A record without a rest before the release
-    began in mid-decay: no hand, no wait.
+    `time` is the first sample's time since the release (s). `used` marks the readings that count; `sigma` is
+    the noise of each channel; `lead` samples at the start are simulated but not compared, so that a late channel has a past.
+    `lag` is where the search for the lag begins (s) and `lag_reach` how far it may go. `gain_uncertainty` is what the
+    calibration certificates leave open, and enters as a prior when the gain is judged.
     """
-    if decay.rest[1] <= decay.rest[0]:
-        return decay.release
-    wait = HAND_S if frequency is None else min(HAND_S, 0.25 / frequency)
-    return decay.release + int(np.ceil(wait * decay.rate))
 
+    rate: float
+    time: float
+    readings: dict[str, Array]
+    used: dict[str, Mask]
+    sigma: dict[str, float]
+    lead: int
+    lag: float = 0.0
+    lag_reach: float = 0.0
+    gain_uncertainty: float = 0.0
+    force: Array | None = None
+    unit: str = "m"
 
-def last_large_sample(envelope: Array, threshold: float) -> int:
-    """Return one past the last sample before `envelope` (n,) first stays below `threshold`."""
-    below = np.flatnonzero(envelope < threshold)
-    return int(below[0]) if len(below) else len(envelope)
+    def __len__(self) -> int:
+        return len(next(iter(self.readings.values())))
 
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels present, in the order displacement, velocity, acceleration."""
+        return tuple(c for c in CHANNELS if c in self.readings)
 
-def require_cycles(samples: int, rate: float, frequency: float, fewest: float) -> None:
-    """Raise NotIdentifiable when `samples` at `rate` hold fewer than `fewest` cycles or too few samples a cycle."""
-    cycles = samples * frequency / rate
-    if cycles < fewest:
-        raise NotIdentifiable(
-            f"only {cycles:.1f} cycles of free motion above friction and noise, {fewest:g} are needed; "
-            "release from a larger amplitude or record longer"
-        )
-    if rate < 3 * frequency:
-        raise NotIdentifiable(
-            f"{rate / frequency:.1f} samples a cycle are too few to follow {frequency:.3g} Hz; "
-            f"record at {4 * frequency:.3g} Hz or faster"
+    @property
+    def paired(self) -> bool:
+        """Whether the acceleration stands beside a lower channel, so that lag and gain can be known."""
+        return "acceleration" in self.readings and len(self.readings) > 1
+
+    @property
+    def clock(self) -> Array:
+        """Time since the release of each sample, s."""
+        return self.time + np.arange(len(self)) / self.rate
+
+    def with_(self, **changes: object) -> Self:
+        """Return a copy with some fields replaced."""
+        return replace(self, **changes)  # type: ignore[arg-type]
+
+    def until(self, samples: int) -> Self:
+        """Return the span cut after some samples."""
+        return self.with_(
+            readings={c: r[:samples] for c, r in self.readings.items()},
+            used={c: m[:samples] for c, m in self.used.items()},
+            force=None if self.force is None else self.force[:samples],
         )

@@ -59,7 +59,7 @@ class Effect:
 
     The force is proportional to the first parameter, the strength; the others are inner parameters.
     `force`, `friction` and `rates` are compiled functions of (t, u, v, z, p): `friction` is a level >= 0 that
-    acts against the velocity, `rates` drives up to two internal states `z`; `t` counts from the release.
+    acts against the velocity, `rates` drives `states` internal states `z`, two at most; `t` counts from the release.
     `borrows` names parameters of other effects that follow the effect's own in `p`.
     `rest(u, p)` gives the internal states of a mass that has been held at `u` for long.
     `observe(time, reading, p)` is a sensor's fault: it changes the predicted readings of one channel.
@@ -80,6 +80,7 @@ class Effect:
     rates: Any = None
     rest: Callable[[float, Array], tuple[float, float]] | None = None
     observe: Callable[[Array, Array, Array], Array] | None = None
+    states: int = 0
     borrows: tuple[str, ...] = ()
     starts: Callable[[Scales], tuple[tuple[float, ...], ...]] = field(default=lambda scales: ((),))
     sensor_starts: Callable[[Scales, str], tuple[tuple[float, ...], ...]] = field(

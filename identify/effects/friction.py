@@ -53,7 +53,9 @@ POSITION_DEPENDENT_FRICTION = Effect(
     title="guides that bind away from the middle",
     kind="physics",
     equation="slope |u| sgn v",
-    parameters=(Parameter("slope", "1/s^2", "growth of the friction with displacement, per unit mass", 0.0, inf),),
+    parameters=(
+        Parameter("slope", "1/s^2", "growth of the friction with displacement, per unit mass", 0.0, inf),
+    ),
     friction=_position_dependent,
     tell="loss per cycle like viscous damping, but the force jumps at every reversal in proportion to amplitude",
     proof="the jump of the acceleration at the reversals grows with the amplitude",

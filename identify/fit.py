@@ -1,0 +1,174 @@
+"""Free-run least squares: the parameters under which the simulated motion follows the readings best."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.estimate import Estimate
+from identify.model import Model
+from identify.problem import Problem
+from identify.span import Span
+
+_MOST_STEPS = 40
+_GROWTH = (3.0, 8.0, 20.0, 50.0, 120.0)
+_FAR_OFF = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A model fitted to one or more spans.
+
+    `values` holds every unknown by name with its standard error; `chi_square` the sum of squares in units of the
+    noise, `degrees` its degrees of freedom. `predicted` are the readings the model gives, a dictionary a span.
+    `outcome` is a sentence: what was reached, or what to do next; `unknowable` names parameters that this
+    record does not determine. `theta` and `covariance` belong to `names`.
+    """
+
+    model: Model
+    spans: tuple[Span, ...]
+    names: tuple[str, ...]
+    theta: Array
+    covariance: Array
+    values: dict[str, Estimate]
+    chi_square: float
+    degrees: int
+    predicted: tuple[dict[str, Array], ...]
+    converged: bool
+    outcome: str
+    unknowable: tuple[str, ...]
+    frequency: float
+
+    @property
+    def reduced(self) -> float:
+        """Reduced chi-square: 1 means that nothing is left to explain."""
+        return self.chi_square / max(self.degrees, 1)
+
+    def residual(self, channel: str, i: int = 0) -> Array:
+        """Return reading less prediction, SI, shape (n,), of one channel of span i."""
+        return self.spans[i].readings[channel] - self.predicted[i][channel]
+
+    def correlation(self, first: str, second: str) -> float:
+        """Return the correlation of two unknowns' errors."""
+        i, j = self.names.index(first), self.names.index(second)
+        return float(self.covariance[i, j] / np.sqrt(self.covariance[i, i] * self.covariance[j, j]))
+
+
+def descend(
+    problem: Problem, theta: Array, *, steps: int = _MOST_STEPS, patience: float = 0.02
+) -> tuple[Array, float, Array, bool]:
+    """Levenberg-Marquardt within bounds, until a step promises less than `patience` of chi-square.
+
+    Returns the unknowns, chi-square, the Jacobian at the last point but one step, and whether it settled.
+    """
+    theta = np.clip(theta, problem.low, problem.high)
+    residual, jacobian = problem.linearise(theta)
+    cost = float(residual @ residual)
+    damping = 1e-3
+    settled = False
+    for _ in range(steps):
+        if not np.isfinite(cost):
+            break
+        size = problem.sizes(theta)
+        scaled = jacobian * size
+        gradient = scaled.T @ residual
+        normal = scaled.T @ scaled
+        held = ((theta <= problem.low) & (gradient > 0)) | ((theta >= problem.high) & (gradient < 0))
+        normal[held] = 0.0
+        normal[:, held] = 0.0
+        diagonal = np.diag(normal).copy()
+        floor = 1e-12 * max(diagonal.max(), 1e-300)
+        improved = False
+        for _ in range(12):
+            matrix = normal + np.diag(damping * diagonal + floor)
+            step = -np.linalg.solve(matrix, np.where(held, 0.0, gradient))
+            candidate = np.clip(theta + step * size, problem.low, problem.high)
+            promise = -(2.0 * gradient @ step + step @ normal @ step)
+            trial = problem.residuals(candidate)
+            trial_cost = float(trial @ trial)
+            if np.isfinite(trial_cost) and trial_cost < cost:
+                improved = True
+                break
+            if promise < patience:
+                break
+            damping = max(damping * 8.0, 1e-7)
+        if not improved:
+            settled = True
+            break
+        gained = cost - trial_cost
+        theta, cost = candidate, trial_cost
+        damping = max(damping / 10.0, 1e-9)
+        residual, jacobian = problem.linearise(theta)
+        if gained < max(patience, 1e-6 * cost):
+            settled = True
+            break
+    return theta, cost, jacobian, settled
+
+
+def fit(
+    model: Model,
+    spans: tuple[Span, ...],
+    start: dict[str, float],
+    frequency: float,
+    *,
+    patience: float = 0.02,
+) -> Fit:
+    """Fit a model to spans from starting values by name (see `starting_values`); the window grows where it is needed."""
+    whole = Problem(model, spans, frequency)
+    theta = np.array([start.get(u.name, 0.0) for u in whole.unknowns])
+    theta = np.clip(theta, whole.low, whole.high)
+    first = whole.residuals(theta)
+    far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
+    if far:
+        theta = _grow(model, spans, theta, frequency)
+    theta, cost, jacobian, settled = descend(whole, theta, patience=patience)
+    return _result(whole, theta, cost, jacobian, settled)
+
+
+def _grow(model: Model, spans: tuple[Span, ...], theta: Array, frequency: float) -> Array:
+    longest = max(len(s) for s in spans)
+    for cycles in _GROWTH:
+        samples = int(cycles * 2.0 * np.pi / frequency * spans[0].rate)
+        if samples >= longest:
+            break
+        short = Problem(model, tuple(s.until(min(samples, len(s))) for s in spans), frequency)
+        theta = descend(short, theta, steps=8, patience=1.0)[0]
+    return theta
+
+
+def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, settled: bool) -> Fit:
+    size = problem.sizes(theta)
+    scaled = jacobian * size
+    at_bound = (theta <= problem.low) | (theta >= problem.high)
+    scaled[:, at_bound] = 0.0
+    normal = scaled.T @ scaled
+    values, vectors = np.linalg.eigh(normal)
+    weak = values < 1e-10 * values.max()
+    inverse = np.where(weak, 0.0, 1.0 / np.where(weak, 1.0, values))
+    covariance = (vectors * inverse) @ vectors.T * np.outer(size, size)
+    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
+    std = np.where(lost | at_bound, np.inf, std)
+    names = tuple(u.name for u in problem.unknowns)
+    unknowable = tuple(n for n, l, b in zip(names, lost, at_bound, strict=True) if l and not b)
+    outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
+    if unknowable:
+        outcome += f" This record does not determine {', '.join(unknowable)}."
+    return Fit(
+        model=problem.model,
+        spans=problem.spans,
+        names=names,
+        theta=theta,
+        covariance=covariance,
+        values={
+            u.name: Estimate(float(t), float(s), u.unit)
+            for u, t, s in zip(problem.unknowns, theta, std, strict=True)
+        },
+        chi_square=cost,
+        degrees=len(jacobian) - int((~at_bound).sum()),
+        predicted=tuple(problem.read(theta, i, problem.respond(theta, i)) for i in range(len(problem.spans))),
+        converged=settled,
+        outcome=outcome,
+        unknowable=unknowable,
+        frequency=problem.frequency,
+    )

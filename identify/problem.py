@@ -1,0 +1,307 @@
+"""The problem that a fit solves: parameters to predicted readings, in units of the noise."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.effects.compiled import PARAMETERS, STATES
+from identify.model import Model
+from identify.simulate import Response, make_system, simulate, substeps_for
+from identify.span import Span
+
+LINEAR = {"linear_stiffness": 0, "viscous_damping": 1, "coulomb_friction": 2}
+_STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One number to be found: name, unit, bounds, a natural size, and the span it belongs to (-1: shared physics).
+
+    `simulated` unknowns change the motion; the others only how it is read.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    size: float
+    span: int
+    simulated: bool
+
+
+class Problem:
+    """A model on one or more spans: the physics is shared, each span has nuisance parameters of its own.
+
+    The nuisances are the state at the start of the span, the internal states of effects with memory, and,
+    where there are two channels, lag and gain; and an offset of every channel.
+    """
+
+    def __init__(self, model: Model, spans: tuple[Span, ...], frequency: float) -> None:
+        self.model = model
+        self.spans = spans
+        self.frequency = frequency
+        self.physics = [t for t in model.terms if t.effect.kind == "physics" and t.effect.name not in LINEAR]
+        self.system = make_system(tuple(t.effect for t in self.physics))
+        self.unknowns: list[Unknown] = []
+        self._table = np.zeros((len(self.physics), PARAMETERS))
+        self._places: list[tuple[str, int, int]] = []
+        self._sensors: list[tuple[int, str, object, list[int], Array]] = []
+        self._lay_out()
+        self.low = np.array([u.low for u in self.unknowns])
+        self.high = np.array([u.high for u in self.unknowns])
+        self.size = np.array([u.size for u in self.unknowns])
+        self.index = {u.name: i for i, u in enumerate(self.unknowns)}
+
+    def _add(self, *args: object) -> int:
+        self.unknowns.append(Unknown(*args))  # type: ignore[arg-type]
+        return len(self.unknowns) - 1
+
+    def _lay_out(self) -> None:
+        w = self.frequency
+        amplitude = max(_amplitude(span, w) for span in self.spans)
+        force = 0.01 * w * w * amplitude
+        unit = self.spans[0].unit
+        self._linear_at = [-1, -1, -1]
+        self._linear = np.zeros(3)
+        sizes = {"linear_stiffness": w * w, "viscous_damping": 0.01 * w, "coulomb_friction": force}
+        row = 0
+        self._borrowed: list[tuple[int, int, str]] = []
+        for term in self.model.terms:
+            effect = term.effect
+            if effect.kind == "sensor":
+                continue
+            for j, parameter in enumerate(effect.parameters):
+                held = term.held.get(parameter.name)
+                name = f"{effect.name}.{parameter.name}"
+                if effect.name in LINEAR:
+                    place = LINEAR[effect.name]
+                    self._linear_at[place] = self._add(
+                        name,
+                        _unit(parameter.unit, unit),
+                        parameter.low,
+                        parameter.high,
+                        sizes[effect.name],
+                        -1,
+                        True,
+                    )
+                elif held is not None:
+                    self._table[row, j] = float(held)
+                else:
+                    at = self._add(
+                        name, _unit(parameter.unit, unit), parameter.low, parameter.high, 0.0, -1, True
+                    )
+                    self._places.append((name, row, j))
+                    assert at >= 0
+            if effect.name not in LINEAR:
+                for offset, borrowed in enumerate(effect.borrows):
+                    self._borrowed.append((row, len(effect.parameters) + offset, borrowed))
+                row += 1
+        self._place_at = {name: (r, j) for name, r, j in self._places}
+        self._starts: list[tuple[int, int]] = []
+        self._states: list[list[tuple[int, int, int]]] = []
+        self._lags: list[int] = []
+        self._gains: list[int] = []
+        self._offsets: list[dict[str, int]] = []
+        for i, span in enumerate(self.spans):
+            tag = f"[{i}]" if len(self.spans) > 1 else ""
+            big = amplitude
+            self._starts.append(
+                (
+                    self._add(f"displacement{tag}", unit, -np.inf, np.inf, big, i, True),
+                    self._add(f"velocity{tag}", f"{unit}/s", -np.inf, np.inf, big * w, i, True),
+                )
+            )
+            states = []
+            for r, term in enumerate(self.physics):
+                if term.effect.rates is not None:
+                    for j in range(term.effect.states):
+                        at = self._add(
+                            f"{term.effect.name}.state{j}{tag}",
+                            "",
+                            -np.inf,
+                            np.inf,
+                            big * (w if j else 1.0),
+                            i,
+                            True,
+                        )
+                        states.append((at, r, j))
+            self._states.append(states)
+            if span.paired:
+                self._lags.append(
+                    self._add(
+                        f"lag{tag}",
+                        "s",
+                        span.lag - span.lag_reach,
+                        span.lag + span.lag_reach,
+                        1e-2 / w,
+                        i,
+                        False,
+                    )
+                )
+                self._gains.append(self._add(f"gain{tag}", "1", 0.2, 5.0, 1e-2, i, False))
+            else:
+                self._lags.append(-1)
+                self._gains.append(-1)
+            powers = {"displacement": 0, "velocity": 1, "acceleration": 2}
+            self._offsets.append(
+                {
+                    c: self._add(
+                        f"{c}_offset{tag}",
+                        _unit({0: "m", 1: "m/s", 2: "m/s^2"}[powers[c]], unit),
+                        -np.inf,
+                        np.inf,
+                        1e-2 * amplitude * w ** powers[c],
+                        i,
+                        False,
+                    )
+                    for c in span.channels
+                }
+            )
+            for term in self.model.terms:
+                if (
+                    term.effect.kind != "sensor"
+                    or term.effect.observe is None
+                    or term.channel not in span.readings
+                ):
+                    continue
+                places = []
+                fixed = np.zeros(len(term.effect.parameters))
+                for parameter in term.effect.parameters:
+                    reading = _unit({0: "m", 1: "m/s", 2: "m/s^2"}[powers[term.channel]], unit)
+                    places.append(
+                        self._add(
+                            f"{term.effect.name}.{parameter.name}{tag}",
+                            parameter.unit.replace("reading", reading),
+                            parameter.low,
+                            parameter.high,
+                            0.0,
+                            i,
+                            False,
+                        )
+                    )
+                self._sensors.append((i, term.channel, term.effect.observe, places, fixed))
+
+    def sizes(self, theta: Array) -> Array:
+        """Return the natural size of each unknown; inner parameters are as large as they are."""
+        tiny = 1e-3 * np.abs(theta)
+        size = np.where(self.size > 0.0, self.size, np.maximum(np.abs(theta), tiny))
+        return np.where(size > 0.0, size, 1.0)
+
+    def respond(self, theta: Array, i: int) -> Response:
+        """Simulate span i."""
+        span = self.spans[i]
+        linear = self._linear.copy()
+        for place, at in enumerate(self._linear_at):
+            if at >= 0:
+                linear[place] = theta[at]
+        table = self._table.copy()
+        for name, row, j in self._places:
+            table[row, j] = theta[self.index[name]]
+        for row, j, borrowed in self._borrowed:
+            table[row, j] = theta[self.index[borrowed]]
+        states = np.zeros((len(self.physics), STATES))
+        for at, row, j in self._states[i]:
+            states[row, j] = theta[at]
+        at_u, at_v = self._starts[i]
+        lag = theta[self._lags[i]] if self._lags[i] >= 0 else 0.0
+        return simulate(
+            self.system,
+            linear,
+            table,
+            start=(float(theta[at_u]), float(theta[at_v])),
+            states=states,
+            samples=len(span),
+            rate=span.rate,
+            substeps=substeps_for(self._fastest(theta), span.rate, kinked=self.system.kinked),
+            time=span.time,
+            lag=float(lag),
+            external=span.force,
+        )
+
+    def _fastest(self, theta: Array) -> float:
+        fastest = self.frequency
+        at = self.index.get("second_mass.w2")
+        if at is not None:
+            fastest = max(fastest, 0.6 * float(theta[at]))
+        at = self.index.get("maxwell_element.tau")
+        if at is not None:
+            fastest = max(fastest, 0.05 / max(float(theta[at]), 1e-4))
+        return fastest
+
+    def read(self, theta: Array, i: int, response: Response) -> dict[str, Array]:
+        """Return the predicted readings of span i, shape (n,) a channel."""
+        span = self.spans[i]
+        predicted: dict[str, Array] = {}
+        for channel in span.channels:
+            values = np.asarray(getattr(response, channel))
+            if channel == "acceleration" and self._gains[i] >= 0:
+                values = values * theta[self._gains[i]]
+            predicted[channel] = values + theta[self._offsets[i][channel]]
+        for at, channel, observe, places, _ in self._sensors:
+            if at == i:
+                predicted[channel] = observe(span.clock, predicted[channel], theta[places])  # type: ignore[operator]
+        return predicted
+
+    def residual_of(self, i: int, predicted: dict[str, Array]) -> Array:
+        """Return the misfit of span i in units of the noise, unused readings left out."""
+        span = self.spans[i]
+        parts = []
+        for channel in span.channels:
+            used = span.used[channel]
+            parts.append((span.readings[channel][used] - predicted[channel][used]) / span.sigma[channel])
+        return np.concatenate(parts)
+
+    def residuals(self, theta: Array) -> Array:
+        """Return the misfit of all spans in units of the noise; inf where the motion runs away."""
+        return np.concatenate(
+            [self.residual_of(i, self.read(theta, i, self.respond(theta, i))) for i in range(len(self.spans))]
+        )
+
+    def linearise(self, theta: Array) -> tuple[Array, Array]:
+        """Return the misfit (n,) and its Jacobian (n, unknowns) by forward differences."""
+        responses = [self.respond(theta, i) for i in range(len(self.spans))]
+        parts = [self.residual_of(i, self.read(theta, i, r)) for i, r in enumerate(responses)]
+        residual = np.concatenate(parts)
+        edges = np.concatenate([[0], np.cumsum([len(p) for p in parts])])
+        jacobian = np.zeros((len(residual), len(theta)))
+        steps = _STEP * self.sizes(theta)
+        steps = np.where(theta + steps > self.high, -steps, steps)
+        for j, unknown in enumerate(self.unknowns):
+            moved = theta.copy()
+            moved[j] += steps[j]
+            step = moved[j] - theta[j]
+            for i in range(len(self.spans)) if unknown.span < 0 else (unknown.span,):
+                response = responses[i]
+                if unknown.simulated:
+                    response = self.respond(moved, i)
+                elif j == self._lags[i]:
+                    response = Response(
+                        response.displacement - step * response.velocity,
+                        response.velocity - step * response.acceleration,
+                        response.acceleration,
+                    )
+                rows = slice(edges[i], edges[i + 1])
+                jacobian[rows, j] = (
+                    self.residual_of(i, self.read(moved, i, response)) - residual[rows]
+                ) / step
+        return residual, jacobian
+
+
+def _amplitude(span: Span, w: float) -> float:
+    powers = {"displacement": 0, "velocity": 1, "acceleration": 2}
+    channel = span.channels[0]
+    values = span.readings[channel][span.used[channel]]
+    return float(np.ptp(values)) / 2.0 / w ** powers[channel] if len(values) else 1.0
+
+
+def _unit(unit: str, length: str) -> str:
+    return unit if length == "m" else _swap(unit, length)
+
+
+def _swap(unit: str, length: str) -> str:
+    out = []
+    for i, letter in enumerate(unit):
+        alone = (i == 0 or not unit[i - 1].isalpha()) and (i + 1 == len(unit) or not unit[i + 1].isalpha())
+        out.append(length if letter == "m" and alone else letter)
+    return "".join(out)

@@ -1,0 +1,61 @@
+"""The spectrum of a residual: its lines and its floor."""
+
+import numpy as np
+
+from identify.arrays import Array
+
+
+def strongest_lines(
+    values: Array, rate: float, time: float, count: int, *, keep_off: tuple[float, float] | None = None
+) -> tuple[tuple[float, float, float], ...]:
+    """Return the strongest lines of a residual, one after the other, as (frequency Hz, amplitude, phase rad).
+
+    A line is `amplitude sin(2 pi f t + phase)` with t counted so that the first value lies at `time` s. Each is refined
+    between the bins of the spectrum and taken out before the next is looked for. Lines between
+    the two frequencies of `keep_off` are passed over.
+    """
+    n = len(values)
+    taper = np.hanning(n)
+    clock = time + np.arange(n) / rate
+    size = 4 * n
+    frequency = np.fft.rfftfreq(size, 1.0 / rate)
+    allowed = (frequency > 1.5 * rate / n) & (frequency < 0.498 * rate)
+    if keep_off is not None:
+        allowed &= (frequency < keep_off[0]) | (frequency > keep_off[1])
+    left = values - values.mean()
+    lines = []
+    for _ in range(count):
+        power = np.abs(np.fft.rfft(left * taper, size)) ** 2
+        power[~allowed] = 0.0
+        at = int(np.argmax(power))
+        if power[at] <= 0.0:
+            break
+        f = frequency[at]
+        if 0 < at < len(power) - 1:
+            a, b, c = np.sqrt(power[at - 1 : at + 2])
+            bend = a - 2.0 * b + c
+            f += 0.5 * (a - c) / bend * (frequency[1] - frequency[0]) if bend < 0.0 else 0.0
+        waves = np.column_stack([np.sin(2 * np.pi * f * clock), np.cos(2 * np.pi * f * clock)])
+        sine, cosine = np.linalg.lstsq(waves * taper[:, None], left * taper, rcond=None)[0]
+        left = left - waves @ np.array([sine, cosine])
+        lines.append((float(f), float(np.hypot(sine, cosine)), float(np.arctan2(cosine, sine) % (2 * np.pi))))
+    return tuple(lines)
+
+
+def high_band_floor(values: Array, rate: float, above: float) -> tuple[float, float]:
+    """Return the white-noise standard deviation of a residual from its band above a frequency in Hz, and its standard error.
+
+    Lines are left out of it. The error is inf when the band is empty.
+    """
+    n = len(values)
+    taper = np.hanning(n)
+    power = np.abs(np.fft.rfft((values - values.mean()) * taper)) ** 2 / np.sum(taper**2)
+    power = power[np.fft.rfftfreq(n, 1.0 / rate) > above][:-1]
+    if len(power) < 12:
+        return 0.0, float("inf")
+    floor = float(np.median(power)) / np.log(2.0)
+    for _ in range(5):
+        quiet = power < 8.0 * floor
+        floor = float(np.mean(power[quiet])) / 0.9973
+    std = float(np.sqrt(floor))
+    return std, std * 0.5 * np.sqrt(1.5 / len(power)) * 1.2
