@@ -1,21 +1,25 @@
 """From a table to a recording: choose the columns, convert to SI, find the clock, mark what is missing."""
 
-
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from daq.importing.choose import Choice, choose_columns, left_out
 from daq.importing.derived import find_derivation
 from daq.importing.errors import problem
-from daq.importing.options import NONE, ImportOptions
+from daq.importing.options import NONE, ImportOptions, ask
+from daq.importing.placing import find_gaps, place
 from daq.importing.table import Table
 from daq.importing.timebase import EVEN, Timebase, from_rate, from_stamps, guess_time_unit
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
-from daq.recording import Array, Channel, Gap, Mask, Recording
+from daq.recording import Array, Channel, Mask, Recording
 
 ORDER = ("displacement", "velocity", "acceleration", "force")
-DERIVATIVES = (("displacement", "velocity", 1), ("velocity", "acceleration", 1), ("displacement", "acceleration", 2))
+DERIVATIVES = (
+    ("displacement", "velocity", 1),
+    ("velocity", "acceleration", 1),
+    ("displacement", "acceleration", 2),
+)
 MIN_SAMPLES = 8
+MIN_RATE, MAX_RATE = 1e-3, 1e7
 LARGEST = 1e150
 
 
@@ -23,29 +27,39 @@ def assemble(table: Table, options: ImportOptions) -> Recording:
     """Return the recording that a table holds. Raises ImportProblem with file, line and column when it cannot be."""
     notes = list(table.notes)
     choices = choose_columns(table, options, notes)
-    angular = any(choices[q].angular for q in ORDER if q in choices)
+    angular = _is_angle(choices, options)
     units = {q: _unit(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
     choices = _without_empty(table, choices, notes)
+    choices = _same_kind(table, choices, units, notes)
     quantities = [q for q in ORDER if q in choices]
-    _same_kind(table, {q: units[q] for q in quantities})
     values = np.array([_converted(table, choices[q], units[q]) for q in quantities])
     clock = _clock(table, choices, options, values, notes)
     values = values[:, clock.rows]
     if not options.keep_derived:
         quantities, values = _without_derived(choices, quantities, values, clock, notes)
     if len(clock.rows) < MIN_SAMPLES:
-        raise problem(table.path, f"has {len(clock.rows)} samples", f"a recording needs at least {MIN_SAMPLES}")
-    samples, valid = _placed(values, clock, options)
+        raise problem(
+            table.path, f"has {len(clock.rows)} samples", f"a recording needs at least {MIN_SAMPLES}"
+        )
+    samples, valid = place(values, clock, resample=options.resample)
     if not valid.any():
-        raise problem(table.path, "has no sample in which all channels hold a number", "leave a channel out (columns ...=none)")
-    gaps = _gaps(valid, clock)
+        raise problem(
+            table.path,
+            "has no sample in which all channels hold a number",
+            "leave a channel out, as in --column acceleration=none",
+        )
+    gaps = find_gaps(valid, clock)
     _say_invalid(table, choices, quantities, values, clock, notes)
     notes.extend(_strays(clock, samples[0], valid))
     if unused := left_out(table, choices):
         notes.append(unused)
-    channels = tuple(
-        Channel(choices[q].column.label or q, q, units[q].si, sensor="") for q in quantities
-    )
+    if not MIN_RATE <= clock.rate <= MAX_RATE:
+        raise problem(
+            table.path,
+            f"its rate would be {clock.rate:.4g} Hz",
+            "give the unit of the time with --unit time=..., or --rate in Hz",
+        )
+    channels = tuple(Channel(choices[q].column.label or q, q, units[q].si) for q in quantities)
     return Recording(clock.rate, channels, samples, valid, gaps, clock.rate_std, None, tuple(notes))
 
 
@@ -55,7 +69,9 @@ def _unit(table: Table, choice: Choice, options: ImportOptions, angular: bool, n
     if text is not None:
         unit = parse_scaled_unit(text)
         if unit is None or unit.quantity not in (None, quantity):
-            raise problem(table.path, f"'{text}' is no unit of {quantity} that is known here", _unit_examples(quantity))
+            raise problem(
+                table.path, f"'{text}' is no unit of {quantity} that is known here", _unit_examples(quantity)
+            )
         notes.append(f"{choice.column.place} read as {quantity} in {text}, as asked")
         return unit
     asked = ", chosen by the options" if choice.asked else ""
@@ -64,7 +80,8 @@ def _unit(table: Table, choice: Choice, options: ImportOptions, angular: bool, n
         return choice.unit
     unit = (SI_ANGULAR if angular else SI_LINEAR)[quantity]
     notes.append(
-        f"{choice.column.place} read as {quantity}{asked}; it names no unit: {unit.si} was assumed (change it with units {quantity}=...)"
+        f"{choice.column.place} read as {quantity}{asked}; it names no unit: {unit.si} was assumed "
+        f"(change it with --unit {quantity}=...)"
     )
     return unit
 
@@ -82,7 +99,7 @@ def _without_empty(table: Table, choices: dict[str, Choice], notes: list[str]) -
     for quantity, choice in choices.items():
         if choice.column.bad is None and not np.isfinite(choice.column.values).any():
             if quantity == "time" or choice.asked:
-                raise problem(table.path, f"{choice.column.place} holds no numbers", "name another column", column=choice.column.number)
+                raise problem(table.path, f"{choice.column.place} holds no numbers", "name another one")
             notes.append(f"{choice.column.place} holds no numbers and was left out")
             continue
         kept[quantity] = choice
@@ -91,16 +108,40 @@ def _without_empty(table: Table, choices: dict[str, Choice], notes: list[str]) -
     return kept
 
 
-def _same_kind(table: Table, units: dict[str, Unit]) -> None:
-    """Refuse an angle beside a length: no single motion has both."""
-    mechanical = {q: u for q, u in units.items() if u.quantity is not None}
-    if len({u.angular for u in mechanical.values()}) > 1:
-        said = ", ".join(f"{q} in {u.si}" for q, u in mechanical.items())
-        leave = list(mechanical)[-1]
-        raise problem(
-            table.path, f"mixes an angle with a length ({said})",
-            f"leave one out (columns {leave}={NONE}), or give a scale that makes them alike, such as units {leave}='4.0 rad/s^2'",
-        )  # fmt: skip
+def _same_kind(
+    table: Table, choices: dict[str, Choice], units: dict[str, Unit], notes: list[str]
+) -> dict[str, Choice]:
+    """Leave out lengths beside an angle (or angles beside a length) that nobody asked for; refuse those asked for."""
+    mechanical = [q for q in ORDER if q in choices and units[q].quantity is not None]
+    lead = next((q for q in mechanical if choices[q].asked), mechanical[0] if mechanical else "")
+    kept = dict(choices)
+    for quantity in mechanical:
+        if units[quantity].angular == units[lead].angular:
+            continue
+        said = f"{quantity} in {units[quantity].si} beside {lead} in {units[lead].si}"
+        if not any(choices[q].asked for q in mechanical) or choices[quantity].asked:
+            raise problem(
+                table.path, f"mixes an angle with a length ({said})",
+                f"leave one out ({ask(quantity, NONE)}), or give a scale that makes them alike, "
+                f"as in --unit {quantity}='4.0 {(SI_ANGULAR if units[lead].angular else SI_LINEAR)[quantity].si}'",
+            )  # fmt: skip
+        del kept[quantity]
+        notes.append(
+            f"{choices[quantity].column.place} was left out: {said} would mix an angle with a length"
+        )
+    return kept
+
+
+def _is_angle(choices: dict[str, Choice], options: ImportOptions) -> bool:
+    """Tell whether channels without a unit are angles: an option's unit decides, else the headers."""
+    asked = [
+        unit
+        for q in ORDER
+        if q in options.units and (unit := parse_scaled_unit(options.units[q])) is not None
+    ]
+    if any(unit.quantity is not None for unit in asked):
+        return any(unit.angular for unit in asked)
+    return any(choices[q].angular for q in ORDER if q in choices)
 
 
 def _converted(table: Table, choice: Choice, unit: Unit) -> Array:
@@ -126,35 +167,44 @@ def _converted(table: Table, choice: Choice, unit: Unit) -> Array:
 def _clock(
     table: Table, choices: dict[str, Choice], options: ImportOptions, values: Array, notes: list[str]
 ) -> Timebase:
+    """Return the clock: the rate asked for, else the stamps, else the rate that the file names."""
     rows = values.shape[1]
     time = choices.get("time")
+    if options.rate is not None:
+        if time is not None and time.asked:
+            raise problem(table.path, "a time column and a rate were both given", "give one of them")
+        unused = f"; {time.column.place} was not used" if time is not None else ""
+        return from_rate(options.rate, rows, f"rate {options.rate:g} Hz, as asked{unused}")
     if time is None:
         rates = {c.column.rate for q, c in choices.items() if c.column.rate is not None}
-        if options.rate is not None:
-            return from_rate(options.rate, rows, f"rate {options.rate:g} Hz, as asked")
-        if len(rates) == 1:
-            rate = rates.pop()
-            return from_rate(rate, rows, f"rate {rate:.6g} Hz, from the file")
-        if table.rate is not None:
-            return from_rate(table.rate, rows, f"rate {table.rate:.6g} Hz, from {table.rate_source}")
-        raise problem(
-            table.path, "has no time column and no rate", "name the time column (columns time=...) or give the rate in Hz"
-        )
-    column = _checked(table, time)
+        if len(rates) > 1:
+            said = ", ".join(f"{rate:g} Hz" for rate in sorted(rates))
+            raise problem(
+                table.path,
+                f"the channels have different rates ({said})",
+                "leave one out with --column ...=none",
+            )
+        rate, source = (rates.pop(), "the file") if rates else (table.rate, table.rate_source)
+        if rate is None:
+            raise problem(
+                table.path,
+                "has no time column and names no rate",
+                "name the time with --column time=... or give --rate in Hz",
+            )
+        return from_rate(rate, rows, f"rate {rate:.6g} Hz, from {source}")
+    _converted(table, time, SI_LINEAR["time"])
+    column = time.column
     if "time" in options.units or time.unit is not None:
         unit = _unit(table, time, options, False, notes)
     else:
         unit, why = guess_time_unit(column)
-        notes.append(
-            f"{column.place} read as time"
-            + (", dates or times of day" if column.clock else f"; it names no unit: {why} (change it with units time=...)")
+        how = (
+            "; dates or times of day"
+            if column.clock
+            else f"; it names no unit: {why} (change it with --unit time=...)"
         )
+        notes.append(f"{column.place} read as time{how}")
     return from_stamps(table, column, unit, values, resample=options.resample)
-
-
-def _checked(table: Table, time: Choice):  # type: ignore[no-untyped-def]
-    _converted(table, time, SI_LINEAR["time"])
-    return time.column
 
 
 def _without_derived(
@@ -176,54 +226,24 @@ def _without_derived(
             drop.add(target)
             notes.append(
                 f"{said}its numbers are a finite difference of {origin} to within their rounding "
-                f"({100 * found.residual / found.rms:.2g} % of its rms), not a sensor of its own (keep_derived keeps it)"
+                f"({100 * found.residual / found.rms:.2g} % of its rms), not a sensor of its own (--keep-derived keeps it)"
             )
         elif choices[target].named_derived and not choices[target].asked:
             drop.add(target)
-            notes.append(f"{said}its name says that it is derived, and {origin} is there (keep_derived keeps it)")
+            notes.append(
+                f"{said}its name says that it is derived, and {origin} is there (--keep-derived keeps it)"
+            )
     keep = [i for i, q in enumerate(quantities) if q not in drop]
     return [quantities[i] for i in keep], values[keep]
 
 
-def _placed(values: Array, clock: Timebase, options: ImportOptions) -> tuple[Array, Mask]:
-    """Return the samples on the even clock, shape (channels, count), and the mask of those that are there."""
-    there = np.isfinite(values).all(axis=0)
-    valid = np.zeros(clock.count, dtype=bool)
-    samples = np.full((len(values), clock.count), np.nan)
-    samples[:, clock.index] = values
-    valid[clock.index] = there
-    if not options.resample or clock.stamps is None or np.count_nonzero(there) < 4:
-        return samples, valid
-    return _resampled(values[:, there], clock.stamps[there], clock)
-
-
-def _resampled(values: Array, stamps: Array, clock: Timebase) -> tuple[Array, Mask]:
-    """Return a cubic spline through the stamped samples on the even clock; holes wider than 1.5 periods stay holes."""
-    grid = np.arange(clock.count) / clock.rate
-    stamps, first = np.unique(stamps, return_index=True)
-    samples = np.asarray(CubicSpline(stamps, values[:, first], axis=1)(grid))
-    after = np.clip(np.searchsorted(stamps, grid), 1, len(stamps) - 1)
-    width = stamps[after] - stamps[after - 1]
-    near = np.minimum(np.abs(grid - stamps[after]), np.abs(grid - stamps[after - 1]))
-    period = 1.0 / clock.rate
-    inside = (grid >= stamps[0] - 0.5 * period) & (grid <= stamps[-1] + 0.5 * period)
-    valid = inside & ((width < 1.75 * period) | (near < 0.25 * period))
-    return np.where(valid, samples, np.nan), valid
-
-
-def _gaps(valid: Mask, clock: Timebase) -> tuple[Gap, ...]:
-    """Return the runs of invalid samples: missing from the file, or there without a number."""
-    present = np.zeros(clock.count, dtype=bool)
-    present[clock.index] = True
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], ~valid, [False])).astype(np.int8)))
-    return tuple(
-        Gap(int(a), int(b - a), "no number in the file" if present[a:b].any() else "missing from the file")
-        for a, b in zip(edges[::2], edges[1::2], strict=True)
-    )
-
-
 def _say_invalid(
-    table: Table, choices: dict[str, Choice], quantities: list[str], values: Array, clock: Timebase, notes: list[str]
+    table: Table,
+    choices: dict[str, Choice],
+    quantities: list[str],
+    values: Array,
+    clock: Timebase,
+    notes: list[str],
 ) -> None:
     for quantity, channel in zip(quantities, values, strict=True):
         holes = np.flatnonzero(~np.isfinite(channel))
@@ -231,12 +251,15 @@ def _say_invalid(
             line = table.line(int(clock.rows[holes[0]]))
             where = f", the first in line {line}" if line else ""
             notes.append(
-                f"{len(holes)} of {len(channel)} samples of the {quantity} are empty or not finite{where}; they count as invalid"
+                f"{len(holes)} of {len(channel)} samples of the {quantity} are empty or not finite{where}; "
+                "they count as invalid"
             )
     blank = max((int(np.count_nonzero(~np.isfinite(c))) for c in values), default=0)
     if blank > len(clock.rows) // 2:
         names = ", ".join(choices[q].column.place for q in quantities)
-        notes.append(f"more than half of the samples are invalid: check whether {names} were sampled together")
+        notes.append(
+            f"more than half of the samples are invalid: check whether {names} were sampled together"
+        )
 
 
 def _strays(clock: Timebase, samples: Array, valid: Mask) -> tuple[str, ...]:
@@ -252,5 +275,3 @@ def _strays(clock: Timebase, samples: Array, valid: Mask) -> tuple[str, ...]:
     period = len(filled) / clock.rate / peak
     share = f"the motion's period is about {period:.3g} s: the stray is {100 * clock.stray_rms / period:.2g} % of it"
     return (*clock.notes, share)
-
-

@@ -7,7 +7,7 @@ import numpy as np
 
 from daq.importing.columns import INDEX, Meaning, meaning, words
 from daq.importing.errors import ImportProblem, problem
-from daq.importing.options import NONE, QUANTITIES, ImportOptions
+from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 
@@ -38,26 +38,45 @@ def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> di
         for quantity, wanted in options.columns.items()
         if str(wanted).strip().lower() != NONE
     }
+    _refuse_twice(table, choices)
     taken = {choice.column.number for choice in choices.values()}
-    motion_asked = any(quantity in options.columns for quantity in (*MOTIONS, "force"))
+    motion_asked = any(quantity in choices for quantity in MOTIONS)
     for quantity in QUANTITIES:
-        if quantity in options.columns or (motion_asked and quantity != "time"):
+        if quantity in options.columns:
             continue
-        if quantity == "time" and options.rate is not None:
-            continue
-        found = _found(table, quantity, [c for c in table.columns if c.number not in taken], meanings)
+        free = [c for c in table.columns if c.number not in taken]
+        found = _found(table, quantity, free, meanings, beside=motion_asked)
         if found is not None:
             choices[quantity] = found
             taken.add(found.column.number)
-    if "time" not in options.columns and "time" not in choices and options.rate is None:
+    if (
+        "time" not in options.columns
+        and "time" not in choices
+        and options.rate is None
+        and table.rate is None
+    ):
         clock = _rising_first(table, taken)
         if clock is not None:
             choices["time"] = _as_choice("time", clock, meanings[clock.number], asked=False)
             taken.add(clock.number)
-            notes.append(f"{clock.place} has no name that says so, but its numbers rise evenly: it was taken as time")
+            notes.append(
+                f"{clock.place} has no name that says so, but its numbers rise evenly: it was taken as time"
+            )
     if not any(quantity in choices for quantity in MOTIONS):
         raise _no_motion(table, taken)
     return choices
+
+
+def _refuse_twice(table: Table, choices: dict[str, Choice]) -> None:
+    seen: dict[int, str] = {}
+    for quantity, choice in choices.items():
+        other = seen.setdefault(choice.column.number, quantity)
+        if other != quantity:
+            raise problem(
+                table.path,
+                f"{choice.column.place} cannot be both {other} and {quantity}",
+                "name another one for one of them",
+            )
 
 
 def left_out(table: Table, choices: dict[str, Choice]) -> str:
@@ -73,7 +92,9 @@ def left_out(table: Table, choices: dict[str, Choice]) -> str:
 def _meaning(column: SourceColumn) -> Meaning:
     if column.quantity is None:
         said = meaning(column.label, column.unit)
-        return Meaning("time", 2, None, "", False, False, False) if column.clock and not said.quantity else said
+        return (
+            Meaning("time", 2, None, "", False, False, False) if column.clock and not said.quantity else said
+        )
     said = meaning("", column.unit)
     unit = said.unit if said.unit is not None and said.unit.quantity in (None, column.quantity) else None
     return Meaning(column.quantity, 3, unit, said.unit_text, said.angular, False, False)
@@ -82,7 +103,13 @@ def _meaning(column: SourceColumn) -> Meaning:
 def _as_choice(quantity: str, column: SourceColumn, said: Meaning, *, asked: bool) -> Choice:
     fits = said.unit is not None and said.unit.quantity in (None, quantity)
     return Choice(
-        quantity, column, said.unit if fits else None, said.unit_text if fits else "", said.angular, said.derived, asked
+        quantity,
+        column,
+        said.unit if fits else None,
+        said.unit_text if fits else "",
+        said.angular,
+        said.derived,
+        asked,
     )
 
 
@@ -102,21 +129,27 @@ def _asked(table: Table, quantity: str, wanted: str | int, meanings: dict[int, M
             return _as_choice(quantity, found[0], meanings[found[0].number], asked=True)
         if found:
             raise problem(
-                table.path, f"'{text}' could be {_listed(found)}", f"give the number (columns {quantity}={found[0].number})"
+                table.path,
+                f"'{text}' could be {_listed(found)}",
+                f"give its number, as in {ask(quantity, found[0].number)}",
             )
     raise problem(
-        table.path, f"there is no column '{text}' for the {quantity}; the file has {_listed(table.columns)}",
+        table.path, f"there is no {_noun(table)} '{text}' for the {quantity}; the file has {_listed(table.columns)}",
         "name one of these, or give its number",
     )  # fmt: skip
 
 
 def _found(
-    table: Table, quantity: str, free: Sequence[SourceColumn], meanings: dict[int, Meaning]
+    table: Table, quantity: str, free: Sequence[SourceColumn], meanings: dict[int, Meaning], *, beside: bool
 ) -> Choice | None:
-    """Return the one column whose header says this quantity best."""
+    """Return the one column whose header says this quantity best; `beside` a motion that was asked for, only one
+    that says so clearly.
+    """
     candidates = [c for c in free if meanings[c.number].quantity == quantity and np.isfinite(c.values).any()]
-    if quantity == "time":
-        candidates += [c for c in free if c not in candidates and words(c.label) == ("s",)][: 0 if candidates else 1]
+    if quantity == "time" and not candidates:
+        candidates = [c for c in free if words(c.label) == ("s",)][:1]
+    elif quantity != "time" and beside:
+        candidates = [c for c in candidates if meanings[c.number].strength > 1]
     candidates = [c for c in candidates if not meanings[c.number].derived] or candidates
     best = max((meanings[c.number].strength for c in candidates), default=0)
     top = [c for c in candidates if meanings[c.number].strength == best]
@@ -125,9 +158,12 @@ def _found(
     if not top:
         return None
     if len(top) > 1 and not _same_numbers(top):
+        if beside and quantity != "time":
+            return None
+        leave = f", or leave it out with {ask(quantity, NONE)}" if quantity != "time" else ""
         raise problem(
-            table.path, f"{len(top)} columns could be the {quantity}: {_listed(top)}",
-            f"choose one, such as columns {quantity}={_name(top[0])}" + (f" ({quantity}=none leaves it out)" if quantity != "time" else ""),
+            table.path, f"{len(top)} {top[0].noun}s could be the {quantity}: {_listed(top)}",
+            f"choose one, as in {ask(quantity, _name(top[0]))}{leave}",
         )  # fmt: skip
     return _as_choice(quantity, top[0], meanings[top[0].number], asked=False)
 
@@ -148,12 +184,18 @@ def _rising_first(table: Table, taken: set[int]) -> SourceColumn | None:
         return None
     steps = np.diff(values)
     even = np.all(steps > 0.0) and float(np.max(steps)) < 1e3 * float(np.median(steps))
+    if np.all(steps == 1.0) and values[0] in (0.0, 1.0):
+        return None
     return column if even and np.isfinite(values).all() else None
 
 
 def _name(column: SourceColumn) -> str:
     label = " ".join(column.label.split())
-    return f"'{label}'" if " " in label else label if 0 < len(label) <= 20 else str(column.number)
+    return label if 0 < len(label) <= 30 else str(column.number)
+
+
+def _noun(table: Table) -> str:
+    return table.columns[0].noun if table.columns else "column"
 
 
 def _listed(columns: Sequence[SourceColumn]) -> str:
@@ -164,8 +206,12 @@ def _listed(columns: Sequence[SourceColumn]) -> str:
 def _no_motion(table: Table, taken: set[int]) -> ImportProblem:
     rest = [c for c in table.columns if c.number not in taken]
     if not rest:
-        return problem(table.path, "holds no column beside the time", "name a file with a displacement, velocity or acceleration")
+        return problem(
+            table.path,
+            "holds no column beside the time",
+            "name a file with a displacement, velocity or acceleration",
+        )
     return problem(
-        table.path, f"nothing says which column is a displacement, velocity or acceleration among {_listed(rest)}",
-        f"say it, such as columns displacement={_name(rest[-1])} and its unit",
+        table.path, f"nothing says which {_noun(table)} is a displacement, velocity or acceleration among {_listed(rest)}",
+        f"say it, as in {ask('displacement', _name(rest[-1]))} --unit displacement=mm",
     )  # fmt: skip

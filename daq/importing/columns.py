@@ -27,14 +27,16 @@ WORDS: tuple[tuple[str, tuple[str, ...]], ...] = (
     )),
     ("displacement", (
         "displacement", "disp", "displ", "position", "pos", "weg", "auslenkung", "verschiebung", "verlagerung",
-        "elongation", "elongacion", "elongacao", "elongazione", "hub", "deplacement", "depl", "desplazamiento", "posicion", "spostamento", "posizione",
+        "elongation", "elongacion", "elongacao", "elongazione", "hub",
+        "deplacement", "depl", "desplazamiento", "posicion", "spostamento", "posizione",
         "deslocamento", "posicao", "verplaatsing", "positie", "uitwijking", "forskydning", "forskjutning",
         "forskyvning", "lage", "posisjon", "przemieszczenie", "wychylenie", "polozenie", "poloha", "vychylka",
         "смещение", "перемещение", "положение", "отклонение", "переміщення", "konum", "siirtyma", "asema",
         "elmozdulas", "pomak", "angle", "winkel", "drehwinkel", "ausschlag", "angulo", "angolo", "hoek",
         "vinkel", "kat", "uhel", "угол", "кут", "kulma", "aci", "angular", "rotation", "distance", "abstand", "distanz",
         "distancia", "distanza", "afstand", "entfernung", "deflection", "durchbiegung", "lvdt", "stroke",
-        "elevation", "encoder", "roll", "pitch", "yaw", "位移", "变位", "変位", "位置", "角度", "距离", "변위", "위치", "각도",
+        "elevation", "encoder", "roll", "pitch", "yaw",
+        "位移", "变位", "変位", "位置", "角度", "距离", "변위", "위치", "각도",
     )),
     ("time", (
         "time", "zeit", "uhrzeit", "temps", "tiempo", "tempo", "tijd", "tid", "czas", "время", "час", "cas", "ido",
@@ -48,7 +50,17 @@ OTHERS = frozenset({
     "temp", "sollwert", "soll", "target", "setpoint", "reference", "command", "std", "stdev", "error", "fehler", "err",
     "residual", "fit", "status", "flag", "quality", "humidity", "pressure", "battery", "envelope", "magnitude",
 })  # fmt: skip
-DERIVED = ("ableitung", "derivative", "derived", "derivee", "derivada", "derivata", "afgeleide", "dxdt", "dvdt")
+DERIVED = (
+    "ableitung",
+    "derivative",
+    "derived",
+    "derivee",
+    "derivada",
+    "derivata",
+    "afgeleide",
+    "dxdt",
+    "dvdt",
+)
 ANGULAR = (
     "angle", "winkel", "angular", "angulaire", "angulo", "angolo", "hoek", "vinkel", "kulma", "угол", "角度", "rotation",
     "drehwinkel", "winkelgeschwindigkeit", "winkelbeschleunigung", "phi", "theta", "psi", "alpha", "omega", "roll",
@@ -159,7 +171,9 @@ def meaning(header: str, unit_row: str = "") -> Meaning:
     name_words = words(name)
     angular = any(_spells(w, ANGULAR) for w in name_words) or bool(unit and unit.angular)
     derived = any(w.startswith(DERIVED) for w in name_words)
-    other = any(w in OTHERS for w in name_words) or (unit is not None and unit.si in ("Hz", "degC", "K", "Pa", "%"))
+    other = any(w in OTHERS for w in name_words) or (
+        unit is not None and unit.si in ("Hz", "degC", "K", "Pa", "%")
+    )
     quantity = next((q for q, stems in WORDS if any(_spells(w, stems) for w in name_words)), None)
     strength = 3
     if unit is not None and unit.quantity is not None and not (quantity and unit.quantity == "time"):

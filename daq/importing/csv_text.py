@@ -43,6 +43,8 @@ def read_csv(path: Path, data: bytes, options: ImportOptions) -> Table:
     notes = [said] if said else []
     parsed, rows = _numbers(path, lines, rows, dialect, notes)
     headers, units = _headers(lines, dialect, options.skip_rows, len(parsed))
+    if headers and not headers[-1] and headers[0] and _counts(parsed[0]):
+        headers = ["row", *headers[:-1]]
     columns = []
     for i, column in enumerate(parsed):
         if not headers[i] and not units[i] and column.bad is None and not np.isfinite(column.values).any():
@@ -91,7 +93,11 @@ def _all_at_once(body: Sequence[str], dialect: Dialect) -> Array | None:
             text = ("\n" + text).replace(f"\n{delimiter}", f"\nnan{delimiter}")[1:]
     try:
         values = np.loadtxt(
-            text.split("\n"), delimiter=None if delimiter == BLANK else delimiter, comments=None, ndmin=2, encoding=None
+            text.split("\n"),
+            delimiter=None if delimiter == BLANK else delimiter,
+            comments=None,
+            ndmin=2,
+            encoding=None,
         )
     except (ValueError, IndexError, OverflowError):
         return None
@@ -104,7 +110,9 @@ def _cell_by_cell(
     """Return the columns of a table with holes, remarks, quotes, text or lines of uneven length."""
     remarks = [i for i in rows if lines[i].lstrip().startswith(COMMENTS)]
     if remarks:
-        notes.append(f"{len(remarks)} lines between the rows are remarks and were left out, first line {remarks[0] + 1}")
+        notes.append(
+            f"{len(remarks)} lines between the rows are remarks and were left out, first line {remarks[0] + 1}"
+        )
         rows = [i for i in rows if not lines[i].lstrip().startswith(COMMENTS)]
     try:
         cells = [split(lines[i], dialect.delimiter) for i in rows]
@@ -142,8 +150,16 @@ def _cell_by_cell(
         for k in short:
             cells[k] += [""] * (width - len(cells[k]))
         first = rows[short[0]] + 1
-        notes.append(f"{len(short)} rows are cut short (first line {first}); their missing cells count as invalid")
+        notes.append(
+            f"{len(short)} rows are cut short (first line {first}); their missing cells count as invalid"
+        )
     return [parse_column(column, dialect.decimal) for column in zip(*cells, strict=True)], rows
+
+
+def _counts(column: Parsed) -> bool:
+    """Tell a column of row numbers, which some programs write without a header."""
+    values = column.values
+    return len(values) > 2 and values[0] in (0.0, 1.0) and bool(np.all(np.diff(values) == 1.0))
 
 
 def _has_number(cells: Sequence[str], decimal: str) -> bool:
@@ -217,5 +233,3 @@ def _rate_above(lines: Sequence[str], dialect: Dialect) -> tuple[float | None, s
             if number is not None and 0.0 < number < 1e9:
                 return number * (1e3 if (match[2] or "").lower() == "khz" else 1.0), f"line {i + 1}"
     return None, ""
-
-

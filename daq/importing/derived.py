@@ -100,7 +100,9 @@ def _power(kernel: tuple[float, ...], order: int) -> Array:
     if order == 1:
         return first
     twice = np.convolve(first, first)
-    return np.array([1.0, -2.0, 1.0]) if np.count_nonzero(first) == 2 and len(first) == 3 and first[1] else twice
+    return (
+        np.array([1.0, -2.0, 1.0]) if np.count_nonzero(first) == 2 and len(first) == 3 and first[1] else twice
+    )
 
 
 def _by_kernel(
@@ -116,7 +118,11 @@ def _by_kernel(
     limit = 0.5 * (steps[0] * float(np.abs(kernel).sum()) + steps[1])
     allowed = np.hypot(steps[0] * float(np.linalg.norm(kernel)), steps[1]) / np.sqrt(12.0)
     left, power = _rms(residual), float(target @ target)
-    if left > 1.15 * allowed + 1e-12 * _rms(target) or np.mean(np.abs(residual) > 1.01 * limit) > 1e-3 or power == 0.0:
+    if (
+        left > 1.15 * allowed + 1e-12 * _rms(target)
+        or np.mean(np.abs(residual) > 1.01 * limit) > 1e-3
+        or power == 0.0
+    ):
         return None
     gain_error = abs(float(target @ residual) / power)
     gain_std = left / np.sqrt(power)
@@ -136,13 +142,17 @@ def _departure(values: Array, kernel: Array, order: int, rate: float) -> float:
     return abs(response / ((1j * omega * rate) ** order) - 1.0) if omega > 0.0 else 0.0
 
 
-def _by_regression(x: Array, y: Array, steps: tuple[float, float], order: int, rate: float) -> Derivation | None:
+def _by_regression(
+    x: Array, y: Array, steps: tuple[float, float], order: int, rate: float
+) -> Derivation | None:
     """Try any difference of 13 samples, found by least squares: it must leave no more than rounding allows, explain
     the channel's noise and not only its motion, and be a difference with the slope of a derivative.
     """
     shifts = np.arange(-REACH, REACH + 1)
     centre = x - x.mean()
-    matrix = np.column_stack([np.ones(len(x) - 2 * REACH), *(centre[REACH + k : len(x) - REACH + k] for k in shifts)])
+    matrix = np.column_stack(
+        [np.ones(len(x) - 2 * REACH), *(centre[REACH + k : len(x) - REACH + k] for k in shifts)]
+    )
     target = y[REACH : len(y) - REACH]
     kernel = np.linalg.lstsq(matrix, target, rcond=None)[0]
     residual = target - matrix @ kernel
@@ -177,7 +187,7 @@ def _noise(values: Array) -> float:
 def _is_noisy(values: Array, step: float) -> bool:
     """Tell whether sixth differences see noise: more than rounding and a smooth oscillation leave in them."""
     motion = float(np.std(values)) * (2.0 * np.sin(np.pi * _frequency(values))) ** NOISE_ORDER / NOISE_SCALE
-    return _noise(values) > 3.0 * max(step / np.sqrt(12.0), motion)
+    return bool(_noise(values) > 3.0 * max(step / np.sqrt(12.0), motion))
 
 
 def _is_resolved(values: Array, step: float) -> bool:

@@ -15,7 +15,8 @@ BLANK = " "
 COMMENTS = ("#", "%", "//", "!", "'", "*")
 DELIMITERS = (";", "\t", ",", "|", BLANK)
 NAMES = {";": "semicolon", "\t": "tab", ",": "comma", "|": "bar", BLANK: "blank"}
-_SAMPLE_LINES = 400
+_SAMPLE_LINES = 300
+_SAMPLE_REST = 100
 _SAMPLE_CHARACTERS = 400_000
 _RUN = 3
 
@@ -50,16 +51,22 @@ def decode(path: Path, data: bytes, encoding: str | None) -> tuple[str, str]:
     if name is None and b"\0" in data[:4000]:
         head = data[:4000]
         even, odd = head[0::2].count(0), head[1::2].count(0)
-        name = "utf-16-le" if odd > 0.8 * len(head) / 2 else "utf-16-be" if even > 0.8 * len(head) / 2 else None
+        name = (
+            "utf-16-le" if odd > 0.8 * len(head) / 2 else "utf-16-be" if even > 0.8 * len(head) / 2 else None
+        )
         if name is None:
             raise _binary(path)
     try:
         text = data.decode(name or "utf-8")
     except UnicodeError:
         if name is not None:
-            raise problem(path, f"begins as {name} text but does not go on so", "save it again as text") from None
+            raise problem(
+                path, f"begins as {name} text but does not go on so", "save it again as text"
+            ) from None
         text, name = data.decode("cp1252", errors="replace"), "windows-1252 (latin-1)"
-    odd_ones = sum(text.count(chr(code)) for code in range(32) if code not in (9, 10, 11, 12, 13, 26, 27, 30, 31))
+    odd_ones = sum(
+        text.count(chr(code)) for code in range(32) if code not in (9, 10, 11, 12, 13, 26, 27, 30, 31)
+    )
     if odd_ones > 3 + len(text) // 1000:
         raise _binary(path)
     text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\x1a", "").replace("\0", "")
@@ -68,7 +75,9 @@ def decode(path: Path, data: bytes, encoding: str | None) -> tuple[str, str]:
 
 def _binary(path: Path) -> Exception:
     return problem(
-        path, "is not text, nor a MATLAB or UFF file that can be read", "export the recording as CSV and import that"
+        path,
+        "is not text, nor a MATLAB or UFF file that can be read",
+        "export the recording as CSV and import that",
     )
 
 
@@ -122,15 +131,21 @@ def _candidates(options: ImportOptions) -> list[tuple[str, str]]:
 
 
 def _sample(lines: Sequence[str], skip: int) -> list[int]:
-    """Return the numbers of the lines to look at: the first few hundred that are not blank."""
+    """Return the numbers of the lines to look at: the first few hundred that are not blank, and some of the rest."""
     picked: list[int] = []
     size = 0
+    rest = range(0)
     for i in range(skip, len(lines)):
         if lines[i].strip():
             picked.append(i)
             size += len(lines[i])
         if len(picked) >= _SAMPLE_LINES or size > _SAMPLE_CHARACTERS:
+            rest = range(i + 1, len(lines), max(1, (len(lines) - i) // _SAMPLE_REST))
             break
+    for i in rest:
+        size += len(lines[i])
+        if size < 2 * _SAMPLE_CHARACTERS and lines[i].strip():
+            picked.append(i)
     return picked
 
 
@@ -151,12 +166,38 @@ def find_dialect(path: Path, lines: Sequence[str], options: ImportOptions) -> Di
             width, count = Counter(w for w in rows if w).most_common(1)[0]
             above = split(lines[picked[start - 1]], delimiter) if start else []
             agrees = float(len(above) == width)
-            score = (round(count / len(rows), 1), float(width > 1), agrees, count / len(rows), -DELIMITERS.index(delimiter) if delimiter in DELIMITERS else 0.0)
+            score = (
+                round(count / len(rows), 1),
+                float(width > 1),
+                agrees,
+                count / len(rows),
+                -DELIMITERS.index(delimiter) if delimiter in DELIMITERS else 0.0,
+            )
             if best is None or score > best[0]:
                 best = (score, Dialect(delimiter, decimal, picked[start], width))
         if best is not None:
+            _refuse_two_commas(path, lines, best[1])
             return best[1]
     raise _no_rows(path, lines, picked)
+
+
+def _refuse_two_commas(path: Path, lines: Sequence[str], dialect: Dialect) -> None:
+    """Refuse a comma that is both delimiter and decimal sign: twice as many cells as names, all whole numbers."""
+    if dialect.delimiter != "," or dialect.decimal != "." or dialect.start == 0:
+        return
+    names, row = split(lines[dialect.start - 1], ","), split(lines[dialect.start], ",")
+    named = all(cell.strip() and parse_number(cell) is None for cell in names)
+    if (
+        named
+        and len(names) > 1
+        and len(row) == 2 * len(names)
+        and all(c.strip().lstrip("+-").isdigit() for c in row)
+    ):
+        raise problem(
+            path, f"this row has {len(row)} cells under {len(names)} names: "
+            "the comma seems to be both delimiter and decimal sign",
+            "export it with semicolons or tabs between the columns", line=dialect.start + 1,
+        )  # fmt: skip
 
 
 def _start(widths: Sequence[int]) -> int | None:

@@ -1,6 +1,5 @@
 """MATLAB files of version 5 (and 4): vectors by name, fields of structures, a rate or time among them."""
 
-import io
 import math
 import warnings
 import zlib
@@ -17,7 +16,18 @@ from daq.recording import Array
 
 MAX_NUMBERS = 100_000_000
 HDF5 = b"\x89HDF\r\n\x1a\n"
-RATES = ("fs", "fsamp", "samplerate", "sample_rate", "samplingrate", "sampling_rate", "rate", "sr", "fsample", "freqsampling")
+RATES = (
+    "fs",
+    "fsamp",
+    "samplerate",
+    "sample_rate",
+    "samplingrate",
+    "sampling_rate",
+    "rate",
+    "sr",
+    "fsample",
+    "freqsampling",
+)
 PERIODS = ("ts", "dt", "deltat", "delta_t", "tsample", "sampletime", "sample_time")
 MAX_DEPTH = 4
 
@@ -33,9 +43,20 @@ def _is_version_4(data: bytes) -> bool:
         return False
     for order in ("<i4", ">i4"):
         kind, rows, columns, imaginary, name = np.frombuffer(data[:20], order).tolist()
-        if kind % 10 == 0 and 0 <= kind <= 4050 and rows > 0 and columns > 0 and imaginary in (0, 1) and 1 < name < 64:
+        if (
+            kind % 10 == 0
+            and 0 <= kind <= 4050
+            and rows > 0
+            and columns > 0
+            and imaginary in (0, 1)
+            and 1 < name < 64
+        ):
             text = data[20 : 20 + name]
-            if text.endswith(b"\0") and text[:-1].decode("latin-1").isidentifier() and rows * columns <= len(data):
+            if (
+                text.endswith(b"\0")
+                and text[:-1].decode("latin-1").isidentifier()
+                and rows * columns <= len(data)
+            ):
                 return True
     return False
 
@@ -59,7 +80,9 @@ def read_matlab(path: Path, data: bytes, options: ImportOptions) -> Table:
         raise problem(path, "holds no vector of numbers", "save the time and the channels as vectors")
     length = _length(path, vectors, options)
     kept = [(name, values) for name, values in vectors if len(values) == length]
-    columns = tuple(SourceColumn(i + 1, name, values, noun="variable") for i, (name, values) in enumerate(kept))
+    columns = tuple(
+        SourceColumn(i + 1, name, values, noun="variable") for i, (name, values) in enumerate(kept)
+    )
     notes = [f"MATLAB file: {len(columns)} vectors of {length} samples"]
     if len(kept) < len(vectors):
         others = [name for name, values in vectors if len(values) != length]
@@ -74,23 +97,27 @@ def _load(path: Path, data: bytes) -> dict[str, Any]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            size = sum(math.prod(shape) for _, shape, _ in whosmat(io.BytesIO(data)))
+            size = sum(math.prod(map(int, shape)) for _, shape, _ in whosmat(str(path), appendmat=False))
             if size > MAX_NUMBERS or _unpacked(data) > 16 * MAX_NUMBERS:
-                raise problem(path, f"holds {size} numbers, more than {MAX_NUMBERS}", "save only the channels of one recording")
-            return dict(loadmat(io.BytesIO(data), struct_as_record=True, squeeze_me=False, chars_as_strings=True))
+                raise problem(
+                    path,
+                    f"holds {size} numbers, more than {MAX_NUMBERS}",
+                    "save only the channels of one recording",
+                )
+            return dict(loadmat(str(path), appendmat=False))
     except MemoryError:
-        raise problem(path, "asks for more memory than there is", "save only the channels of one recording") from None
+        raise problem(
+            path, "asks for more memory than there is", "save only the channels of one recording"
+        ) from None
     except Exception as error:
-        from daq.importing.errors import ImportProblem
-
-        if isinstance(error, ImportProblem):
-            raise
         said = " ".join(str(error).split())[:80] or type(error).__name__
-        raise problem(path, f"is a damaged or unknown MATLAB file ({said})", "save it again with save(..., '-v7')") from None
+        raise problem(
+            path, f"is a damaged or unknown MATLAB file ({said})", "save it again with save(..., '-v7')"
+        ) from None
 
 
 def _unpacked(data: bytes) -> int:
-    """Return about how many bytes the compressed elements of a version 5 file unpack to, counting no further than the limit."""
+    """Return about how many bytes the compressed elements of a version 5 file unpack to, up to the limit."""
     total, at, limit = 0, 128, 16 * MAX_NUMBERS
     order = "<" if data[126:128] == b"IM" else ">"
     while at + 8 <= len(data) and total <= limit:
@@ -144,7 +171,11 @@ def _length(path: Path, vectors: list[tuple[str, Array]], options: ImportOptions
     wanted = {str(w).casefold() for w in options.columns.values()}
     named = {len(values) for name, values in vectors if name.casefold() in wanted}
     if len(named) > 1:
-        raise problem(path, f"the variables asked for have different lengths ({sorted(named)})", "name variables of one length")
+        raise problem(
+            path,
+            f"the variables asked for have different lengths ({sorted(named)})",
+            "name variables of one length",
+        )
     if named:
         return named.pop()
     lengths = [len(values) for _, values in vectors]

@@ -18,8 +18,12 @@ MISSING = frozenset(
     }
 )  # fmt: skip
 _PLAIN = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d{1,4})?")
-_GROUPED_DOT = re.compile(r"[-+]?\d{1,3}(?:[, '\u00a0\u202f]\d{3})+(?:\.\d+)?")
-_GROUPED_COMMA = re.compile(r"[-+]?\d{1,3}(?:[. '\u00a0\u202f]\d{3})+(?:,\d+)?")
+_GROUPED_DOT = re.compile(
+    r"[-+]?[1-9]\d{0,2}(?:(?:[, '\u00a0\u202f]\d{3})+\.\d+|(?:[, '\u00a0\u202f]\d{3}){2,})"
+)
+_GROUPED_COMMA = re.compile(
+    r"[-+]?[1-9]\d{0,2}(?:(?:[. '\u00a0\u202f]\d{3})+,\d+|(?:[. '\u00a0\u202f]\d{3}){2,})"
+)
 _TIME_OF_DAY = re.compile(r"(?:(\d{1,4}):)?(\d{1,2}):(\d{1,2}(?:[.,]\d{1,9})?)")
 _DATE = re.compile(
     r"(?:(?P<y>\d{4})[-/.](?P<m>\d{1,2})[-/.](?P<d>\d{1,2})|(?P<d2>\d{1,2})(?P<sep>[-/.])(?P<m2>\d{1,2})[-/.](?P<y2>\d{4}))"
@@ -30,8 +34,8 @@ _DATE = re.compile(
 def parse_number(text: str, decimal: str = ".") -> float | None:
     """Return the number that `text` spells, NaN for an empty or missing one, None for anything else.
 
-    Thousands may be grouped by the other sign, a blank or an apostrophe when there is a decimal sign or
-    more than one group cannot be mistaken for one; Fortran's D exponent and the minus of typesetters are read.
+    Thousands may be grouped by the other sign, a blank or an apostrophe where this cannot be mistaken for a
+    decimal sign (`1.234,5`, `1,234,567`); Fortran's D exponent and the minus of typesetters are read.
     """
     text = text.strip().strip('"').strip()
     if text.lower() in MISSING:
@@ -63,7 +67,7 @@ def parse_clock(text: str) -> float | None:
         return None
     year = int(match["y"] or match["y2"])
     month, day = int(match["m"] or match["m2"]), int(match["d"] or match["d2"])
-    if match["sep"] == "/" and day <= 12 or month > 12:
+    if (match["sep"] == "/" and day <= 12) or month > 12:
         month, day = day, month
     clock = _TIME_OF_DAY.fullmatch(match["clock"])
     try:

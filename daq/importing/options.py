@@ -60,3 +60,9 @@ class ImportOptions:
         if delimiter is not None and delimiter == self.decimal:
             raise ImportProblem(f"'{delimiter}' cannot be both the delimiter and the decimal sign")
         object.__setattr__(self, "delimiter", delimiter)
+
+
+def ask(quantity: str, column: object) -> str:
+    """Return the option that names a column, as the command line writes it."""
+    text = str(column)
+    return f"--column {quantity}='{text}'" if " " in text else f"--column {quantity}={text}"

@@ -36,10 +36,14 @@ def _bytes(path: Path) -> bytes:
             raise problem(path, "is a folder", "name a file in it")
         if not path.is_file():
             there = path.exists()
-            raise problem(path, "is not a plain file" if there else "does not exist", "name a file with a recording")
+            raise problem(
+                path, "is not a plain file" if there else "does not exist", "name a file with a recording"
+            )
         size = path.stat().st_size
         if size > MAX_BYTES:
-            raise problem(path, f"has {size / 1e6:.0f} MB, more than {MAX_BYTES / 1e6:.0f} MB", "cut it to the releases")
+            raise problem(
+                path, f"has {size / 1e6:.0f} MB, more than {MAX_BYTES / 1e6:.0f} MB", "cut it to the releases"
+            )
         data = path.read_bytes()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)

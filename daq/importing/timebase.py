@@ -17,6 +17,7 @@ TOO_IRREGULAR = 0.2
 MAX_GROWTH = 20
 MAX_SAMPLES = 50_000_000
 DAY = 86400.0
+USE_RATE = "leave the stamps out by giving the rate with --rate"
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         if len(rows) < 0.9 * len(stamps) or len(rows) < 2:
             raise problem(
                 table.path, f"{len(stamps) - len(rows)} of {len(stamps)} time stamps are empty",
-                "name another time column, or leave it out (columns time=none) and give the rate",
+                USE_RATE,
                 line=table.line(missing), column=column.number,
             )  # fmt: skip
         notes.append(f"{len(stamps) - len(rows)} rows without a time stamp were left out")
@@ -94,7 +95,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     if not (period > 0.0 and math.isfinite(1.0 / period)):
         raise problem(
             table.path, "the time stamps do not advance",
-            "name another time column, or leave it out (columns time=none) and give the rate",
+            USE_RATE,
             line=table.line(int(rows[0])), column=column.number,
         )  # fmt: skip
     index = _number_samples(table, column, time, rows, period)
@@ -104,7 +105,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
             table.path,
             f"the time stamps stray by {_milli(stray)} rms from an even clock of {1 / slope:.6g} Hz, "
             f"{100 * stray / slope:.0f} % of a sampling interval",
-            "ask for resampling (resample), or leave the time column out and give the rate",
+            f"put the samples on an even clock with --resample; or {USE_RATE}",
             line=table.line(int(rows[int(np.argmax(np.abs(time - start - slope * index)))])), column=column.number,
         )  # fmt: skip
     lost = int(index[-1]) + 1 - len(index)
@@ -113,12 +114,12 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         line = table.line(int(rows[first + 1]))
         where = f" (line {line})" if line else ""
         notes.append(
-            f"{lost} samples are missing by their time stamps, the first before t = {time[first + 1] - time[0]:.6g} s{where}; "
-            "they are marked as lost"
+            f"{lost} samples are missing by their time stamps, "
+            f"the first before t = {time[first + 1] - time[0]:.6g} s{where}; they are marked as lost"
         )
-    return Timebase(
-        1.0 / slope, rate_std, rows, index, int(index[-1]) + 1, time - start, stray, (*notes, *_evenness(slope, stray, resample))
-    )  # fmt: skip
+    rate = float(f"{1.0 / slope:.13g}")
+    notes.extend(_evenness(slope, stray, resample))
+    return Timebase(rate, rate_std, rows, index, int(index[-1]) + 1, time - start, stray, tuple(notes))
 
 
 def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:
@@ -129,8 +130,10 @@ def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:
         f"({100 * stray / slope:.2g} % of a sampling interval)"
     )
     if resample:
-        return (f"{text}; the samples were put on the even clock by a cubic spline through their stamps, as asked",)
-    return (f"{text}; the mean rate is used and nothing was resampled (ask for it with resample)",)
+        return (
+            f"{text}; the samples were put on the even clock by a cubic spline through their stamps, as asked",
+        )
+    return (f"{text}; the mean rate is used and nothing was resampled (--resample does)",)
 
 
 def _milli(seconds: float) -> str:
@@ -158,7 +161,7 @@ def _in_order(
         if depth > 20.0 * typical or len(back) > len(time) // 20 + 1:
             raise problem(
                 table.path, f"the time stamp jumps back from {time[back[0]]:.6g} s to {time[back[0] + 1]:.6g} s",
-                "split the file there, or leave the time column out (columns time=none) and give the rate",
+                f"split the file there; or {USE_RATE}",
                 line=table.line(int(rows[back[0] + 1])), column=column.number,
             )  # fmt: skip
         order = np.argsort(time, kind="stable")
@@ -204,7 +207,7 @@ def _number_samples(table: Table, column: SourceColumn, time: Array, rows: Index
         worst = int(np.argmax(steps))
         raise problem(
             table.path, f"the time stamp jumps from {time[worst]:.6g} s to {time[worst + 1]:.6g} s",
-            "split the file there, or leave the time column out (columns time=none) and give the rate",
+            f"split the file there; or {USE_RATE}",
             line=table.line(int(rows[worst + 1])), column=column.number,
         )  # fmt: skip
     if not len(holes):

@@ -54,12 +54,20 @@ def read_uff(path: Path, data: bytes, options: ImportOptions) -> Table:
         even = int(trace.get("abscissa_spacing", 0)) == 1
         rate = _rate(trace) if even else None
         if even and rate is None:
-            raise problem(path, f"data set {number} gives no sampling interval", "export it again with its abscissa increment")
+            raise problem(
+                path,
+                f"data set {number} gives no sampling interval",
+                "export it again with its abscissa increment",
+            )
         if not even and stamps is None:
             stamps = np.asarray(trace["x"], dtype=np.float64).ravel()[:length]
-        columns.append(SourceColumn(number, _label(trace), values, unit, quantity, noun="data set", rate=rate))
+        columns.append(
+            SourceColumn(number, _label(trace), values, unit, quantity, noun="data set", rate=rate)
+        )
     if stamps is not None and len(stamps) == length:
-        columns.append(SourceColumn(max(c.number for c in columns) + 1, "time", stamps, "s", "time", noun="abscissa"))
+        columns.append(
+            SourceColumn(max(c.number for c in columns) + 1, "time", stamps, "s", "time", noun="abscissa")
+        )
         columns = [_without_rate(c) for c in columns]
     rates = {c.rate for c in columns if c.rate is not None}
     if len(rates) > 1:
@@ -68,7 +76,9 @@ def read_uff(path: Path, data: bytes, options: ImportOptions) -> Table:
 
 
 def _without_rate(column: SourceColumn) -> SourceColumn:
-    return SourceColumn(column.number, column.label, column.values, column.unit, column.quantity, noun=column.noun)
+    return SourceColumn(
+        column.number, column.label, column.values, column.unit, column.quantity, noun=column.noun
+    )
 
 
 def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], list[int]]:
@@ -83,14 +93,20 @@ def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], li
             file = pyuff.UFF(str(copy))
             kinds = [int(k) for k in file.get_set_types()]
             if len(kinds) > MAX_TRACES:
-                raise problem(path, f"holds {len(kinds)} data sets, more than {MAX_TRACES}", "export one recording")
+                raise problem(
+                    path, f"holds {len(kinds)} data sets, more than {MAX_TRACES}", "export one recording"
+                )
             sets = []
             for i, kind in enumerate(kinds):
                 if kind != 58:
                     continue
                 promised = int(file.read_sets(i, header_only=True).get("num_pts", 0))
                 if not 0 <= promised <= len(data):
-                    raise problem(path, f"data set {i + 1} promises {promised} samples, more than the file can hold", "export it again")
+                    raise problem(
+                        path,
+                        f"data set {i + 1} promises {promised} samples, more than the file can hold",
+                        "export it again",
+                    )
                 sets.append((i + 1, dict(file.read_sets(i))))
             return sets, kinds
     except ImportProblem:
@@ -104,7 +120,9 @@ def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], li
 
 def _is_trace(trace: dict[str, Any]) -> bool:
     values = np.asarray(trace.get("data", ()))
-    return int(trace.get("func_type", -1)) in TIME_RESPONSES and values.size > 1 and not np.iscomplexobj(values)
+    return (
+        int(trace.get("func_type", -1)) in TIME_RESPONSES and values.size > 1 and not np.iscomplexobj(values)
+    )
 
 
 def _length(traces: list[tuple[int, dict[str, Any]]], options: ImportOptions) -> int:
