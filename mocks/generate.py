@@ -160,19 +160,36 @@ def _record(
     noise = np.random.default_rng([seed, 3])
     seen = {c: setting.sensors[c].convert(signal[c] / setting.sensors[c].gain, noise) for c in CHANNELS}
     if "dropouts" in faults:
-        random = _random(seed, "dropouts")
-        fixed = pinned.get("dropouts", {})
-        channel = sensor_faults.draw_channel("dropouts", random, fixed)
-        kind = str(fixed.get("kind", "hold"))
-        first = math.ceil(setting.released_at * setting.rate)
-        size = float(np.sum(signal[channel][first:] ** 2))
-        held, lost = hold_samples(seen[channel], faults["dropouts"] ** 2 * size, first + 1, random, kind)
-        reached = math.sqrt(float(np.sum((held - seen[channel]) ** 2)) / size)
-        seen[channel] = held
-        found["dropouts"] = ({"channel": channel, "kind": kind, "lost": lost}, reached)
+        found["dropouts"] = _drop(signal, seen, setting, faults["dropouts"], seed, pinned.get("dropouts", {}))
     for array in seen.values():
         array.setflags(write=False)
     return seen["displacement"], seen["acceleration"], found
+
+
+def find_dropouts(bench: Bench, setting: Setting, strength: float, seed: int) -> tuple[dict[str, Any], float]:
+    """Return drop-outs of this strength on a recording of `setting`, and the strength reached."""
+    signal, _ = find_faults(bench, setting, {}, seed, {})
+    return _drop(signal, dict(signal), setting, strength, seed, {})
+
+
+def _drop(
+    signal: dict[str, np.ndarray],
+    seen: dict[str, np.ndarray],
+    setting: Setting,
+    strength: float,
+    seed: int,
+    pinned: Mapping[str, Any],
+) -> tuple[dict[str, Any], float]:
+    """Lose samples of one channel of `seen`, in place; return which, and the strength reached."""
+    random = _random(seed, "dropouts")
+    channel = sensor_faults.draw_channel("dropouts", random, pinned)
+    kind = str(pinned.get("kind", "hold"))
+    first = math.ceil(setting.released_at * setting.rate)
+    size = float(np.sum(signal[channel][first:] ** 2))
+    held, lost = hold_samples(seen[channel], strength**2 * size, first + 1, random, kind)
+    reached = math.sqrt(float(np.sum((held - seen[channel]) ** 2)) / size)
+    seen[channel] = held
+    return {"channel": channel, "kind": kind, "lost": lost}, reached
 
 
 def _random(seed: int, name: str) -> np.random.Generator:

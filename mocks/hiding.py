@@ -125,7 +125,7 @@ def _draw_shape(
     elif name == "fading_friction":
         shape |= {"tau": random.uniform(0.8, 3.0)}
     elif name == "adhesion":
-        shape |= {"length": random.uniform(0.0005, 0.002)}
+        shape |= {"length": random.uniform(0.001, 0.003)}
     return shape
 
 

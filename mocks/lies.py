@@ -1,0 +1,54 @@
+"""What a wrongly built or wrongly described board says: lies that no checksum catches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from firmware_protocol import Describe, End, SampleFormat
+
+
+@dataclass
+class Lies:
+    """All off by default.
+
+    `rate` true rate over the described one, `clock` the board's clock over a true one, `told_rate`
+    the true rate over the described one as the board's own time stamps tell it.
+    """
+
+    wrong_version: bool = False
+    rate: float = 1.0
+    clock: float = 1.0
+    told_rate: float = 1.0
+    describe: bool = False
+    counter: bool = False
+    swapped: bool = False
+    reversed: bool = False
+    dead_channel: int | None = None
+
+    def codes(self, codes: np.ndarray) -> np.ndarray:
+        """Return the codes as a wrong wiring gives them."""
+        out = codes.copy()
+        if self.reversed:
+            out[:, 1] = np.clip(-out[:, 1], -32768, 32767)
+        if self.swapped:
+            out = out[:, ::-1].copy()
+        if self.dead_channel is not None:
+            out[:, self.dead_channel] = 0
+        return out
+
+    def index(self, first: int) -> int:
+        """Return the index that is told of a sample: from the third second on, 7 too high."""
+        return first + 7 if self.counter and first > 700 else first
+
+    def end(self, end: End) -> End:
+        """Return the END that is told."""
+        return replace(end, checksum=end.checksum ^ 1) if self.counter else end
+
+    def description(self, describe: Describe) -> Describe:
+        """Return the DESCRIBE that is told: twice as wide numbers, and a channel too many."""
+        if not self.describe:
+            return describe
+        form = SampleFormat.I32 if describe.format is SampleFormat.I16 else SampleFormat.I16
+        return Describe(form, (*describe.channels, describe.channels[-1]))
