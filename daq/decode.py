@@ -229,11 +229,7 @@ class Assembly:
             return ()
         again = self.end is not None
         if data.first_index < self.expected and not again:
-            if sequence != self._sequence:
-                _list(
-                    self.contradictions, f"the sample index went back to {data.first_index} without a reboot"
-                )
-            self.duplicates += 1
+            self._take_late(sequence, _Piece(data, time))
             return ()
         if data.dropped_before:
             self._overrun(data.first_index - data.dropped_before, data.first_index)
@@ -242,6 +238,14 @@ class Assembly:
         if not self._keep(_Piece(data, float("nan") if again else time)):
             return ()
         return (*lost, Block(data.first_index, self._convert(data), time))
+
+    def _take_late(self, sequence: int, piece: _Piece) -> None:
+        """A frame sent before the last one was delayed or doubled by the wire; a newer one contradicts it."""
+        if 0 < (sequence - self._sequence) & 0xFFFFFFFF < 1 << 31:
+            where = piece.data.first_index
+            _list(self.contradictions, f"the sample index went back to {where} without a reboot")
+        else:
+            self._keep(piece)
 
     def _keep(self, piece: _Piece) -> bool:
         """Store a piece unless the one stored at that place is as long; tell whether it was news."""

@@ -3,6 +3,7 @@
 import errno
 import hashlib
 import os
+import shutil
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -37,6 +38,22 @@ def make_folder(folder: Path) -> None:
         raise SessionExists(f"{folder} is a file; name a new folder for the session") from error
     except OSError as error:
         raise refused(folder, error) from error
+
+
+def require_space(folder: Path, spare: int) -> None:
+    """StorageError when the disk under `folder` (there or not yet) has less than `spare` bytes free."""
+    place = folder.absolute()
+    while not place.exists() and place != place.parent:
+        place = place.parent
+    try:
+        free = shutil.disk_usage(place).free
+    except OSError as error:
+        raise refused(folder, error) from error
+    if free < spare:
+        raise StorageError(
+            f"{place}: only {free / 1e6:.1f} MB are free and {spare / 1e6:.0f} MB may be needed;"
+            " free some space or name a folder on another disk"
+        )
 
 
 def open_new(path: Path) -> int:

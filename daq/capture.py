@@ -1,0 +1,365 @@
+"""A capture, from a port to a sealed session: rest, arm, trigger, record, ask again for what was lost, seal.
+
+Everything that arrives is in the raw log before anything here looks at it, so whatever ends the story early
+(a stall, an unplugged board, Ctrl-C, a full disk) leaves what was received.
+"""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from daq.decode import Block, Window
+from daq.errors import DataLost, NoRelease, ProtocolError, Rebooted, SettingsError, Stalled, StationError
+from daq.keeping import Elsewhere, Keeper, elsewhere_in_temporary_folder
+from daq.link import GIVE_UP_S, WARN_S, Link
+from daq.port import Port, open_port
+from daq.quality import summary
+from daq.raw_log import RawLog
+from daq.recording import Array, Channel, Gap
+from daq.rest import RestPeriod
+from daq.session import Session
+from daq.session_info import BoardInfo, SensorInfo, SessionInfo, State
+from daq.storage import require_space
+from daq.trigger import Trigger
+from firmware_protocol import Hello, HelloRequest, OtherVersion
+
+MIN_PRE_TRIGGER_S = 0.5
+RESEND_ROUNDS = 3
+SPARE_BYTES = 16 << 20
+
+
+@dataclass(frozen=True)
+class CaptureSettings:
+    """How to capture. Times in s; `rate_hz` 0 leaves the rate to the board.
+
+    `trigger_level` is the smallest swing taken for a release, in the unit of the displacement (of the
+    velocity or acceleration where there is none); None takes one per cent of its range or 30 times its
+    noise. `lost_limit` is the share of samples that may stay lost. With `wait_for_release` False the
+    recording begins when the rest is over. `check_clock` compares the rate with this computer's clock.
+    """
+
+    duration_s: float = 8.0
+    rate_hz: float = 256.0
+    pre_trigger_s: float = 1.0
+    rest_s: float = 1.0
+    rest_timeout_s: float = 30.0
+    trigger_timeout_s: float = 60.0
+    trigger_level: float | None = None
+    wait_for_release: bool = True
+    lost_limit: float = 0.02
+    check_clock: bool = True
+    info: SessionInfo = field(default_factory=SessionInfo)
+
+    def __post_init__(self) -> None:
+        _within("duration", self.duration_s, 0.1, 3600, "s")
+        _within("rate", self.rate_hz, 0, 1e6, "Hz")
+        _within("pre-trigger", self.pre_trigger_s, MIN_PRE_TRIGGER_S, 60, "s")
+        _within("rest", self.rest_s, 0.25, 60, "s")
+        _within("time to come to rest", self.rest_timeout_s, 0.1, 3600, "s")
+        _within("time to wait for a release", self.trigger_timeout_s, 0.1, 3600, "s")
+        _within("limit of lost samples", self.lost_limit, 0, 1, "")
+        if self.trigger_level is not None and not self.trigger_level > 0:
+            raise SettingsError(f"the trigger level must be positive, not {self.trigger_level:g}")
+
+
+def _within(what: str, value: float, low: float, high: float, unit: str) -> None:
+    if not low <= value <= high:
+        raise SettingsError(f"the {what} must be {low:g} to {high:g} {unit}".rstrip() + f", not {value:g}")
+
+
+class CaptureObserver:
+    """Told what happens during a capture, in the thread that captures; override what is of interest."""
+
+    def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
+        """The board answered and described its channels."""
+
+    def state(self, name: str, detail: str) -> None:
+        """Where the capture stands: resting, armed, triggered, recording, resending, sealed; and a sentence.
+
+        Told again with another detail when something happens that is no new state, such as a silence.
+        """
+
+    def block(self, first_index: int, samples: Array) -> None:
+        """Samples from `first_index` on, shape (channels, n), SI units."""
+
+    def loss(self, gap: Gap) -> None:
+        """Samples that did not arrive; some of them may still be had by asking again."""
+
+
+def capture(
+    port: str | Port,
+    settings: CaptureSettings,
+    folder: Path,
+    observer: CaptureObserver | None = None,
+    elsewhere: Elsewhere = elsewhere_in_temporary_folder,
+) -> Session:
+    """Capture one release from the board at `port` into the new session `folder`, and return it sealed.
+
+    When the disk fails during the capture, `elsewhere` is asked for another folder (None gives up);
+    without one it is a folder of the same name among the system's temporary files.
+
+    Raises a StationError of `daq.errors` by whose fault it is; what was received is kept in its `session`.
+    KeyboardInterrupt leaves an aborted session. Every wait is bounded.
+    """
+    require_space(folder, SPARE_BYTES)
+    opened = open_port(port) if isinstance(port, str) else port
+    log = RawLog()
+    with Link(opened, log) as link:
+        link.handshake()
+        link.configure(settings.rate_hz)
+        story = _Story(link, settings, observer or CaptureObserver())
+        info = story.describe()
+        keeper = Keeper(Session.create(folder, info, log), log, elsewhere)
+        try:
+            story.run()
+        except BaseException as error:
+            story.give_up(keeper, error)
+            raise
+        return story.seal(keeper)
+
+
+class _Story:
+    """The steps of one capture; each returns when the next may begin."""
+
+    def __init__(self, link: Link, settings: CaptureSettings, observer: CaptureObserver) -> None:
+        self.link = link
+        self.settings = settings
+        self.observer = observer
+        self.resent = 0
+        self.noise: dict[str, float] = {}
+        self.rate = link.assembly.rate
+        self.channels = link.assembly.channels
+        self._name = "resting"
+        self._warned = 0
+        self._last_block = time.monotonic()
+        self._early: int | None = None
+        self._blocks: list[Block] = []
+        link.on_happening = self._happened
+
+    @property
+    def planned(self) -> int:
+        return round(self.settings.pre_trigger_s * self.rate) + round(self.settings.duration_s * self.rate)
+
+    def describe(self) -> SessionInfo:
+        """Tell the observer who answered and return the session's metadata."""
+        hello = self.link.assembly.hello
+        assert hello is not None
+        self.observer.connected(hello, self.channels)
+        info = self.settings.info
+        known = {sensor.channel: sensor for sensor in info.sensors}
+        sensors = tuple(
+            known.pop(c.name, SensorInfo(channel=c.name, sensor=c.sensor)) for c in self.channels
+        ) + tuple(known.values())
+        board = BoardInfo(
+            board=hello.board,
+            firmware=hello.firmware,
+            unique_id=hello.unique_id,
+            boot_id=hello.boot_id,
+            protocol=f"{hello.major}.{hello.minor}",
+        )
+        changes = {
+            "state": State.RECORDING,
+            "sensors": sensors,
+            "source": info.source or self.link.port.name,
+            "board": board,
+            "rate_hz": self.rate,
+            "planned_samples": self.planned,
+        }
+        return info.model_copy(update=changes)
+
+    def run(self) -> None:
+        """From START to the last sample that can be had."""
+        self.link.start()
+        self._last_block = time.monotonic()
+        trigger = self._rest()
+        release = self._wait_for_release(trigger) if self.settings.wait_for_release else self._now()
+        self._record(release)
+        self.link.stop()
+        self._ask_again()
+
+    def _rest(self) -> Trigger:
+        """Wait until the mass is still; a release before the rest is complete is not missed."""
+        settings = self.settings
+        self._state("resting", f"measuring the noise; keep the mass still for {settings.rest_s:g} s")
+        period = RestPeriod(self.channels, self.rate, settings.rest_s, settings.trigger_level)
+        until = _Until(self, settings.rest_timeout_s)
+        trigger: Trigger | None = None
+        for block in self._arriving(until):
+            period.feed(block.samples)
+            if period.rest is not None and trigger is None:
+                trigger = Trigger(self.channels, self.rate, period.rest, settings.trigger_level)
+            if trigger is not None and period.rest is not None:
+                self._early = self._triggered(trigger, block)
+                if period.complete or self._early is not None:
+                    trigger.set_rest(period.rest)
+                    self._note_noise(trigger)
+                    return trigger
+        raise NoRelease(
+            f"the mass did not come to rest within {settings.rest_timeout_s:g} s; hold it still, or give a"
+            " larger trigger level"
+        )
+
+    def _note_noise(self, trigger: Trigger) -> None:
+        noise = trigger.rest.noise.tolist()
+        self.noise = {c.name: value for c, value in zip(self.channels, noise, strict=True)}
+
+    def _wait_for_release(self, trigger: Trigger) -> int:
+        settings = self.settings
+        if self._early is not None:
+            return self._early
+        noise = ", ".join(f"{c.name} {self.noise[c.name]:.2g} {c.unit}" for c in self.channels)
+        self._state("armed", f"release the mass; noise at rest: {noise}")
+        for block in self._arriving(_Until(self, settings.trigger_timeout_s)):
+            release = self._triggered(trigger, block)
+            if release is not None:
+                return release
+        raise NoRelease(
+            f"no release within {settings.trigger_timeout_s:g} s; what was received is kept. Release the"
+            " mass after arming, or give a smaller trigger level"
+        )
+
+    def _now(self) -> int:
+        return self._early if self._early is not None else self.link.assembly.expected
+
+    def _triggered(self, trigger: Trigger, block: Block) -> int | None:
+        found = trigger.feed(block.first, block.samples)
+        if found is None:
+            return None
+        self._state(
+            "triggered",
+            f"released at {found.sample / self.rate:.3f} s, seen by {found.channel};"
+            f" {0.5 / found.half_period_s:.3g} Hz",
+        )
+        return found.sample
+
+    def _record(self, release: int) -> None:
+        """Record until the duration after the release is over."""
+        settings = self.settings
+        first = max(release - round(settings.pre_trigger_s * self.rate), 0)
+        stop = release + round(settings.duration_s * self.rate)
+        window = Window(first, stop - first, release if settings.wait_for_release else None)
+        self.link.log.note(event="window", first=first, count=stop - first, trigger=window.trigger)
+        self.link.assembly.window = window
+        self._state("recording", f"{settings.duration_s:g} s from the release on")
+        until = _Until(self, 2 * settings.duration_s + 5, by_samples=False)
+        while self.link.assembly.expected < stop and not until.over():
+            self._next_blocks()
+
+    def _ask_again(self) -> None:
+        """Ask for samples that the wire lost, three times at most."""
+        for _ in range(RESEND_ROUNDS):
+            lost = [gap for gap in self.link.assembly.missing() if gap.reason == "wire"]
+            if not lost:
+                return
+            self._state("resending", f"asking again for {sum(g.count for g in lost)} samples")
+            before = self._lost()
+            held = [self.link.resend(gap.first, gap.count) for gap in lost]
+            self.resent += before - self._lost()
+            if not any(held) and before == self._lost():
+                return
+
+    def _lost(self) -> int:
+        return sum(gap.count for gap in self.link.assembly.missing())
+
+    def _arriving(self, until: "_Until") -> Iterator[Block]:
+        """Yield blocks as they come until the time is over."""
+        while not until.over():
+            yield from self._next_blocks()
+
+    def _next_blocks(self) -> list[Block]:
+        """Take what arrives next; raise when the board is silent, gone, new or contradicts itself."""
+        self._blocks = []
+        frame = self.link.take(0.05)
+        if frame is not None and isinstance(frame.message, OtherVersion):
+            raise ProtocolError("the board changed its protocol version in mid-capture; reset it")
+        if self.link.assembly.contradictions:
+            what = self.link.assembly.contradictions[-1]
+            raise ProtocolError(f"{what}; what was received is kept, its firmware needs a correction")
+        if self.link.assembly.rebooted:
+            raise Rebooted("the board rebooted in mid-capture; what came before is kept. Check its supply")
+        self._watch_silence()
+        return self._blocks
+
+    def _watch_silence(self) -> None:
+        """A silent board is told at 0.5 s and given up at 2 s; so is one that talks but sends no samples."""
+        silence = time.monotonic() - self._last_block - 2 / self.rate
+        if silence < WARN_S:
+            self._warned = 0
+            return
+        if silence > GIVE_UP_S:
+            what = "sends no samples any more" if self.link.silence() < WARN_S else "has been silent"
+            raise Stalled(f"the board {what} for {GIVE_UP_S:g} s; what was received is kept. Reset it")
+        if not self._warned:
+            self.observer.state(self._name, f"nothing came for {WARN_S:g} s")
+        if silence > WARN_S * (self._warned + 1):
+            self._warned += 1
+            self.link.send(HelloRequest(), prefix=b"\0")
+
+    def _happened(self, happening: Block | Gap) -> None:
+        if isinstance(happening, Gap):
+            self.observer.loss(happening)
+            return
+        self._last_block = time.monotonic()
+        self._blocks.append(happening)
+        self.observer.block(happening.first, happening.samples)
+
+    def _state(self, name: str, detail: str) -> None:
+        self._name = name
+        self.observer.state(name, detail)
+
+    def give_up(self, keeper: Keeper, error: BaseException) -> None:
+        """Keep what was received; the error carries the folder."""
+        reason = str(error) or ("interrupted" if isinstance(error, KeyboardInterrupt) else repr(error))
+        try:
+            session = self._finish(keeper, State.ABORTED, reason)
+        except StationError as worse:
+            raise worse from error
+        if isinstance(error, StationError):
+            error.session = session.folder
+
+    def seal(self, keeper: Keeper) -> Session:
+        """Seal the session; DataLost when more stayed lost than the settings allow."""
+        session = self._finish(keeper, State.SEALED, "")
+        self._state("sealed", f"{session.info.verdict}: {session.folder}")
+        gaps = self.link.assembly.missing()
+        lost, planned = sum(gap.count for gap in gaps), max(self.planned, 1)
+        if lost > self.settings.lost_limit * planned:
+            raise DataLost(
+                f"{lost} of {planned} samples stayed lost ({summary(gaps)}), more than"
+                f" {self.settings.lost_limit:.3g} of them; the session is kept",
+                session.folder,
+            )
+        return session
+
+    def _finish(self, keeper: Keeper, state: State, reason: str) -> Session:
+        return keeper.finish(
+            state,
+            reason,
+            changes={"noise": self.noise, "rate_std_hz": self._rate_std()},
+            resent=self.resent,
+            damaged_frames=self.link.statistics.damaged,
+            check_clock=self.settings.check_clock,
+        )
+
+    def _rate_std(self) -> float | None:
+        """The board's rate against the host's clock; None when the two do not keep the same time."""
+        clock = self.link.assembly.host_clock()
+        if clock is None or not np.isfinite(clock.std) or abs(clock.rate / self.rate - 1) > 0.005:
+            return None
+        return max(clock.std, abs(clock.rate - self.rate))
+
+
+class _Until:
+    """A time limit by the host's clock and by the board's samples, whichever is over first."""
+
+    def __init__(self, story: _Story, seconds: float, by_samples: bool = True) -> None:
+        self._assembly = story.link.assembly
+        self._time = time.monotonic() + seconds
+        self._sample = self._assembly.expected + seconds * story.rate if by_samples else float("inf")
+
+    def over(self) -> bool:
+        """Tell whether the limit is reached."""
+        return time.monotonic() > self._time or self._assembly.expected > self._sample

@@ -1,0 +1,66 @@
+"""Keeping what was received when the disk fails: the same log and session, written in another place."""
+
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from daq.errors import OperatorError, StorageError
+from daq.raw_log import RawLog
+from daq.session import Session
+from daq.session_info import State
+
+Elsewhere = Callable[[StorageError], Path | None]
+PLACES = 10
+
+
+def elsewhere_in_temporary_folder(error: StorageError) -> Path | None:
+    """Return a new folder among the system's temporary files, or None when there is none either."""
+    try:
+        return Path(tempfile.mkdtemp(prefix="free-decay-session-"))
+    except OSError:
+        return None
+
+
+class Keeper:
+    """A session that is being written, and where it goes when its disk fails."""
+
+    def __init__(self, session: Session, log: RawLog, elsewhere: Elsewhere) -> None:
+        self._session = session
+        self._log = log
+        self._elsewhere = elsewhere
+
+    def finish(self, state: State, reason: str, changes: dict[str, Any], **counts: Any) -> Session:
+        """Close the log and seal the session, in another place if its own refuses.
+
+        StorageError when no place is left.
+        """
+        self._log.close()
+        failure = self._log.failure
+        for _ in range(PLACES):
+            try:
+                if failure is None:
+                    self._session.update(**changes)
+                    self._session.seal(state, reason, **counts)
+                    return self._session
+                place = self._elsewhere(failure)
+                if place is None:
+                    break
+                self._move(place, failure)
+                failure = None
+            except (StorageError, OperatorError) as error:
+                failure = error if isinstance(error, StorageError) else StorageError(str(error))
+        self._session.release()
+        raise StorageError(f"no place was found for the session: {failure}", self._session.folder)
+
+    def _move(self, place: Path, failure: StorageError) -> None:
+        """Write the whole log into a new session elsewhere."""
+        moved = Session.create(place, self._session.info.model_copy(update={"name": ""}), self._log)
+        self._log.close()
+        with suppress(StorageError, OperatorError):
+            self._session.update(state=State.ABORTED, reason=f"continued in {place}: {failure}")
+        self._session.release()
+        self._session = moved
+        if self._log.failure is not None:
+            raise self._log.failure

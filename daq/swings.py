@@ -1,0 +1,107 @@
+"""Swings: the turning points of one channel, found as its samples come, deaf to anything small."""
+
+from collections import deque
+from dataclasses import dataclass
+from itertools import pairwise
+from math import isnan
+
+from daq.recording import Array
+
+REGULAR = 3
+GROWTH = 1.1
+SHRINK = 0.15
+UNEVEN = 1.67
+LONGEST_SWING = 1 << 17
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A turning point: sample index and value."""
+
+    index: int
+    value: float
+
+
+@dataclass(frozen=True)
+class FreeSwings:
+    """Swings that shrink and keep their time: `turns` from the first of them on, `half_period` in samples.
+
+    `crossing` is the sample at which the first of them was half done.
+    """
+
+    turns: tuple[Turn, ...]
+    crossing: int
+    half_period: float
+
+    @property
+    def size(self) -> float:
+        """The first swing from turn to turn."""
+        return abs(self.turns[1].value - self.turns[0].value)
+
+
+class Swings:
+    """Turning points of one channel that are at least `threshold` apart."""
+
+    def __init__(self, threshold: float) -> None:
+        self.threshold = threshold
+        self._turns: list[Turn] = []
+        self._crossings: list[int] = []
+        self._low = self._high = Turn(-1, float("nan"))
+        self._direction = 0
+        self._path: deque[tuple[int, float]] = deque(maxlen=LONGEST_SWING)
+
+    def feed(self, first: int, samples: Array) -> FreeSwings | None:
+        """Take samples, shape (n,), from index `first` on; return free swings once there are enough."""
+        found = None
+        for index, value in enumerate(samples.tolist(), first):
+            if not isnan(value) and self._step(index, value):
+                found = self._regular() or found
+        return found
+
+    def _step(self, index: int, value: float) -> bool:
+        """Follow one sample; tell whether a turning point before it is now certain."""
+        self._path.append((index, value))
+        if self._low.index < 0:
+            self._low = self._high = Turn(index, value)
+        if value > self._high.value:
+            self._high = Turn(index, value)
+        if value < self._low.value:
+            self._low = Turn(index, value)
+        if self._direction >= 0 and self._high.value - value > self.threshold:
+            return self._turn(self._high, -1, Turn(index, value))
+        if self._direction <= 0 and value - self._low.value > self.threshold:
+            return self._turn(self._low, 1, Turn(index, value))
+        return False
+
+    def _turn(self, turn: Turn, direction: int, now: Turn) -> bool:
+        self._direction = direction
+        if self._turns:
+            self._crossings.append(self._crossing(self._turns[-1], turn))
+        while self._path and self._path[0][0] < turn.index:
+            self._path.popleft()
+        self._low = self._high = now
+        self._turns = [*self._turns[-REGULAR:], turn]
+        self._crossings = self._crossings[-REGULAR:]
+        return True
+
+    def _crossing(self, before: Turn, after: Turn) -> int:
+        """The last sample before `after` on the near side of the middle between the two."""
+        middle = (before.value + after.value) / 2
+        rising = after.value > before.value
+        for index, value in reversed(self._path):
+            if index < after.index and (value <= middle) == rising:
+                return index
+        return before.index
+
+    def _regular(self) -> FreeSwings | None:
+        """Return the last three swings if they shrink and keep their time."""
+        if len(self._turns) <= REGULAR:
+            return None
+        values = [turn.value for turn in self._turns]
+        sizes = [abs(b - a) for a, b in pairwise(values)]
+        if not all(SHRINK * a <= b <= GROWTH * a for a, b in pairwise(sizes)):
+            return None
+        times = [b - a for a, b in pairwise(self._crossings)]
+        if min(times) < 1 or max(times) > UNEVEN * min(times) + 2:
+            return None
+        return FreeSwings(tuple(self._turns), self._crossings[0], sum(times) / len(times))

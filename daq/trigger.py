@@ -1,0 +1,159 @@
+"""The trigger: a release is what free swings follow.
+
+A pull is one slow swing, a bump of the table a small or short one, a hand's tremor an uneven one, so the
+trigger waits for three swings that shrink and keep their time, and then looks back for the sample at which
+the motion began. Nothing is lost by waiting: every sample is kept from START on.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from daq.recording import Array, Channel
+from daq.rest import MOTION, Rest, primary, smallest_motion
+from daq.swings import FreeSwings, Swings
+
+TIMES_NOISE = 30.0
+TIMES_RESOLUTION = 10.0
+EDGE_TIMES_NOISE = 6.0
+EDGE_SHARE = 0.005
+HISTORY_S = 120.0
+
+
+@dataclass(frozen=True)
+class Triggered:
+    """The release as the station saw it: `sample` is the first that moves, `channel` the one that told."""
+
+    sample: int
+    channel: str
+    swing: float
+    half_period_s: float
+
+
+class Trigger:
+    """Feed it blocks from rest on; it returns the release once three free swings have followed it."""
+
+    def __init__(
+        self, channels: tuple[Channel, ...], rate: float, rest: Rest, level: float | None = None
+    ) -> None:
+        self._channels = channels
+        self._rate = rate
+        self._level = level
+        self._history = _History(len(channels), int(HISTORY_S * rate))
+        self._rows = [i for i, channel in enumerate(channels) if channel.quantity in MOTION]
+        self._rows.sort(key=lambda i: MOTION.index(channels[i].quantity))
+        self.rest = rest
+        self._swings = {row: Swings(self._threshold(row)) for row in self._rows}
+
+    def _threshold(self, row: int) -> float:
+        channel, noise = self._channels[row], float(self.rest.noise[row])
+        level = self._level if channel.quantity == primary(self._channels) else None
+        smallest = smallest_motion(channel, level)
+        if level is not None:
+            return max(smallest, 6 * noise)
+        return max(smallest, TIMES_NOISE * noise, TIMES_RESOLUTION * (channel.resolution or 0.0))
+
+    def set_rest(self, rest: Rest) -> None:
+        """Take the noise of a longer rest; nothing that was seen already is forgotten."""
+        self.rest = rest
+        for row, swings in self._swings.items():
+            swings.threshold = self._threshold(row)
+
+    def feed(self, first: int, samples: Array) -> Triggered | None:
+        """Take a block, shape (channels, n), from sample index `first` on; holes are allowed."""
+        self._history.add(first, samples)
+        for row in self._rows:
+            found = self._swings[row].feed(first, samples[row])
+            if found is not None and self._counts(row, found):
+                return Triggered(
+                    self._onset(row, found),
+                    self._channels[row].name,
+                    found.size,
+                    found.half_period / self._rate,
+                )
+        return None
+
+    def _counts(self, row: int, found: FreeSwings) -> bool:
+        """A velocity or acceleration counts beside a displacement only if it means a motion large enough.
+
+        So a table that rings at 20 Hz does not trigger, and a displacement sensor that is dead does not
+        keep the trigger from coming.
+        """
+        main = self._rows[0]
+        steps = MOTION.index(self._channels[row].quantity) - MOTION.index(self._channels[main].quantity)
+        omega = np.pi * self._rate / found.half_period
+        return bool(found.size / omega**steps > self._threshold(main))
+
+    def _onset(self, row: int, found: FreeSwings) -> int:
+        """Return the first sample that moves, by the earlier of this channel and the acceleration."""
+        half = max(found.half_period, 1.0)
+        sample = self._begin(row, found, half)
+        for other in self._rows:
+            if self._channels[other].quantity == "acceleration" and other != row:
+                earlier = self._leave(
+                    other, sample - round(half), sample - round(half / 4), sample + round(half / 2)
+                )
+                if sample - half / 2 < earlier < sample:
+                    sample = earlier
+        return max(sample, 0)
+
+    def _begin(self, row: int, found: FreeSwings, half: float) -> int:
+        """Where this channel leaves the place it was held at, or the place it was struck at."""
+        turn, crossing = found.turns[0], found.crossing
+        before = self._at(row, crossing - round(half))
+        was_held = np.isnan(before) or abs(before - turn.value) < 0.25 * found.size
+        if was_held:
+            return self._leave(row, crossing - round(1.5 * half), crossing - round(0.75 * half), crossing)
+        return self._leave(row, turn.index - round(2.5 * half), turn.index - round(half), turn.index)
+
+    def _leave(self, row: int, start: int, stop: int, moving: int) -> int:
+        """Return the sample after the last one, before `moving`, that lies where `start` to `stop` lay."""
+        start = max(start, self._history.first)
+        held = self._history.part(row, start, stop)
+        held = held[np.isfinite(held)]
+        away = np.abs(self._history.part(row, start, moving + 1) - np.median(held)) if len(held) else held
+        if not np.isfinite(away).any():
+            return moving
+        farthest = int(np.nanargmax(away))
+        peak = float(away[farthest])
+        spread = float(np.median(np.abs(held - np.median(held)))) / 0.6745
+        noise = min(max(float(self.rest.noise[row]), spread), peak / 20)
+        still = np.flatnonzero(away[:farthest] <= max(EDGE_TIMES_NOISE * noise, EDGE_SHARE * peak))
+        return start + (int(still[-1]) + 1 if len(still) else 0)
+
+    def _at(self, row: int, index: int) -> float:
+        values = self._history.part(row, index, index + 1)
+        return float(values[0]) if len(values) and index >= self._history.first else float("nan")
+
+
+class _History:
+    """The newest samples of all channels, holes as NaN."""
+
+    def __init__(self, channels: int, longest: int) -> None:
+        self.first = 0
+        self._channels = channels
+        self._longest = longest
+        self._blocks: deque[Array] = deque()
+        self._held = 0
+
+    def add(self, first: int, samples: Array) -> None:
+        """Append a block."""
+        if not self._blocks:
+            self.first = first
+        missing = min(max(first - self.first - self._held, 0), self._longest)
+        for block in (np.full((self._channels, missing), np.nan), samples):
+            self._blocks.append(block)
+            self._held += block.shape[1]
+        self.first = first + samples.shape[1] - self._held
+        while self._held - self._blocks[0].shape[1] > self._longest:
+            dropped = self._blocks.popleft().shape[1]
+            self._held -= dropped
+            self.first += dropped
+
+    def part(self, row: int, start: int, stop: int) -> Array:
+        """Return samples `start` to `stop - 1` of one channel, as far as they are held."""
+        if len(self._blocks) > 1:
+            self._blocks = deque((np.concatenate(self._blocks, axis=1),))
+        values: Array = self._blocks[0][row, max(start - self.first, 0) : max(stop - self.first, 0)]
+        return values
