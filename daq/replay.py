@@ -1,0 +1,75 @@
+"""A replay: a session's raw bytes through the decoder that heard them live, at any speed, to an observer."""
+
+import time
+from dataclasses import dataclass
+
+from daq.capture import CaptureObserver
+from daq.decode import Assembly, Block
+from daq.errors import SettingsError
+from daq.raw_log import Kind, Record
+from daq.recording import Recording
+from daq.session import Session
+from firmware_protocol import Decoder, Describe, Frame
+
+LONGEST_PAUSE_S = 1.0
+
+
+@dataclass
+class _Pace:
+    """Sleeps so that records come `speed` times as fast as they did; 0 does not sleep."""
+
+    speed: float
+    before: float | None = None
+
+    def wait(self, moment: float) -> None:
+        if self.speed > 0 and self.before is not None:
+            pause = (moment - self.before) / self.speed
+            if pause > 0:
+                time.sleep(min(pause, LONGEST_PAUSE_S))
+        self.before = moment
+
+
+def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> Recording:
+    """Tell `observer` what it would have been told live and return the recording, the same as ever.
+
+    `speed` times as fast as it came (0: as fast as possible); imports, which came at once, are paced by
+    their sample times. Pauses longer than 1 s are cut short. SettingsError for a negative speed.
+    """
+    if not 0 <= speed < float("inf"):
+        raise SettingsError(f"the speed must be 0 or more, not {speed:g}")
+    decoder, assembly, pace = Decoder(), Assembly(), _Pace(speed)
+    told = False
+    for record in session.records():
+        if record.kind is Kind.NOTE:
+            _note(assembly, observer, record)
+        if record.kind is not Kind.RECEIVED:
+            continue
+        for frame in decoder.feed(record.payload):
+            _frame(assembly, observer, frame, record.time, pace)
+            if not told and isinstance(frame.message, Describe) and assembly.hello is not None:
+                told = True
+                observer.connected(assembly.hello, assembly.channels)
+    observer.state("sealed", f"{session.info.verdict or session.info.state.value}: {session.folder}")
+    return session.complete(assembly.recording())
+
+
+def _note(assembly: Assembly, observer: CaptureObserver, record: Record) -> None:
+    note = record.note()
+    assembly.take_note(note)
+    if note.get("event") == "start":
+        observer.state("armed", "the board samples")
+    if note.get("event") == "window" and assembly.window is not None:
+        trigger = assembly.window.trigger
+        if trigger is not None and assembly.rate:
+            observer.state("triggered", f"released at {trigger / assembly.rate:.3f} s")
+        observer.state("recording", f"{assembly.window.count} samples")
+
+
+def _frame(assembly: Assembly, observer: CaptureObserver, frame: Frame, when: float, pace: _Pace) -> None:
+    for happening in assembly.take(frame, when):
+        if not isinstance(happening, Block):
+            observer.loss(happening)
+            continue
+        imported = assembly.hello is not None and assembly.hello.firmware == "import"
+        pace.wait(happening.first / assembly.rate if imported else when)
+        observer.block(happening.first, happening.samples)
