@@ -104,12 +104,18 @@ def run(arguments: list[str]) -> int:
 
 def _sentence(error: Exception) -> str:
     if exits.code_of(error) != exits.UNEXPECTED or isinstance(error, exits.Problem):
-        return " ".join(str(error).split()) or type(error).__name__
+        return _kept(" ".join(str(error).split()) or type(error).__name__, error)
     place = traceback.extract_tb(error.__traceback__)[-1]
     return (
         f"a fault of this program ({type(error).__name__}: {' '.join(str(error).split())}; {place.name}, line "
         f"{place.lineno}); nothing recorded is lost; run `station --debug ...` again and report what it prints"
     )
+
+
+def _kept(sentence: str, error: Exception) -> str:
+    """Add where the data are, when an error of the acquisition left some."""
+    folder = getattr(error, "session", None)
+    return sentence if folder is None or str(folder) in sentence else f"{sentence} (kept: {folder})"
 
 
 def _usage_sentence(error: click.ClickException) -> str:

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from identify.estimate import Estimate
 from station.identification import Identification
 
@@ -53,11 +55,31 @@ def _release(result: Identification) -> dict[str, Any]:
         "time_s": float(release.time_s),
         "std_s": float(release.std_s),
         "kind": release.kind,
+        "amplitude": amplitude(result),
         "index": int(release.index),
         "settled_s": release.settle / rate,
         "end_s": release.end / rate,
         "rest_s": [release.rest[0] / rate, release.rest[1] / rate],
     }
+
+
+def amplitude(result: Identification) -> float | None:
+    """Return how far the mass was from its rest at the release, m or rad, or None.
+
+    Signed where it was held away and the displacement was measured: its mean before the release less its
+    mean over the last tenth of the record. Otherwise the envelope at the start of the ridge.
+    """
+    displacement, rest = result.decay.displacement, result.release.rest
+    if result.release.kind == "displaced" and displacement is not None and rest[1] > rest[0]:
+        valid = result.decay.valid
+        kept = np.ones(len(displacement), dtype=bool) if valid is None else valid
+        held = displacement[rest[0] : rest[1]][kept[rest[0] : rest[1]]]
+        tail = slice(len(displacement) - len(displacement) // 10, None)
+        if len(held) and kept[tail].any():
+            return float(np.mean(held) - np.mean(displacement[tail][kept[tail]]))
+    if result.wavelet is not None and len(result.wavelet.envelope):
+        return float(result.wavelet.envelope[0])
+    return None
 
 
 def _alignment(result: Identification) -> dict[str, Any] | None:

@@ -30,7 +30,7 @@ class Capture(_Section):
     port: str | None = None
     rate: float = Field(default=256.0, ge=5, le=20_000, allow_inf_nan=False)
     duration: float = Field(default=8.0, gt=0, le=3600, allow_inf_nan=False)
-    pretrigger: float = Field(default=0.75, ge=0, le=60, allow_inf_nan=False)
+    pre_trigger: float = Field(default=1.0, ge=0.5, le=60, allow_inf_nan=False)
     patience: float = Field(default=60.0, gt=0, le=3600, allow_inf_nan=False)
 
 

@@ -18,6 +18,17 @@ def write(file: Path, name: str, result: Identification) -> None:
     """Write the recording with its blueprint to `file`."""
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
     stream.save(file, default_blueprint=blueprint(result))
+    _fill(stream, name, result)
+
+
+def send(url: str, name: str, result: Identification) -> None:
+    """Send the same recording to a viewer that is open already."""
+    stream = rr.RecordingStream(APPLICATION, send_properties=False)
+    stream.connect_grpc(url, default_blueprint=blueprint(result))
+    _fill(stream, name, result)
+
+
+def _fill(stream: rr.RecordingStream, name: str, result: Identification) -> None:
     for tab in TABS:
         tab.write(stream, name, result)
     stream.flush()

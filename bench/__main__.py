@@ -1,0 +1,70 @@
+"""`python -m bench [NAME...] [--quick]`: measure, and write the figures into docs/benchmarks.md.
+
+Each module named in SECTIONS has `run(quick)`, which returns the text of its section, and may have a TITLE. A section
+stands between two markers, so that one can be measured again and the others stay.
+"""
+
+import argparse
+import importlib
+import re
+import sys
+from pathlib import Path
+
+SECTIONS = ("wire", "alignment", "identification", "diagnosis", "station")
+
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
+HEAD = """# Measured figures
+
+Made by the commands named in each section, on two cores; not edited by hand.
+"""
+
+
+def main(arguments: list[str]) -> int:
+    parser = argparse.ArgumentParser(prog="python -m bench", description="Measure and write docs/benchmarks.md.")
+    parser.add_argument("sections", nargs="*", metavar="NAME", help=f"any of {', '.join(SECTIONS)} (default: all)")
+    parser.add_argument("--quick", action="store_true", help="fewer repetitions; printed, not written")
+    parser.add_argument("--write", action="store_true", help="write even a quick run")
+    chosen = parser.parse_args(arguments)
+    unknown = sorted(set(chosen.sections) - set(SECTIONS))
+    if unknown:
+        parser.error(f"no section {', '.join(unknown)}; there are {', '.join(SECTIONS)}")
+    failed = []
+    for name in chosen.sections or SECTIONS:
+        print(f"measuring: {name}", file=sys.stderr, flush=True)
+        try:
+            module = importlib.import_module(f"bench.{name}")
+            body = str(module.run(chosen.quick)).strip()
+        except Exception as error:  # the other sections are worth having
+            print(f"failed: {name}: {type(error).__name__}: {error}", file=sys.stderr)
+            failed.append(name)
+            continue
+        title = getattr(module, "TITLE", name.capitalize())
+        section = f"## {title}\n\n`python -m bench {name}`\n\n{body}"
+        print(section, flush=True)
+        if chosen.write or not chosen.quick:
+            write_section(PAGE, name, section)
+    return 1 if failed else 0
+
+
+def write_section(page: Path, name: str, section: str) -> None:
+    """Replace the section between its markers, or put it where SECTIONS has it."""
+    text = page.read_text(encoding="utf-8") if page.exists() else HEAD
+    begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
+    block = f"{begin}\n{section}\n{end}"
+    pattern = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
+    if pattern.search(text):
+        text = pattern.sub(lambda _: block, text)
+    else:
+        place = len(text)
+        for later in SECTIONS[SECTIONS.index(name) + 1 :]:
+            found = text.find(f"<!-- begin {later} -->")
+            if found >= 0:
+                place = found
+                break
+        text = f"{text[:place].rstrip()}\n\n{block}\n\n{text[place:].lstrip()}".rstrip() + "\n"
+    page.parent.mkdir(exist_ok=True)
+    page.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,105 @@
+"""`station capture`: one release from a board, recorded, judged and identified."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from station.output import json_option, print_json, progress, screen
+
+if TYPE_CHECKING:
+    from daq.capture import CaptureSettings
+    from daq.session import Session
+    from station.settings import Settings
+
+
+@click.command("capture")
+@click.option("--port", metavar="URL", help="Port of the board, as /dev/ttyACM0, COM3 or socket://HOST:PORT (default: the only board that answers).")
+@click.option("--session", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Folder of the new session (default: ./sessions/release_TIME).")
+@click.option("--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles).")
+@click.option("--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass.")
+@click.option("--duration", type=float, metavar="S", help="Seconds after the release (8).")
+@click.option("--rate", type=float, metavar="HZ", help="Sampling rate (256).")
+@click.option("--pre-trigger", type=float, metavar="S", help="Seconds kept before the release (1).")
+@click.option("--patience", type=float, metavar="S", help="How long to wait for the release (60).")
+@click.option("--level", type=float, metavar="M", help="Smallest swing taken for a release.")
+@click.option("--specimen", help="What is tested.")
+@click.option("--operator", help="Who tests it.")
+@click.option("--no-viewer", is_flag=True, help="No live view.")
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    port: str | None,
+    folder: Path | None,
+    mass: float | None,
+    mass_std: float | None,
+    specimen: str | None,
+    operator: str | None,
+    no_viewer: bool,
+    as_json: bool,
+    **timing: Any,
+) -> None:
+    """Record one release, tell its verdict, and identify it.
+
+    Hold the mass still until the station is armed, then let it go.
+    """
+    from daq.ports import find_board
+    from station.capturing import new_folder, record
+    from station.commands.import_ import describe
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    info = describe(settings, mass, mass_std, specimen, operator)
+    chosen = port or settings.capture.port or find_board()
+    wanted = capture_settings(settings, info, **timing)
+    session, url = record(chosen, wanted, folder or new_folder(settings.sessions), not no_viewer)
+    finish(session, url, settings, as_json)
+
+
+def capture_settings(settings: "Settings", info: Any, **timing: Any) -> "CaptureSettings":
+    """Return how to capture: options where they were given, else the settings."""
+    from daq.capture import CaptureSettings
+
+    def chosen(option: str, default: float) -> float:
+        given = timing.get(option)
+        return default if given is None else float(given)
+
+    known = settings.capture
+    return CaptureSettings(
+        duration_s=chosen("duration", known.duration),
+        rate_hz=chosen("rate", known.rate),
+        pre_trigger_s=chosen("pre_trigger", known.pre_trigger),
+        trigger_timeout_s=chosen("patience", known.patience),
+        trigger_level=timing.get("level"),
+        info=info,
+    )
+
+
+def finish(session: "Session", url: str | None, settings: "Settings", as_json: bool) -> dict[str, Any]:
+    """Tell the verdict, identify, show; return the document that `--json` prints."""
+    from station.capturing import show_result
+    from station.identifying import identify_session, options_for, refuse_if_nothing
+    from station.terminal import next_steps, show_identification
+
+    verdict = session.verdict
+    if verdict is not None:
+        progress(f"verdict: {'; '.join([verdict.word.value, *verdict.reasons])}")
+        for advice in verdict.advice:
+            progress(f"  to take it again: {advice}")
+    result, document = identify_session(session, options_for(session, settings))
+    told = {
+        "session": str(session.folder),
+        "verdict": None if verdict is None else verdict.model_dump(mode="json"),
+        "identification": document,
+    }
+    if as_json:
+        print_json(told)
+    else:
+        show_identification(screen(), session.folder.name, result)
+    file = show_result(url, session, result)
+    progress(f"viewer's recording: {file}")
+    if not as_json:
+        next_steps(screen(), session.folder)
+    refuse_if_nothing(result)
+    return told

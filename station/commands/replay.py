@@ -1,0 +1,27 @@
+"""`station replay`: a session's raw bytes through the same decoder and the same pipeline again."""
+
+import click
+
+from station.output import json_option
+
+
+@click.command("replay")
+@click.argument("session")
+@click.option("--speed", type=click.FloatRange(min=0), default=0.0, show_default=True, help="Times real time; 0: as fast as it goes.")
+@click.option("--no-viewer", is_flag=True, help="No live view.")
+@json_option
+@click.pass_obj
+def command(settings_file: str | None, session: str, speed: float, no_viewer: bool, as_json: bool) -> None:
+    """Send SESSION's raw bytes through the decoder again, and identify it."""
+    from daq.replay import replay
+    from station.capturing import live_screen
+    from station.commands.capture import finish
+    from station.sessions import open_session
+    from station.settings import load_settings
+    from station.watching import Several, Watch
+
+    settings = load_settings(settings_file)
+    opened = open_session(session, settings.sessions)
+    with live_screen(opened.info.rate_hz or 0.0, not no_viewer) as screen, Watch() as watch:
+        replay(opened, Several((watch, *screen.observers)), speed)
+    finish(opened, screen.url, settings, as_json)

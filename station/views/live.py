@@ -1,0 +1,129 @@
+"""The live view of a capture: levels and both channels as they come, the trigger, the losses."""
+
+import socket
+import time
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from daq.capture import CaptureObserver
+from daq.recording import Array, Channel, Gap
+from firmware_protocol import Hello
+from station.views import log, palette
+from station.views.show import APPLICATION
+from station.views.viewer import HOST, start
+
+ROOT = "/live"
+SCALE = {"m": (1e3, "mm")}
+START_S = 20.0
+
+
+class LiveView(CaptureObserver):
+    """Draws what a capture tells; give it to the capture as its observer."""
+
+    def __init__(self, stream: rr.RecordingStream, rate: float) -> None:
+        self._stream = stream
+        self._channels: tuple[Channel, ...] = ()
+        self._rate = rate if rate > 0 else 1.0
+        self._now = 0.0
+
+    def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
+        """Lay out one curve for each channel."""
+        self._channels = channels
+        for channel in channels:
+            colour = palette.CHANNEL.get(channel.quantity, palette.MEASURED)
+            _, unit = SCALE.get(channel.unit, (1.0, channel.unit))
+            style = rr.SeriesLines(
+                colors=colour, names=f"{channel.name} [{unit}]", widths=1.5, aggregation_policy="MinMax"
+            )
+            self._stream.log(f"{ROOT}/{channel.name}", style, static=True)
+        self._stream.send_blueprint(layout(channels))
+        self._say(f"connected: {hello.board}, firmware {hello.firmware}")
+
+    def state(self, name: str, detail: str) -> None:
+        """Mark what the station is doing."""
+        self._stream.set_time(log.TIMELINE, duration=self._now)
+        self._stream.log(f"{ROOT}/station", rr.StateChange(state=name))
+        self._say(f"{name}: {detail}" if detail else name)
+
+    def block(self, first_index: int, samples: Array) -> None:
+        """Draw a block of samples, shape (channels, n), SI."""
+        times = (first_index + np.arange(samples.shape[1])) / self._rate
+        if len(times):
+            self._now = float(times[-1])
+        for channel, values in zip(self._channels, samples, strict=True):
+            factor, _ = SCALE.get(channel.unit, (1.0, channel.unit))
+            self._stream.send_columns(
+                f"{ROOT}/{channel.name}",
+                indexes=[rr.TimeColumn(log.TIMELINE, duration=times)],
+                columns=rr.Scalars.columns(scalars=values * factor),
+            )
+
+    def loss(self, gap: Gap) -> None:
+        """Tell a loss in the log."""
+        self._say(f"lost {gap.count} samples from {gap.first} on ({gap.reason})", rr.TextLogLevel.WARN)
+
+    def _say(self, text: str, level: str = rr.TextLogLevel.INFO) -> None:
+        self._stream.set_time(log.TIMELINE, duration=self._now)
+        self._stream.log(f"{ROOT}/told", rr.TextLog(text, level=level))
+        self._stream.reset_time()
+
+
+def layout(channels: tuple[Channel, ...]) -> rrb.Blueprint:
+    """Return the live layout: the channels, the state of the station, its words; it follows the newest sample."""
+    views: list[rrb.View] = [
+        log.curves(channel.name.capitalize(), [f"{ROOT}/{channel.name}"]) for channel in channels
+    ]
+    return rrb.Blueprint(
+        rrb.Horizontal(
+            rrb.Vertical(
+                *views,
+                rrb.StateTimelineView(origin=f"{ROOT}/station", name="Station"),
+                row_shares=[4.0] * len(views) + [1.2],
+            ),
+            rrb.TextLogView(origin=f"{ROOT}/told", name="What happened"),
+            column_shares=[3, 1],
+        ),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=log.TIMELINE, play_state="Following"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+class LiveViewer:
+    """A viewer window for one capture, with a `view` to give to it; stays open afterwards."""
+
+    def __init__(self, rate: float) -> None:
+        with socket.socket() as free:
+            free.bind((HOST, 0))
+            port = free.getsockname()[1]
+        self.url = f"rerun+http://{HOST}:{port}/proxy"
+        start("--port", str(port), "--hide-welcome-screen")
+        _wait_for(port)
+        self._stream = rr.RecordingStream(APPLICATION, send_properties=False)
+        self._stream.connect_grpc(self.url)
+        self.view = LiveView(self._stream, rate)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stream.flush()
+        self._stream.disconnect()
+
+
+def _wait_for(port: int) -> None:
+    end = time.monotonic() + START_S
+    while time.monotonic() < end:
+        try:
+            socket.create_connection((HOST, port), timeout=0.5).close()
+            return
+        except OSError:
+            time.sleep(0.1)

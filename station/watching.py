@@ -1,0 +1,141 @@
+"""What the operator sees in the terminal while a board is being recorded."""
+
+import time
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from daq.capture import CaptureObserver
+from daq.recording import Array, Channel, Gap
+from firmware_protocol import Hello
+
+BAR = 28
+SCALE = {"m": (1e3, "mm")}
+REFRESH_S = 0.125
+
+STATES = {
+    "resting": "keep still: the rest before the release gives the noise",
+    "armed": "ARMED: release the mass",
+    "triggered": "released",
+    "recording": "recording the decay",
+    "resending": "asking for lost samples again",
+    "sealed": "sealed",
+}
+
+
+class Several(CaptureObserver):
+    """Passes everything on to several observers."""
+
+    def __init__(self, observers: Sequence[CaptureObserver]) -> None:
+        self._observers = tuple(observers)
+
+    def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
+        """Pass on."""
+        for observer in self._observers:
+            observer.connected(hello, channels)
+
+    def state(self, name: str, detail: str) -> None:
+        """Pass on."""
+        for observer in self._observers:
+            observer.state(name, detail)
+
+    def block(self, first_index: int, samples: Array) -> None:
+        """Pass on."""
+        for observer in self._observers:
+            observer.block(first_index, samples)
+
+    def loss(self, gap: Gap) -> None:
+        """Pass on."""
+        for observer in self._observers:
+            observer.loss(gap)
+
+
+class Watch(CaptureObserver):
+    """Live levels on stderr where it is a terminal; a line for each change of state where it is not."""
+
+    def __init__(self, console: Console | None = None) -> None:
+        self._console = console or Console(stderr=True, highlight=False)
+        self._live: Live | None = None
+        self._channels: tuple[Channel, ...] = ()
+        self._largest = np.zeros(0)
+        self._last = np.zeros(0)
+        self._told = ""
+        self._lost = 0
+        self._shown = 0.0
+
+    def __enter__(self) -> Self:
+        if self._console.is_terminal:
+            self._live = Live(console=self._console, auto_refresh=False, transient=True)
+            self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._live is not None:
+            self._live.stop()
+            self._live = None
+
+    def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
+        """Tell which board answered and what it measures."""
+        self._channels = channels
+        self._largest = self._last = np.zeros(len(channels))
+        names = ", ".join(f"{channel.name} [{channel.unit}]" for channel in channels)
+        self._line(f"board {hello.board}: {names}")
+
+    def state(self, name: str, detail: str) -> None:
+        """Tell what the station is doing and what the operator should do."""
+        said = STATES.get(name, name)
+        self._told = f"{said} ({detail})" if detail else said
+        self._line(self._told)
+        self._refresh(force=True)
+
+    def block(self, first_index: int, samples: Array) -> None:
+        """Show the newest level of each channel, and the largest so far."""
+        if samples.shape[1] == 0:
+            return
+        self._last = samples[:, -1]
+        self._largest = np.maximum(self._largest, np.abs(samples).max(axis=1))
+        self._refresh()
+
+    def loss(self, gap: Gap) -> None:
+        """Tell of a loss at once."""
+        self._lost += gap.count
+        self._line(f"lost {gap.count} samples from number {gap.first} on: {gap.reason}")
+
+    def _line(self, text: str) -> None:
+        self._console.print(Text(text), soft_wrap=True)
+
+    def _refresh(self, force: bool = False) -> None:
+        now = time.monotonic()
+        if self._live is None or (not force and now - self._shown < REFRESH_S):
+            return
+        self._shown = now
+        self._live.update(self._levels(), refresh=True)
+
+    def _levels(self) -> Table:
+        table = Table.grid(padding=(0, 2))
+        for channel, value, largest in zip(self._channels, self._last, self._largest, strict=True):
+            factor, unit = SCALE.get(channel.unit, (1.0, channel.unit))
+            table.add_row(
+                channel.name,
+                Text(bar(float(value), float(largest)), style="cyan"),
+                f"{value * factor:10.3f} {unit}",
+            )
+        return table
+
+
+def bar(value: float, largest: float) -> str:
+    """Return a level as a bar about its middle, 2 * BAR // 2 + 1 characters wide."""
+    half = BAR // 2
+    share = 0.0 if largest <= 0 else max(-1.0, min(1.0, value / largest))
+    filled = round(abs(share) * half)
+    if share < 0:
+        return " " * (half - filled) + "█" * filled + "│" + " " * half
+    return " " * half + "│" + "█" * filled + " " * (half - filled)
