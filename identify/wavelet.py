@@ -6,15 +6,15 @@ import numpy as np
 
 from identify.arrays import Array, Mask, frozen, frozen_mask
 from identify.averaging import backbone_factors, envelope_factors
-from identify.dominant_frequency import dominant_frequency
 from identify.envelope import EnvelopeFit, PhaseFit
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
 from identify.hilbert import hilbert_envelope
 from identify.morlet import scalogram
-from identify.noise_level import noise_level
+from identify.noise import noise_of
 from identify.orders import choose_order
+from identify.oscillation import dominant_frequency
 from identify.ridge_fit import (
     Observed,
     RidgeFit,
@@ -30,7 +30,7 @@ from identify.ridge_fit import (
     other_order,
     parameters_of,
 )
-from identify.span import first_free_sample, last_large_sample, require_cycles, valid_samples
+from identify.usable import first_free_sample, last_large_sample, require_cycles, valid_samples
 from identify.spread import misfit_covariance
 from identify.units import damping_unit, stiffness_unit
 
@@ -112,14 +112,16 @@ def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
 def _observe_span(decay: FreeDecay) -> tuple[int, Observed]:
     derivatives = next(i for i, name in enumerate(CHANNELS) if getattr(decay, name) is not None)
     samples = getattr(decay, CHANNELS[derivatives])
-    known = getattr(decay, f"noise_{CHANNELS[derivatives]}")
     valid = valid_samples(decay)
     whole = _interpolated(samples, valid)
     start = first_free_sample(decay)
     frequency = dominant_frequency(whole[start:], decay.rate)
+    if frequency <= 0:
+        raise NotIdentifiable(f"no oscillation stands out of the {CHANNELS[derivatives]} after the release")
     start = first_free_sample(decay, frequency)
     require_cycles(len(whole) - start, decay.rate, frequency, _FEWEST_CYCLES)
-    noise = known if known is not None else noise_level(whole[start:], valid[start:])
+    noise = getattr(decay, f"noise_{CHANNELS[derivatives]}") or noise_of(decay)[CHANNELS[derivatives]].std
+    noise = max(noise, 1e-9 * float(np.std(whole[start:])))
 
     rough = observe(whole[start:], valid[start:], decay.rate, derivatives, 2 * np.pi * frequency, noise)
     envelope, _, angular = envelope_and_phase(rough, rough.samples)

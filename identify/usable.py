@@ -1,0 +1,51 @@
+"""The usable stretch of a record: after the hand has let go, before the mass comes near to sticking."""
+
+import numpy as np
+
+from identify.arrays import Array, Mask
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+
+HAND_S = 0.03  # a hand takes up to 20 ms to let go; the ideal release loses an eighth of a cycle to it
+
+
+def valid_samples(decay: FreeDecay) -> Mask:
+    """Return the mask of samples that were recorded and are numbers, shape (n,)."""
+    good = np.ones(len(decay), dtype=np.bool_) if decay.valid is None else decay.valid.copy()
+    for values in (decay.displacement, decay.velocity, decay.acceleration):
+        if values is not None:
+            good &= np.isfinite(values)
+    return good
+
+
+def first_free_sample(decay: FreeDecay, frequency: float | None = None) -> int:
+    """Return the first sample at which the hand has surely let go.
+
+    `frequency` (Hz) shortens the wait where 30 ms is more than a quarter of a cycle. A record without a rest before the release
+    began in mid-decay: no hand, no wait.
+    """
+    if decay.rest[1] <= decay.rest[0]:
+        return decay.release
+    wait = HAND_S if frequency is None else min(HAND_S, 0.25 / frequency)
+    return decay.release + int(np.ceil(wait * decay.rate))
+
+
+def last_large_sample(envelope: Array, threshold: float) -> int:
+    """Return one past the last sample before `envelope` (n,) first stays below `threshold`."""
+    below = np.flatnonzero(envelope < threshold)
+    return int(below[0]) if len(below) else len(envelope)
+
+
+def require_cycles(samples: int, rate: float, frequency: float, fewest: float) -> None:
+    """Raise NotIdentifiable when `samples` at `rate` hold fewer than `fewest` cycles or too few samples a cycle."""
+    cycles = samples * frequency / rate
+    if cycles < fewest:
+        raise NotIdentifiable(
+            f"only {cycles:.1f} cycles of free motion above friction and noise, {fewest:g} are needed; "
+            "release from a larger amplitude or record longer"
+        )
+    if rate < 3 * frequency:
+        raise NotIdentifiable(
+            f"{rate / frequency:.1f} samples a cycle are too few to follow {frequency:.3g} Hz; "
+            f"record at {4 * frequency:.3g} Hz or faster"
+        )
