@@ -11,6 +11,8 @@ import numpy as np
 from mocks.forces import PARAMETERS, Effect, pulled
 from mocks.testbed import Bench, Release, simulate
 
+#: Fine enough for the rms of a force that jumps.
+GRID_HZ = 1024.0
 #: Effects whose force may have either sign.
 SIGNED = {
     "linear_stiffness",
@@ -49,7 +51,7 @@ def hide(
     searched = [n for n in strengths if PARAMETERS[n][0] not in pinned.get(n, {})]
     scale = {n: abs(shapes[n][PARAMETERS[n][0]]) * 1e-6 if n in searched else 1.0 for n in strengths}
     sign = {n: math.copysign(1.0, shapes[n][PARAMETERS[n][0]]) if n in searched else 1.0 for n in strengths}
-    time = np.arange(int(seconds * 256.0)) / 256.0
+    time = np.arange(int(seconds * GRID_HZ)) / GRID_HZ
     for _ in range(80):
         effects = []
         for name, shape in shapes.items():
