@@ -1,0 +1,75 @@
+/* The newest samples, written by the timer's interrupt and read by the main loop: unsent ones and ones that
+ * the host may ask for again stand in the same ring. */
+#ifndef RING_H
+#define RING_H
+
+#include "board.h"
+
+#define RING_SAMPLE_BYTES (2 * BOARD_CHANNELS)
+
+struct ring {
+    volatile uint32_t taken; /* index after the newest sample; aligned, so read at once on 32-bit machines */
+    volatile uint32_t limit; /* take no sample from this index on */
+    int16_t numbers[BOARD_RING][BOARD_CHANNELS];
+    uint8_t missing[BOARD_RING / 8]; /* one bit: the sensors could not be read */
+};
+
+/* A piece of the capture without a hole, and how many samples in front of it are not held. */
+struct ring_run {
+    uint32_t first;
+    uint16_t n;
+    uint32_t overrun; /* overwritten before they were read */
+    uint32_t unread;  /* never came from the sensors */
+};
+
+static inline void ring_put(struct ring *ring, const int16_t *numbers) {
+    uint32_t at = ring->taken, slot = at % BOARD_RING;
+    uint8_t bit = (uint8_t)(1u << (slot % 8));
+    if (at >= ring->limit) return;
+    if (numbers) {
+        memcpy(ring->numbers[slot], numbers, sizeof ring->numbers[slot]);
+        ring->missing[slot / 8] &= (uint8_t)~bit;
+    } else {
+        ring->missing[slot / 8] |= bit;
+    }
+    ring->taken = at + 1;
+}
+
+static inline bool ring_is_missing(const struct ring *ring, uint32_t index) {
+    uint32_t slot = index % BOARD_RING;
+    return ring->missing[slot / 8] >> (slot % 8) & 1;
+}
+
+static inline uint32_t ring_oldest(const struct ring *ring) {
+    uint32_t taken = ring->taken;
+    return taken > BOARD_RING ? taken - BOARD_RING : 0;
+}
+
+/* Copy the first run in [from, end) as little-endian bytes, at most `most` samples; n is 0 when none is held. */
+static inline struct ring_run ring_copy(const struct ring *ring, uint32_t from, uint32_t end, uint16_t most,
+                                        uint8_t *bytes) {
+    struct ring_run run;
+    do {
+        uint32_t oldest = ring_oldest(ring), start = from < oldest ? (oldest < end ? oldest : end) : from;
+        uint8_t *out = bytes;
+        int channel;
+        run.overrun = start - from;
+        run.first = start;
+        run.n = 0;
+        while (run.first < end && ring_is_missing(ring, run.first)) run.first++;
+        run.unread = run.first - start;
+        while (run.n < most && run.first + run.n < end && !ring_is_missing(ring, run.first + run.n)) {
+            const int16_t *numbers = ring->numbers[(run.first + run.n) % BOARD_RING];
+            for (channel = 0; channel < BOARD_CHANNELS; channel++) {
+                uint16_t number = (uint16_t)numbers[channel];
+                *out++ = (uint8_t)number;
+                *out++ = (uint8_t)(number >> 8);
+            }
+            run.n++;
+        }
+        /* The interrupt may have overwritten the oldest of these meanwhile: then copy again. */
+    } while (run.n > 0 && run.first < ring_oldest(ring));
+    return run;
+}
+
+#endif
