@@ -14,7 +14,7 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.noise import estimate_noise
 from identify.release import find_release
-from identify.restoring_force import RestoringForceResult, identify_restoring_force
+from identify.restoring_force import identify_restoring_force, identify_restoring_force_as_recorded
 from identify.wavelet import identify_wavelet
 from station.identification import Identification
 
@@ -56,13 +56,13 @@ def identify(recording: Recording, options: Options) -> Identification:
 
     wavelet = attempt("wavelet", lambda: identify_wavelet(aligned, options.max_order))
 
-    def force_surface(of: FreeDecay) -> RestoringForceResult:
-        return identify_restoring_force(of, options.max_order, options.stiffness_orders)
-
-    restoring_force = attempt("restoring_force", lambda: force_surface(aligned))
+    orders = (options.max_order, options.stiffness_orders)
+    restoring_force = attempt("restoring_force", lambda: identify_restoring_force(aligned, *orders))
     without_alignment = None
-    if alignment is not None:
-        without_alignment = attempt("without_alignment", lambda: force_surface(decay))
+    if alignment is not None and decay.displacement is not None:
+        without_alignment = attempt(
+            "without_alignment", lambda: identify_restoring_force_as_recorded(decay, *orders)
+        )
 
     return Identification(
         decay, release, alignment, aligned, wavelet, restoring_force, without_alignment, refusals

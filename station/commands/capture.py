@@ -44,14 +44,14 @@ def command(
 
     Hold the mass still until the station is armed, then let it go.
     """
-    from daq.ports import find_board
+    from daq.ports import choose_port
     from station.capturing import new_folder, record
     from station.commands.import_ import describe
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     info = describe(settings, mass, mass_std, specimen, operator)
-    chosen = port or settings.capture.port or find_board()
+    chosen = choose_port(port or settings.capture.port)
     wanted = capture_settings(settings, info, **timing)
     session, url = record(chosen, wanted, folder or new_folder(settings.sessions), not no_viewer)
     finish(session, url, settings, as_json)

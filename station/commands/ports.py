@@ -1,24 +1,48 @@
 """`station ports`: where a board may be."""
 
+from typing import Any
+
 import click
 
 from station.output import json_option, print_json, screen
 
 
 @click.command("ports")
+@click.argument("ports", nargs=-1)
 @json_option
-def command(as_json: bool) -> None:
-    """List the serial ports of this computer on which a board may be.
+def command(ports: tuple[str, ...], as_json: bool) -> None:
+    """List the serial ports, and which of them answer as a board.
 
-    A board on the network is named as socket://HOST:PORT.
+    Further PORTS to ask may be named, as socket://HOST:PORT. A board may be
+    reset by asking it.
     """
     from daq.ports import list_ports
 
-    found = list_ports()
+    found = list_ports(ports)
     if as_json:
-        print_json({"ports": [{"name": p.name, "description": p.description} for p in found]})
+        print_json({"ports": [_entry(candidate) for candidate in found]})
         return
     if not found:
-        screen().print("no serial port found; is the board plugged in?", markup=False)
-    for port in found:
-        screen().print(f"{port.name}  {port.description}", markup=False)
+        screen().print("this computer has no serial port; is the board plugged in?", markup=False)
+    for candidate in found:
+        screen().print(f"{candidate.port.name}  {_said(candidate)}", markup=False, soft_wrap=True)
+
+
+def _entry(candidate: Any) -> dict[str, Any]:
+    hello = candidate.hello
+    return {
+        "name": candidate.port.name,
+        "description": getattr(candidate.port, "description", ""),
+        "answers": candidate.answers,
+        "board": None if hello is None else hello.board,
+        "firmware": None if hello is None else hello.firmware,
+        "channels": [{"name": c.name, "quantity": c.quantity, "unit": c.unit} for c in candidate.channels],
+        "problem": candidate.problem,
+    }
+
+
+def _said(candidate: Any) -> str:
+    if candidate.hello is None:
+        return str(candidate.problem)
+    names = ", ".join(f"{channel.name} [{channel.unit}]" for channel in candidate.channels)
+    return f"{candidate.hello.board}: {names}"
