@@ -1,4 +1,4 @@
-"""The oscillation at a glance: its frequency and how large it is, cycle by cycle, for other steps to start from."""
+"""The oscillation at a glance: its frequency and its size, cycle by cycle, for other steps to start from."""
 
 import numpy as np
 
@@ -8,8 +8,8 @@ from identify.arrays import Array
 def dominant_frequency(values: Array, rate: float) -> float:
     """Return the frequency in Hz of the strongest oscillation in `values` (n,), 0.0 when there is none.
 
-    The first difference takes the weight off a held position, a drift or a slow pull; the peak of the windowed
-    periodogram is refined by the parabola through its logarithm.
+    The spectrum is weighted by the frequency, which takes the weight off a held position, a drift or a slow
+    pull; the peak of the windowed periodogram is refined by the parabola through its logarithm.
     """
     n = len(values)
     if n < 8:
@@ -19,7 +19,7 @@ def dominant_frequency(values: Array, rate: float) -> float:
     size = 1 << int(np.ceil(np.log2(4 * n)))
     power = np.abs(np.fft.rfft(moving, size)) ** 2
     omega = np.linspace(0.0, np.pi, len(power))
-    power[1:] /= (2.0 * np.sin(omega[1:] / 2.0)) ** 2
+    power[1:] /= 2.0 * np.sin(omega[1:] / 2.0)
     first = int(np.ceil(1.5 * size / n))
     power[:first] = 0.0
     if not np.any(power > 0):
@@ -31,3 +31,46 @@ def dominant_frequency(values: Array, rate: float) -> float:
         curvature = left - 2.0 * middle + right
         shift = 0.5 * (left - right) / curvature if curvature < 0 else 0.0
     return float((peak + shift) * rate / size)
+
+
+def running_amplitude(values: Array, period: int) -> Array:
+    """Return the amplitude of the oscillation of `period` samples around every sample, shape (n,).
+
+    Demodulation under a Hann window of two periods, which is blind to a constant and nearly so to a drift. The
+    first and last period hold the value next to them.
+    """
+    n = len(values)
+    width = min(2 * period + 1, n)
+    window = np.hanning(width + 2)[1:-1]
+    carrier = np.exp(-2j * np.pi * np.arange(width) / period)
+    kernel = window * carrier
+    kernel -= window * kernel.sum() / window.sum()
+    size = 1 << int(np.ceil(np.log2(n + width)))
+    spread = np.fft.ifft(np.fft.fft(values - np.mean(values), size) * np.fft.fft(kernel, size))
+    inside = np.abs(spread[width - 1 : n]) * 2.0 / window.sum()
+    left = (n - len(inside)) // 2
+    return np.pad(inside, (left, n - len(inside) - left), mode="edge")
+
+
+def unfree(values: Array, period: float, noise: float, wanted: float) -> tuple[Array, float]:
+    """Return the force that is not the oscillator's own, shape (n,), and its noise, in units of displacement.
+
+    The second derivative less what value and slope explain of it over the last period and a half, over w^2: nearly
+    zero in free motion; what is left is the hand, while it holds, pulls or strikes. Derivatives are those of a
+    parabola through an eighth of a period, or more (up to a quarter) until the noise falls to `wanted`.
+    """
+    scale = 2.0 * (period / (2.0 * np.pi)) ** 2
+    for share in (16.0, 12.0, 9.0):
+        half = max(2, round(period / share))
+        place = np.arange(-half, half + 1, dtype=float)
+        weights = np.linalg.pinv(np.vander(place, 3, increasing=True))
+        uncertainty = noise * scale * float(np.linalg.norm(weights[2]))
+        if uncertainty <= wanted:
+            break
+    if len(values) < 4 * half + 4:
+        return np.zeros(len(values)), uncertainty
+    value, slope, curvature = (np.correlate(values, row, "valid") for row in weights)
+    own = np.column_stack([value, slope, np.ones(len(value))])
+    last = slice(-round(1.5 * period), None)
+    coefficients = np.linalg.lstsq(own[last], curvature[last], rcond=None)[0]
+    return np.pad((curvature - own @ coefficients) * scale, half), uncertainty
