@@ -1,0 +1,64 @@
+"""Small files for the importers' tests, from closed forms."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from daq.importing import ImportOptions, ImportProblem, read_file
+from daq.recording import Array, Recording
+
+RATE = 100.0
+OMEGA = 2 * np.pi * 1.3
+
+
+def data_folder() -> Path:
+    """Return the folder of real recordings, or skip the test."""
+    folder = Path(os.environ.get("STATION_DATA") or Path(__file__).parents[3].parent / "shared" / "data")
+    if not folder.is_dir():
+        pytest.skip(f"the real recordings are not at {folder} (set STATION_DATA)")
+    return folder
+
+
+def swing(n: int = 200, rate: float = RATE, damping: float = 0.1) -> tuple[Array, Array, Array, Array]:
+    """Return time, displacement, velocity, acceleration of u = 0.02 exp(-damping t) cos(OMEGA t)."""
+    t = np.arange(n) / rate
+    pole = complex(-damping, OMEGA)
+    motion = 0.02 * np.exp(pole * t)
+    return t, motion.real, (pole * motion).real, (pole**2 * motion).real
+
+
+def write(folder: Path, text: str | bytes, name: str = "a.csv") -> Path:
+    """Write a file and return its path."""
+    path = folder / name
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
+    return path
+
+
+def table(header: str, *columns: Array, delimiter: str = ",", form: str = "%.9g", comma: bool = False) -> str:
+    """Return a text table; `comma` makes the decimal sign a comma."""
+    rows = [delimiter.join(form % value for value in row) for row in zip(*columns, strict=True)]
+    text = "\n".join(rows)
+    return f"{header}\n{text.replace('.', ',') if comma else text}\n" if header else text + "\n"
+
+
+def load(folder: Path, text: str | bytes, name: str = "a.csv", **options: object) -> Recording:
+    """Write a file and import it."""
+    return read_file(write(folder, text, name), ImportOptions(**options))  # type: ignore[arg-type]
+
+
+def refusal(folder: Path, text: str | bytes, name: str = "a.csv", **options: object) -> str:
+    """Return the sentence with which a file is refused."""
+    with pytest.raises(ImportProblem) as caught:
+        load(folder, text, name, **options)
+    assert caught.value.exit_code == 2
+    message = str(caught.value)
+    assert message.startswith(name)
+    assert "\n" not in message
+    return message
+
+
+def said(recording: Recording) -> str:
+    """Return the notes of a recording as one text."""
+    return "\n".join(recording.notes)
