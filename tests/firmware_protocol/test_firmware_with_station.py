@@ -1,0 +1,55 @@
+"""The station records the release of the example firmware and finds what its C source put in."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from c_compiler import C_FOLDER, STRICT, build
+
+SOURCES = [C_FOLDER / name for name in ("main.c", "board.c", "hardware_host.c")]
+STIFFNESS, DRY, VISCOUS, LAG = 13115.0, 0.13, 0.277, 0.0013
+
+
+@pytest.fixture
+def port(tmp_path: Path) -> Iterator[str]:
+    program = build(tmp_path / "firmware", SOURCES, [*STRICT, "-O2"])
+    board = subprocess.Popen(
+        [program, "--speed", "10", "--rest", "5"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert board.stdout is not None
+    yield board.stdout.readline().removeprefix("port: ").strip()
+    board.communicate(timeout=10)
+    assert board.returncode == 0
+
+
+def test_the_station_finds_the_physics_of_an_independent_board(port: str, tmp_path: Path) -> None:
+    command = [
+        sys.executable,
+        "-m",
+        "station",
+        "capture",
+        "--port",
+        port,
+        "--session",
+        str(tmp_path / "release"),
+    ]
+    done = subprocess.run(
+        [*command, "--mass", "21.36", "--no-viewer", "--json"], capture_output=True, text=True, timeout=90
+    )
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert result["verdict"]["word"] == "OK", result["verdict"]
+    found = result["identification"]
+    assert found["record"]["lost_samples"] == 0
+    lag = found["alignment"]["lag_s"]
+    # The Cramer-Rao bound at this noise is 2.6 us; five times that.
+    assert lag["value"] == pytest.approx(LAG, abs=13e-6)
+    for method in ("wavelet", "restoring_force"):
+        dry, viscous = (term["value"] for term in found[method]["damping"])
+        # What one release must reach: three times the rms errors that the benchmark allows.
+        assert found[method]["stiffness"]["value"] == pytest.approx(STIFFNESS, rel=1.2e-3), method
+        assert dry == pytest.approx(DRY, rel=0.018), method
+        assert viscous == pytest.approx(VISCOUS, rel=0.036), method
