@@ -18,7 +18,17 @@ from identify.usable import first_free_sample, last_large_sample, require_cycles
 from identify.spread import misfit_covariance
 from identify.surface import Polynomial, Section, grid_of, sections_of
 from identify.units import damping_unit, stiffness_unit
-from identify.weak_form import LeastSquares, Windows, averaged_sign, band_of, place_windows, rows_of, solve
+from identify.weak_form import (
+    LeastSquares,
+    Windows,
+    averaged_sign,
+    band_of,
+    direction_of,
+    place_windows,
+    quieter_velocity,
+    rows_of,
+    solve,
+)
 
 __all__ = [
     "RestoringForceResult",
@@ -31,6 +41,7 @@ _FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
 _STOP_AT_DRY_ZONE = 2.5  # as in the wavelet identification
 _STOP_AT_NOISE = 6.0
 _REACH = 2  # samples from a reversal over which the friction's jump is smeared
+_SMOOTHED_CYCLES = 0.08  # over which a cubic follows the velocity to find its reversals
 _SURE_SIGN = 3.0  # standard errors of the velocity below which its sign is noise
 
 
@@ -242,9 +253,13 @@ def _fit(
     smooth += [u**j for j in stiffness_orders] + [np.ones_like(u)]
     smooth += [-force] if force is not None and decay.mass is None else []
     mu_0, mu_1, k_1 = 0.0, 0.0, w**2
-    for _ in range(2):  # the second time with the friction's jump and the resonance where they are
-        sign = averaged_sign(v, 2 * max(mu_0, 0.0) / motion.rate)
-        rows = rows_of(windows, np.stack([sign, *smooth, right]))
+    reach = int(_SMOOTHED_CYCLES * 2 * np.pi * motion.rate / w)
+    direction = direction_of(v)
+    for again in range(2):  # the second time with the friction's jump and the resonance where they are
+        if again:
+            quieter = quieter_velocity(v, direction, mu_0, motion.rate, reach)
+            direction = direction_of(quieter, 2 * max(mu_0, 0.0) / motion.rate)
+        rows = rows_of(windows, np.stack([averaged_sign(direction), *smooth, right]))
         kernels = {
             "consistent": windows.curvature - mu_1 * windows.slope + k_1 * windows.kernel,
             "elastic": k_1 * windows.kernel - mu_1 * windows.slope,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen, frozen_mask
-from identify.averaging import backbone_factors, envelope_factors
+from identify.averaging import backbone_factors, envelope_factors, integrate_envelope
 from identify.envelope import EnvelopeFit, PhaseFit
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
@@ -92,7 +92,7 @@ def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
     if decay.force is not None:
         raise NotIdentifiable("the record is driven by a force; the wavelet method needs a free decay")
     start, observed = _observe_span(decay)
-    fit = free_of_bias(observed, first_fit(observed, min(1, max_order), (1,)), rounds=1)
+    fit = free_of_bias(observed, first_fit(observed, min(1, max_order), (1,)), rounds=3)
     for _ in range(2):
         trials = [other_order(observed, fit, order) for order in range(max_order + 1)]
         backbones = [other_backbone(observed, fit, orders) for orders in STIFFNESS_ORDERS]
@@ -104,8 +104,7 @@ def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
             phase_fit=backbones[best],
             stiffness_orders=STIFFNESS_ORDERS[best],
         )
-        fit = free_of_bias(observed, fit)
-    fit = free_of_bias(observed, fit, rounds=1)
+        fit = free_of_bias(observed, fit, rounds=1 if order <= 1 and best == 0 else 3)
     return _result(decay, start, observed, fit, trials, reason, stiffness_reason)
 
 
@@ -133,8 +132,11 @@ def _observe_span(decay: FreeDecay) -> tuple[int, Observed]:
         part = slice(start, start + stop)
         span = observe(whole[part], valid[part], decay.rate, derivatives, angular_frequency, noise)
         fit = first_fit(span, 1, (1,))
-        dry = fit.envelope_fit.parameters[1] * np.pi / 2 / angular_frequency
-        stop = last_large_sample(envelope, max(quiet, _STOP_AT_DRY_ZONE * dry))
+        parameters = fit.envelope_fit.parameters
+        dry = parameters[1] * np.pi / 2 / angular_frequency
+        # the rough envelope is smeared where the mass sticks: read the end off the fitted one
+        fitted = integrate_envelope(parameters[0], parameters[1:], 1 / decay.rate, len(envelope))
+        stop = last_large_sample(fitted, max(quiet, _STOP_AT_DRY_ZONE * dry))
         stop = max(stop, min(len(envelope), int(_FEWEST_CYCLES * decay.rate / frequency) + 1))
     part = slice(start, start + stop)
     return start, observe(whole[part], valid[part], decay.rate, derivatives, angular_frequency, noise)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import fft
 from scipy.linalg import cholesky_banded, solve_banded
+from scipy.signal import savgol_filter
 
 from identify.arrays import Array, Mask
 
@@ -132,26 +133,52 @@ def whiten(factor: Array, columns: Array) -> Array:
     return np.asarray(solve_banded((len(factor) - 1, 0), factor, columns, check_finite=False))
 
 
-def averaged_sign(velocity: Array, jump: float = 0.0) -> Array:
-    """Return sgn v averaged under the hat of two sampling intervals around each sample, shape (n,).
+@dataclass(frozen=True, eq=False)
+class Direction:
+    """The direction of motion between samples: `before` (n - 1,) is sgn v until the share `at` (n - 1,) of each interval."""
 
-    Between two samples of opposite sign the reversal is placed by the straight line, so the friction's
-    jump is summed where it fell and not where the next sample is.
+    before: Array
+    at: Array
+
+
+def direction_of(velocity: Array, jump: float = 0.0) -> Direction:
+    """Return the direction of motion, with each reversal placed between two samples by the straight line.
+
+    `jump` (m/s) is what dry friction's jump of the acceleration does to the velocity within one interval: the line is
+    steeper before the reversal than after it.
     """
     before, after = velocity[:-1], velocity[1:]
-    change = before * after < 0
-    at = np.where(
-        change, before / np.where(change, before - after, 1.0), 1.0
-    )  # the share before the reversal
-    at = at - np.where(change, at * (1 - at) * jump / np.maximum(np.abs(before - after), jump + 1e-300), 0.0)
-    sign = np.where(before != 0, np.sign(before), np.sign(after))
-    # over one interval, the two hats are 1 - x and x; the sign flips at x = at
-    left = sign * (2 * (at - 0.5 * at**2) - 0.5)
-    right = sign * (at**2 - 0.5)
-    out = np.zeros(len(velocity))
-    out[:-1] += left
-    out[1:] += right
+    turns = before * after < 0
+    fall = np.where(turns, before - after, 1.0)
+    at = np.where(turns, before / fall, 1.0)
+    at = np.clip(at - at * (1 - at) * jump / np.maximum(np.abs(fall), jump + 1e-300), 0.0, 1.0)
+    return Direction(np.where(before != 0, np.sign(before), np.sign(after)), at)
+
+
+def averaged_sign(direction: Direction) -> Array:
+    """Return sgn v averaged under the hat of two sampling intervals around each sample, shape (n,).
+
+    So the friction's jump is summed where it fell and not where the next sample is. The second difference makes up for what
+    a straight line between the samples of a window misses of it.
+    """
+    sign, at = direction.before, direction.at
+    out = np.zeros(len(sign) + 1)
+    out[:-1] += sign * (2 * (at - 0.5 * at**2) - 0.5)
+    out[1:] += sign * (at**2 - 0.5)
     out[0] *= 2
     out[-1] *= 2
     out[1:-1] -= (out[2:] - 2 * out[1:-1] + out[:-2]) / 12
     return out
+
+
+def quieter_velocity(velocity: Array, direction: Direction, dry: float, rate: float, reach: int) -> Array:
+    """Return the velocity smoothed over `reach` samples on either side, its kinks at the reversals kept, (n,).
+
+    What dry friction `dry` (m/s^2) has taken is given back first, which leaves nothing to smear; a cubic is fitted
+    under each sample, and the friction is taken off again.
+    """
+    if reach < 2 or len(velocity) < 2 * reach + 1:
+        return velocity
+    travelled = np.concatenate([[0.0], np.cumsum(direction.before * (2 * direction.at - 1))])
+    taken = dry * travelled / rate
+    return np.asarray(savgol_filter(velocity + taken, 2 * reach + 1, 3) - taken)
