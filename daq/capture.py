@@ -13,7 +13,7 @@ import numpy as np
 
 from daq.decode import Block, Window
 from daq.errors import DataLost, NoRelease, ProtocolError, Rebooted, SettingsError, Stalled, StationError
-from daq.keeping import Elsewhere, Keeper, elsewhere_in_temporary_folder
+from daq.keeping import Elsewhere, Keeper
 from daq.link import GIVE_UP_S, WARN_S, Link
 from daq.port import Port, open_port
 from daq.quality import summary
@@ -22,13 +22,12 @@ from daq.recording import Array, Channel, Gap
 from daq.rest import RestPeriod
 from daq.session import Session
 from daq.session_info import BoardInfo, SensorInfo, SessionInfo, State
-from daq.storage import require_space
 from daq.trigger import Trigger
 from firmware_protocol import Hello, HelloRequest, OtherVersion
 
 MIN_PRE_TRIGGER_S = 0.5
 RESEND_ROUNDS = 3
-SPARE_BYTES = 16 << 20
+SPARE_BYTES = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -94,17 +93,17 @@ def capture(
     settings: CaptureSettings,
     folder: Path,
     observer: CaptureObserver | None = None,
-    elsewhere: Elsewhere = elsewhere_in_temporary_folder,
+    elsewhere: Elsewhere | None = None,
 ) -> Session:
     """Capture one release from the board at `port` into the new session `folder`, and return it sealed.
 
-    When the disk fails during the capture, `elsewhere` is asked for another folder (None gives up);
-    without one it is a folder of the same name among the system's temporary files.
+    When the disk fails, the capture goes on in memory and `elsewhere` is asked for another folder (None
+    gives up). Without `elsewhere` a disk that fails before the capture raises, and one that fails during
+    it means a new folder among the system's temporary files: see `folder` of what is returned.
 
     Raises a StationError of `daq.errors` by whose fault it is; what was received is kept in its `session`.
     KeyboardInterrupt leaves an aborted session. Every wait is bounded.
     """
-    require_space(folder, SPARE_BYTES)
     opened = open_port(port) if isinstance(port, str) else port
     log = RawLog()
     with Link(opened, log) as link:
@@ -112,7 +111,7 @@ def capture(
         link.configure(settings.rate_hz)
         story = _Story(link, settings, observer or CaptureObserver())
         info = story.describe()
-        keeper = Keeper(Session.create(folder, info, log), log, elsewhere)
+        keeper = Keeper.begin(folder, info, log, elsewhere, story.space())
         try:
             story.run()
         except BaseException as error:
@@ -142,6 +141,13 @@ class _Story:
     @property
     def planned(self) -> int:
         return round(self.settings.pre_trigger_s * self.rate) + round(self.settings.duration_s * self.rate)
+
+    def space(self) -> int:
+        """Bytes that the session may need: twice what the samples take in their widest format."""
+        per_second = self.rate * len(self.channels) * 8 * 2
+        settings = self.settings
+        seconds = settings.rest_s + settings.pre_trigger_s + settings.trigger_timeout_s + settings.duration_s
+        return SPARE_BYTES + round(per_second * seconds)
 
     def describe(self) -> SessionInfo:
         """Tell the observer who answered and return the session's metadata."""

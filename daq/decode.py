@@ -274,6 +274,8 @@ class Assembly:
         self._missing += count
         dropped = min(data.dropped_before, count)
         wire, overrun = count - dropped, dropped
+        if self._reasons:
+            return tuple(gap for gap in self._reasons if self.expected <= gap.first < data.first_index)
         lost = (Gap(self.expected, wire, "wire"), Gap(self.expected + wire, overrun, "overrun"))
         return tuple(gap for gap in lost if gap.count)
 

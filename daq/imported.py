@@ -25,6 +25,7 @@ def import_log(recording: Recording) -> RawLog:
     if not recording.valid.any():
         raise SettingsError("the recording holds no valid sample; there is nothing to store")
     log = RawLog()
+    log.append(Kind.RECEIVED, _introduction(recording))
     log.note(
         event="imported",
         gaps=[[gap.first, gap.count, gap.reason] for gap in recording.gaps],
@@ -35,14 +36,17 @@ def import_log(recording: Recording) -> RawLog:
     return log
 
 
-def _append(log: RawLog, recording: Recording) -> None:
+def _introduction(recording: Recording) -> bytes:
     try:
-        pending = encode(Hello(boot_id=0, clock_hz=0, firmware="import"), 0)
-        pending += encode(_description(recording), 1)
+        hello = encode(Hello(boot_id=0, clock_hz=0, firmware="import"), 0)
+        return hello + encode(_description(recording), 1)
     except ValueError as error:
-        raise SettingsError(
-            f"{len(recording.channels)} channels cannot be stored together: {error}"
-        ) from error
+        n = len(recording.channels)
+        raise SettingsError(f"{n} channels cannot be stored together: {error}") from error
+
+
+def _append(log: RawLog, recording: Recording) -> None:
+    pending = b""
     for sequence, message in enumerate(_messages(recording), start=2):
         pending += encode(message, sequence)
         if len(pending) > CHUNK:

@@ -9,7 +9,8 @@ from typing import Any
 from daq.errors import OperatorError, StorageError
 from daq.raw_log import RawLog
 from daq.session import Session
-from daq.session_info import State
+from daq.session_info import SessionInfo, State
+from daq.storage import require_space
 
 Elsewhere = Callable[[StorageError], Path | None]
 PLACES = 10
@@ -26,10 +27,26 @@ def elsewhere_in_temporary_folder(error: StorageError) -> Path | None:
 class Keeper:
     """A session that is being written, and where it goes when its disk fails."""
 
-    def __init__(self, session: Session, log: RawLog, elsewhere: Elsewhere) -> None:
+    def __init__(self, session: Session, log: RawLog, elsewhere: Elsewhere | None) -> None:
         self._session = session
         self._log = log
-        self._elsewhere = elsewhere
+        self._elsewhere = elsewhere or elsewhere_in_temporary_folder
+
+    @classmethod
+    def begin(
+        cls, folder: Path, info: SessionInfo, log: RawLog, elsewhere: Elsewhere | None, space: int
+    ) -> "Keeper":
+        """Create the session, in another place when the first refuses and `elsewhere` offers one."""
+        for _ in range(PLACES):
+            try:
+                require_space(folder, space)
+                return cls(Session.create(folder, info, log), log, elsewhere)
+            except StorageError as error:
+                place = elsewhere(error) if elsewhere is not None else None
+                if place is None:
+                    raise
+                folder = place
+        raise StorageError(f"no place was found for the session; the last was {folder}")
 
     def finish(self, state: State, reason: str, changes: dict[str, Any], **counts: Any) -> Session:
         """Close the log and seal the session, in another place if its own refuses.

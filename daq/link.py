@@ -50,8 +50,8 @@ from firmware_protocol import (
 
 HELLO_EVERY_S = 0.25
 HELLO_FOR_S = 5.0
-ANSWER_S = 0.25
-TRIES = 3
+ANSWER_S = (0.25, 0.5, 1.0, 2.0)
+END_S = 30.0
 WARN_S = 0.5
 GIVE_UP_S = 2.0
 RESEND_FOR_S = 30.0
@@ -199,10 +199,10 @@ class Link:
         BoardRefused on NACK, Stalled when the board fell silent, ProtocolError when it talks of other things.
         """
         sent = set()
-        for _ in range(TRIES):
+        for patience in ANSWER_S:
             sent.add(self.send(message))
             frame = self.wait(
-                lambda m: _answers(m, message, sent) or (also is not None and also(m)), ANSWER_S
+                lambda m: _answers(m, message, sent) or (also is not None and also(m)), patience
             )
             if frame is None:
                 continue
@@ -223,7 +223,7 @@ class Link:
         """Set the rate (0: the board's own) and learn from DESCRIBE what the board will really do."""
         before = self.assembly.description
         self.request(Config(rate_hz=rate_hz))
-        if self.wait(lambda message: isinstance(message, Describe), 2 * ANSWER_S) is None:
+        if self.wait(lambda message: isinstance(message, Describe), WARN_S) is None:
             self.handshake(GIVE_UP_S)
         if self.assembly.contradictions:
             raise ProtocolError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
@@ -239,9 +239,10 @@ class Link:
 
     def stop(self) -> None:
         """End sampling and wait for END; asked for again when it was lost."""
-        for _ in range(TRIES):
+        until = time.monotonic() + END_S
+        for _ in ANSWER_S:
             self.request(Stop(), also=lambda message: isinstance(message, End))
-            while self.assembly.end is None and self.silence() < 2 * ANSWER_S:
+            while self.assembly.end is None and self.silence() < WARN_S and time.monotonic() < until:
                 self.take(0.05)
             if self.assembly.end is not None:
                 return
@@ -258,7 +259,7 @@ class Link:
         sequence = self.send(message)
         until = time.monotonic() + RESEND_FOR_S
         quiet_from = time.monotonic()
-        while time.monotonic() < until and time.monotonic() - max(quiet_from, self.last_frame) < 2 * ANSWER_S:
+        while time.monotonic() < until and time.monotonic() - max(quiet_from, self.last_frame) < WARN_S:
             frame = self.take(0.05)
             if frame is not None and _answers(frame.message, message, {sequence}):
                 return isinstance(frame.message, Ack)

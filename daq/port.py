@@ -164,4 +164,6 @@ class SerialPort:
 
 def _reason(error: Exception) -> str:
     code = getattr(error, "errno", None)
+    if "returned no data" in str(error):
+        return "unplugged, or another program reads it"
     return os.strerror(code) if isinstance(code, int) else str(error).splitlines()[0][:60] or "closed"

@@ -21,6 +21,7 @@ SATURATED_LIMIT = 3
 CLOCK_LIMIT = 0.005
 SHORTEST_CLOCK_S = 2.0
 MOTION_TO_NOISE = 20.0
+SCALE_LIMIT = 1.75
 
 
 class Word(StrEnum):
@@ -117,6 +118,8 @@ def _losses(findings: _Findings, recording: Recording, planned: int | None) -> N
         return
     longest = max((gap.count for gap in recording.gaps), default=lost) / recording.rate
     reason = f"{lost} of {n} samples lost: {summary(recording.gaps)}; the longest gap {longest * 1e3:.0f} ms"
+    if recording.trigger is not None and recording.valid[recording.trigger :].all():
+        reason += ", all before the release"
     advice = "a shorter cable, a slower rate, or a faster port"
     if lost > LOST_LIMIT * n or longest > LONGEST_GAP_S:
         findings.reject(reason, advice)
@@ -195,22 +198,27 @@ def _kinematics(findings: _Findings, recording: Recording) -> None:
             " swapped, or on different masses",
             "check which sensor is on which channel",
         )
-    elif _looks_swapped(x, a, recording.rate):
-        findings.reject("displacement and acceleration look swapped", "swap the two channels")
+    else:
+        _scales(findings, x, a, recording.rate)
 
 
-def _looks_swapped(x: Array, a: Array, rate: float) -> bool:
-    """Compare the ratio a/x with the square of the frequency at which x crosses zero; swapped inverts it."""
+def _scales(findings: _Findings, x: Array, a: Array, rate: float) -> None:
+    """Compare a/x with the square of the frequency at which x crosses its middle."""
     threshold = 0.2 * np.abs(x).max()
     side = np.where(x > threshold, 1, np.where(x < -threshold, -1, 0))
     side = side[side != 0]
     crossings = int((side[1:] != side[:-1]).sum())
     big = np.flatnonzero(np.abs(x) > threshold)
     if crossings < 4 or len(big) < 16:
-        return False
+        return
     omega = np.pi * crossings / ((big[-1] - big[0]) / rate)
     ratio = float(np.sqrt((a @ a) / (x @ x))) / omega**2
-    return ratio < 0.1 and bool(abs(np.log(ratio * omega**4)) < np.log(10))
+    if not 1 / SCALE_LIMIT < ratio < SCALE_LIMIT:
+        findings.reject(
+            f"the acceleration is {ratio:.3g} times what displacement and frequency mean:"
+            " channels swapped, or a scale wrong",
+            "check which sensor is on which channel, and the scales",
+        )
 
 
 def _told_by_board(findings: _Findings, assembly: Assembly) -> None:

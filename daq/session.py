@@ -31,7 +31,7 @@ from daq.manifest import (
     verify,
     write_manifest,
 )
-from daq.quality import Verdict, judge
+from daq.quality import Verdict, Word, judge
 from daq.raw_log import MAX_LOG, RawLog, Record, read, unpack
 from daq.recording import Channel, Recording
 from daq.session_info import BoardInfo, SensorInfo, SessionInfo, State
@@ -211,8 +211,9 @@ class Session:
         assembly = self.assembly()
         verdict, gaps, counts = self._judge(assembly, check_clock)
         counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
-        word = verdict.word.value if verdict else ""
-        self.info = self.info.model_copy(update={"state": state, "reason": reason[:2000], "verdict": word})
+        self.info = self.info.model_copy(
+            update={"state": state, "reason": reason[:2000], "verdict": verdict.word.value}
+        )
         self._write_info()
         files = self._entries(known.files if known else {})
         write_manifest(
@@ -227,14 +228,13 @@ class Session:
             self._lock.release()
             self._lock = None
 
-    def _judge(
-        self, assembly: Assembly, check_clock: bool
-    ) -> tuple[Verdict | None, tuple[GapEntry, ...], Counts]:
+    def _judge(self, assembly: Assembly, check_clock: bool) -> tuple[Verdict, tuple[GapEntry, ...], Counts]:
         planned = self.info.planned_samples
         try:
             recording = assembly.recording()
         except DataLost:
-            return None, (), Counts(planned=planned or 0)
+            nothing = Verdict(word=Word.REJECT, reasons=("no sample was received",))
+            return nothing, (), Counts(planned=planned or 0)
         verdict = judge(recording, assembly, planned, self.info.noise, check_clock)
         counts = Counts(
             samples=len(recording.valid),
