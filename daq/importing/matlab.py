@@ -97,13 +97,13 @@ def _load(path: Path, data: bytes) -> dict[str, Any]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            size = sum(math.prod(map(int, shape)) for _, shape, _ in whosmat(str(path), appendmat=False))
-            if size > MAX_NUMBERS or _unpacked(data) > 16 * MAX_NUMBERS:
-                raise problem(
-                    path,
-                    f"holds {size} numbers, more than {MAX_NUMBERS}",
-                    "save only the channels of one recording",
-                )
+            if _unpacked(data) > 16 * MAX_NUMBERS:
+                raise _too_large(path)
+            if (
+                sum(math.prod(map(int, shape)) for _, shape, _ in whosmat(str(path), appendmat=False))
+                > MAX_NUMBERS
+            ):
+                raise _too_large(path)
             return dict(loadmat(str(path), appendmat=False))
     except MemoryError:
         raise problem(
@@ -114,6 +114,10 @@ def _load(path: Path, data: bytes) -> dict[str, Any]:
         raise problem(
             path, f"is a damaged or unknown MATLAB file ({said})", "save it again with save(..., '-v7')"
         ) from None
+
+
+def _too_large(path: Path) -> ImportProblem:
+    return problem(path, f"holds more than {MAX_NUMBERS} numbers", "save only the channels of one recording")
 
 
 def _unpacked(data: bytes) -> int:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.importing.errors import problem
+from daq.importing.rounding import quantum
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import SECOND, Unit
 from daq.recording import Array
@@ -72,8 +73,9 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     Raises ImportProblem when the stamps make no clock.
     """
     notes: list[str] = []
-    stamps = column.values * unit.scale
-    rows = np.flatnonzero(np.isfinite(stamps))
+    rows = np.flatnonzero(np.isfinite(column.values))
+    start = float(column.values[rows[0]]) if len(rows) else 0.0
+    stamps = (column.values - start) * unit.scale
     if len(rows) < len(stamps):
         missing = int(np.flatnonzero(~np.isfinite(stamps))[0])
         if len(rows) < 0.9 * len(stamps) or len(rows) < 2:
@@ -100,7 +102,8 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         )  # fmt: skip
     index = _number_samples(table, column, time, rows, period)
     slope, start, stray, rate_std = _line(index, time)
-    if stray > TOO_IRREGULAR * slope and not resample:
+    coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
+    if stray > TOO_IRREGULAR * slope and not resample and not coarse:
         raise problem(
             table.path,
             f"the time stamps stray by {_milli(stray)} rms from an even clock of {1 / slope:.6g} Hz, "
@@ -119,6 +122,8 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         )
     rate = float(f"{1.0 / slope:.13g}")
     notes.extend(_evenness(slope, stray, resample))
+    if coarse and stray > EVEN * slope:
+        notes.append(f"that is no more than the rounding of the stamps to {_milli(quantum(time))}")
     return Timebase(rate, rate_std, rows, index, int(index[-1]) + 1, time - start, stray, tuple(notes))
 
 

@@ -26,7 +26,7 @@ NO_TEXT = ("", "none", "null")
 
 def is_uff(data: bytes) -> bool:
     """Tell whether these bytes begin a universal file: a line `-1`, then the number of a data set."""
-    return re.match(rb"\s*-1[ \t]*\r?\n\s*\d{1,5}[bB ]?", data[:400]) is not None
+    return re.match(rb"(?:\s*-1[ \t]*\r?\n)+\s*\d{1,5}[bB \t\r\n]", data[:400]) is not None
 
 
 def read_uff(path: Path, data: bytes, options: ImportOptions) -> Table:
@@ -89,7 +89,8 @@ def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], li
         with warnings.catch_warnings(), tempfile.TemporaryDirectory() as folder:
             warnings.simplefilter("ignore")
             copy = Path(folder) / "traces.uff"
-            copy.write_bytes(data)
+            # A binary set written over another leaves the end mark of the lost one in front.
+            copy.write_bytes(re.sub(rb"^\s*-1[ \t]*\r?\n(?=\s*-1[ \t]*\r?\n)", b"", data, count=1))
             file = pyuff.UFF(str(copy))
             kinds = [int(k) for k in file.get_set_types()]
             if len(kinds) > MAX_TRACES:

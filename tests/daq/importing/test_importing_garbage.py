@@ -1,0 +1,187 @@
+"""Whatever the bytes: a recording or one sentence; no traceback, no hang, no runaway memory."""
+
+import io
+import tracemalloc
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from import_files import swing, table
+from scipy.io import savemat
+
+from daq.importing import ImportOptions, ImportProblem, read_file
+from daq.recording import Recording
+
+T, U, V, A = swing(60)
+GOOD = table("time_s,displacement_m,acceleration_m_s2", T, U, A).encode()
+FUZZ = settings(
+    max_examples=150,
+    deadline=3000,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    database=None,
+)
+CHOICES = st.sampled_from(
+    [ImportOptions(), ImportOptions(resample=True), ImportOptions(columns={"displacement": 2}, rate=9.0)]
+)
+
+
+def attempt(folder: Path, content: bytes, options: ImportOptions | None = None) -> Recording | None:
+    """Import the bytes; anything but a recording or a sentence of one line fails the test."""
+    path = folder / "fuzz.dat"
+    path.write_bytes(content)
+    try:
+        recording = read_file(path, options)
+    except ImportProblem as refused:
+        message = str(refused)
+        assert message.startswith("fuzz.dat")
+        assert "\n" not in message
+        assert len(message) < 1500
+        return None
+    assert np.isfinite(recording.samples[:, recording.valid]).all()
+    assert np.isfinite(recording.rate)
+    assert recording.samples.size <= 50 * max(len(content), 1000)
+    return recording
+
+
+@pytest.fixture(autouse=True)
+def _little_memory() -> Iterator[None]:
+    tracemalloc.start()
+    yield
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 400e6
+
+
+@FUZZ
+@given(content=st.binary(max_size=3000), options=CHOICES)
+def test_random_bytes_do_no_harm(tmp_path: Path, content: bytes, options: ImportOptions) -> None:
+    attempt(tmp_path, content, options)
+
+
+CELLS = st.one_of(
+    st.floats(width=64).map(repr),
+    st.integers(-(10**400), 10**400).map(str),
+    st.sampled_from(
+        [
+            "",
+            "nan",
+            "inf",
+            "-inf",
+            "1e999",
+            "-1e308",
+            "1e-320",
+            "0",
+            "1,5",
+            "12:00:00",
+            "x",
+            '"',
+            "''",
+            "#",
+            "1_0",
+        ]
+    ),
+    st.text(max_size=5),
+)
+
+
+@FUZZ
+@given(
+    rows=st.lists(st.lists(CELLS, min_size=1, max_size=5), min_size=1, max_size=40),
+    delimiter=st.sampled_from([",", ";", "\t", " "]),
+    header=st.sampled_from(
+        ["", "time_s,displacement_m", "t;x;v", "time (ms)\tposition (mm)", "x", "t,x,y,z"]
+    ),
+    options=CHOICES,
+)
+def test_tables_of_anything_do_no_harm(
+    tmp_path: Path, rows: list[list[str]], delimiter: str, header: str, options: ImportOptions
+) -> None:
+    text = header + "\n" + "\n".join(delimiter.join(row) for row in rows)
+    attempt(tmp_path, text.encode("utf-8", errors="replace"), options)
+
+
+@FUZZ
+@given(
+    numbers=st.lists(st.tuples(st.floats(width=64), st.floats(width=64)), min_size=8, max_size=60),
+    sort=st.booleans(),
+    options=CHOICES,
+)
+def test_tables_of_any_numbers_do_no_harm(
+    tmp_path: Path, numbers: list[tuple[float, float]], sort: bool, options: ImportOptions
+) -> None:
+    rows = sorted(numbers) if sort else numbers
+    attempt(
+        tmp_path, ("time_s,displacement_m\n" + "\n".join(f"{a!r},{b!r}" for a, b in rows)).encode(), options
+    )
+
+
+def mangled(data: bytes, places: list[tuple[int, int]], cut: int) -> bytes:
+    content = bytearray(data)
+    for place, value in places:
+        content[place % len(content)] = value
+    return bytes(content[: max(1, len(content) - cut % len(content))])
+
+
+BYTES = st.lists(st.tuples(st.integers(0, 1 << 20), st.integers(0, 255)), max_size=12)
+
+
+@FUZZ
+@given(places=BYTES, cut=st.integers(0, 4000))
+def test_a_mangled_table_does_no_harm(tmp_path: Path, places: list[tuple[int, int]], cut: int) -> None:
+    attempt(tmp_path, mangled(GOOD, places, cut))
+
+
+def matlab_file(compressed: bool) -> bytes:
+    stream = io.BytesIO()
+    savemat(stream, {"t": T, "displacement": U, "s": {"a": A, "b": "text"}}, do_compression=compressed)
+    return stream.getvalue()
+
+
+@FUZZ
+@given(places=BYTES, cut=st.one_of(st.just(0), st.integers(0, 4000)), compressed=st.booleans())
+def test_a_mangled_matlab_file_does_no_harm(
+    tmp_path: Path, places: list[tuple[int, int]], cut: int, compressed: bool
+) -> None:
+    attempt(tmp_path, mangled(matlab_file(compressed), places, cut))
+
+
+@FUZZ
+@given(places=BYTES, cut=st.one_of(st.just(0), st.integers(0, 4000)), binary=st.integers(0, 1))
+def test_a_mangled_universal_file_does_no_harm(
+    tmp_path: Path, places: list[tuple[int, int]], cut: int, binary: int
+) -> None:
+    from test_importing_uff58 import trace, universal
+
+    changes = {"x": T, "binary": binary}
+    attempt(
+        tmp_path, mangled(universal(tmp_path, trace(U, 8, **changes), trace(A, 12, **changes)), places, cut)
+    )
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        ("a" + ",a" * 99_999 + "\n" + ("1" + ",1" * 99_999 + "\n") * 5).encode(),
+        ("1" + ",1" * 99_999 + "\n").encode(),
+        b"1\n" * 100_000,
+        b"1,2\n",
+        b"time_s,x_m\n1,2\n",
+        b'"' * 300_000,
+        b"time_s,x_m\n" + b'"' * 200_000 + b"\n" + b"1,2\n" * 20,
+        b"9" * 400_000,
+        b"time_s,x_m\n" + b"\n".join(b"%d,1e308" % i for i in range(50)),
+        b"    -1\n    58\n" * 5000,
+        b"    -1\n" * 5000,
+        b"MATLAB 5.0 MAT-file" + b" " * 105 + b"\x00\x01IM" + b"\xff" * 200,
+        b";" * 100_000,
+        b" ,;\t\n" * 5000,
+        b"-" * 100_000,
+        b"1e5" * 50_000,
+        ("\u2028" * 5000).encode(),
+    ],
+)
+def test_odd_shapes_do_no_harm(tmp_path: Path, content: bytes) -> None:
+    assert attempt(tmp_path, content) is None

@@ -1,0 +1,101 @@
+"""MATLAB files: vectors, structures, rates by name; what is not read gets a sentence."""
+
+import io
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from import_files import load, refusal, said, swing
+from scipy.io import savemat
+
+T, U, V, A = swing(300)
+
+
+def mat(version: str = "5", compressed: bool = False, **variables: object) -> bytes:
+    stream = io.BytesIO()
+    savemat(stream, variables, format=version, do_compression=compressed)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+@pytest.mark.parametrize("version", ["5", "4"])
+def test_vectors_with_clear_names_need_no_options(tmp_path: Path, version: str, compressed: bool) -> None:
+    recording = load(tmp_path, mat(version, compressed, t=T, displacement=U, acceleration=A), "a.mat")
+    assert [c.quantity for c in recording.channels] == ["displacement", "acceleration"]
+    np.testing.assert_allclose(recording.samples, [U, A], rtol=1e-15)
+    assert recording.rate == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize(("name", "value"), [("fs", 250.0), ("Ts", 0.004), ("dt", 0.004), ("Fs", 250.0)])
+def test_a_rate_is_found_by_its_variables_name(tmp_path: Path, name: str, value: float) -> None:
+    recording = load(tmp_path, mat(disp_mm=U * 1e3, **{name: value}), "a.mat")
+    assert recording.rate == pytest.approx(250.0)
+    assert name in said(recording)
+    np.testing.assert_allclose(recording.samples[0], U, rtol=1e-12)
+
+
+def test_options_name_variables_and_units(tmp_path: Path) -> None:
+    data = mat(V1=A, V2=U, Ovld=np.array([[0.0]]))
+    assert "V1" in refusal(tmp_path, data, "a.mat")
+    recording = load(
+        tmp_path, data, "a.mat", columns={"displacement": "V2", "force": "V1"},
+        units={"displacement": "V", "force": "V"}, rate=610.35,
+    )  # fmt: skip
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "V"), ("force", "V")]
+    np.testing.assert_array_equal(recording.samples, [U, A])
+
+
+def test_fields_of_structures_and_columns_of_matrices_are_vectors(tmp_path: Path) -> None:
+    inner = {"time": T, "acc": A, "note": "a word"}
+    recording = load(tmp_path, mat(data={"run": inner}), "a.mat")
+    np.testing.assert_array_equal(recording.samples, [A])
+    matrix = mat(y=np.column_stack([T, U]))
+    recording = load(tmp_path, matrix, "a.mat", columns={"time": "y(:,1)", "displacement": 2})
+    np.testing.assert_array_equal(recording.samples, [U])
+
+
+def test_vectors_of_another_length_are_left_out_and_told(tmp_path: Path) -> None:
+    recording = load(
+        tmp_path, mat(t=T, x_disp=U, calibration=np.arange(12.0)), "a.mat", columns={"displacement": "x_disp"}
+    )
+    assert recording.samples.shape == (1, 300)
+    assert "calibration" in said(recording)
+
+
+def test_whole_numbers_of_a_converter_are_read(tmp_path: Path) -> None:
+    counts = np.round(U / 1e-5).astype(np.int16)
+    recording = load(
+        tmp_path,
+        mat(ch1=counts, fs=100.0),
+        "a.mat",
+        columns={"displacement": "ch1"},
+        units={"displacement": "1e-5 m"},
+    )
+    np.testing.assert_allclose(recording.samples[0], U, atol=0.51e-5)
+
+
+def test_version_seven_three_gets_a_sentence(tmp_path: Path) -> None:
+    head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512, b" ") + b"\x89HDF\r\n\x1a\n" + bytes(100)
+    assert "-v7" in refusal(tmp_path, head, "a.mat")
+    assert "-v7" in refusal(tmp_path, b"\x89HDF\r\n\x1a\n" + bytes(100), "a.mat")
+
+
+@pytest.mark.parametrize("cut", [1, 127, 129, 140, 400, 2000])
+def test_a_file_cut_short_gets_a_sentence(tmp_path: Path, cut: int) -> None:
+    assert refusal(tmp_path, mat(t=T, displacement=U)[:cut], "a.mat")
+
+
+def test_a_file_without_numbers_gets_a_sentence(tmp_path: Path) -> None:
+    assert "no vector" in refusal(tmp_path, mat(name="text", one=1.0), "a.mat")
+
+
+def test_a_small_file_that_unpacks_to_gigabytes_is_refused_before_it_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("daq.importing.matlab.MAX_NUMBERS", 1_000_000)  # so that 32 MB stand for gigabytes
+    packed = zlib.compress(struct.pack("<II", 14, 32_000_000) + bytes(32_000_000), 9)
+    data = mat(t=T)[:128] + struct.pack("<II", 15, len(packed)) + packed
+    assert len(data) < 100_000
+    assert "more than 1000000" in refusal(tmp_path, data, "a.mat")

@@ -1,0 +1,160 @@
+"""Time stamps: even, uneven, doubled, missing, jumping, in other units."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from import_files import OMEGA, load, refusal, said, swing, table
+
+T, U, V, A = swing(400)
+HEADER = "time_s,displacement_m"
+
+
+def moved(stamps: np.ndarray) -> np.ndarray:
+    return 0.02 * np.exp(-0.1 * stamps) * np.cos(OMEGA * stamps)
+
+
+def test_milliseconds_are_read_from_the_header_or_guessed_and_told(tmp_path: Path) -> None:
+    for header, stamps in (("t_ms,x_m", T * 1e3), ("time,x_m", np.round(T * 1e3)), ("t (us),x_m", T * 1e6)):
+        recording = load(tmp_path, table(header, stamps, U))
+        assert recording.rate == pytest.approx(100.0)
+    assert "milliseconds" in said(load(tmp_path, table("time,x_m", np.round(T * 1e3), U)))
+
+
+def test_seconds_are_assumed_and_told(tmp_path: Path) -> None:
+    recording = load(tmp_path, table("time,x_m", T + 5.0, U))
+    assert recording.rate == pytest.approx(100.0)
+    assert "seconds were assumed" in said(recording)
+
+
+def test_epoch_milliseconds_keep_their_steps(tmp_path: Path) -> None:
+    recording = load(tmp_path, table("timestamp,x_m", 1_700_000_000_000 + np.round(T * 1e3), U, form="%.15g"))
+    assert recording.rate == pytest.approx(100.0, rel=1e-9)
+
+
+def test_dates_and_times_of_day_over_midnight_are_read(tmp_path: Path) -> None:
+    seconds = 86_398.0 + T
+
+    def clock(s: float) -> str:
+        s %= 86_400.0
+        return f"{int(s // 3600):02d}:{int(s // 60 % 60):02d}:{s % 60:06.3f}"
+
+    rows = "\n".join(f"{clock(round(s, 3))},{u:.9g}" for s, u in zip(seconds, U, strict=True))
+    recording = load(tmp_path, "Uhrzeit,Weg [m]\n" + rows)
+    assert recording.rate == pytest.approx(100.0, rel=1e-6)
+    assert "midnight" in said(recording)
+    rows = "\n".join(f"2024-02-28T{clock(s)}Z;{u:.9g}".replace(".", ",") for s, u in zip(T, U, strict=True))
+    recording = load(tmp_path, "Zeit;Weg [m]\n" + rows)
+    assert recording.rate == pytest.approx(100.0, rel=1e-6)
+    np.testing.assert_allclose(recording.samples[0], U, rtol=1e-8)
+
+
+def test_slightly_uneven_stamps_give_the_mean_rate_and_are_told(tmp_path: Path) -> None:
+    jitter = np.random.default_rng(1).normal(0.0, 2e-4, T.size)
+    recording = load(tmp_path, table(HEADER, T + jitter, moved(T + jitter)))
+    assert recording.rate_std is not None
+    assert abs(recording.rate - 100.0) < 5 * recording.rate_std
+    line = np.polyval(np.polyfit(np.arange(T.size), T + jitter, 1), np.arange(T.size))
+    stray = float(np.std(T + jitter - line)) * 1e3
+    assert f"stray by {stray:.3g} ms rms" in said(recording)
+    assert "% of it" in said(recording)
+    np.testing.assert_allclose(recording.samples[0], moved(T + jitter), rtol=1e-7)
+
+
+def test_the_rates_standard_error_is_right_for_white_jitter(tmp_path: Path) -> None:
+    random = np.random.default_rng(2)
+    pulls = []
+    for _ in range(40):
+        recording = load(tmp_path, table(HEADER, T + random.normal(0.0, 3e-4, T.size), U))
+        assert recording.rate_std is not None
+        pulls.append((recording.rate - 100.0) / recording.rate_std)
+    assert 0.7 < np.std(pulls) < 1.35  # 1 +- 3 / sqrt(2 * 40)
+
+
+def test_resampling_when_asked_puts_the_samples_where_they_would_have_been(tmp_path: Path) -> None:
+    jitter = np.random.default_rng(3).uniform(-2e-3, 2e-3, T.size)
+    text = table(HEADER, T + jitter, moved(T + jitter))
+    plain, resampled = load(tmp_path, text), load(tmp_path, text, resample=True)
+    fit = np.polyfit(np.arange(T.size), T + jitter, 1)  # where sample 0 of the even clock lies
+    truth = moved(np.polyval(fit, np.arange(T.size)))
+    inner = slice(3, -3)
+    assert np.max(np.abs(plain.samples[0] - truth)[inner]) > 1e-4
+    # cubic spline: (w h)^4 / 384 of 20 mm is 2e-8 m at even knots, some tens of times more at uneven ones
+    assert np.max(np.abs(resampled.samples[0] - truth)[inner]) < 1e-6
+    assert "cubic spline" in said(resampled)
+
+
+def test_stamps_too_uneven_for_a_clock_are_refused_unless_resampled(tmp_path: Path) -> None:
+    stamps = np.sort(np.random.default_rng(4).uniform(0.0, 4.0, 400))
+    stamps = np.unique(np.round(stamps, 6))
+    text = table(HEADER, stamps, moved(stamps))
+    assert "--resample" in refusal(tmp_path, text)
+    assert load(tmp_path, text, resample=True).valid.mean() > 0.2
+
+
+def test_rows_missing_by_their_stamps_become_marked_losses(tmp_path: Path) -> None:
+    keep = np.ones(T.size, dtype=bool)
+    keep[[50, 51, 52, 200]] = False
+    recording = load(tmp_path, table(HEADER, T[keep], U[keep]))
+    assert recording.samples.shape == (1, 400)
+    assert np.flatnonzero(~recording.valid).tolist() == [50, 51, 52, 200]
+    np.testing.assert_allclose(recording.samples[0][keep], U[keep], rtol=1e-8)
+    assert [(g.first, g.count) for g in recording.gaps] == [(50, 3), (200, 1)]
+    assert "4 samples are missing" in said(recording)
+    assert "line 52" in said(recording)
+
+
+def test_losses_stay_losses_when_resampled(tmp_path: Path) -> None:
+    keep = np.ones(T.size, dtype=bool)
+    keep[100:110] = False
+    recording = load(tmp_path, table(HEADER, T[keep], U[keep]), resample=True)
+    assert np.flatnonzero(~recording.valid).tolist() == list(range(100, 110))
+
+
+def test_rows_written_twice_are_left_out(tmp_path: Path) -> None:
+    rows = np.sort(np.concatenate((np.arange(400), [7, 7, 300])))
+    recording = load(tmp_path, table(HEADER, T[rows], U[rows]))
+    assert recording.samples.shape == (1, 400)
+    assert "3 rows repeat" in said(recording)
+    assert "line 10" in said(recording)
+
+
+def test_stamps_coarser_than_the_sampling_are_kept_in_order(tmp_path: Path) -> None:
+    t, u, _, _ = swing(4000, 2000.0)
+    recording = load(tmp_path, table(HEADER, np.floor(t * 1000) / 1000, u))
+    assert recording.samples.shape == (1, 4000)
+    assert recording.rate == pytest.approx(2000.0, rel=1e-4)
+    assert "coarser" in said(recording)
+
+
+def test_a_few_rows_out_of_order_are_sorted(tmp_path: Path) -> None:
+    order = np.arange(400)
+    order[[30, 31]] = [31, 30]
+    recording = load(tmp_path, table(HEADER, T[order], U[order]))
+    np.testing.assert_allclose(recording.samples[0], U, rtol=1e-8)
+    assert "out of order" in said(recording)
+
+
+def test_a_clock_that_starts_anew_is_refused_with_its_line(tmp_path: Path) -> None:
+    message = refusal(tmp_path, table(HEADER, np.concatenate((T[:200], T[:200])), U))
+    assert "line 202, column 1" in message
+    assert "jumps back" in message
+
+
+def test_a_jump_ahead_that_would_fill_the_memory_is_refused(tmp_path: Path) -> None:
+    stamps = T.copy()
+    stamps[200:] += 1e9
+    message = refusal(tmp_path, table(HEADER, stamps, U, form="%.15g"))
+    assert "line 202" in message
+
+
+def test_stamps_that_do_not_advance_are_refused(tmp_path: Path) -> None:
+    assert "do not advance" in refusal(tmp_path, table(HEADER, np.zeros(400), U))
+
+
+def test_a_few_rows_without_a_stamp_are_left_out(tmp_path: Path) -> None:
+    lines = table(HEADER, T, U).splitlines()
+    lines[10] = "," + lines[10].split(",")[1]
+    recording = load(tmp_path, "\n".join(lines))
+    assert np.flatnonzero(~recording.valid).tolist() == [9]
+    assert "without a time stamp" in said(recording)
