@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from daq.importing.errors import problem
+from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import ImportOptions
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
