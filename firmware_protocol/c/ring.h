@@ -10,8 +10,8 @@
 struct ring {
     volatile uint32_t taken; /* index after the newest sample; aligned, so read at once on 32-bit machines */
     volatile uint32_t limit; /* take no sample from this index on */
-    int16_t numbers[BOARD_RING][BOARD_CHANNELS];
-    uint8_t missing[BOARD_RING / 8]; /* one bit: the sensors could not be read */
+    volatile int16_t numbers[BOARD_RING][BOARD_CHANNELS];
+    volatile uint8_t missing[BOARD_RING / 8]; /* one bit: the sensors could not be read */
 };
 
 /* A piece of the capture without a hole, and how many samples in front of it are not held. */
@@ -27,10 +27,11 @@ static inline void ring_put(struct ring *ring, const int16_t *numbers) {
     uint8_t bit = (uint8_t)(1u << (slot % 8));
     if (at >= ring->limit) return;
     if (numbers) {
-        memcpy(ring->numbers[slot], numbers, sizeof ring->numbers[slot]);
-        ring->missing[slot / 8] &= (uint8_t)~bit;
+        int channel;
+        for (channel = 0; channel < BOARD_CHANNELS; channel++) ring->numbers[slot][channel] = numbers[channel];
+        ring->missing[slot / 8] = (uint8_t)(ring->missing[slot / 8] & ~bit);
     } else {
-        ring->missing[slot / 8] |= bit;
+        ring->missing[slot / 8] = (uint8_t)(ring->missing[slot / 8] | bit);
     }
     ring->taken = at + 1;
 }
@@ -59,7 +60,7 @@ static inline struct ring_run ring_copy(const struct ring *ring, uint32_t from, 
         while (run.first < end && ring_is_missing(ring, run.first)) run.first++;
         run.unread = run.first - start;
         while (run.n < most && run.first + run.n < end && !ring_is_missing(ring, run.first + run.n)) {
-            const int16_t *numbers = ring->numbers[(run.first + run.n) % BOARD_RING];
+            const volatile int16_t *numbers = ring->numbers[(run.first + run.n) % BOARD_RING];
             for (channel = 0; channel < BOARD_CHANNELS; channel++) {
                 uint16_t number = (uint16_t)numbers[channel];
                 *out++ = (uint8_t)number;

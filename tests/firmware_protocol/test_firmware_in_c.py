@@ -1,6 +1,7 @@
 """The example firmware is a board of its own: it follows the page, and releases the paper's mass."""
 
 import math
+import re
 import struct
 import subprocess
 import time
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from bench_host import BenchHost
-from c_compiler import C_FOLDER, SANITIZE, STRICT, build
+from c_compiler import C_FOLDER, ROOT, SANITIZE, STRICT, build, compiler
 from wire_messages import frame
 
 from firmware_protocol import (
@@ -348,3 +349,20 @@ def test_the_firmware_compiles_without_a_warning(tmp_path: Path, flags: list[str
 def test_the_firmware_asks_for_no_memory() -> None:
     for name in ("wire.h", "board.h", "board.c", "ring.h", "main.c"):
         assert "alloc" not in (C_FOLDER / name).read_text().replace("no allocation", "")
+
+
+def test_the_hardware_layer_on_the_page_compiles_without_a_warning(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "firmware.md").read_text("utf-8")
+    (code,) = re.findall(r"^```c\n(.*?)^```", page, re.M | re.S)
+    source = tmp_path / "hardware_mine.c"
+    source.write_text(code)
+    build(tmp_path / "hardware_mine.o", [source], [*STRICT, "-Os", "-c"])
+
+
+def test_the_command_on_the_page_builds_the_example(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "firmware.md").read_text("utf-8")
+    (command,) = re.findall(r"^cc .*$", page, re.M)
+    compiler()
+    command = command.replace("build/board", str(tmp_path / "board"))
+    subprocess.run(command, shell=True, cwd=ROOT, check=True, timeout=60)
+    assert (tmp_path / "board").exists()
