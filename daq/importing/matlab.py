@@ -99,12 +99,12 @@ def _load(path: Path, data: bytes) -> dict[str, Any]:
             warnings.simplefilter("ignore")
             if _unpacked(data) > 16 * MAX_NUMBERS:
                 raise _too_large(path)
-            if (
-                sum(math.prod(map(int, shape)) for _, shape, _ in whosmat(str(path), appendmat=False))
-                > MAX_NUMBERS
-            ):
+            shapes = [shape for _, shape, _ in whosmat(str(path), appendmat=False)]
+            if sum(math.prod(map(int, shape)) for shape in shapes) > MAX_NUMBERS:
                 raise _too_large(path)
             return dict(loadmat(str(path), appendmat=False))
+    except ImportProblem:
+        raise
     except MemoryError:
         raise problem(
             path, "asks for more memory than there is", "save only the channels of one recording"
