@@ -20,8 +20,12 @@ Made by the commands named in each section, on two cores; not edited by hand.
 
 
 def main(arguments: list[str]) -> int:
-    parser = argparse.ArgumentParser(prog="python -m bench", description="Measure and write docs/benchmarks.md.")
-    parser.add_argument("sections", nargs="*", metavar="NAME", help=f"any of {', '.join(SECTIONS)} (default: all)")
+    parser = argparse.ArgumentParser(
+        prog="python -m bench", description="Measure and write docs/benchmarks.md."
+    )
+    parser.add_argument(
+        "sections", nargs="*", metavar="NAME", help=f"any of {', '.join(SECTIONS)} (default: all)"
+    )
     parser.add_argument("--quick", action="store_true", help="fewer repetitions; printed, not written")
     parser.add_argument("--write", action="store_true", help="write even a quick run")
     chosen = parser.parse_args(arguments)

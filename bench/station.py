@@ -67,7 +67,10 @@ def run(quick: bool) -> str:
         colds = [_timed("identify", str(session), "--json", folder=folder) for _ in range(repetitions)]
         both, whole = _warm(session, repetitions * 3)
         demo, _ = _timed("demo", "--json", folder=folder)
-        views = [_timed("view", str(session), "--no-viewer", folder=folder) for _ in range(max(1, repetitions // 3))]
+        views = [
+            _timed("view", str(session), "--no-viewer", folder=folder)
+            for _ in range(max(1, repetitions // 3))
+        ]
         listed = _listed(folder)
     middle = statistics.median
     rows.append(("`station --help`", f"{middle(helps):.2f} s", "0.4 s"))
@@ -76,7 +79,9 @@ def run(quick: bool) -> str:
     rows.append(("the same, peak memory", f"{max(c[1] for c in colds):.0f} MB", "500 MB"))
     rows.append(("wavelet and restoring force, 8 s at 256 Hz, warm", f"{both:.1f} ms", "20 ms"))
     rows.append(("recording to both results, warm", f"{whole:.0f} ms", ""))
-    rows.append(("`station view SESSION --no-viewer` (all tabs), cold", f"{middle([v[0] for v in views]):.2f} s", ""))
+    rows.append(
+        ("`station view SESSION --no-viewer` (all tabs), cold", f"{middle([v[0] for v in views]):.2f} s", "")
+    )
     rows.append(("the same, peak memory", f"{max(v[1] for v in views):.0f} MB", ""))
     rows.append(("`station demo`, without a screen", f"{demo:.1f} s", "well under 60 s"))
     rows.append(("`station list` of 10,000 sessions", f"{listed:.1f} s", "seconds"))

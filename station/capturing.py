@@ -31,7 +31,9 @@ def new_folder(sessions: Path, prefix: str = "release") -> Path:
     return folder
 
 
-def record(port: str, settings: CaptureSettings, folder: Path, with_viewer: bool) -> tuple[Session, str | None]:
+def record(
+    port: str, settings: CaptureSettings, folder: Path, with_viewer: bool
+) -> tuple[Session, str | None]:
     """Capture one release; return the sealed session and the URL of the live viewer, None without one."""
     with live_screen(settings.rate_hz, with_viewer) as screen, Watch() as watch:
         session = capture(port, settings, folder, Several((watch, *screen.observers)))

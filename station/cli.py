@@ -63,7 +63,9 @@ class LazyGroup(click.Group):
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 80})
 @click.version_option(package_name="free-decay-station", prog_name="station")
-@click.option("--settings", "settings_file", metavar="FILE", help="Settings (default: ./station.toml if it exists).")
+@click.option(
+    "--settings", "settings_file", metavar="FILE", help="Settings (default: ./station.toml if it exists)."
+)
 @click.option("--debug", is_flag=True, help="Show the traceback of an error.")
 @click.pass_context
 def station(ctx: click.Context, settings_file: str | None, debug: bool) -> None:
@@ -131,7 +133,9 @@ def _failed(error: BaseException, code: int, sentence: str, arguments: list[str]
     if "--json" in arguments and not getattr(error, "reported", False):
         from station.output import print_json
 
-        print_json({"error": {"message": sentence, "exit_code": code, "meaning": exits.MEANING.get(code, "")}})
+        print_json(
+            {"error": {"message": sentence, "exit_code": code, "meaning": exits.MEANING.get(code, "")}}
+        )
     click.echo(f"station: {sentence}", err=True)
     return code
 

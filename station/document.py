@@ -37,7 +37,9 @@ def _record(result: Identification) -> dict[str, Any]:
         "rate_hz": decay.rate,
         "samples": len(decay),
         "lost_samples": 0 if valid is None else int((~valid).sum()),
-        "channels": [n for n in ("displacement", "velocity", "acceleration") if getattr(decay, n) is not None],
+        "channels": [
+            n for n in ("displacement", "velocity", "acceleration") if getattr(decay, n) is not None
+        ],
         "unit": decay.unit,
         "mass_kg": decay.mass,
         "mass_std_kg": decay.mass_std,
@@ -105,6 +107,8 @@ def _wavelet(result: Identification) -> dict[str, Any] | None:
         "reason": found.reason,
         "mse_percent_by_order": [float(value) for value in found.mse_percent_by_order],
         "stiffness_by_order": {str(k): estimate(v) for k, v in found.stiffness_by_order.items()},
+        "stiffness_reason": found.stiffness_reason,
+        "stiffness_per_mass": estimate(found.stiffness_per_mass),
         "channel": found.channel,
     }
 
@@ -122,5 +126,7 @@ def _restoring_force(found: Any) -> dict[str, Any] | None:
         "significance_percent": {str(k): float(v) for k, v in found.significance_percent.items()},
         "stiffness_by_order": {str(k): estimate(v) for k, v in found.stiffness_by_order.items()},
         "offset": estimate(found.offset),
+        "stiffness_per_mass": estimate(found.stiffness_per_mass),
+        "mass": None if found.mass is None else estimate(found.mass),
         "source": found.source,
     }

@@ -8,18 +8,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
+import numpy as np
+
 from daq.recording import Recording
 from identify.alignment import align, correct
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.noise import estimate_noise
-from identify.release import find_release
+from identify.release import Release, find_release
 from identify.restoring_force import identify_restoring_force, identify_restoring_force_as_recorded
 from identify.wavelet import identify_wavelet
 from station.identification import Identification
 
 Value = TypeVar("Value")
 
+STILL_DRIVEN = 0.05
 MOTION = ("displacement", "velocity", "acceleration")
 
 
@@ -48,13 +51,19 @@ def identify(recording: Recording, options: Options) -> Identification:
             return None
 
     decay = free_decay(recording, options)
-    release = find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)
+    release = find_motion(decay)
     decay = estimate_noise(decay.with_(release=release.index, rest=release.rest))
 
     alignment = attempt("alignment", lambda: align(decay))
     aligned = decay if alignment is None else correct(decay, alignment)
 
-    wavelet = attempt("wavelet", lambda: identify_wavelet(aligned, options.max_order))
+    wavelet = None
+    if is_driven(decay):
+        refusals["wavelet"] = (
+            "a force drives the motion to the end of the record; this method needs a free decay"
+        )
+    else:
+        wavelet = attempt("wavelet", lambda: identify_wavelet(aligned, options.max_order))
 
     orders = (options.max_order, options.stiffness_orders)
     restoring_force = attempt("restoring_force", lambda: identify_restoring_force(aligned, *orders))
@@ -72,8 +81,7 @@ def identify(recording: Recording, options: Options) -> Identification:
 def free_decay(recording: Recording, options: Options) -> FreeDecay:
     """Pick the channels that identification uses out of a recording.
 
-    The first channel of each quantity is taken; a force in N is divided by the mass and left out when the mass
-    is unknown. Raises NotIdentifiable when no channel is a motion.
+    The first channel of each quantity is taken; a force is divided by the mass where that is known. Raises NotIdentifiable when no channel is a motion.
     """
     channels = {name: recording.channel(name) for name in MOTION}
     if all(values is None for values in channels.values()):
@@ -89,13 +97,30 @@ def free_decay(recording: Recording, options: Options) -> FreeDecay:
         velocity=channels["velocity"],
         acceleration=channels["acceleration"],
         valid=recording.valid,
-        force=None if force is None or options.mass is None else force / options.mass,
+        force=force if force is None or options.mass is None else force / options.mass,
         mass=options.mass,
         mass_std=options.mass_std,
-        unit=_length_unit(recording),
+        unit=_displacement_unit(recording),
     )
 
 
-def _length_unit(recording: Recording) -> str:
+def _displacement_unit(recording: Recording) -> str:
+    """Return the unit of the displacement, as the first channel that is a motion has it: m, rad, V."""
     units = [channel.unit for channel in recording.channels if channel.quantity in MOTION]
-    return "rad" if any(unit.startswith("rad") for unit in units) else "m"
+    return units[0].split("/")[0] if units else "m"
+
+
+def is_driven(decay: FreeDecay) -> bool:
+    """Return whether a recorded force goes on to the end, so that there is no free decay in the record."""
+    if decay.force is None:
+        return False
+    force = decay.force - np.mean(decay.force)
+    later = force[len(force) // 2 :]
+    return bool(np.mean(later**2) > STILL_DRIVEN**2 * np.mean(force**2))
+
+
+def find_motion(decay: FreeDecay) -> Release:
+    """Return the release; for a driven motion the whole record."""
+    if is_driven(decay):
+        return Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0))
+    return find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)

@@ -35,3 +35,17 @@ DAMPING_NAMES = ("dry friction mu_0", "viscous damping mu_1", "quadratic damping
 def damping_name(order: int) -> str:
     """Return what the damping coefficient of an order is called."""
     return DAMPING_NAMES[order] if order < len(DAMPING_NAMES) else f"damping mu_{order}"
+
+
+def shown(channel: str, unit: str, fine: bool = False) -> tuple[float, str]:
+    """Return the factor to the unit in which a channel is shown, and that unit.
+
+    `unit` is that of the displacement (m, rad, or what a sensor gave, as V). `fine` chooses a thousand
+    times smaller unit, for noise and for what a model leaves.
+    """
+    if channel == "displacement":
+        plain, small = {"m": ((1e3, "mm"), (1e6, "um")), "rad": ((1.0, "rad"), (1e3, "mrad"))}.get(
+            unit, ((1.0, unit), (1e3, f"m{unit}"))
+        )
+        return small if fine else plain
+    return 1.0, f"{unit}/s" if channel == "velocity" else f"{unit}/s^2"

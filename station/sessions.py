@@ -1,9 +1,11 @@
 """Sessions as the operator names them: a folder, or a data file that becomes one on the way."""
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from daq.errors import UnreadableFile
 from daq.importing import read_file
 from daq.importing.options import ImportOptions
 from daq.recording import Gap, Recording
@@ -12,7 +14,10 @@ from daq.session_info import SessionInfo
 from identify.errors import NotIdentifiable
 from identify.release import Release, find_releases
 from station.exits import UsageProblem
-from station.pipeline import Options, free_decay
+from station.output import progress
+from station.pipeline import Options, free_decay, is_driven
+
+MOST_RELEASES = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,11 +29,17 @@ class Imported:
     notes: tuple[str, ...]
 
 
-def open_session(argument: str, sessions: Path, info: SessionInfo | None = None) -> Session:
+def open_session(
+    argument: str,
+    sessions: Path,
+    info: SessionInfo | None = None,
+    tell: Callable[[str], None] = progress,
+) -> Session:
     """Return the session that the operator means.
 
     `argument` is a session's folder, its name within `sessions`, or a data file, which is imported first
-    (a second time it is opened, not imported again). Raises UsageProblem when it is none of these.
+    (a second time it is opened, not imported again); `tell` is told what was understood. Raises
+    UsageProblem when it is none of these.
     """
     path = Path(argument)
     if path.is_dir():
@@ -37,13 +48,27 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
         known = _imported_before(path, sessions)
         if known is not None:
             return Session.open(known)
-        return import_file(path, None, sessions, ImportOptions(), info or SessionInfo()).sessions[0]
+        return _import_on_the_way(path, sessions, info or SessionInfo(), tell)
     inside = sessions / argument
     if inside.is_dir():
         return Session.open(inside)
     raise UsageProblem(
         f"{argument}: there is no such session or data file (sessions are looked for in {sessions.resolve()})"
     )
+
+
+def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo, tell: Callable[[str], None]) -> Session:
+    try:
+        imported = import_file(file, None, sessions, ImportOptions(), info)
+    except UnreadableFile as error:
+        raise UsageProblem(f"{error} (options as these belong to `station import {file}`)") from error
+    for note in imported.notes:
+        tell(f"{file.name}: {note}")
+    first, *others = imported.sessions
+    tell(f"imported as {first.folder}")
+    for session in others:
+        tell(f"another release of the file: {session.folder}")
+    return first
 
 
 def import_file(
@@ -95,6 +120,8 @@ def _stem(file: Path) -> str:
 def split(recording: Recording) -> tuple[list[Recording], tuple[str, ...]]:
     """Cut a recording into one for each release; the notes say what was found."""
     decay = free_decay(recording, Options())
+    if is_driven(decay):
+        return [recording], ("a force drives the motion to the end: no free decay, and so one session",)
     try:
         releases = find_releases(
             decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid
@@ -103,6 +130,10 @@ def split(recording: Recording) -> tuple[list[Recording], tuple[str, ...]]:
         return [recording], (f"no release found: {refusal}",)
     if len(releases) < 2:
         return [recording], ()
+    if len(releases) > MOST_RELEASES:
+        return [recording], (
+            f"{len(releases)} beginnings of a motion found, too many to be releases: one session",
+        )
     starts = [0, *(_begin(before, after) for before, after in zip(releases, releases[1:], strict=False))]
     stops = [*starts[1:], recording.samples.shape[1]]
     note = f"{len(releases)} releases found: each becomes a session"

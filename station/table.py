@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from statistics import fmean, stdev
 from typing import Any
 
+from station.quantities import shown
+
 METHODS = (("wavelet", "WT"), ("restoring_force", "RFS"))
 
 
@@ -214,7 +216,9 @@ def as_text(tables: Tables) -> str:
     width = min(width, 24)
     for first in range(0, len(tables.columns), 2):
         name, _, unit = tables.columns[first]
-        out.append(f"{'release':<{width}}  {'amplitude':>10}  {f'{name} (WT)':>18}  {f'{name} (RFS)':>18}  {unit}")
+        out.append(
+            f"{'release':<{width}}  {'amplitude':>10}  {f'{name} (WT)':>18}  {f'{name} (RFS)':>18}  {unit}"
+        )
         for row in tables.rows:
             amplitude = "-" if row.amplitude is None else _length(row.amplitude, row.unit)
             cells = [_plain(cell) for cell in row.cells[first : first + 2]]
@@ -233,4 +237,5 @@ def _plain(cell: Cell | None) -> str:
 
 
 def _length(value: float, unit: str) -> str:
-    return f"{value * 1e3:.2f} mm" if unit == "m" else f"{value:.4f} {unit}"
+    factor, text = shown("displacement", unit)
+    return f"{value * factor:.4g} {text}"

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from identify.estimate import Estimate
 from station.identification import Identification
-from station.quantities import damping_name, written
+from station.quantities import damping_name, shown, written
 
 KINDS = {
     "displaced": "held away, then let go",
@@ -62,13 +62,11 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
 def _noise(result: Identification) -> str:
     decay = result.decay
     parts = []
-    if decay.noise_displacement is not None:
-        factor, unit = (1e6, "um") if decay.unit == "m" else (1e3, "mrad")
-        parts.append(f"displacement {decay.noise_displacement * factor:.3g} {unit}")
-    if decay.noise_velocity is not None:
-        parts.append(f"velocity {decay.noise_velocity * 1e3:.3g} m{decay.unit}/s")
-    if decay.noise_acceleration is not None:
-        parts.append(f"acceleration {decay.noise_acceleration:.3g} {decay.unit}/s^2")
+    for name in ("displacement", "velocity", "acceleration"):
+        noise = getattr(decay, f"noise_{name}")
+        if noise is not None:
+            factor, unit = shown(name, decay.unit, fine=True)
+            parts.append(f"{name} {noise * factor:.3g} {unit}")
     return f"{', '.join(parts)} rms" if parts else ""
 
 
@@ -110,6 +108,9 @@ def rows(result: Identification) -> list[tuple[str, str, str, str]]:
         values = [None if method is None else method.stiffness_by_order.get(order) for method in both]
         if any(value is not None and abs(value.value) > 2 * value.std for value in values):
             lines.append(_row(f"stiffness of order {order}", values))
+    weighed = None if result.restoring_force is None else result.restoring_force.mass
+    if weighed is not None:
+        lines.append(_row("mass, by the force", [None, weighed]))
     chosen = ["none" if method is None else str(method.order) for method in both]
     lines.append(("damping order", "", chosen[0], chosen[1]))
     errors = ["" if m is None else f"{m.mse_percent_by_order[m.order]:.3g}" for m in both]

@@ -14,9 +14,21 @@ if TYPE_CHECKING:
 
 
 @click.command("capture")
-@click.option("--port", metavar="URL", help="Port of the board, as /dev/ttyACM0, COM3 or socket://HOST:PORT (default: the only board that answers).")
-@click.option("--session", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Folder of the new session (default: ./sessions/release_TIME).")
-@click.option("--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles).")
+@click.option(
+    "--port",
+    metavar="URL",
+    help="Port of the board, as /dev/ttyACM0, COM3 or socket://HOST:PORT (default: the only board that answers).",
+)
+@click.option(
+    "--session",
+    "folder",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Folder of the new session (default: ./sessions/release_TIME).",
+)
+@click.option(
+    "--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles)."
+)
 @click.option("--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass.")
 @click.option("--duration", type=float, metavar="S", help="Seconds after the release (8).")
 @click.option("--rate", type=float, metavar="HZ", help="Sampling rate (256).")

@@ -18,9 +18,21 @@ START_S = 60.0
 
 @click.command("demo")
 @click.option("--seed", type=int, default=1, show_default=True, help="Draws bench, sensors, lag and hand.")
-@click.option("--speed", type=click.FloatRange(min=0), default=SPEED, show_default=True, help="Times real time; 0: as fast as it goes.")
+@click.option(
+    "--speed",
+    type=click.FloatRange(min=0),
+    default=SPEED,
+    show_default=True,
+    help="Times real time; 0: as fast as it goes.",
+)
 @click.option("--pty", is_flag=True, help="Connect through a pseudo terminal instead of TCP.")
-@click.option("--session", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Folder of the new session (default: ./sessions/demo_TIME).")
+@click.option(
+    "--session",
+    "folder",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Folder of the new session (default: ./sessions/demo_TIME).",
+)
 @click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
 @json_option
 @click.pass_obj

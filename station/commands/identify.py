@@ -4,15 +4,27 @@ from typing import Any
 
 import click
 
+from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
 
 @click.command("identify")
 @click.argument("session")
-@click.option("--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass, instead of the session's.")
+@click.option(
+    "--mass",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="KG",
+    help="Mass, instead of the session's.",
+)
 @click.option("--session", "into", metavar="FOLDER", help="Where a data file is imported to.")
 @click.option("--max-order", type=click.IntRange(0, 5), help="Highest order of damping that is tried.")
-@click.option("--view", "with_view", is_flag=True, help="Write the viewer's recording too, and open it where there is a screen.")
+@click.option("--stiffness-orders", metavar="1,3", help="Orders of displacement in the restoring force.")
+@click.option(
+    "--view",
+    "with_view",
+    is_flag=True,
+    help="Write the viewer's recording too, and open it where there is a screen.",
+)
 @json_option
 @click.pass_obj
 def command(
@@ -21,6 +33,7 @@ def command(
     mass: float | None,
     into: str | None,
     max_order: int | None,
+    stiffness_orders: str | None,
     with_view: bool,
     as_json: bool,
 ) -> None:
@@ -39,6 +52,8 @@ def command(
     options = options_for(opened, settings, mass)
     if max_order is not None:
         options = replace(options, max_order=max_order)
+    if stiffness_orders is not None:
+        options = replace(options, stiffness_orders=_orders(stiffness_orders))
     result, document = identify_session(opened, options)
     if as_json:
         print_json(document)
@@ -52,6 +67,13 @@ def command(
         from station.commands.view import show_session
 
         show_session(opened, result)
+
+
+def _orders(text: str) -> tuple[int, ...]:
+    parts = [part.strip() for part in text.split(",")]
+    if not all(part.isdigit() and 1 <= int(part) <= 9 for part in parts) or len(set(parts)) != len(parts):
+        raise UsageProblem(f"--stiffness-orders {text}: write different whole numbers from 1 to 9, as 1,3")
+    return tuple(int(part) for part in parts)
 
 
 def _opened(session: str, into: str | None, mass: float | None, settings: Any) -> Any:

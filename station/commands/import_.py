@@ -16,16 +16,39 @@ if TYPE_CHECKING:
 
 @click.command("import")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--session", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Folder of the new session (default: ./sessions/NAME).")
-@click.option("--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles).")
+@click.option(
+    "--session",
+    "folder",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Folder of the new session (default: ./sessions/NAME).",
+)
+@click.option(
+    "--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles)."
+)
 @click.option("--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass.")
-@click.option("--column", "columns", multiple=True, metavar="QUANTITY=COLUMN", help="Which column holds a quantity (time, displacement, velocity, acceleration, force): a name, a number from 1, or none.")
-@click.option("--unit", "units", multiple=True, metavar="QUANTITY=UNIT", help="Unit of a column, as mm, deg, g.")
-@click.option("--rate", type=click.FloatRange(min=0, min_open=True), metavar="HZ", help="Sampling rate, where the file has no time.")
+@click.option(
+    "--column",
+    "columns",
+    multiple=True,
+    metavar="QUANTITY=COLUMN",
+    help="Which column holds a quantity (time, displacement, velocity, acceleration, force): a name, a number from 1, or none.",
+)
+@click.option(
+    "--unit", "units", multiple=True, metavar="QUANTITY=UNIT", help="Unit of a column, as mm, deg, g."
+)
+@click.option(
+    "--rate",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="HZ",
+    help="Sampling rate, where the file has no time.",
+)
 @click.option("--delimiter", metavar="SIGN", help="Between columns: a character, tab or blank.")
 @click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign.")
 @click.option("--encoding", help="Text encoding.")
-@click.option("--skip-rows", type=click.IntRange(min=0), default=0, metavar="N", help="Lines to ignore at the top.")
+@click.option(
+    "--skip-rows", type=click.IntRange(min=0), default=0, metavar="N", help="Lines to ignore at the top."
+)
 @click.option("--resample", is_flag=True, help="Put uneven time stamps on an even clock.")
 @click.option("--keep-derived", is_flag=True, help="Keep channels that were computed from another one.")
 @click.option("--specimen", help="What was tested.")
@@ -65,7 +88,11 @@ def command(
 
 
 def describe(
-    settings: "Settings", mass: float | None, mass_std: float | None, specimen: str | None, operator: str | None
+    settings: "Settings",
+    mass: float | None,
+    mass_std: float | None,
+    specimen: str | None,
+    operator: str | None,
 ) -> "SessionInfo":
     """Return a session's metadata from options, else from the settings."""
     from daq.session_info import SessionInfo
@@ -113,7 +140,9 @@ def _say(file: Path, imported: "Imported") -> None:
     console, recording = screen(), imported.recording
     samples = recording.samples.shape[1]
     names = ", ".join(f"{channel.quantity} [{channel.unit}]" for channel in recording.channels)
-    console.print(f"{file.name}: {samples} samples at {recording.rate:.6g} Hz ({samples / recording.rate:.4g} s)")
+    console.print(
+        f"{file.name}: {samples} samples at {recording.rate:.6g} Hz ({samples / recording.rate:.4g} s)"
+    )
     console.print(f"  channels: {names}", markup=False)
     for note in imported.notes:
         console.print(f"  - {note}", markup=False)

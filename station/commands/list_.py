@@ -26,7 +26,9 @@ def command(settings_file: str | None, folder: Path | None, as_json: bool) -> No
         print_json({"folder": str(place), "sessions": [_entry(summary) for summary in found]})
         return
     if not found:
-        screen().print(f"no sessions in {place}; make one with `station demo`, `capture` or `import`", markup=False)
+        screen().print(
+            f"no sessions in {place}; make one with `station demo`, `capture` or `import`", markup=False
+        )
         return
     _print(found)
 

@@ -38,7 +38,9 @@ def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool)
         screen().print("nothing to recover: every session is sealed", markup=False)
     for session in recovered:
         entry = _entry(session)
-        screen().print(f"{entry['session']}: {entry['state']}, {entry['samples']} samples", markup=False, soft_wrap=True)
+        screen().print(
+            f"{entry['session']}: {entry['state']}, {entry['samples']} samples", markup=False, soft_wrap=True
+        )
         if entry["reason"]:
             screen().print(f"  {entry['reason']}", markup=False)
 

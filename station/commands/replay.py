@@ -7,7 +7,13 @@ from station.output import json_option
 
 @click.command("replay")
 @click.argument("session")
-@click.option("--speed", type=click.FloatRange(min=0), default=0.0, show_default=True, help="Times real time; 0: as fast as it goes.")
+@click.option(
+    "--speed",
+    type=click.FloatRange(min=0),
+    default=0.0,
+    show_default=True,
+    help="Times real time; 0: as fast as it goes.",
+)
 @click.option("--no-viewer", is_flag=True, help="No live view.")
 @json_option
 @click.pass_obj

@@ -45,7 +45,9 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
     if len({document["record"]["unit"] for document in documents}) > 1:
         raise UsageProblem("some sessions are in m and some in rad: make one table of each")
     if len({document["record"]["mass_kg"] is None for document in documents}) > 1:
-        raise UsageProblem("some sessions have a mass and some have none: K has no common unit; give --mass on import")
+        raise UsageProblem(
+            "some sessions have a mass and some have none: K has no common unit; give --mass on import"
+        )
     tables = table.make_tables(documents)
     if as_json or form == "json":
         print_json(table.as_json(tables))

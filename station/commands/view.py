@@ -14,7 +14,12 @@ if TYPE_CHECKING:
 
 @click.command("view")
 @click.argument("session")
-@click.option("--screenshot", type=click.Path(path_type=Path), metavar="DIR", help="Write a picture of every tab into DIR; needs no screen.")
+@click.option(
+    "--screenshot",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Write a picture of every tab into DIR; needs no screen.",
+)
 @click.option("--no-viewer", is_flag=True, help="Write the recording only.")
 @json_option
 @click.pass_obj

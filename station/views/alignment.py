@@ -71,16 +71,26 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
     for when, second in (("before", shown.before), ("after", shown.after)):
         log.series(
             stream, f"{CURVES}/{when}/acceleration", shown.time, shown.acceleration,
-            f"acceleration [{unit}]", palette.ACCELERATION,
+            f"acceleration [{unit}]", palette.ACCELERATION, 4.5,
         )  # fmt: skip
         log.series(
             stream, f"{CURVES}/{when}/displacement", shown.time, second,
             f"displacement, differentiated twice [{unit}]", palette.DISPLACEMENT,
         )  # fmt: skip
     gain = 1.0 if result.alignment is None else result.alignment.gain.value
-    for when, second, colour in (("as_recorded", shown.before, palette.WRONG), ("corrected", shown.after, palette.FORCE)):
+    for when, second, colour in (
+        ("as_recorded", shown.before, palette.WRONG),
+        ("corrected", shown.after, palette.FORCE),
+    ):
         difference = shown.acceleration - gain * second
-        log.series(stream, f"{CURVES}/difference/{when}", shown.time, difference, f"{when.replace('_', ' ')} [{unit}]", colour)
+        log.series(
+            stream,
+            f"{CURVES}/difference/{when}",
+            shown.time,
+            difference,
+            f"{when.replace('_', ' ')} [{unit}]",
+            colour,
+        )
     _zoom(stream, result, shown, gain)
     _story(stream, result)
 
@@ -97,7 +107,9 @@ def _zoom(stream: rr.RecordingStream, result: Identification, shown: Overlay, ga
     near = np.abs(shown.time - middle) < max(0.06 * span, 3 / result.decay.rate)
     unit = f"{result.decay.unit}/s²"
     drawn, axes = figure(7.2, 3.3, 1, 2, sharey=True)
-    for axis, second, title in zip(axes, (shown.before, shown.after), ("as recorded", "lag corrected"), strict=True):
+    for axis, second, title in zip(
+        axes, (shown.before, shown.after), ("as recorded", "lag corrected"), strict=True
+    ):
         ms = (shown.time[near] - middle) * 1e3
         axis.plot(ms, shown.acceleration[near], "o-", color=palette.css(palette.ACCELERATION), ms=4, lw=1)
         axis.plot(ms, gain * second[near], "s--", color=palette.css(palette.DISPLACEMENT), ms=4, lw=1)
@@ -106,7 +118,9 @@ def _zoom(stream: rr.RecordingStream, result: Identification, shown: Overlay, ga
     axes[0].set_ylabel(f"acceleration [{unit}]")
     legend(axes[1], "upper left", ["acceleration", "displacement, twice\ndifferentiated"])
     numbers = {"time": shown.time[near], "acceleration": shown.acceleration[near]}
-    log.picture(stream, f"{CURVES}/zoom", drawn, numbers | {"before": shown.before[near], "after": shown.after[near]})
+    log.picture(
+        stream, f"{CURVES}/zoom", drawn, numbers | {"before": shown.before[near], "after": shown.after[near]}
+    )
 
 
 def _story(stream: rr.RecordingStream, result: Identification) -> None:
@@ -115,7 +129,9 @@ def _story(stream: rr.RecordingStream, result: Identification) -> None:
         ("restoring force,\nlag corrected", result.restoring_force, palette.FORCE),
         ("wavelet (does not\nfeel the lag)", result.wavelet, palette.WAVELET),
     ]
-    known = [(label, m.damping[1], colour) for label, m, colour in found if m is not None and len(m.damping) > 1]
+    known = [
+        (label, m.damping[1], colour) for label, m, colour in found if m is not None and len(m.damping) > 1
+    ]
     if not known:
         return
     drawn, (axis,) = figure(5.4, 3.3)
@@ -123,7 +139,11 @@ def _story(stream: rr.RecordingStream, result: Identification) -> None:
         axis.barh(row, value.value, color=palette.css(colour), height=0.55)
         axis.errorbar(value.value, row, xerr=2 * value.std, color=palette.INK, capsize=4, lw=1.2)
         axis.annotate(
-            f"  {written(value)}", (max(value.value, 0.0) + 2 * value.std, row), va="center", fontsize=9, color=palette.INK
+            f"  {written(value)}",
+            (max(value.value, 0.0) + 2 * value.std, row),
+            va="center",
+            fontsize=9,
+            color=palette.INK,
         )
     axis.set_yticks(range(len(known)), [label for label, _, _ in known])
     axis.invert_yaxis()
@@ -145,7 +165,7 @@ def words(result: Identification) -> str:
     text = (
         f"## The displacement is {late} by {abs(lag.value) * 1e6:.1f} ± {lag.std * 1e6:.1f} us\n\n"
         f"Gain of the acceleration against it: {written(found.gain)}. Found by {found.method}; "
-        "kinematics alone, no law of force.\n\n"
+        "no law of force is used.\n\n"
     )
     if found.caution:
         text += f"**Caution**: {found.caution}\n\n"

@@ -6,17 +6,9 @@ import rerun.blueprint as rrb
 
 from identify.free_decay import FreeDecay
 from station.identification import Identification
+from station.quantities import shown
 from station.terminal import KINDS
 from station.views import log, palette
-
-SCALE = {
-    ("displacement", "m"): (1e3, "mm"),
-    ("displacement", "rad"): (1.0, "rad"),
-    ("velocity", "m"): (1.0, "m/s"),
-    ("velocity", "rad"): (1.0, "rad/s"),
-    ("acceleration", "m"): (1.0, "m/s^2"),
-    ("acceleration", "rad"): (1.0, "rad/s^2"),
-}
 
 
 def channels(decay: FreeDecay) -> list[str]:
@@ -29,7 +21,7 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
     decay = result.decay
     kept = np.ones(len(decay), dtype=bool) if decay.valid is None else decay.valid
     for channel in channels(decay):
-        factor, unit = SCALE[channel, decay.unit]
+        factor, unit = shown(channel, decay.unit)
         values = np.where(kept, getattr(decay, channel), np.nan) * factor
         label = f"{channel} [{unit}]"
         log.series(stream, f"/capture/{channel}", decay.time, values, label, palette.CHANNEL[channel])
@@ -70,7 +62,7 @@ def facts(name: str, result: Identification) -> str:
     ]
     for channel in channels(decay):
         noise = getattr(decay, f"noise_{channel}")
-        factor, unit = SCALE[channel, decay.unit]
+        factor, unit = shown(channel, decay.unit, fine=True)
         text = "unknown" if noise is None else f"{noise * factor:.3g} {unit} rms"
         lines.append(f"| noise, {channel} | {text} |")
     lines += [f"\n**{step.replace('_', ' ')}**: {reason}" for step, reason in result.refusals.items()]
@@ -80,7 +72,9 @@ def facts(name: str, result: Identification) -> str:
 def tab(result: Identification) -> rrb.Container:
     """Return the layout of the tab."""
     views = [
-        log.curves(f"{name.capitalize()} as recorded", [f"/capture/{name}"])
+        log.curve(
+            f"{name.capitalize()} as recorded [{shown(name, result.decay.unit)[1]}]", f"/capture/{name}"
+        )
         for name in channels(result.decay)
     ]
     states = rrb.StateTimelineView(origin="/capture/mass", name="What the mass did")

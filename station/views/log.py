@@ -76,16 +76,25 @@ def markdown(stream: rr.RecordingStream, path: str, text: str) -> None:
     stream.log(path, rr.TextDocument(text, media_type="text/markdown"), static=True)
 
 
-def curves(name: str, contents: list[str], low: float | None = None, high: float | None = None) -> rrb.View:
+def curves(name: str, contents: list[str], between: tuple[float, float] | None = None) -> rrb.View:
     """Return a view of curves over time, linked in time with the others, its legend at the top right."""
-    axis = None if low is None or high is None else rrb.ScalarAxis(range=(low, high))
+    return _over_time(name, contents, between, legend=True)
+
+
+def curve(name: str, path: str, between: tuple[float, float] | None = None) -> rrb.View:
+    """Return a view of one curve over time; the name of the view carries its unit in place of a legend."""
+    return _over_time(name, [path], between, legend=False)
+
+
+def _over_time(name: str, contents: list[str], between: tuple[float, float] | None, legend: bool) -> rrb.View:
+    axis = None if between is None else rrb.ScalarAxis(range=between)
     return rrb.TimeSeriesView(
         origin="/",
         contents=contents,
         name=name,
         axis_x=rrb.TimeAxis(link="LinkToGlobal"),
         axis_y=axis,
-        plot_legend=rrb.PlotLegend("RightTop"),
+        plot_legend=rrb.PlotLegend("RightTop", visible=legend),
         background=PlotBackground(color=palette.BACKGROUND, show_grid=True),
     )
 

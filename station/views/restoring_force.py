@@ -3,9 +3,11 @@
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+from numpy.typing import NDArray
 
 from identify.restoring_force import RestoringForceResult, Section
 from station.identification import Identification
+from station.quantities import shown
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array
@@ -38,7 +40,7 @@ class Cube:
         self.scale = np.array(
             [_round_up(np.max(np.abs(v))) for v in (found.displacement, found.velocity, found.force)]
         )
-        factor, unit = (1e3, "mm") if length == "m" else (1.0, "rad")
+        factor, unit = shown("displacement", length)
         self.labels = (
             f"displacement ± {self.scale[0] * factor:g} {unit}",
             f"velocity ± {self.scale[1]:g} {length}/s",
@@ -71,25 +73,20 @@ def _round_up(value: float) -> float:
     if not value > 0:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))
-    return float(next(step * power for step in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if step * power >= value * 0.999))
+    return float(
+        next(step * power for step in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if step * power >= value * 0.999)
+    )
 
 
 def _surface(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube) -> None:
-    rows, columns = found.surface.shape
-    u, v = np.meshgrid(found.grid_displacement, found.grid_velocity)
-    vertices = np.clip(cube.place(u, v, found.surface), -1.2, 1.2)
-    corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-    first = np.column_stack([corner, corner + 1, corner + columns])
-    second = np.column_stack([corner + 1, corner + columns + 1, corner + columns])
-    triangles = np.vstack([first, second])
-    reached = _near(found.visited > 0).ravel()
-    triangles = triangles[reached[triangles].all(axis=1)]
+    vertices, triangles = mesh(found)
+    placed = np.clip(cube.place(*vertices.T), -1.2, 1.2)
     stream.log(
         f"{ROOT}/surface/fit",
         rr.Mesh3D(
-            vertex_positions=vertices,
-            triangle_indices=triangles if len(triangles) else first,
-            vertex_colors=_colours(vertices[:, 2]),
+            vertex_positions=placed,
+            triangle_indices=triangles,
+            vertex_colors=_colours(placed[:, 2]),
             face_rendering="DoubleSided",
         ),
         static=True,
@@ -106,14 +103,28 @@ def _surface(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube
     )
 
 
-def _near(visited: Array) -> Array:
-    """Widen the visited region by two cells, so that the surface joins between the turns of the spiral."""
-    from scipy.ndimage import binary_closing, binary_dilation
+def mesh(found: RestoringForceResult) -> tuple[Array, NDArray[np.uint32]]:
+    """Return the fitted surface over the region that was visited: vertices (n, 3) of u, v, f, and triangles (m, 3).
 
-    wide = np.pad(np.asarray(visited, dtype=bool), 4)
-    closed = binary_closing(wide, np.ones((3, 3)), iterations=3)
-    grown: Array = binary_dilation(closed, np.ones((3, 3)))[4:-4, 4:-4]
-    return grown
+    The region is the hull of the measured points: a decay winds inwards and leaves nothing inside it out.
+    """
+    from matplotlib.path import Path
+    from scipy.interpolate import RegularGridInterpolator
+    from scipy.spatial import ConvexHull, Delaunay
+
+    reach = np.array([np.ptp(found.displacement), np.ptp(found.velocity)])
+    measured = np.column_stack([found.displacement, found.velocity]) / reach
+    corners = measured[ConvexHull(measured).vertices]
+    u, v = np.meshgrid(found.grid_displacement, found.grid_velocity)
+    grid = np.column_stack([u.ravel(), v.ravel()]) / reach
+    inside = grid[Path(corners).contains_points(grid)]
+    plane = np.vstack([inside, corners])
+    triangles = Delaunay(plane).simplices.astype(np.uint32)
+    force = RegularGridInterpolator(
+        (found.grid_velocity, found.grid_displacement), found.surface, bounds_error=False, fill_value=None
+    )
+    points = plane * reach
+    return np.column_stack([points, force(points[:, ::-1])]), triangles
 
 
 def _colours(height: Array) -> Array:
@@ -133,10 +144,24 @@ def _points(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube)
 
 
 def _sections(stream: rr.RecordingStream, found: RestoringForceResult, length: str) -> None:
-    factor, unit = (1e3, "mm") if length == "m" else (1.0, "rad")
+    factor, unit = shown("displacement", length)
     drawn, axes = figure(8.4, 3.6, 1, 2)
-    _cut(axes[0], found.section_zero_velocity, factor, f"displacement [{unit}]", "at velocity 0: the springs", length)
-    _cut(axes[1], found.section_zero_displacement, 1.0, f"velocity [{length}/s]", "at displacement 0: the damping", length)
+    _cut(
+        axes[0],
+        found.section_zero_velocity,
+        factor,
+        f"displacement [{unit}]",
+        "at velocity 0: the springs",
+        length,
+    )
+    _cut(
+        axes[1],
+        found.section_zero_displacement,
+        1.0,
+        f"velocity [{length}/s]",
+        "at displacement 0: the damping",
+        length,
+    )
     legend(axes[0], "upper left")
     numbers = {}
     for name, cut in (("u", found.section_zero_velocity), ("v", found.section_zero_displacement)):
@@ -166,9 +191,7 @@ def _significance(stream: rr.RecordingStream, found: RestoringForceResult) -> No
     values = [max(value, floor) for _, value in terms]
     axis.barh(range(len(terms)), values, color=palette.css(palette.FORCE), height=0.6, log=True)
     for row, (_, value) in enumerate(terms):
-        axis.annotate(
-            f" {value:.3g} %", (max(value, floor), row), va="center", fontsize=9, color=palette.INK
-        )
+        axis.annotate(f" {value:.3g} %", (max(value, floor), row), va="center", fontsize=9, color=palette.INK)
     axis.set_yticks(range(len(terms)), [name for name, _ in terms])
     axis.invert_yaxis()
     axis.grid(axis="y", visible=False)

@@ -5,9 +5,9 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from station.identification import Identification
+from station.quantities import shown
 from station.terminal import rows, uncorrected
 from station.views import log, palette
-from station.views.capture import SCALE
 from station.views.log import Array
 
 ROOT = "/results"
@@ -25,14 +25,16 @@ def _decay(stream: rr.RecordingStream, result: Identification) -> None:
     if found is None:
         return
     measured = getattr(result.aligned, found.channel)
-    factor, unit = SCALE[found.channel, result.decay.unit]
+    factor, unit = shown(found.channel, result.decay.unit)
+    fine, fine_unit = shown(found.channel, result.decay.unit, fine=True)
     index = np.clip(np.round(found.time * result.decay.rate).astype(int), 0, len(measured) - 1)
     offset = float(np.median(measured[index] - found.reconstruction))
     left = measured[index] - found.reconstruction - offset
-    fine, fine_unit = (1e3, "um") if unit == "mm" else (1.0, unit)
-    _pair(stream, "decay", found.time, measured[index] * factor, (found.reconstruction + offset) * factor, unit)
+    _pair(
+        stream, "decay", found.time, measured[index] * factor, (found.reconstruction + offset) * factor, unit
+    )
     log.series(
-        stream, f"{ROOT}/decay_error", found.time, left * factor * fine, f"measured minus model [{fine_unit}]",
+        stream, f"{ROOT}/decay_error", found.time, left * fine, f"measured minus model [{fine_unit}]",
         palette.WAVELET,
     )  # fmt: skip
 
@@ -49,7 +51,9 @@ def _force(stream: rr.RecordingStream, result: Identification) -> None:
     )  # fmt: skip
 
 
-def _pair(stream: rr.RecordingStream, what: str, time: Array, measured: Array, model: Array, unit: str) -> None:
+def _pair(
+    stream: rr.RecordingStream, what: str, time: Array, measured: Array, model: Array, unit: str
+) -> None:
     colour = palette.WAVELET if what == "decay" else palette.FORCE
     log.series(stream, f"{ROOT}/{what}/measured", time, measured, f"measured [{unit}]", palette.MEASURED, 4.5)
     log.series(stream, f"{ROOT}/{what}/model", time, model, f"model [{unit}]", colour, 1.5)
@@ -77,13 +81,16 @@ def tab(result: Identification) -> rrb.Container:
     """Return the layout of the tab."""
     views = []
     if result.wavelet is not None:
+        _, left = shown(result.wavelet.channel, result.decay.unit, fine=True)
         views.append(log.curves("Decay: measured, and rebuilt from the parameters", [f"{ROOT}/decay/**"]))
-        views.append(log.curves("What the rebuilt decay leaves", [f"{ROOT}/decay_error"]))
+        views.append(log.curve(f"What the rebuilt decay leaves [{left}]", f"{ROOT}/decay_error"))
     if result.restoring_force is not None:
         views.append(log.curves("Restoring force per unit mass: measured, and its fit", [f"{ROOT}/force/**"]))
-        views.append(log.curves("What the fit leaves", [f"{ROOT}/force_error"]))
+        views.append(log.curve(f"What the fit leaves [{result.decay.unit}/s^2]", f"{ROOT}/force_error"))
     text = log.document("Both methods", f"{ROOT}/table")
     if not views:
         return rrb.Vertical(text, name="Results")
     shares = [1.6, 1.0] * (len(views) // 2)
-    return rrb.Horizontal(text, rrb.Vertical(*views, row_shares=shares), column_shares=[1, 1.6], name="Results")
+    return rrb.Horizontal(
+        text, rrb.Vertical(*views, row_shares=shares), column_shares=[1, 1.6], name="Results"
+    )

@@ -6,6 +6,7 @@ import rerun.blueprint as rrb
 
 from identify.wavelet import WaveletResult
 from station.identification import Identification
+from station.quantities import shown
 from station.views import log, palette
 from station.views.figure import figure, legend
 
@@ -18,16 +19,32 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
     if found is None:
         log.markdown(stream, f"{ROOT}/refusal", f"## Not identified\n\n{result.refusals.get('wavelet', '')}")
         return
-    factor, unit = (1e3, "mm") if result.decay.unit == "m" else (1.0, "rad")
+    factor, unit = shown("displacement", result.decay.unit)
     time, trusted = found.time, found.trusted
     hilbert = found.hilbert_envelope * factor
     log.series(
-        stream, f"{ROOT}/envelope/hilbert", time, hilbert, f"Hilbert, for reference [{unit}]", palette.REFERENCE, 1.0
+        stream,
+        f"{ROOT}/envelope/hilbert",
+        time,
+        hilbert,
+        f"Hilbert, for reference [{unit}]",
+        palette.REFERENCE,
+        1.0,
     )
-    log.series(stream, f"{ROOT}/envelope/measured", time, found.envelope * factor, f"ridge [{unit}]", palette.MEASURED, 4.0)
-    log.series(stream, f"{ROOT}/envelope/model", time, found.envelope_fit * factor, f"fit [{unit}]", palette.WAVELET)
+    log.series(
+        stream,
+        f"{ROOT}/envelope/measured",
+        time,
+        found.envelope * factor,
+        f"ridge [{unit}]",
+        palette.MEASURED,
+        4.0,
+    )
+    log.series(
+        stream, f"{ROOT}/envelope/model", time, found.envelope_fit * factor, f"fit [{unit}]", palette.WAVELET
+    )
     frequency = np.where(trusted, found.frequency, np.nan)
-    log.series(stream, f"{ROOT}/frequency/ridge", time, frequency, "instantaneous frequency [Hz]", palette.WAVELET)
+    log.series(stream, f"{ROOT}/frequency", time, frequency, "instantaneous frequency [Hz]", palette.WAVELET)
     _scalogram(stream, found)
     orders(stream, f"{ROOT}/orders", found.mse_percent_by_order, found.order, palette.css(palette.WAVELET))
     _backbone(stream, found, factor, unit)
@@ -43,7 +60,13 @@ def _scalogram(stream: rr.RecordingStream, found: WaveletResult) -> None:
     trusted = found.trusted
     low, high = found.scalogram_frequency.min(), found.scalogram_frequency.max()
     axis.plot(found.time, np.clip(found.frequency, low, high), ":", color="white", lw=1.0)
-    axis.plot(found.time[trusted], found.frequency[trusted], color="white", lw=1.8, label="ridge (dotted: not trusted)")
+    axis.plot(
+        found.time[trusted],
+        found.frequency[trusted],
+        color="white",
+        lw=1.8,
+        label="ridge (dotted: not trusted)",
+    )
     axis.set(xlabel="time [s]", ylabel="frequency [Hz]", ylim=(low, high))
     axis.grid(visible=False)
     legend(axis, "upper right", colour="white")
@@ -54,14 +77,20 @@ def _scalogram(stream: rr.RecordingStream, found: WaveletResult) -> None:
     log.picture(stream, f"{ROOT}/scalogram", drawn, {"time": found.time, "ridge": found.frequency})
 
 
-def orders(stream: rr.RecordingStream, path: str, errors: tuple[float, ...], chosen: int, colour: str) -> None:
+def orders(
+    stream: rr.RecordingStream, path: str, errors: tuple[float, ...], chosen: int, colour: str
+) -> None:
     """Log the error left against the order of damping, the paper's figure 3, on a logarithmic axis."""
     drawn, (axis,) = figure(4.2, 3.6)
     order = np.arange(len(errors))
     axis.semilogy(order, errors, "o-", color=colour, ms=6)
     axis.semilogy([chosen], [errors[chosen]], "o", ms=15, mfc="none", mec=palette.INK, mew=1.6)
     axis.annotate(
-        f"chosen: {chosen}", (chosen, errors[chosen]), xytext=(10, 16), textcoords="offset points", color=palette.INK
+        f"chosen: {chosen}",
+        (chosen, errors[chosen]),
+        xytext=(10, 16),
+        textcoords="offset points",
+        color=palette.INK,
     )
     axis.set(xlabel="order of damping", ylabel="error left, MSE [%]", xticks=order)
     axis.margins(x=0.12, y=0.18)
@@ -70,8 +99,16 @@ def orders(stream: rr.RecordingStream, path: str, errors: tuple[float, ...], cho
 
 def _backbone(stream: rr.RecordingStream, found: WaveletResult, factor: float, unit: str) -> None:
     drawn, (axis,) = figure(4.2, 3.6)
-    axis.plot(found.backbone_frequency, found.backbone_amplitude * factor, "o", color=palette.css(palette.MEASURED), ms=3)
-    axis.plot(found.backbone_fit, found.backbone_amplitude * factor, color=palette.css(palette.WAVELET), lw=1.8)
+    axis.plot(
+        found.backbone_frequency,
+        found.backbone_amplitude * factor,
+        "o",
+        color=palette.css(palette.MEASURED),
+        ms=3,
+    )
+    axis.plot(
+        found.backbone_fit, found.backbone_amplitude * factor, color=palette.css(palette.WAVELET), lw=1.8
+    )
     middle = float(np.median(found.backbone_frequency)) if len(found.backbone_frequency) else 1.0
     spread = float(np.ptp(found.backbone_frequency)) if len(found.backbone_frequency) else 0.0
     half = max(0.6 * spread, 0.005 * middle)
@@ -93,6 +130,7 @@ def tab(result: Identification) -> rrb.Container:
     if found is None:
         return rrb.Vertical(log.document("Wavelet", f"{ROOT}/refusal"), name="Wavelet")
     trusted = found.frequency[found.trusted]
+    _, unit = shown("displacement", result.decay.unit)
     middle = float(np.median(trusted if len(trusted) else found.frequency))
     spread = float(np.percentile(np.abs(trusted - middle), 98)) if len(trusted) else 0.0
     half = max(1.5 * spread, 0.01 * middle)
@@ -103,8 +141,8 @@ def tab(result: Identification) -> rrb.Container:
             log.shown_picture("Backbone", f"{ROOT}/backbone"),
             column_shares=[7.2, 4.2, 4.2],
         ),
-        log.curves("Envelope", [f"{ROOT}/envelope/**"]),
-        log.curves("Instantaneous frequency", [f"{ROOT}/frequency/**"], middle - half, middle + half),
+        log.curves(f"Envelope [{unit}]", [f"{ROOT}/envelope/**"]),
+        log.curve("Instantaneous frequency [Hz]", f"{ROOT}/frequency", (middle - half, middle + half)),
         row_shares=[1.35, 1, 0.8],
         name="Wavelet",
     )

@@ -122,6 +122,7 @@ def restoring_force(viscous: float = VISCOUS) -> RestoringForceResult:
         visited=counts,
         section_zero_velocity=section(grid_u, force(grid_u, 0 * grid_u)),
         section_zero_displacement=section(grid_v, force(0 * grid_v, grid_v)),
+        stiffness_per_mass=Estimate(float(OMEGA**2), 0.03, "1/s^2"),
     )
 
 

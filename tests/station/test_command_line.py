@@ -15,7 +15,12 @@ HEAVY = ("numpy", "scipy", "numba", "rerun", "matplotlib", "pydantic", "serial",
 
 def program(*arguments, cwd=None):
     return subprocess.run(
-        [sys.executable, "-m", "station", *arguments], capture_output=True, text=True, cwd=cwd, timeout=120, check=False
+        [sys.executable, "-m", "station", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=120,
+        check=False,
     )
 
 
@@ -53,7 +58,13 @@ def test_every_command_explains_itself_within_80_columns(entry, capsys):
 
 @pytest.mark.parametrize(
     "arguments",
-    [["nonsense"], ["identify"], ["identify", "--max-order", "9", "x"], ["import", "a", "--rate", "-1"], ["--nonsense"]],
+    [
+        ["nonsense"],
+        ["identify"],
+        ["identify", "--max-order", "9", "x"],
+        ["import", "a", "--rate", "-1"],
+        ["--nonsense"],
+    ],
     ids=" ".join,
 )
 def test_a_wrong_command_line_ends_with_2_and_says_where_to_look(arguments, capsys):
