@@ -67,7 +67,7 @@ class Decoder:
                 frame = self._open(piece)
                 if frame is not None:
                     frames.append(frame)
-        if self._overlong or len(self._pending) > MAX_STUFFED:
+        if len(self._pending) > MAX_STUFFED:
             self._overlong = True
             self._pending = b""
         self._counts.frames += len(frames)

@@ -66,6 +66,17 @@ def test_the_longest_frame_passes_and_one_more_sample_is_refused() -> None:
         encode(data(longest + 1), 0)
 
 
+def test_the_longest_frame_with_hardly_a_zero_in_it_passes_whole_and_byte_by_byte() -> None:
+    # One zero in the header, 1021 bytes without any: COBS needs all of the 5 bytes that it may add.
+    ones = 0x0101010101010101
+    data = Data(ones, ones, 0x01010101, 494, 1, SampleFormat.I16, b"\x01" * 988)
+    sequence = next(i for i in range(ones & 0xFFFFFFFF, 2**32) if len(encode(data, i, 1)) == 1030)
+    wire, decoder = encode(data, sequence, 1), Decoder()
+    assert decoder.feed(wire) == [Frame(sequence, 1, data)]
+    bytewise = [got for k in range(len(wire)) for got in decoder.feed(wire[k : k + 1])]
+    assert bytewise == [Frame(sequence, 1, data)]
+
+
 @pytest.mark.parametrize(
     ("message", "words"),
     [
