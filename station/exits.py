@@ -25,7 +25,7 @@ MEANING = {
 }
 
 
-class Problem(Exception):
+class Problem(Exception):  # noqa: N818
     """A failure with words for the operator: what happened, what was kept, what to do."""
 
     exit_code = UNEXPECTED

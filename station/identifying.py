@@ -27,6 +27,8 @@ class NothingIdentified(Problem):
 def options_for(session: Session, settings: Settings, mass: float | None = None) -> Options:
     """Return the mass as the option, the session or the settings give it, and the orders from the settings."""
     info, specimen = session.info, settings.specimen
+    weight: float | None
+    error: float | None
     if mass is not None:
         weight, error = mass, None
     elif info.mass_kg is not None:

@@ -81,7 +81,8 @@ def identify(recording: Recording, options: Options) -> Identification:
 def free_decay(recording: Recording, options: Options) -> FreeDecay:
     """Pick the channels that identification uses out of a recording.
 
-    The first channel of each quantity is taken; a force is divided by the mass where that is known. Raises NotIdentifiable when no channel is a motion.
+    The first channel of each quantity is taken; a force is divided by the mass where that is
+    known. Raises NotIdentifiable when no channel is a motion.
     """
     channels = {name: recording.channel(name) for name in MOTION}
     if all(values is None for values in channels.values()):

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from daq.errors import UnreadableFile
@@ -134,7 +135,7 @@ def split(recording: Recording) -> tuple[list[Recording], tuple[str, ...]]:
         return [recording], (
             f"{len(releases)} beginnings of a motion found, too many to be releases: one session",
         )
-    starts = [0, *(_begin(before, after) for before, after in zip(releases, releases[1:], strict=False))]
+    starts = [0, *(_begin(before, after) for before, after in pairwise(releases))]
     stops = [*starts[1:], recording.samples.shape[1]]
     note = f"{len(releases)} releases found: each becomes a session"
     return [cut(recording, start, stop) for start, stop in zip(starts, stops, strict=True)], (note,)

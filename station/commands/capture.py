@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 @click.pass_obj
 def command(
     settings_file: str | None,
+    /,
     port: str | None,
     folder: Path | None,
     mass: float | None,

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     "columns",
     multiple=True,
     metavar="QUANTITY=COLUMN",
-    help="Which column holds a quantity (time, displacement, velocity, acceleration, force): a name, a number from 1, or none.",
+    help="Column of a quantity (time, displacement, velocity, acceleration, force): its name, its number from 1, or none.",
 )
 @click.option(
     "--unit", "units", multiple=True, metavar="QUANTITY=UNIT", help="Unit of a column, as mm, deg, g."
@@ -57,6 +57,7 @@ if TYPE_CHECKING:
 @click.pass_obj
 def command(
     settings_file: str | None,
+    /,
     file: Path,
     folder: Path | None,
     mass: float | None,

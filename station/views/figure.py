@@ -1,6 +1,6 @@
 """Pictures with real axes and units, dark as the viewer is."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 import matplotlib
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 DOTS_PER_INCH = 150
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "figure.facecolor": palette.PANEL,
     "axes.facecolor": palette.PANEL,
     "axes.edgecolor": palette.FAINT,
@@ -37,7 +37,7 @@ STYLE = {
 
 
 def figure(
-    width: float, height: float, rows: int = 1, columns: int = 1, **layout: object
+    width: float, height: float, rows: int = 1, columns: int = 1, sharey: bool = False
 ) -> tuple["Figure", list["Axes"]]:
     """Return a figure of that size in inches and its axes in reading order."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -46,11 +46,17 @@ def figure(
     with matplotlib.rc_context(STYLE):
         made = Figure(figsize=(width, height), dpi=DOTS_PER_INCH, layout="constrained")
         FigureCanvasAgg(made)
-        axes = made.subplots(rows, columns, squeeze=False, **layout)  # type: ignore[arg-type]
+        axes = made.subplots(rows, columns, squeeze=False, sharey=sharey)
     return made, list(axes.ravel())
 
 
-def legend(axis: "Axes", place: str, labels: list[str] | None = None, colour: str = palette.INK) -> None:
-    """Put a legend without a box at `place`."""
-    handles = {} if labels is None else {"labels": labels}
-    axis.legend(loc=place, frameon=False, labelcolor=colour, fontsize=9, **handles)
+def legend(
+    axis: "Axes",
+    place: Literal["upper left", "upper right", "lower left"],
+    labels: list[str] | None = None,
+    colour: str = palette.INK,
+) -> None:
+    """Put a legend without a box at `place`; `labels` name the curves in the order in which they were drawn."""
+    for handle, label in zip(axis.get_lines(), labels or [], strict=False):
+        handle.set_label(label)
+    axis.legend(loc=place, frameon=False, labelcolor=colour, fontsize=9)

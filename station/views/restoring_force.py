@@ -163,7 +163,7 @@ def _sections(stream: rr.RecordingStream, found: RestoringForceResult, length: s
         length,
     )
     legend(axes[0], "upper left")
-    numbers = {}
+    numbers: dict[str, Array] = {}
     for name, cut in (("u", found.section_zero_velocity), ("v", found.section_zero_displacement)):
         numbers |= {f"{name}_position": cut.position, f"{name}_force": cut.force, f"{name}_fit": cut.fit}
     log.picture(stream, f"{ROOT}/sections", drawn, numbers)

@@ -73,7 +73,7 @@ def _scalogram(stream: rr.RecordingStream, found: WaveletResult) -> None:
     bar = drawn.colorbar(shown, ax=axis, pad=0.01)
     bar.set_label("modulus [dB of its maximum]", color=palette.INK)
     bar.ax.tick_params(colors=palette.INK)
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)
     log.picture(stream, f"{ROOT}/scalogram", drawn, {"time": found.time, "ridge": found.frequency})
 
 
