@@ -14,20 +14,23 @@ from identify.noise import noise_of
 from identify.orders import choose_order
 from identify.oscillation import dominant_frequency
 from identify.smoothing import slope
-from identify.usable import first_free_sample, last_large_sample, require_cycles, valid_samples
 from identify.spread import misfit_covariance
 from identify.surface import Polynomial, Section, grid_of, sections_of
 from identify.units import damping_unit, stiffness_unit
+from identify.usable import first_free_sample, last_large_sample, require_cycles, valid_samples
 from identify.weak_form import (
     LeastSquares,
     Windows,
     averaged_sign,
     band_of,
+    band_of_reversals,
     direction_of,
+    factor_of,
     place_windows,
-    quieter_velocity,
+    refine_reversals,
     rows_of,
     solve,
+    whiten,
 )
 
 __all__ = [
@@ -41,7 +44,6 @@ _FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
 _STOP_AT_DRY_ZONE = 2.5  # as in the wavelet identification
 _STOP_AT_NOISE = 6.0
 _REACH = 2  # samples from a reversal over which the friction's jump is smeared
-_SMOOTHED_CYCLES = 0.08  # over which a cubic follows the velocity to find its reversals
 _SURE_SIGN = 3.0  # standard errors of the velocity below which its sign is noise
 
 
@@ -166,7 +168,7 @@ def _identify(
     if 2 * len(windows.first) < max_order + len(stiffness_orders) + 4:
         raise NotIdentifiable("gaps leave too few whole stretches of two cycles; record again without losses")
     points = _points(span)
-    fits = [_fit(span, windows, order, stiffness_orders, decay) for order in range(max_order + 1)]
+    fits = _fits(span, windows, max_order, stiffness_orders, decay)
     clear = [abs(fit.polynomial.damping[-1]) / np.sqrt(fit.covariance[fit.order, fit.order]) for fit in fits]
     order, reason = choose_order(
         range(max_order + 1), [fit.solution.chi_square for fit in fits], clear, "damping"
@@ -241,42 +243,74 @@ def _dry_friction(span: _Span) -> float:
     return float((np.linalg.lstsq(columns / scale, -a[span.valid], rcond=None)[0] / scale)[0])
 
 
-def _fit(
-    span: _Span, windows: Windows, order: int, stiffness_orders: tuple[int, ...], decay: FreeDecay
-) -> _Fit:
+def _fits(
+    span: _Span, windows: Windows, max_order: int, stiffness_orders: tuple[int, ...], decay: FreeDecay
+) -> list[_Fit]:
+    """Solve eq. (17) for every damping order, with one covariance of the rows.
+
+    A first solution of first order says how large the friction's jump is and where the resonance lies.
+    """
     motion, w = span.motion, span.angular_frequency
     u, v, a = (span.cut(x) for x in (motion.displacement, motion.velocity, motion.acceleration))
     force = None if span.force is None else span.cut(span.force)
-    right = -a if force is None or decay.mass is None else force - a
-    speed = np.abs(v)
-    smooth = [speed**i * np.sign(v) for i in range(1, order + 1)]
-    smooth += [u**j for j in stiffness_orders] + [np.ones_like(u)]
-    smooth += [-force] if force is not None and decay.mass is None else []
-    mu_0, mu_1, k_1 = 0.0, 0.0, w**2
-    reach = int(_SMOOTHED_CYCLES * 2 * np.pi * motion.rate / w)
+    unknown_mass = force is not None and decay.mass is None
+    right = -a if force is None or unknown_mass else force - a
+    others = [u**j for j in stiffness_orders] + [np.ones_like(u)] + ([-force] if unknown_mass else [])
+    powers = [np.abs(v) ** i * np.sign(v) for i in range(1, max(max_order, 1) + 1)]
+
     direction = direction_of(v)
-    for again in range(2):  # the second time with the friction's jump and the resonance where they are
-        if again:
-            quieter = quieter_velocity(v, direction, mu_0, motion.rate, reach)
-            direction = direction_of(quieter, 2 * max(mu_0, 0.0) / motion.rate)
-        rows = rows_of(windows, np.stack([averaged_sign(direction), *smooth, right]))
-        kernels = {
-            "consistent": windows.curvature - mu_1 * windows.slope + k_1 * windows.kernel,
-            "elastic": k_1 * windows.kernel - mu_1 * windows.slope,
-            "inertial": windows.kernel,
-        }
-        bands = [band_of(windows, kernels[name], motion.rate, _above(level, w)) for name, level in span.noise]
-        solution = solve(rows[:, :-1], rows[:, -1], np.sum(bands, axis=0))
-        mu_0 = float(solution.values[0])
-        mu_1 = float(solution.values[1]) if order else 0.0
+    columns = [averaged_sign(direction), *powers, *others, right]
+    factor = factor_of(_covariance(span, windows, 0.0, w**2))
+    first = _solved(rows_of(windows, np.stack(columns)), factor, 1, len(others))
+    mu_0, mu_1, k_1 = first.values[0], first.values[1], first.values[2] if 1 in stiffness_orders else w**2
+
+    direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w)
+    band = _covariance(span, windows, mu_1, k_1)
+    band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, _noise_velocity(span))
+    factor = factor_of(band)
+    columns[0] = averaged_sign(direction)
+    rows = rows_of(windows, np.stack(columns))
+    solutions = [_solved(rows, factor, order, len(others)) for order in range(max_order + 1)]
+    return [_fit(solution, stiffness_orders, unknown_mass) for solution in solutions]
+
+
+def _solved(rows: Array, factor: Array, order: int, others: int) -> LeastSquares:
+    kept = [*range(order + 1), *range(rows.shape[1] - 1 - others, rows.shape[1])]
+    white = whiten(factor, rows[:, kept])
+    return solve(white[:, :-1], white[:, -1])
+
+
+def _fit(solution: LeastSquares, stiffness_orders: tuple[int, ...], unknown_mass: bool) -> _Fit:
+    order = len(solution.values) - len(stiffness_orders) - 2 - unknown_mass
     covariance = solution.covariance + misfit_covariance(
-        solution.white.reshape(-1, 2).T.ravel(), solution.gain, len(rows)
+        solution.white.reshape(-1, 2).T.ravel(), solution.gain, len(solution.white)
     )
-    damping = solution.values[: order + 1]
-    stiffness = dict(zip(stiffness_orders, solution.values[order + 1 :], strict=False))
-    offset = solution.values[order + 1 + len(stiffness_orders)]
-    gain = 1.0 if decay.mass is not None or force is None else float(solution.values[-1])
-    return _Fit(order, solution, covariance, Polynomial(damping, stiffness, float(offset)), gain)
+    stiffness = {
+        j: float(chi) for j, chi in zip(stiffness_orders, solution.values[order + 1 :], strict=False)
+    }
+    offset = float(solution.values[order + 1 + len(stiffness_orders)])
+    gain = float(solution.values[-1]) if unknown_mass else 1.0
+    return _Fit(
+        order, solution, covariance, Polynomial(solution.values[: order + 1], stiffness, offset), gain
+    )
+
+
+def _covariance(span: _Span, windows: Windows, mu_1: float, k_1: float) -> Array:
+    """Covariance of the rows: what each channel's noise does to both sides of the equation of motion."""
+    elastic = k_1 * windows.kernel - mu_1 * windows.slope
+    kernels = {"consistent": windows.curvature + elastic, "elastic": elastic, "inertial": windows.kernel}
+    w = span.angular_frequency
+    return np.sum(
+        [band_of(windows, kernels[name], span.motion.rate, _above(level, w)) for name, level in span.noise],
+        axis=0,
+    )
+
+
+def _noise_velocity(span: _Span) -> float:
+    if span.motion.noise_velocity is not None:
+        return span.motion.noise_velocity
+    w = np.array([span.angular_frequency])
+    return float(w[0] * np.sqrt(span.noise[0][1](w)[0]))
 
 
 def _above(spectrum: Callable[[Array], Array], w: float) -> Callable[[Array], Array]:

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import fft
 from scipy.linalg import cholesky_banded, solve_banded
-from scipy.signal import savgol_filter
 
 from identify.arrays import Array, Mask
 
 WINDOW_CYCLES = 2.0
 ROWS_PER_CYCLE = 4
 _JITTER = 1e-4  # of the rows' variance: neighbouring windows share most of their samples
+_QUIET_CYCLES = 0.12
 _TAIL = 4  # steps over which coloured noise of two windows that no longer overlap may still agree
 
 
@@ -110,19 +110,22 @@ class LeastSquares:
     chi_square: float
 
 
-def solve(rows: Array, right: Array, band: Array) -> LeastSquares:
-    """Solve `rows` (m, p) c = `right` (m,) by SVD, weighted by the rows' covariance in lower `band`ed form."""
-    band = band.copy()
-    band[0] += _JITTER * np.max(band[0])
-    factor = cholesky_banded(band, lower=True, check_finite=False)
-    white = whiten(factor, np.column_stack([rows, right]))
-    scale = np.linalg.norm(white[:, :-1], axis=0) + 1e-300
-    left, singular, across = np.linalg.svd(white[:, :-1] / scale, full_matrices=False)
+def factor_of(band: Array) -> Array:
+    """Return the banded Cholesky factor of the rows' covariance."""
+    raised = band.copy()
+    raised[0] += _JITTER * np.max(band[0])
+    return np.asarray(cholesky_banded(raised, lower=True, check_finite=False))
+
+
+def solve(white: Array, right: Array) -> LeastSquares:
+    """Solve whitened rows (m, p) c = `right` (m,) by SVD, as the paper does eq. (17)."""
+    scale = np.linalg.norm(white, axis=0) + 1e-300
+    left, singular, across = np.linalg.svd(white / scale, full_matrices=False)
     kept = np.where(singular > 1e-10 * singular[0], 1 / singular, 0.0)
     inverse = (across.T * kept) @ left.T / scale[:, None]
-    values = inverse @ white[:, -1]
-    residual = white[:, -1] - white[:, :-1] @ values
-    degrees = max(1, len(right) - rows.shape[1])
+    values = inverse @ right
+    residual = right - white @ values
+    degrees = max(1, len(right) - white.shape[1])
     return LeastSquares(
         values, inverse, inverse @ inverse.T, residual, degrees, float(residual @ residual) / degrees
     )
@@ -141,18 +144,66 @@ class Direction:
     at: Array
 
 
-def direction_of(velocity: Array, jump: float = 0.0) -> Direction:
-    """Return the direction of motion, with each reversal placed between two samples by the straight line.
-
-    `jump` (m/s) is what dry friction's jump of the acceleration does to the velocity within one interval: the line is
-    steeper before the reversal than after it.
-    """
+def direction_of(velocity: Array) -> Direction:
+    """Return the direction of motion, with each reversal placed between two samples by the straight line."""
     before, after = velocity[:-1], velocity[1:]
     turns = before * after < 0
-    fall = np.where(turns, before - after, 1.0)
-    at = np.where(turns, before / fall, 1.0)
-    at = np.clip(at - at * (1 - at) * jump / np.maximum(np.abs(fall), jump + 1e-300), 0.0, 1.0)
+    at = np.where(turns, before / np.where(turns, before - after, 1.0), 1.0)
     return Direction(np.where(before != 0, np.sign(before), np.sign(after)), at)
+
+
+def refine_reversals(
+    velocity: Array, direction: Direction, dry: float, rate: float, angular_frequency: float
+) -> Direction:
+    """Return the direction with its reversals placed by the samples an eighth of a cycle to either side.
+
+    Between reversals the velocity is a sine, of two amplitudes: before and after they differ by dry friction
+    `dry` (m/s^2). That difference is given back, and one sine with an offset is fitted across the reversal.
+    """
+    reach = int(_QUIET_CYCLES * 2 * np.pi * rate / angular_frequency)
+    turns = np.flatnonzero(direction.at < 1)
+    inside = (turns >= reach) & (turns + 1 + reach < len(velocity))
+    alone = np.diff(turns, prepend=-len(velocity)) > reach
+    alone &= np.diff(turns, append=2 * len(velocity)) > reach
+    turns = turns[inside & alone]
+    if reach < 3 or not len(turns):
+        return direction
+    at = direction.at.copy()
+    offsets = np.arange(-reach, reach + 2)
+    nearby = velocity[turns[:, None] + offsets]
+    for _ in range(2):
+        angle = (offsets - at[turns][:, None]) * (angular_frequency / rate)
+        smooth = nearby - direction.before[turns][:, None] * dry / angular_frequency * np.sin(np.abs(angle))
+        sine, cosine = np.sin(angle), np.cos(angle)
+        # least squares on sin, cos and 1; at the reversal only the last two remain
+        columns = np.stack([sine, cosine, np.ones_like(sine)], axis=2)
+        normal = columns.transpose(0, 2, 1) @ columns
+        found = np.linalg.solve(normal, columns.transpose(0, 2, 1) @ smooth[:, :, None])[:, :, 0]
+        late = -(found[:, 1] + found[:, 2]) / found[:, 0] * (rate / angular_frequency)
+        at[turns] = np.clip(at[turns] + np.where(np.abs(late) < 1, late, 0.0), 0.0, 1.0 - 1e-9)
+    return Direction(direction.before, at)
+
+
+def band_of_reversals(
+    windows: Windows, width: int, direction: Direction, jump: float, velocity: Array, noise: float
+) -> Array:
+    """Return the covariance of the rows from not knowing when the motion turned, in lower banded form (width, 2w).
+
+    A reversal is uncertain by the velocity's `noise` over its slope; friction of twice mu_0, the `jump`, is summed at the wrong
+    moment for so long. Small amplitudes turn slowly, so their reversals count least.
+    """
+    turns = np.flatnonzero(direction.at < 1)
+    late = noise / np.maximum(np.abs(velocity[turns + 1] - velocity[turns]), noise)
+    place = turns[:, None] - windows.first
+    seen = (place >= 0) & (place < len(windows.kernel))
+    share = np.where(seen, windows.kernel[np.where(seen, place, 0)], 0) * (jump * late)[:, None]
+    parts = np.stack([share.real, share.imag], axis=2).reshape(len(turns), -1)
+    band = np.zeros((width, parts.shape[1]))
+    for offset in range(min(width, parts.shape[1])):
+        band[offset, : parts.shape[1] - offset] = np.einsum(
+            "ki,ki->i", parts[:, offset:], parts[:, : parts.shape[1] - offset]
+        )
+    return band
 
 
 def averaged_sign(direction: Direction) -> Array:
@@ -169,16 +220,3 @@ def averaged_sign(direction: Direction) -> Array:
     out[-1] *= 2
     out[1:-1] -= (out[2:] - 2 * out[1:-1] + out[:-2]) / 12
     return out
-
-
-def quieter_velocity(velocity: Array, direction: Direction, dry: float, rate: float, reach: int) -> Array:
-    """Return the velocity smoothed over `reach` samples on either side, its kinks at the reversals kept, (n,).
-
-    What dry friction `dry` (m/s^2) has taken is given back first, which leaves nothing to smear; a cubic is fitted
-    under each sample, and the friction is taken off again.
-    """
-    if reach < 2 or len(velocity) < 2 * reach + 1:
-        return velocity
-    travelled = np.concatenate([[0.0], np.cumsum(direction.before * (2 * direction.at - 1))])
-    taken = dry * travelled / rate
-    return np.asarray(savgol_filter(velocity + taken, 2 * reach + 1, 3) - taken)
