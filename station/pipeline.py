@@ -115,7 +115,7 @@ def is_driven(decay: FreeDecay) -> bool:
     """Return whether a recorded force goes on to the end, so that there is no free decay in the record."""
     if decay.force is None:
         return False
-    force = decay.force - np.mean(decay.force)
+    force = decay.force - np.median(decay.force)
     later = force[len(force) // 2 :]
     return bool(np.mean(later**2) > STILL_DRIVEN**2 * np.mean(force**2))
 

@@ -1,10 +1,12 @@
 """`station demo`: the whole job on a simulated board, which runs as a program of its own."""
 
 import contextlib
+import json
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import click
@@ -13,6 +15,7 @@ from station.exits import Problem
 from station.output import json_option, print_json, progress, screen
 
 SPEED = 4.0
+MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
 START_S = 60.0
 
 
@@ -63,12 +66,16 @@ def command(
     info = SessionInfo(specimen=f"simulated testbed, seed {seed}", mass_kg=21.36, operator="demo")
     wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
     where = folder or new_folder(settings.sessions, "demo")
-    with double(seed, speed, pty) as port:
-        progress(f"a simulated board answers at {port}")
-        session, url = record(port, wanted, where, not no_viewer)
+    with TemporaryDirectory() as aside:
+        told_by_double = Path(aside) / "truth.json"
+        with double(seed, speed, pty, "--truth", str(told_by_double)) as port:
+            progress(f"a simulated board answers at {port}")
+            session, url = record(port, wanted, where, not no_viewer)
+        truth = json.loads(told_by_double.read_text(encoding="utf-8"))
     result, document = identify_session(session, options_for(session, settings))
     if not as_json:
         show_identification(screen(), session.folder.name, result)
+        screen().print(_made_of(truth), markup=False, soft_wrap=True)
     from station.capturing import show_result
 
     file = show_result(url, session, result)
@@ -78,6 +85,7 @@ def command(
         "viewer_recording": str(file),
         "verdict": None if verdict is None else verdict.model_dump(mode="json"),
         "identification": document,
+        "made_of": {name: truth[name] for name in MADE_OF},
     }
     if as_json:
         print_json(told)
@@ -85,6 +93,14 @@ def command(
         screen().print(f" viewer's recording: {file}", markup=False, soft_wrap=True)
         next_steps(screen(), session.folder)
     refuse_if_nothing(result)
+
+
+def _made_of(truth: dict[str, Any]) -> str:
+    return (
+        " the simulated board was made with (and the station was not told):\n"
+        f"   K {truth['stiffness']:.2f} N/m, mu_0 {truth['mu_0']:.5f} m/s^2, mu_1 {truth['mu_1']:.5f} 1/s,"
+        f" lag {truth['displacement_late_s'] * 1e6:.1f} us\n"
+    )
 
 
 @contextlib.contextmanager

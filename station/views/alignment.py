@@ -13,6 +13,7 @@ from station.views.figure import figure, legend
 from station.views.log import Array
 
 PERIOD_SHARE = 0.05
+TAIL = 7.0
 CURVES = "/alignment"
 
 
@@ -37,18 +38,18 @@ def overlay(result: Identification) -> Overlay | None:
     if recorded.acceleration is None or recorded.displacement is None or aligned.displacement is None:
         return None
     width = max(1.5, PERIOD_SHARE * _period(result) * recorded.rate)
-    edge = int(4 * width) + 1
+    edge = int(TAIL * width) + 1
     if 4 * edge >= len(recorded):
         return None
     inside = slice(edge, len(recorded) - edge)
 
     def second_derivative(displacement: Array) -> Array:
-        smooth: Array = gaussian_filter1d(displacement, width, order=2) * recorded.rate**2
+        smooth: Array = gaussian_filter1d(displacement, width, order=2, truncate=TAIL) * recorded.rate**2
         return smooth[inside]
 
     return Overlay(
         recorded.time[inside],
-        gaussian_filter1d(recorded.acceleration, width)[inside],
+        gaussian_filter1d(recorded.acceleration, width, truncate=TAIL)[inside],
         second_derivative(recorded.displacement),
         second_derivative(aligned.displacement),
     )

@@ -1,0 +1,173 @@
+"""What an operator does, by the commands that the README tells, on a board that is a program of its own."""
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from daq.session import Session, verify
+from station import exits
+
+DATA = Path(__file__).resolve().parent.parent / "data"
+# What the two records were made of, by the program that made them (per unit mass; 21.36 kg; lag in s).
+TRUTH = {
+    "release_12.csv": (612.3598073615873, 0.1391087551537338, 0.2599697333159229, -0.0010940508563509086),
+    "release_24.csv": (612.0013333946838, 0.11453897115374191, 0.29636293457437146, 0.0009845421464880271),
+}
+HEADLESS = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+
+
+def station(*arguments, cwd, code=0):
+    done = subprocess.run(
+        [sys.executable, "-m", "station", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        env=HEADLESS,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == code, done.stderr
+    assert "Traceback" not in done.stderr
+    return done
+
+
+@contextlib.contextmanager
+def board(*arguments):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "mocks", *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        yield process.stdout.readline().removeprefix("port: ").strip()
+    finally:
+        process.stdin.close()
+        process.terminate()
+        process.wait(timeout=10)
+        process.stdout.close()
+
+
+@pytest.mark.parametrize("name", TRUTH)
+def test_a_file_of_another_board_is_imported_and_identified(tmp_path, name):
+    told = json.loads(station("import", DATA / name, "--mass", 21.36, "--json", cwd=tmp_path).stdout)
+    assert told["rate_hz"] == pytest.approx(256)
+    assert [channel["quantity"] for channel in told["channels"]] == ["displacement", "acceleration"]
+    document = json.loads(station("identify", told["sessions"][0], "--json", cwd=tmp_path).stdout)
+    per_mass, mu_0, mu_1, lag = TRUTH[name]
+    # Three times the rms errors that the issue allows, for one record.
+    assert document["alignment"]["lag_s"]["value"] == pytest.approx(lag, abs=12e-6)
+    for method, stiffness_error in (("wavelet", 1.2e-3), ("restoring_force", 3e-4)):
+        found = document[method]
+        assert found["stiffness"]["unit"] == "N/m"
+        assert found["stiffness"]["value"] == pytest.approx(21.36 * per_mass, rel=stiffness_error)
+        assert found["damping"][0]["value"] == pytest.approx(mu_0, rel=0.018)
+        assert found["damping"][1]["value"] == pytest.approx(mu_1, rel=0.036)
+        assert found["order"] == 1
+    kept = json.loads((tmp_path / told["sessions"][0] / "results" / "identification.json").read_text())
+    assert kept == document
+
+
+def test_a_data_file_can_be_identified_at_once_and_is_not_imported_twice(tmp_path):
+    first = json.loads(station("identify", DATA / "release_24.csv", "--json", cwd=tmp_path).stdout)
+    again = json.loads(station("identify", DATA / "release_24.csv", "--json", cwd=tmp_path).stdout)
+    assert first == again
+    assert first["wavelet"]["stiffness"]["unit"] == "1/s^2"
+    assert [folder.name for folder in (tmp_path / "sessions").iterdir()] == ["release_24"]
+
+
+def test_two_releases_in_one_file_become_two_sessions(tmp_path):
+    one = (DATA / "release_12.csv").read_text().splitlines()
+    two = (DATA / "release_24.csv").read_text().splitlines()
+    rows = [line.split(",", 1)[1] for line in one[1:] + two[1:]]
+    file = tmp_path / "both.csv"
+    file.write_text("\n".join([one[0], *(f"{i / 256:.8f},{row}" for i, row in enumerate(rows))]) + "\n")
+    told = json.loads(station("import", file, "--mass", 21.36, "--json", cwd=tmp_path).stdout)
+    assert [Path(folder).name for folder in told["sessions"]] == ["both_1", "both_2"]
+    for folder, name in zip(told["sessions"], TRUTH, strict=True):
+        document = json.loads(station("identify", folder, "--json", cwd=tmp_path).stdout)
+        assert document["wavelet"]["damping"][1]["value"] == pytest.approx(TRUTH[name][2], rel=0.036)
+
+
+def test_the_demo_records_identifies_and_tells_where_everything_is(tmp_path):
+    told = json.loads(station("demo", "--speed", 0, "--seed", 3, "--json", cwd=tmp_path).stdout)
+    session = Session.open(tmp_path / told["session"])
+    assert verify(session.folder).ok
+    assert (tmp_path / told["viewer_recording"]).stat().st_size > 100_000
+    made, found = told["made_of"], told["identification"]
+    assert found["alignment"]["lag_s"]["value"] == pytest.approx(made["displacement_late_s"], abs=16e-6)
+    for method in ("wavelet", "restoring_force"):
+        assert found[method]["stiffness"]["value"] == pytest.approx(made["stiffness"], rel=1.2e-3)
+        assert found[method]["damping"][0]["value"] == pytest.approx(made["mu_0"], rel=0.018)
+        assert found[method]["damping"][1]["value"] == pytest.approx(made["mu_1"], rel=0.036)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo terminals on Windows")
+def test_a_capture_from_a_pseudo_terminal_then_replay_view_verify_and_table(tmp_path):
+    with board("--pty", "--seed", "4") as port:
+        done = station(
+            "capture", "--port", port, "--mass", 21.36, "--duration", 6, "--session", "first", "--json", cwd=tmp_path
+        )
+    told = json.loads(done.stdout)
+    assert told["verdict"]["word"] == "OK"
+    assert "ARMED" in done.stderr
+    found = told["identification"]
+    assert found["record"]["lost_samples"] == 0
+    assert found["wavelet"]["order"] == 1
+
+    replayed = json.loads(station("replay", "first", "--no-viewer", "--json", cwd=tmp_path).stdout)
+    assert replayed["identification"] == found
+    viewed = json.loads(station("view", "first", "--no-viewer", "--json", cwd=tmp_path).stdout)
+    assert (tmp_path / viewed["recording"]).exists()
+    assert json.loads(station("verify", "first", "--json", cwd=tmp_path).stdout)["ok"]
+    table = json.loads(station("table", "first", "--format", "json", cwd=tmp_path).stdout)
+    assert table["table_1"][0]["K (WT)"]["value"] == found["wavelet"]["stiffness"]["value"]
+    info = json.loads(station("info", "first", "--json", cwd=tmp_path).stdout)
+    assert info["samples"] == found["record"]["samples"]
+    assert info["lost_samples"] == 0
+
+
+def test_no_board_ends_with_3_and_words(tmp_path):
+    done = station("capture", "--port", "socket://127.0.0.1:9", "--no-viewer", cwd=tmp_path, code=exits.NO_BOARD)
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "sessions").exists()
+
+
+def test_another_version_of_the_protocol_ends_with_4(tmp_path):
+    with board("--tcp", "0", "--fault", "wrong-version") as port:
+        done = station("capture", "--port", port, "--no-viewer", cwd=tmp_path, code=exits.PROTOCOL)
+    assert "version" in done.stderr
+
+
+def test_an_unplugged_board_ends_with_6_and_keeps_what_came(tmp_path):
+    with board("--tcp", "0", "--speed", "4", "--fault", "unplug@5") as port:
+        done = station("capture", "--port", port, "--session", "cut", "--no-viewer", cwd=tmp_path, code=exits.DISCONNECTED)
+    assert "cut" in done.stderr
+    assert Session.open(tmp_path / "cut").recording().samples.shape[1] > 256
+
+
+def test_a_record_of_nothing_ends_with_8_and_one_sentence(tmp_path):
+    file = tmp_path / "still.csv"
+    file.write_text("time_s,displacement_m\n" + "".join(f"{i / 256},{1e-6 * (i * 7919 % 13)}\n" for i in range(2048)))
+    done = station("identify", file, "--json", cwd=tmp_path, code=exits.NOT_IDENTIFIABLE)
+    assert json.loads(done.stdout)["error"]["exit_code"] == exits.NOT_IDENTIFIABLE
+
+
+def test_a_flipped_bit_ends_verify_with_7(tmp_path):
+    station("import", DATA / "release_24.csv", "--session", "one", cwd=tmp_path)
+    raw = tmp_path / "one" / "raw.log"
+    content = bytearray(raw.read_bytes())
+    content[len(content) // 2] ^= 1
+    raw.write_bytes(content)
+    done = station("verify", "one", "--json", cwd=tmp_path, code=exits.STORAGE)
+    assert not json.loads(done.stdout)["ok"]
+    assert "raw.log" in done.stdout
+
+
+def test_nothing_is_overwritten(tmp_path):
+    station("import", DATA / "release_24.csv", "--session", "one", cwd=tmp_path)
+    done = station("import", DATA / "release_12.csv", "--session", "one", cwd=tmp_path, code=exits.USAGE)
+    assert "one" in done.stderr
+    assert verify(tmp_path / "one").ok

@@ -1,0 +1,105 @@
+"""The paper's tables: Table 1 line by line, Table 2 its mean and standard deviation, in four formats."""
+
+import csv
+import io
+from statistics import fmean, stdev
+
+import pytest
+
+from station import table
+
+# The paper's Table 1, its nine releases: mu_0, mu_1, K by the wavelet and by the restoring force.
+WT = [
+    (0.13, 0.28, 13104), (0.12, 0.28, 13118), (0.12, 0.26, 13121), (0.11, 0.29, 13184), (0.12, 0.28, 13113),
+    (0.14, 0.28, 13091), (0.13, 0.29, 13107), (0.14, 0.27, 13090), (0.14, 0.26, 13110),
+]  # fmt: skip
+RFS = [
+    (0.12, 0.27, 13099), (0.12, 0.27, 13131), (0.12, 0.24, 13126), (0.11, 0.25, 13206), (0.12, 0.29, 13127),
+    (0.14, 0.30, 13073), (0.13, 0.30, 13080), (0.13, 0.30, 13093), (0.13, 0.26, 13096),
+]  # fmt: skip
+AMPLITUDES = (-0.025, -0.02, -0.015, -0.005, 0.02, 0.025, None, None, None)
+
+
+def method(values):
+    mu_0, mu_1, stiffness = values
+    return {
+        "stiffness": {"value": stiffness, "std": 1.0, "unit": "N/m"},
+        "damping": [{"value": mu_0, "std": 0.001, "unit": "m/s^2"}, {"value": mu_1, "std": 0.002, "unit": "1/s"}],
+    }
+
+
+@pytest.fixture
+def tables():
+    return table.make_tables(
+        [
+            {
+                "session": f"release_{number}",
+                "record": {"unit": "m", "mass_kg": 21.36},
+                "release": {"amplitude": amplitude},
+                "wavelet": method(wt),
+                "restoring_force": method(rfs),
+            }
+            for number, (wt, rfs, amplitude) in enumerate(zip(WT, RFS, AMPLITUDES, strict=True), start=1)
+        ]
+    )
+
+
+def test_table_2_of_the_papers_table_1_is_the_papers_table_2(tables):
+    summary = dict(tables.summary)
+    assert summary["WT"][2].value == pytest.approx(13115.3, abs=0.1)
+    assert summary["WT"][2].std == pytest.approx(28, abs=0.5)
+    assert summary["RFS"][2].value == pytest.approx(13114.6, abs=0.1)
+    assert summary["RFS"][2].std == pytest.approx(40, abs=0.5)
+    assert summary["WT"][0].value == pytest.approx(0.13, abs=0.005)
+    assert summary["RFS"][0].value == pytest.approx(0.12, abs=0.005)
+    assert summary["WT"][1].value == pytest.approx(0.277, abs=0.0005)
+    assert summary["RFS"][1].value == pytest.approx(0.276, abs=0.0005)
+
+
+def test_text_names_every_release_and_both_methods_within_80_columns(tables):
+    text = table.as_text(tables)
+    assert all(f"release_{number}" in text for number in range(1, 10))
+    assert "13115" in text
+    assert "N/m" in text
+    assert all(len(line) <= 80 for line in text.splitlines())
+
+
+def test_csv_holds_every_digit(tables):
+    first, second = table.as_csv(tables).split("\n\n")
+    rows = list(csv.DictReader(io.StringIO(first)))
+    assert [float(row["K (WT) [N/m]"]) for row in rows] == [values[2] for values in WT]
+    assert [float(row["mu_1 (RFS) [1/s]"]) for row in rows] == [values[1] for values in RFS]
+    means = list(csv.DictReader(io.StringIO(second)))
+    assert float(means[0]["mean K [N/m]"]) == fmean(values[2] for values in WT)
+    assert float(means[1]["std mu_0 [m/s^2]"]) == stdev(values[0] for values in RFS)
+
+
+def test_latex_has_as_many_cells_in_every_line_as_in_its_head(tables):
+    for tabular in table.as_latex(tables).split("\\begin{tabular}")[1:]:
+        lines = [line for line in tabular.splitlines() if "&" in line]
+        assert len({line.count("&") for line in lines}) == 1
+    assert "release\\_1" in table.as_latex(tables)
+
+
+def test_json_has_both_tables_with_units(tables):
+    document = table.as_json(tables)
+    assert document["table_1"][0]["K (WT)"] == {"value": 13104, "std": 1.0, "unit": "N/m"}
+    assert document["table_2"][0]["method"] == "WT"
+    assert document["table_2"][1]["K"]["unit"] == "N/m"
+
+
+def test_a_method_that_refused_leaves_an_empty_cell_and_the_others_stand():
+    documents = [
+        {
+            "session": "a",
+            "record": {"unit": "m", "mass_kg": 1.0},
+            "release": {"amplitude": 0.01},
+            "wavelet": None,
+            "restoring_force": method((0.1, 0.2, 100.0)),
+        }
+    ]
+    tables = table.make_tables(documents)
+    assert tables.rows[0].cells[0] is None
+    assert dict(tables.summary)["WT"] == (None, None, None)
+    for text in (table.as_text(tables), table.as_csv(tables), table.as_latex(tables)):
+        assert "100" in text

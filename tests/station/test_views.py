@@ -1,0 +1,160 @@
+"""The viewer's recordings, read back: every number shown is the number that was found."""
+
+import numpy as np
+import pytest
+from rerun.chunk import RrdReader
+from synthetic import LAG, OMEGA, RATE, VISCOUS, identification, restoring_force
+
+from station.identification import Identification
+from station.views import alignment, show
+from station.views.restoring_force import mesh
+
+
+@pytest.fixture(scope="module")
+def result() -> Identification:
+    return identification()
+
+
+@pytest.fixture(scope="module")
+def file(result, tmp_path_factory):
+    path = tmp_path_factory.mktemp("views") / "one.rrd"
+    show.write(path, "one", result)
+    return path
+
+
+def column(file, path, name):
+    """Return the values of one component of one entity, in the order in which they were logged."""
+    values = []
+    for chunk in RrdReader(file).stream().filter(content=path):
+        batch = chunk.to_record_batch()
+        for field in batch.schema.names:
+            if field == name or field.endswith(f":{name}"):
+                values += [np.asarray(row, dtype=float) for row in batch.column(field).to_pylist() if row is not None]
+    return np.concatenate(values) if values else np.zeros(0)
+
+
+def text(file, path):
+    for chunk in RrdReader(file).stream().filter(content=path):
+        batch = chunk.to_record_batch()
+        for field in batch.schema.names:
+            if field.endswith("TextDocument:text"):
+                return batch.column(field).to_pylist()[0][0]
+    return ""
+
+
+def test_the_channels_are_shown_bit_for_bit_as_they_were_recorded(file, result):
+    assert np.array_equal(column(file, "/capture/displacement", "Scalars:scalars"), result.decay.displacement * 1e3)
+    assert np.array_equal(column(file, "/capture/acceleration", "Scalars:scalars"), result.decay.acceleration)
+
+
+def test_lost_samples_leave_a_hole_and_no_curve(result, tmp_path):
+    valid = np.ones(len(result.decay), dtype=bool)
+    valid[400:420] = False
+    holed = Identification(**(vars(result) | {"decay": result.decay.with_(valid=valid)}))
+    path = tmp_path / "holed.rrd"
+    show.write(path, "holed", holed)
+    shown = column(path, "/capture/displacement", "Scalars:scalars")
+    assert np.array_equal(np.isnan(shown), ~valid)
+    assert "20 lost" in text(path, "/capture/facts")
+
+
+def test_the_lag_is_told_with_its_error_and_what_it_would_have_done(file):
+    told = text(file, "/alignment/text")
+    assert "late by 1300.0 ± 3.1 us" in told
+    assert f"{VISCOUS + OMEGA**2 * LAG:.3f}" in told
+    story = column(file, "/alignment/story/numbers", "value")
+    assert np.allclose(story, [VISCOUS + OMEGA**2 * LAG, VISCOUS, 0.2765])
+
+
+def test_the_overlay_differentiates_a_known_motion_rightly(result):
+    time = np.arange(4096) / RATE
+    swing = 0.02 * np.sin(OMEGA * time)
+    late = 0.02 * np.sin(OMEGA * (time - LAG))
+    decay = result.decay.with_(displacement=late, acceleration=-(OMEGA**2) * swing)
+    known = Identification(**(vars(result) | {"decay": decay, "aligned": decay.with_(displacement=swing)}))
+    shown = alignment.overlay(known)
+    # The Gaussian is cut at 7 standard deviations and sampled: a part in a million of 12 m/s^2.
+    assert np.abs(shown.acceleration - shown.after).max() < 1.2e-5
+    amplitude = 0.02 * OMEGA**2 * np.exp(-0.5 * (2 * np.pi * 0.05) ** 2)
+    expected = amplitude * OMEGA * LAG  # a small lag leaves amplitude x angular frequency x lag
+    assert np.abs(shown.acceleration - shown.before).max() == pytest.approx(expected, rel=0.02)
+
+
+def test_the_envelope_the_fit_and_the_frequency_are_those_that_were_found(file, result):
+    found = result.wavelet
+    assert np.array_equal(column(file, "/wavelet/envelope/measured", "Scalars:scalars"), found.envelope * 1e3)
+    assert np.array_equal(column(file, "/wavelet/envelope/model", "Scalars:scalars"), found.envelope_fit * 1e3)
+    shown = column(file, "/wavelet/frequency", "Scalars:scalars")
+    assert np.array_equal(shown[found.trusted], found.frequency[found.trusted])
+    assert np.isnan(shown[~found.trusted]).all()
+    assert np.array_equal(column(file, "/wavelet/orders/numbers", "mse_percent"), found.mse_percent_by_order)
+    assert np.array_equal(column(file, "/wavelet/scalogram/numbers", "ridge"), found.frequency)
+    assert np.array_equal(column(file, "/wavelet/backbone/numbers", "amplitude"), found.backbone_amplitude)
+
+
+def test_the_surface_the_sections_and_the_significance_are_those_that_were_found(file, result):
+    found = result.restoring_force
+    root = "/restoring_force"
+    assert np.array_equal(column(file, f"{root}/surface/fit/numbers", "surface"), found.surface.ravel())
+    assert np.array_equal(column(file, f"{root}/sections/numbers", "u_force"), found.section_zero_velocity.force)
+    assert np.array_equal(column(file, f"{root}/sections/numbers", "v_fit"), found.section_zero_displacement.fit)
+    assert np.array_equal(column(file, f"{root}/orders/numbers", "mse_percent"), found.mse_percent_by_order)
+    percent = column(file, f"{root}/significance/numbers", "percent")
+    assert np.array_equal(percent, sorted(found.significance_percent.values(), reverse=True))
+
+
+def test_the_mesh_lies_on_the_fitted_plane_and_within_what_was_visited():
+    found = restoring_force()
+    vertices, triangles = mesh(found)
+    u, v, force = vertices.T
+    away = np.abs(v) > 0.05  # next to v = 0 the step of the friction lies between two lines of the grid
+    assert np.allclose(force[away], (OMEGA**2 * u + 0.13 * np.sign(v) + VISCOUS * v)[away], atol=1e-9)
+    assert np.abs(u).max() <= np.abs(found.displacement).max() * (1 + 1e-9)
+    assert np.abs(v).max() <= np.abs(found.velocity).max() * (1 + 1e-9)
+    assert triangles.max() < len(vertices)
+
+
+def test_the_results_are_the_table_and_both_reconstructions(file, result):
+    told = text(file, "/results/table")
+    assert "13115.2 ± 2.1" in told
+    assert "13114.90 ± 0.60" in told
+    assert "m/s^2" in told
+    assert np.array_equal(column(file, "/results/force/model", "Scalars:scalars"), result.restoring_force.force_fit)
+    left = column(file, "/results/force_error", "Scalars:scalars")
+    assert np.array_equal(left, result.restoring_force.force - result.restoring_force.force_fit)
+
+
+def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
+    refused = Identification(
+        **(
+            vars(result)
+            | {
+                "wavelet": None,
+                "restoring_force": None,
+                "without_alignment": None,
+                "alignment": None,
+                "refusals": {"wavelet": "too few cycles", "restoring_force": "too short", "alignment": "one channel"},
+            }
+        )
+    )
+    path = tmp_path / "refused.rrd"
+    show.write(path, "refused", refused)
+    assert "too few cycles" in text(path, "/wavelet/refusal")
+    assert "too short" in text(path, "/restoring_force/refusal")
+    assert "one channel" in text(path, "/alignment/text")
+
+
+def test_an_acceleration_alone_is_shown_without_a_displacement(result, tmp_path):
+    alone = result.decay.with_(displacement=None, noise_displacement=None)
+    one = Identification(**(vars(result) | {"decay": alone, "aligned": alone, "alignment": None, "without_alignment": None}))
+    path = tmp_path / "alone.rrd"
+    wavelet = vars(result.wavelet) | {"channel": "acceleration"}
+    one = Identification(**(vars(one) | {"wavelet": type(result.wavelet)(**wavelet)}))
+    show.write(path, "alone", one)
+    assert np.array_equal(column(path, "/capture/acceleration", "Scalars:scalars"), alone.acceleration)
+    assert len(column(path, "/capture/displacement", "Scalars:scalars")) == 0
+
+
+def test_the_tabs_are_named_as_the_story_is_told():
+    assert show.NAMES == ("Capture", "Alignment", "Wavelet", "Restoring force", "Results")
+    assert len(show.TABS) == len(show.NAMES)
