@@ -30,6 +30,7 @@ def _resampled(values: Array, stamps: Array, clock: Timebase) -> tuple[Array, Ma
     period = 1.0 / clock.rate
     inside = (grid >= stamps[0] - 0.5 * period) & (grid <= stamps[-1] + 0.5 * period)
     valid = inside & ((width < 1.75 * period) | (near < 0.25 * period))
+    valid &= np.isfinite(samples).all(axis=0)
     return np.where(valid, samples, np.nan), valid
 
 

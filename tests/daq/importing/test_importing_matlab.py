@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from import_files import load, refusal, said, swing
-from scipy.io import savemat
+from scipy.io import loadmat, savemat
+
+from daq.importing.mat_file import read_version_5
 
 T, U, V, A = swing(300)
 
@@ -94,8 +96,50 @@ def test_a_file_without_numbers_gets_a_sentence(tmp_path: Path) -> None:
 def test_a_small_file_that_unpacks_to_gigabytes_is_refused_before_it_does(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("daq.importing.matlab.MAX_NUMBERS", 1_000_000)  # so that 32 MB stand for gigabytes
+    monkeypatch.setattr("daq.importing.mat_file.MAX_BYTES", 16_000_000)  # so that 32 MB stand for gigabytes
     packed = zlib.compress(struct.pack("<II", 14, 32_000_000) + bytes(32_000_000), 9)
     data = mat(t=T)[:128] + struct.pack("<II", 15, len(packed)) + packed
     assert len(data) < 100_000
-    assert "more than 1000000" in refusal(tmp_path, data, "a.mat")
+    assert "unpacks to more" in refusal(tmp_path, data, "a.mat")
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_what_another_reader_finds_is_found_here(compressed: bool) -> None:
+    """scipy's reader is the referee; every class of numbers, small elements, nested structures and cells."""
+    variables: dict[str, object] = {
+        name: (np.arange(6) - (0 if name.startswith("u") else 2)).astype(name).reshape(2, 3)
+        for name in ("i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "f4", "f8")
+    }
+    variables |= {"one": 3.5, "s": {"a": U, "b": {"c": np.eye(3), "word": "text"}}, "z": U + 1j}
+    cells = np.empty((1, 2), dtype=object)
+    cells[0, 0], cells[0, 1] = T, "text"
+    data = mat(compressed=compressed, **variables, c=cells)
+    found = dict(read_version_5(data))
+    assert set(found) == {*(n for n in variables if n not in ("s", "z")), "s.a", "s.b.c", "c{1}"}
+    referee = loadmat(io.BytesIO(data))
+    for name in found:
+        if name in referee:
+            np.testing.assert_array_equal(found[name], referee[name])
+    np.testing.assert_array_equal(found["s.b.c"], np.eye(3))
+    np.testing.assert_array_equal(found["s.a"].ravel(), U)
+    np.testing.assert_array_equal(found["c{1}"].ravel(), T)
+
+
+def test_a_file_of_the_other_byte_order_is_read() -> None:
+    numbers = struct.pack(">II8d", 9, 64, *range(8))
+    body = (
+        struct.pack(">IIII", 6, 8, 6, 0)
+        + struct.pack(">IIii", 5, 8, 8, 1)
+        + struct.pack(">HH4s", 1, 1, b"x\0\0\0")
+    )
+    data = (
+        bytes(124)
+        + struct.pack(">H", 0x0100)
+        + b"MI"
+        + struct.pack(">II", 14, len(body + numbers))
+        + body
+        + numbers
+    )
+    ((name, array),) = read_version_5(data)
+    assert name == "x"
+    np.testing.assert_array_equal(array.ravel(), np.arange(8.0))
