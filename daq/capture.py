@@ -296,13 +296,24 @@ class _Story:
             self._warned = 0
             return
         if silence > GIVE_UP_S:
-            what = "sends no samples any more" if self.link.silence() < WARN_S else "has been silent"
-            raise Stalled(f"the board {what} for {GIVE_UP_S:g} s; what was received is kept. Reset it")
+            raise Stalled(self._silent())
         if not self._warned:
             self.observer.state(self._name, f"nothing came for {WARN_S:g} s")
         if silence > WARN_S * (self._warned + 1):
             self._warned += 1
             self.link.send(HelloRequest(), prefix=b"\0")
+
+    def _silent(self) -> str:
+        kept = "what was received is kept"
+        if self.link.silence() > WARN_S:
+            return f"the board has been silent for {GIVE_UP_S:g} s; {kept}. Check cable and board, or reset it"
+        clock = self.link.assembly.host_clock()
+        if clock is not None and clock.rate < 0.9 * self.rate:
+            return (
+                f"only {clock.rate:.0f} of {self.rate:g} samples per second came, then none for"
+                f" {GIVE_UP_S:g} s; {kept}. The line is too slow for this rate"
+            )
+        return f"the board talks but sent no samples for {GIVE_UP_S:g} s; {kept}. Reset it"
 
     def _happened(self, happening: Block | Gap) -> None:
         if isinstance(happening, Gap):
