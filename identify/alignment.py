@@ -1,6 +1,6 @@
 """Alignment: the lag and the gain between two channels, by kinematics alone."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,9 +12,14 @@ from identify.free_decay import FreeDecay
 from identify.kinematics import Agreement, Pair, agree
 from identify.noise import noise_of
 from identify.oscillation import dominant_frequency
+from identify.reversals import reversal_excess
+from identify.smoothing import slope
 
 HAND_S = 0.030
 """The hand has surely let go this long after the release, for oscillations of about 4 Hz."""
+
+SUDDEN = 0.03
+"""An uncertainty of this share of the acceleration's range is no reversal but a release within the record."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +50,22 @@ def align(decay: FreeDecay) -> Alignment:
         raise NotIdentifiable(
             "The channels hold no oscillation to align: record a release with a visible decay."
         )
-    best = min(
-        (agree(pair, lag, gain, steps=8) for lag, gain in _starts(pair, moving, frequency)),
-        key=lambda found: found.chi_square,
-    )
-    return _judged(pair, best, frequency)
+    upright, opposite = _starts(pair, moving, frequency)
+    best = agree(pair, *upright, steps=8)
+    if best.chi_square > 2.0 * best.degrees:
+        other = agree(pair, *opposite, steps=8)
+        best = other if 2.0 * other.chi_square < best.chi_square else best
+    pair = with_reversals(pair, best)
+    return _judged(pair, agree(pair, best.lag, best.gain, steps=8), frequency)
+
+
+def with_reversals(pair: Pair, found: Agreement) -> Pair:
+    """Return the pair with the jumps placed where the velocity is zero, as far as they are reversals."""
+    low, _ = read_at_shift(found.low, found.lag * pair.rate)
+    velocity = slope(low, pair.rate) if pair.order == 2 else low
+    noise = float(np.sqrt(np.min(pair.variance_high)))
+    excess, placed = reversal_excess(pair.high, velocity, noise, pair.order)
+    return replace(pair, excess=excess, jumps=np.where(placed, 0.0, pair.jumps))
 
 
 def correct(decay: FreeDecay, alignment: Alignment, *, gain: bool = True) -> FreeDecay:
@@ -87,21 +103,32 @@ def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
     noise_low = max(noise_low, 1e-9 * float(np.ptp(low)), 1e-300)
     noise_high = max(noise_high, 1e-9 * float(np.ptp(high)), 1e-300)
     variance_low = np.full(len(decay), noise_low**2)
-    variance_high = noise_high**2 + jump_variance(high, noise_high)
+    jumps = jump_variance(bridge(high, valid), noise_high)
+    sudden = jumps > (SUDDEN * float(np.ptp(high[valid]))) ** 2
+    variance_high = noise_high**2 + np.where(sudden, jumps, 0.0)
     out = ~valid
     if leave_out_hand and decay.release > 0:
         after = decay.release + max(4, int(np.ceil(HAND_S * decay.rate)))
         out[max(decay.release - 4, 0) : after] = True
     variance_low[out] = max(float(np.ptp(low[valid])), noise_low) ** 2
     variance_high[out] = max(float(np.ptp(high[valid])), noise_high) ** 2
-    return Pair(bridge(low, valid), bridge(high, valid), order, decay.rate, variance_low, variance_high)
+    return Pair(
+        bridge(low, valid),
+        bridge(high, valid),
+        order,
+        decay.rate,
+        variance_low,
+        variance_high,
+        np.where(sudden | out, 0.0, jumps),
+        np.zeros(len(decay)),
+    )
 
 
 def jump_variance(high: Array, noise: float) -> Array:
-    """Return the extra variance of samples next to a jump of the acceleration, shape (n,).
+    """Return the variance that a jump of the acceleration adds to the samples on either side of it, shape (n,).
 
-    Where between two samples the jump fell (a reversal under dry friction, a sudden release) is not known: the mean over
-    the interval is uncertain by the jump over the square root of twelve. Jumps show in the third differences.
+    Where between two samples the jump fell (a reversal under dry friction, a sudden release) is not known: the
+    mean over the interval is uncertain by the jump over the square root of twelve. Jumps show in the third differences.
     """
     third = np.abs(np.diff(high, 3))
     extra = np.zeros(len(high))

@@ -32,7 +32,8 @@ class Pair:
     """Two channels of one motion and the variance of each sample, shape (n,).
 
     `order` is the number of derivatives from `low` to `high`. A lost sample has been bridged and has a variance as
-    large as the motion itself, which is how it is left out.
+    large as the motion itself, which is how it is left out. `jumps` is a variance of `high` next to small jumps, which
+    widens the standard errors but not the weights: weights that follow the jumps would bias the lag. `excess` is taken off the averages N a (see `identify.reversals`).
     """
 
     low: Array
@@ -41,14 +42,16 @@ class Pair:
     rate: float
     variance_low: Array
     variance_high: Array
+    jumps: Array
+    excess: Array
 
 
 def cut(pair: Pair, start: int, stop: int | None = None) -> Pair:
     """Return the samples from `start` up to `stop` of a pair."""
     span = slice(start, stop)
-    arrays = (pair.low, pair.high, pair.variance_low, pair.variance_high)
-    low, high, variance_low, variance_high = (values[span] for values in arrays)
-    return Pair(low, high, pair.order, pair.rate, variance_low, variance_high)
+    arrays = (pair.low, pair.high, pair.variance_low, pair.variance_high, pair.jumps, pair.excess)
+    low, high, variance_low, variance_high, jumps, excess = (values[span] for values in arrays)
+    return Pair(low, high, pair.order, pair.rate, variance_low, variance_high, jumps, excess)
 
 
 class Stencil(NamedTuple):
@@ -139,19 +142,24 @@ def agree(
         if free:
             slope = difference_slope(pair.order, pair.rate, fraction, whole)
             columns = np.column_stack([h.apply(smooth_low, rows), gain * slope.apply(smooth_low, rows), slow])
-        residual = average.apply(pair.high, rows) - gain * h.apply(pair.low, rows)
+        averages = average.apply(pair.high, rows) - pair.excess[rows.start : rows.stop]
+        residual = averages - gain * h.apply(pair.low, rows)
         factor = cholesky_banded(_covariance(pair, average, h, gain, rows), lower=True, check_finite=False)
         weighted = cho_solve_banded((factor, True), columns, check_finite=False)
         covariance = np.linalg.inv(columns.T @ weighted)
         change = covariance @ (weighted.T @ residual)
         misfit = residual - columns @ change
+        influence = np.column_stack(
+            [average.transpose(column, rows, n) for column in (weighted @ covariance).T]
+        )
+        widened = covariance + influence.T @ (pair.jumps[:, None] * influence)
         score = cho_solve_banded((factor, True), misfit, check_finite=False)
         smooth_low = pair.low + gain * pair.variance_low * h.transpose(score, rows, n)
         smooth_high = pair.high - pair.variance_high * average.transpose(score, rows, n)
         chi_square = float(misfit @ score)
         slow_part = change[2:] if free else change
         offset = _slow_offset(n, slow_part)
-        result = Agreement(gain, lag, offset, covariance, smooth_low, smooth_high - offset, _whiten(factor, misfit), chi_square,
+        result = Agreement(gain, lag, offset, widened, smooth_low, smooth_high - offset, _whiten(factor, misfit), chi_square,
                            len(rows) - columns.shape[1], rows)  # fmt: skip
         if free:
             gain, lag = gain + float(change[0]), lag + float(change[1])

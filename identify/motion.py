@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from identify.alignment import pair_of
+from identify.alignment import pair_of, with_reversals
 from identify.arrays import Array, Mask, frozen, frozen_mask
 from identify.errors import NotIdentifiable
 from identify.fractional_delay import bridge
@@ -83,6 +83,7 @@ def reconstruct(decay: FreeDecay) -> Motion:
 
 def _from_pair(decay: FreeDecay, start: int) -> _Parts:
     pair = cut(pair_of(decay, leave_out_hand=False), start)
+    pair = with_reversals(pair, agree(pair, 0.0, 1.0, free=False))
     found = agree(pair, 0.0, 1.0, free=False)
     rate, high = pair.rate, found.high
     noise_low, noise_high = (

@@ -10,6 +10,8 @@ from identify.free_decay import FreeDecay
 
 DIFFERENCE_ORDER = 6
 SHORTEST_REST = 24
+CLIP, LEFT_INSIDE = 3.0, 0.97334
+"""Outliers lie beyond so many standard deviations; the share of a normal variable's variance that lies within."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ def floor_at_rest(rest: Array) -> Noise:
 
 
 def floor_above_motion(values: Array, valid: Mask | None = None) -> Noise:
-    """Return the floor from sixth differences, whose median size a smooth motion cannot change."""
+    """Return the floor from sixth differences, which a smooth motion leaves empty; outliers (jumps) are clipped off."""
     order = min(DIFFERENCE_ORDER, max(len(values) // 4, 1))
     size = np.abs(np.diff(values, order))
     if valid is not None and not valid.all():
@@ -73,9 +75,12 @@ def floor_above_motion(values: Array, valid: Mask | None = None) -> Noise:
         size = size[~touched]
     if len(size) == 0:
         return Noise(0.0, float("inf"), "too few samples")
-    std = float(np.median(size)) / 0.6745 / np.sqrt(comb(2 * order, order))
-    std = max(std, _converter_step(values) / np.sqrt(12.0))
-    return Noise(std, std * 2.0 / np.sqrt(len(size)), "band above the motion")
+    spread = float(np.median(size)) / 0.6745
+    for _ in range(6):
+        inside = size[size < CLIP * spread]
+        spread = float(np.sqrt(np.mean(inside**2) / LEFT_INSIDE)) if len(inside) > len(size) // 2 else spread
+    std = max(spread / np.sqrt(comb(2 * order, order)), _converter_step(values) / np.sqrt(12.0))
+    return Noise(std, std * 1.6 / np.sqrt(len(size)), "band above the motion")
 
 
 def _converter_step(values: Array) -> float:
