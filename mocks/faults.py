@@ -44,13 +44,13 @@ class Fault:
     at: float = 0.0
 
 
-def parse_fault(text: str, random: np.random.Generator) -> Fault:
-    """Return the fault of NAME[:AMOUNT][@SECONDS]; ValueError in words."""
+def parse_fault(text: str, random: np.random.Generator, others: tuple[str, ...] = ()) -> Fault:
+    """Return the fault of NAME[:AMOUNT][@SECONDS]; ValueError in words, with what else is known."""
     head, _, at = text.partition("@")
     name, _, amount = head.partition(":")
     known = PER_BYTE | PER_FRAME | LASTING | ONCE
     if name not in known:
-        raise ValueError(f"no fault is called {name!r}; there are: {', '.join(NAMES)}")
+        raise ValueError(f"no fault is called {name!r}; there are: {', '.join((*NAMES, *others))}")
     try:
         return Fault(
             name, float(amount) if amount else known[name][0], float(at) if at else random.uniform(4.5, 9.0)

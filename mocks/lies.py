@@ -8,6 +8,20 @@ import numpy as np
 
 from firmware_protocol import Describe, End, SampleFormat
 
+#: The faults of the board on the command line (`saturation` and `bump` are built into the bench).
+LIES = {
+    "wrong-version": "speaks major version 2",
+    "rate-lie": "samples 1 % (or AMOUNT) faster than described",
+    "describe-lie": "describes a format and a channel that DATA does not have",
+    "counter-lie": "indices jump by 7, the checksum of END is wrong",
+    "clock-200ppm": "the board's clock is 200 ppm (or AMOUNT) fast",
+    "saturation": "accelerometer with a range of 8 m/s^2 (or AMOUNT)",
+    "dead-channel": "channel 1 (or AMOUNT) reads nothing but zero",
+    "swapped": "the two sensors are wired to each other's input",
+    "reversed": "the accelerometer is mounted the wrong way round",
+    "bump": "somebody bumps the table while the mass is held",
+}
+
 
 @dataclass
 class Lies:

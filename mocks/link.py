@@ -17,6 +17,7 @@ class Link(Protocol):
     """One line to one host at a time. Nothing here blocks but `wait`."""
 
     address: str
+    reusable: bool  # Whether another host can come after the cable was pulled.
 
     def wait(self, seconds: float) -> None:
         """Return when bytes have come or the time is over."""

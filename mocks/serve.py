@@ -54,7 +54,7 @@ def _strike(fault: Fault, link: Link, board: Board, line: Line, now: float) -> b
     if fault.name == "unplug":
         line.clear()
         link.unplug()
-        return hasattr(link, "reusable") and link.reusable
+        return link.reusable
     if fault.name == "reboot":
         board.reboot(now)
         line.clear()
