@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.arrays import Array
+from identify.arrays import Array, Mask
 from identify.estimate import Estimate
 from identify.model import Model
 from identify.problem import Problem
@@ -55,14 +55,21 @@ class Fit:
 
 
 def descend(
-    problem: Problem, theta: Array, *, steps: int = _MOST_STEPS, patience: float = 0.02
+    problem: Problem,
+    theta: Array,
+    *,
+    steps: int = _MOST_STEPS,
+    patience: float = 0.02,
+    held: Mask | None = None,
 ) -> tuple[Array, float, Array, bool]:
     """Levenberg-Marquardt within bounds, until a step promises less than `patience` of chi-square.
 
-    Returns the unknowns, chi-square, the Jacobian at the last point but one step, and whether it settled.
+    Unknowns that are `held` stay where they are. Returns the unknowns, chi-square, the Jacobian there, and whether
+    it settled.
     """
     theta = np.clip(theta, problem.low, problem.high)
-    residual, jacobian = problem.linearise(theta)
+    always = np.zeros(len(theta), dtype=bool) if held is None else held
+    residual, jacobian = problem.linearise(theta, skip=held)
     cost = float(residual @ residual)
     damping = 1e-3
     settled = False
@@ -73,15 +80,17 @@ def descend(
         scaled = jacobian * size
         gradient = scaled.T @ residual
         normal = scaled.T @ scaled
-        held = ((theta <= problem.low) & (gradient > 0)) | ((theta >= problem.high) & (gradient < 0))
-        normal[held] = 0.0
-        normal[:, held] = 0.0
+        still = (
+            always | ((theta <= problem.low) & (gradient > 0)) | ((theta >= problem.high) & (gradient < 0))
+        )
+        normal[still] = 0.0
+        normal[:, still] = 0.0
         diagonal = np.diag(normal).copy()
         floor = 1e-12 * max(diagonal.max(), 1e-300)
         improved = False
         for _ in range(12):
             matrix = normal + np.diag(damping * diagonal + floor)
-            step = -np.linalg.solve(matrix, np.where(held, 0.0, gradient))
+            step = -np.linalg.solve(matrix, np.where(still, 0.0, gradient))
             candidate = np.clip(theta + step * size, problem.low, problem.high)
             promise = -(2.0 * gradient @ step + step @ normal @ step)
             trial = problem.residuals(candidate)
@@ -98,7 +107,7 @@ def descend(
         gained = cost - trial_cost
         theta, cost = candidate, trial_cost
         damping = max(damping / 10.0, 1e-9)
-        residual, jacobian = problem.linearise(theta)
+        residual, jacobian = problem.linearise(theta, skip=held)
         if gained < max(patience, 1e-6 * cost):
             settled = True
             break
@@ -122,7 +131,13 @@ def fit(
     if far:
         theta = _grow(model, spans, theta, frequency)
     theta, cost, jacobian, settled = descend(whole, theta, patience=patience)
-    return _result(whole, theta, cost, jacobian, settled)
+    return _result(whole, theta, cost, jacobian, settled=settled)
+
+
+def fit_at(problem: Problem, theta: Array) -> Fit:
+    """Return the fit as it stands at some values, without a further step."""
+    residual, jacobian = problem.linearise(theta)
+    return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
 
 
 def _grow(model: Model, spans: tuple[Span, ...], theta: Array, frequency: float) -> Array:
@@ -136,21 +151,21 @@ def _grow(model: Model, spans: tuple[Span, ...], theta: Array, frequency: float)
     return theta
 
 
-def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, settled: bool) -> Fit:
+def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, settled: bool) -> Fit:
     size = problem.sizes(theta)
     scaled = jacobian * size
     at_bound = (theta <= problem.low) | (theta >= problem.high)
     scaled[:, at_bound] = 0.0
     normal = scaled.T @ scaled
     values, vectors = np.linalg.eigh(normal)
-    weak = values < 1e-10 * values.max()
+    weak = values < 1e-13 * values.max()
     inverse = np.where(weak, 0.0, 1.0 / np.where(weak, 1.0, values))
     covariance = (vectors * inverse) @ vectors.T * np.outer(size, size)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
     std = np.where(lost | at_bound, np.inf, std)
     names = tuple(u.name for u in problem.unknowns)
-    unknowable = tuple(n for n, l, b in zip(names, lost, at_bound, strict=True) if l and not b)
+    unknowable = tuple(n for n, gone, bound in zip(names, lost, at_bound, strict=True) if gone and not bound)
     outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
     if unknowable:
         outcome += f" This record does not determine {', '.join(unknowable)}."

@@ -1,10 +1,11 @@
 """The problem that a fit solves: parameters to predicted readings, in units of the noise."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from identify.arrays import Array
+from identify.arrays import Array, Mask
 from identify.effects.compiled import PARAMETERS, STATES
 from identify.model import Model
 from identify.simulate import Response, make_system, simulate, substeps_for
@@ -46,7 +47,7 @@ class Problem:
         self.unknowns: list[Unknown] = []
         self._table = np.zeros((len(self.physics), PARAMETERS))
         self._places: list[tuple[str, int, int]] = []
-        self._sensors: list[tuple[int, str, object, list[int], Array]] = []
+        self._sensors: list[tuple[int, str, Callable[[Array, Array, Array], Array], list[int]]] = []
         self._lay_out()
         self.low = np.array([u.low for u in self.unknowns])
         self.high = np.array([u.high for u in self.unknowns])
@@ -166,7 +167,6 @@ class Problem:
                 ):
                     continue
                 places = []
-                fixed = np.zeros(len(term.effect.parameters))
                 for parameter in term.effect.parameters:
                     reading = _unit({0: "m", 1: "m/s", 2: "m/s^2"}[powers[term.channel]], unit)
                     places.append(
@@ -180,7 +180,7 @@ class Problem:
                             False,
                         )
                     )
-                self._sensors.append((i, term.channel, term.effect.observe, places, fixed))
+                self._sensors.append((i, term.channel, term.effect.observe, places))
 
     def sizes(self, theta: Array) -> Array:
         """Return the natural size of each unknown; inner parameters are as large as they are."""
@@ -237,10 +237,12 @@ class Problem:
             values = np.asarray(getattr(response, channel))
             if channel == "acceleration" and self._gains[i] >= 0:
                 values = values * theta[self._gains[i]]
-            predicted[channel] = values + theta[self._offsets[i][channel]]
-        for at, channel, observe, places, _ in self._sensors:
+            predicted[channel] = values
+        for at, channel, observe, places in self._sensors:
             if at == i:
-                predicted[channel] = observe(span.clock, predicted[channel], theta[places])  # type: ignore[operator]
+                predicted[channel] = observe(span.clock, predicted[channel], theta[places])
+        for channel, place in self._offsets[i].items():
+            predicted[channel] = predicted[channel] + theta[place]
         return predicted
 
     def residual_of(self, i: int, predicted: dict[str, Array]) -> Array:
@@ -258,8 +260,8 @@ class Problem:
             [self.residual_of(i, self.read(theta, i, self.respond(theta, i))) for i in range(len(self.spans))]
         )
 
-    def linearise(self, theta: Array) -> tuple[Array, Array]:
-        """Return the misfit (n,) and its Jacobian (n, unknowns) by forward differences."""
+    def linearise(self, theta: Array, *, skip: Mask | None = None) -> tuple[Array, Array]:
+        """Return the misfit (n,) and its Jacobian (n, unknowns) by forward differences; zero where skipped."""
         responses = [self.respond(theta, i) for i in range(len(self.spans))]
         parts = [self.residual_of(i, self.read(theta, i, r)) for i, r in enumerate(responses)]
         residual = np.concatenate(parts)
@@ -268,6 +270,8 @@ class Problem:
         steps = _STEP * self.sizes(theta)
         steps = np.where(theta + steps > self.high, -steps, steps)
         for j, unknown in enumerate(self.unknowns):
+            if skip is not None and skip[j]:
+                continue
             moved = theta.copy()
             moved[j] += steps[j]
             step = moved[j] - theta[j]

@@ -5,20 +5,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.alignment import Alignment, align, correct
-from identify.arrays import Array
+from identify.arrays import Array, Mask
+from identify.dropouts import find_dropouts
 from identify.effects.effect import Scales
 from identify.equation_error import Regression, force_along, moving, regress
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.model import Model, Term
 from identify.motion import Motion, reconstruct
-from identify.noise import noise_of
+from identify.noise import Noise, noise_of
 from identify.problem import LINEAR
 from identify.release import Release
 from identify.span import CHANNELS, Span
 
 _SHORTEST_CYCLES = 4.0
 _LAG_REACH = 0.06
+_MOST_LOST = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +28,9 @@ class Setting:
     """One release made ready to be fitted.
 
     `span` holds the readings, `motion` the displacement (from the spring's zero), velocity and acceleration along
-    it, on the acceleration's clock; `frequency` is the angular frequency (rad/s); `alignment` is None with one channel.
+    it, on the acceleration's clock; `frequency` is the angular frequency (rad/s); `alignment` is None with one
+    channel. `zero` is the displacement reading at the spring's zero, `noise` what was known of the noise before any
+    fit, and `lost` marks the readings of each channel that its sensor repeated or lost.
     """
 
     span: Span
@@ -34,6 +38,8 @@ class Setting:
     frequency: float
     alignment: Alignment | None
     zero: float
+    noise: dict[str, Noise]
+    lost: dict[str, Mask]
 
     @property
     def time(self) -> Array:
@@ -51,8 +57,15 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
 
     Raises NotIdentifiable when fewer than four cycles remain.
     """
-    noise = {name: found.std for name, found in noise_of(decay).items()}
-    decay = decay.with_(**{f"noise_{name}": max(std, 1e-300) for name, std in noise.items()})
+    known = noise_of(decay)
+    noise = {name: max(found.std, 1e-300) for name, found in known.items()}
+    decay = decay.with_(**{f"noise_{name}": std for name, std in noise.items()})
+    lost = {name: find_dropouts(getattr(decay, name), std) for name, std in noise.items()}
+    lost = {name: mask for name, mask in lost.items() if mask.mean() < _MOST_LOST}
+    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.asarray(decay.valid)
+    for mask in lost.values():
+        valid = valid & ~mask
+    record, decay = decay, decay.with_(valid=valid)
     alignment = _align(decay)
     corrected = correct(decay, alignment) if alignment is not None else decay
     free = corrected.with_(release=release.settle)
@@ -75,54 +88,68 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
     motion = _cut(motion, length)
     motion = _shifted(motion, zero)
     return Setting(
-        _span(decay, release, motion, frequency, noise, alignment, gain_uncertainty),
+        _span(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty),
         motion,
         frequency,
         alignment,
         zero,
+        known,
+        {name: mask[release.settle :][: len(motion.displacement)] for name, mask in lost.items()},
     )
 
 
-def starting_values(
-    setting: Setting, model: Model, inner: dict[str, float], tag: str = ""
-) -> dict[str, float]:
-    """Return where a fit may begin: strengths by equation error, the state from the motion, by unknown's name.
+def starting_values(settings: tuple[Setting, ...], model: Model, inner: dict[str, float]) -> dict[str, float]:
+    """Return where a fit may begin, by unknown's name: strengths by equation error, the states from the motions.
 
-    `inner` gives inner parameters by "effect.parameter". `tag` marks the span when there are several.
+    `inner` gives inner parameters by "effect.parameter". The strengths come from the release of the largest amplitude.
     """
+    largest = max(settings, key=lambda setting: setting.amplitude)
     terms = [t for t in model.terms if t.effect.kind == "physics"]
-    found = regress_model(setting, model, inner)
     values = dict(inner)
-    for term, strength in zip(terms, found.strengths, strict=True):
+    for term, strength in zip(terms, regress_model(largest, model, inner).strengths, strict=True):
         parameter = term.effect.strength
         values[f"{term.effect.name}.{parameter.name}"] = float(
             np.clip(strength, parameter.low, parameter.high)
         )
+    for i, setting in enumerate(settings):
+        tag = f"[{i}]" if len(settings) > 1 else ""
+        values |= {f"{name}{tag}": value for name, value in _nuisances(setting, terms, inner).items()}
+    return values
+
+
+def rest_states(
+    term: Term, displacement: float, velocity: float, inner: dict[str, float]
+) -> dict[str, float]:
+    """Return the internal states of an effect with memory soon after the release, by unknown's name without tag."""
+    effect = term.effect
+    if effect.rest is None:
+        return {}
+    p = np.array([0.0] + [_inner_value(term, q.name, inner) for q in effect.parameters[1:]])
+    first, second = effect.rest(displacement, p)
+    states = {f"{effect.name}.state0": first}
+    if effect.states > 1:
+        states[f"{effect.name}.state1"] = second or velocity
+    return states
+
+
+def _inner_value(term: Term, name: str, inner: dict[str, float]) -> float:
+    held = term.held.get(name)
+    return float(held) if held is not None else inner[f"{term.effect.name}.{name}"]
+
+
+def _nuisances(setting: Setting, terms: list[Term], inner: dict[str, float]) -> dict[str, float]:
     motion, span = setting.motion, setting.span
     u, v = float(motion.displacement[0]), float(motion.velocity[0])
-    values[f"displacement{tag}"] = u
-    values[f"velocity{tag}"] = v
+    gain = setting.alignment.gain.value if setting.alignment is not None else 1.0
+    values = {"displacement": u, "velocity": v, "lag": span.lag, "gain": gain}
     for term in terms:
-        if term.effect.rest is not None:
-            p = np.array(
-                [0.0]
-                + [
-                    float(term.held[q.name]) if q.name in term.held else inner[f"{term.effect.name}.{q.name}"]
-                    for q in term.effect.parameters[1:]
-                ]
-            )
-            rest = term.effect.rest(u, p)
-            values[f"{term.effect.name}.state0{tag}"] = rest[0]
-            if term.effect.states > 1:
-                values[f"{term.effect.name}.state1{tag}"] = v if rest[1] == 0.0 else rest[1]
-    values[f"lag{tag}"] = span.lag
-    values[f"gain{tag}"] = setting.alignment.gain.value if setting.alignment is not None else 1.0
+        values |= rest_states(term, u, v, inner)
     if "displacement" in span.readings:
-        values[f"displacement_offset{tag}"] = setting.zero
+        values["displacement_offset"] = setting.zero
     if "acceleration" in span.readings:
         used = span.used["acceleration"]
-        values[f"acceleration_offset{tag}"] = float(
-            np.median((span.readings["acceleration"] - values[f"gain{tag}"] * motion.acceleration)[used])
+        values["acceleration_offset"] = float(
+            np.median((span.readings["acceleration"] - gain * motion.acceleration)[used])
         )
     return values
 
@@ -236,6 +263,7 @@ def _span(
     frequency: float,
     noise: dict[str, float],
     alignment: Alignment | None,
+    lost: dict[str, Mask],
     gain_uncertainty: float,
 ) -> Span:
     start, length = release.settle, len(motion.displacement)
@@ -251,6 +279,8 @@ def _span(
             readings[channel] = values[part]
             mask = valid[part].copy()
             mask[:lead] = False
+            if channel in lost:
+                mask &= ~lost[channel][part]
             used[channel] = mask
     return Span(
         rate=decay.rate,

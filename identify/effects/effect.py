@@ -65,7 +65,8 @@ class Effect:
     `observe(time, reading, p)` is a sensor's fault: it changes the predicted readings of one channel.
     `starts(scales)` lists starting values of the inner parameters, `sensor_starts(scales, channel)` of all
     parameters of a sensor's fault. `variants` are alternatives (inner values that are held, or the channel
-    at fault) that are tried each and of which the best counts. `kinked` forces want a finer step.
+    at fault) that are tried each and of which the best counts. `plausible(values, scales)` is False where
+    another effect is the better name for the same force. `kinked` forces want a finer step.
     """
 
     name: str
@@ -87,6 +88,7 @@ class Effect:
         default=lambda scales, channel: ((0.0,),)
     )
     variants: tuple[dict[str, float | str], ...] = ({},)
+    plausible: Callable[[dict[str, float], Scales], bool] = field(default=lambda values, scales: True)
     confusable_with: tuple[str, ...] = ()
     kinked: bool = False
 

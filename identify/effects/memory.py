@@ -55,7 +55,7 @@ def _maxwell_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 
 def _time_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    return tuple((share / scales.frequency,) for share in (0.3, 1.0, 8.0))
+    return tuple((share / scales.frequency,) for share in (0.2, 0.5, 1.2, 3.0, 10.0))
 
 
 MAXWELL_ELEMENT = Effect(

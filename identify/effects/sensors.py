@@ -1,7 +1,7 @@
 """Faults of a sensor: they change a reading, not the motion, and so break a = D^2 u.
 
-An observer takes the predicted readings of one channel, shape (n,), at `time` (s since the release) and returns what
-the faulty sensor would show.
+An observer takes the predicted readings of one channel before its offset, shape (n,), at `time` (s since the
+release) and returns what the faulty sensor would show.
 """
 
 from math import inf, pi
@@ -47,6 +47,7 @@ OFFSET_DRIFT = Effect(
     equation="reading + rate t",
     parameters=(Parameter("rate", "reading/s", "drift of the zero"),),
     observe=_drift,
+    sensor_starts=lambda scales, channel: ((1e-4 * scales.peaks[channel] / scales.duration,),),
     variants=_BOTH,
     tell="the mean of one channel moves steadily, and the other does not follow",
     proof="record ten seconds without motion: the zero still moves",
@@ -55,19 +56,22 @@ OFFSET_DRIFT = Effect(
 
 
 def _clip(time: Array, reading: Array, p: Array) -> Array:
-    return np.clip(reading, -p[0], p[0])
+    return np.clip(reading, p[1] - p[0], p[1] + p[0])
 
 
 def _limit_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
-    return tuple((share * scales.peaks[channel],) for share in (0.995, 0.97, 0.9))
+    return tuple((share * scales.peaks[channel], 0.0) for share in (0.995, 0.97, 0.9))
 
 
 CLIPPING = Effect(
     name="clipping",
     title="a sensor or converter saturates",
     kind="sensor",
-    equation="clip(reading, -limit, limit)",
-    parameters=(Parameter("limit", "reading", "largest reading", 0.0, inf),),
+    equation="clip(reading, center - limit, center + limit)",
+    parameters=(
+        Parameter("limit", "reading", "largest reading on either side of the centre", 0.0, inf),
+        Parameter("center", "reading", "middle of the range, from the sensor's zero"),
+    ),
     observe=_clip,
     sensor_starts=_limit_starts,
     variants=_BOTH,
@@ -90,7 +94,7 @@ def _high_pass(time: Array, reading: Array, p: Array) -> Array:
 
 
 def _corner_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
-    return tuple((share * scales.frequency / (2.0 * pi), 0.0) for share in (0.01, 0.06))
+    return tuple((share * scales.frequency / (2.0 * pi), 0.0) for share in (0.005, 0.02, 0.08))
 
 
 AC_COUPLING = Effect(
@@ -133,6 +137,7 @@ MAINS_HUM = Effect(
     ),
     observe=_hum,
     sensor_starts=_hum_starts,
+    plausible=lambda values, scales: values["f"] * scales.duration > 3.0,
     variants=_BOTH,
     tell="a line in one channel only, there before the release",
     proof="record at rest: the line is there; move the cables or the supply: it changes",

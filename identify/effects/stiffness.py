@@ -80,6 +80,10 @@ def _end_stop(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return force
 
 
+_PLAY_SHARE = 0.35
+"""A gap below this share of the amplitude is called play, one above it an end stop: the forces are the same."""
+
+
 def _gap_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     return tuple((share * scales.amplitude,) for share in (0.35, 0.6, 0.8))
 
@@ -97,9 +101,10 @@ END_STOP = Effect(
     force=_end_stop,
     starts=_gap_starts,
     variants=({"side": 1.0}, {"side": -1.0}, {"side": 0.0}),
+    plausible=lambda values, scales: values["gap"] > _PLAY_SHARE * scales.amplitude,
     tell="nothing happens below the gap; above it the force has a kink",
     proof="release from just below the gap: the effect is gone",
-    confusable_with=("cubic_stiffness", "quintic_stiffness", "bilinear_stiffness", "clipping"),
+    confusable_with=("freeplay", "cubic_stiffness", "quintic_stiffness", "bilinear_stiffness", "clipping"),
     kinked=True,
 )
 
@@ -124,9 +129,10 @@ FREEPLAY = Effect(
     ),
     force=_freeplay,
     starts=_play_starts,
+    plausible=lambda values, scales: values["gap"] <= _PLAY_SHARE * scales.amplitude,
     tell="softer at small amplitude",
     proof="release from a few times the gap: the frequency falls further",
-    confusable_with=("cubic_stiffness", "time_varying_stiffness", "hysteresis"),
+    confusable_with=("end_stop", "cubic_stiffness", "time_varying_stiffness", "hysteresis"),
     kinked=True,
 )
 

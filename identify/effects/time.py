@@ -31,7 +31,7 @@ def _forcing(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 
 def _line_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    return tuple((line, phase) for line in scales.line_frequencies for phase in (0.8, 3.9))
+    return tuple((line, phase) for line in scales.line_frequencies for phase in (0.8, 2.4, 3.9, 5.5))
 
 
 HARMONIC_FORCING = Effect(
@@ -46,6 +46,7 @@ HARMONIC_FORCING = Effect(
     ),
     force=_forcing,
     starts=_line_starts,
+    plausible=lambda values, scales: abs(2.0 * pi * values["f"] / scales.frequency - 1.0) > 0.15,
     tell="a line that does not decay, in both channels, with the ratio -w^2",
     proof="record without a release: the line is still there",
     confusable_with=("second_mass", "mains_hum"),

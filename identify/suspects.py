@@ -1,0 +1,191 @@
+"""Suspects: every effect that the model lacks, refitted in turn."""
+
+import os
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.effects.effect import Effect, Scales
+from identify.equation_error import force_along
+from identify.fit import Fit, descend, fit, fit_at
+from identify.model import Model, Term
+from identify.problem import Problem
+from identify.setting import Setting, regress_model, rest_states, scales_of, starting_values, term_starts
+from identify.spectrum import strongest_lines
+
+JUDGED_APART = ("channel_lag", "channel_gain", "dropouts")
+"""Faults that are always fitted or taken out beforehand, and are judged from what was found then."""
+
+_LINES = 3
+_STARTS = 3
+_FIRST_STEPS = 5
+_POLISHED = 10
+_FAR_OFF = 100.0
+_IMPLAUSIBLE = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """One effect in its best variant, added to a model and refitted; `score` is chi-square with BIC's penalty."""
+
+    term: Term
+    fit: Fit
+    score: float
+    gain: float
+
+    @property
+    def name(self) -> str:
+        """The effect's name."""
+        return self.term.effect.name
+
+
+def residual_lines(found: Fit) -> dict[str, tuple[tuple[float, float, float], ...]]:
+    """Return the strongest lines of each channel's residual, over all spans: (Hz, amplitude, phase at the release)."""
+    lines: dict[str, tuple[tuple[float, float, float], ...]] = {}
+    for i, span in enumerate(found.spans):
+        for channel in span.channels:
+            residual = np.where(span.used[channel], found.residual(channel, i), 0.0)[span.lead :]
+            time = span.time + span.lead / span.rate
+            lines[channel] = lines.get(channel, ()) + strongest_lines(residual, span.rate, time, _LINES)
+    return lines
+
+
+def candidate_terms(model: Model, library: Iterable[Effect], channels: Iterable[str]) -> tuple[Term, ...]:
+    """Return every effect and variant that the model lacks and that these channels can show."""
+    present = set(channels)
+    terms = []
+    for effect in library:
+        if effect.name in JUDGED_APART:
+            continue
+        for variant in effect.variants:
+            channel = variant.get("channel")
+            if channel is not None and channel not in present:
+                continue
+            if any(t.effect.name == effect.name and t.channel == (channel or "") for t in model.terms):
+                continue
+            terms.append(Term(effect, variant))
+    return tuple(terms)
+
+
+def try_terms(settings: tuple[Setting, ...], base: Fit, terms: tuple[Term, ...]) -> tuple[Candidate, ...]:
+    """Refit the model with each term added; return the best variant of each effect, best first.
+
+    From each start the term's inner parameters are held at first, so that all others can make room for it. The most
+    promising terms are then fitted freely.
+    """
+    scales = scales_of(settings[0], residual_lines(base))
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        begun = [
+            b for b in pool.map(lambda term: _begin(settings, base, term, scales), terms) if b is not None
+        ]
+        begun.sort(key=lambda beginning: beginning.cost)
+        tried = list(pool.map(lambda beginning: _finish(base, beginning, scales), begun[:_POLISHED]))
+        tried += [_leave(base, beginning, scales) for beginning in begun[_POLISHED:]]
+    best: dict[str, Candidate] = {}
+    for candidate in tried:
+        if candidate.name not in best or candidate.score < best[candidate.name].score:
+            best[candidate.name] = candidate
+    return tuple(sorted(best.values(), key=lambda candidate: candidate.score))
+
+
+def try_term(settings: tuple[Setting, ...], base: Fit, term: Term) -> Candidate | None:
+    """Refit the model with one term added; None when it has nowhere to start."""
+    scales = scales_of(settings[0], residual_lines(base))
+    begun = _begin(settings, base, term, scales)
+    return None if begun is None else _finish(base, begun, scales)
+
+
+@dataclass(frozen=True, eq=False)
+class _Beginning:
+    """A term after the first steps, with its inner parameters held."""
+
+    term: Term
+    problem: Problem
+    theta: Array
+    cost: float
+
+
+def _begin(settings: tuple[Setting, ...], base: Fit, term: Term, scales: Scales) -> _Beginning | None:
+    problem = Problem(base.model.plus(term), base.spans, base.frequency)
+    inner = np.array([u.name.split("[")[0] in _inner_names(term) for u in problem.unknowns])
+    best: _Beginning | None = None
+    for start in _promising(settings, base, problem.model, term, term_starts(term, scales)):
+        theta = np.array([start.get(u.name, 0.0) for u in problem.unknowns])
+        theta, cost, _, _ = descend(problem, theta, steps=_FIRST_STEPS, patience=1.0, held=inner)
+        if best is None or cost < best.cost:
+            best = _Beginning(term, problem, theta, cost)
+    return best
+
+
+def _finish(base: Fit, begun: _Beginning, scales: Scales) -> Candidate:
+    start = {u.name: float(t) for u, t in zip(begun.problem.unknowns, begun.theta, strict=True)}
+    return judged(fit(begun.problem.model, base.spans, start, base.frequency), base, begun.term, scales)
+
+
+def _leave(base: Fit, begun: _Beginning, scales: Scales) -> Candidate:
+    return judged(fit_at(begun.problem, begun.theta), base, begun.term, scales)
+
+
+def _inner_names(term: Term) -> set[str]:
+    free = term.free if term.effect.kind == "sensor" else term.free[1:]
+    return {f"{term.effect.name}.{p.name}" for p in free[: 1 if term.effect.kind == "sensor" else None]}
+
+
+def judged(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
+    """Weigh a refit against the fit without the term."""
+    extra = len(found.names) - len(base.names)
+    score = found.chi_square + extra * float(np.log(found.degrees))
+    by_name = {name.split("[")[0]: estimate.value for name, estimate in found.values.items()}
+    values = {p.name: by_name[f"{term.effect.name}.{p.name}"] for p in term.free}
+    if not term.effect.plausible(values, scales):
+        score += _IMPLAUSIBLE
+    return Candidate(term, found, score, base.chi_square - found.chi_square)
+
+
+def _promising(
+    settings: tuple[Setting, ...], base: Fit, model: Model, term: Term, starts: tuple[dict[str, float], ...]
+) -> list[dict[str, float]]:
+    """Return complete starting points: the base's values with the term added at the strength of the equation error.
+
+    Where the base is far off, all values come from the equation error. The best few by equation error are kept.
+    """
+    known = dict(zip(base.names, base.theta.tolist(), strict=True))
+    tags = [f"[{i}]" for i in range(len(settings))] if len(settings) > 1 else [""]
+    if term.effect.kind == "sensor":
+        return [known | {f"{n}{tag}": v for n, v in start.items() for tag in tags} for start in starts]
+    largest = max(settings, key=lambda setting: setting.amplitude)
+    strength = f"{term.effect.name}.{term.effect.strength.name}"
+    place = [t.effect.name for t in model.terms if t.effect.kind == "physics"].index(term.effect.name)
+    ranked: list[tuple[float, dict[str, float]]] = []
+    for start in starts:
+        inner = {n: v for n, v in known.items() if "." in n} | start
+        regression = regress_model(largest, model, inner)
+        possible = term.effect.strength.low <= regression.strengths[place] <= term.effect.strength.high
+        ranked.append((regression.rss if possible else np.inf, inner))
+    ranked.sort(key=lambda entry: entry[0])
+    points = []
+    for rss, inner in ranked[:_STARTS]:
+        point = starting_values(settings, model, inner)
+        if not np.isfinite(rss):
+            point[strength] = 1e-3 * _one_percent(largest, term, inner)
+        if base.reduced < _FAR_OFF:
+            kept = known | {strength: point[strength]} | {n: v for n, v in inner.items() if n not in known}
+            for tag in tags:
+                states = rest_states(term, known[f"displacement{tag}"], known[f"velocity{tag}"], inner)
+                kept |= {f"{name}{tag}": value for name, value in states.items()}
+            point = kept
+        points.append(point)
+    return points
+
+
+def _one_percent(setting: Setting, term: Term, inner: dict[str, float]) -> float:
+    """Return the strength at which an effect's rms force is a hundredth of the total."""
+    values = {p.name: inner[f"{term.effect.name}.{p.name}"] for p in term.free[1:]}
+    borrowed = {"linear_stiffness.k": setting.frequency**2}
+    motion = setting.motion
+    force = force_along(term, values, setting.time, motion.displacement, motion.velocity, borrowed)
+    size = float(np.sqrt(np.mean(force**2)))
+    return 0.01 * float(np.sqrt(np.mean(motion.acceleration**2))) / size if size > 0.0 else 0.0
