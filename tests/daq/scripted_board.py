@@ -90,6 +90,7 @@ class ScriptedBoard:
         self._lock = threading.Lock()
         self._sequence = 0
         self._sent = 0
+        self._dropped_before = 0
         self._started: float | None = None
         self.closed = False
 
@@ -150,7 +151,7 @@ class ScriptedBoard:
         if self._started is None:
             return
         due = int((time.monotonic() - self._started) * self._hurry)
-        dropped = 0
+
         while self._sent + self._per_frame <= min(due, self.samples.shape[1]):
             first = self._sent
             if self.unplugged_at is not None and first >= self.unplugged_at:
@@ -164,10 +165,10 @@ class ScriptedBoard:
                 return
             self._sent += self._per_frame
             if first in self.dropped:
-                dropped += self._per_frame
+                self._dropped_before += self._per_frame
                 continue
-            frame = encode(self._data(first, self._per_frame, dropped), self._sequence)
-            dropped = 0
+            frame = encode(self._data(first, self._per_frame, self._dropped_before), self._sequence)
+            self._dropped_before = 0
             self._sequence += 1
             self._out += self.mangle(first, frame)
 

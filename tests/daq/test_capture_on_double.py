@@ -1,0 +1,186 @@
+"""Captures from the bench's double over a real pty and a real socket, eight times as fast as life."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench_double import LINES, ROOT, double
+
+from daq.capture import CaptureObserver, CaptureSettings, capture
+from daq.errors import Disconnected, ProtocolError, Rebooted, Stalled, StationError, VersionRefused
+from daq.port import PortDescription
+from daq.ports import probe
+from daq.session import Session, State, recover, verify
+
+FAST = ("--speed", "8", "--seed", "5")
+SETTINGS = CaptureSettings(check_clock=False)
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_a_release_is_captured_where_it_happened(tmp_path: Path, line: str) -> None:
+    with double(tmp_path, line, *FAST, "--hand-ms", "0") as bench:
+        session = capture(bench.port, SETTINGS, tmp_path / "s")
+        truth = bench.truth()["releases"][0]
+    window = session.assembly().window
+    assert window is not None
+    assert window.trigger is not None
+    assert 0 <= window.trigger - truth["sample"] <= 1
+    recording = session.recording()
+    assert (recording.trigger, recording.samples.shape) == (256, (2, 9 * 256))
+    assert session.info.verdict == "OK"
+    assert verify(session.folder).ok
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_several_captures_follow_each_other_on_one_double(tmp_path: Path, line: str) -> None:
+    with double(tmp_path, line, *FAST, "--releases", "-25,v0.4,5", "--hand-ms", "12") as bench:
+        for number in range(3):
+            session = capture(bench.port, SETTINGS, tmp_path / str(number))
+            assert session.info.verdict == "OK"
+            window = session.assembly().window
+            truth = bench.truth()["releases"][number]
+            assert window is not None
+            assert window.trigger is not None
+            assert 0 <= window.trigger - truth["sample"] <= truth["hand_s"] * 256 + 1
+
+
+def test_a_double_is_found_by_probing(tmp_path: Path) -> None:
+    with double(tmp_path, "tcp", *FAST) as bench:
+        found = probe(PortDescription(bench.port))
+    assert found.answers
+    assert [channel.quantity for channel in found.channels] == ["displacement", "acceleration"]
+
+
+@dataclass(frozen=True)
+class Promise:
+    """A fault of the double, the error it ends in (None: a sealed session), verdict and a word of why."""
+
+    fault: str
+    error: type[StationError] | None
+    verdict: str
+    reason: str = ""
+
+
+PROMISES = (
+    Promise("lost", None, "OK|USABLE WITH GAPS"),
+    Promise("flipped", None, "OK|USABLE WITH GAPS"),
+    Promise("inserted", None, "OK|USABLE WITH GAPS"),
+    Promise("duplicated", None, "OK|USABLE WITH GAPS"),
+    Promise("reordered", None, "OK|USABLE WITH GAPS"),
+    Promise("cut", None, "OK|USABLE WITH GAPS"),
+    Promise("missing", None, "OK|USABLE WITH GAPS"),
+    Promise("repeated", None, "OK"),
+    Promise("delayed", None, "OK"),
+    Promise("stall:1", None, "OK"),
+    Promise("stall:30", Stalled, "REJECT|USABLE WITH GAPS", "early"),
+    Promise("reboot", Rebooted, "REJECT", "reboot"),
+    Promise("unplug", Disconnected, "REJECT|USABLE WITH GAPS", "early"),
+    Promise("wrong-version", VersionRefused, ""),
+    Promise("describe-lie", ProtocolError, "REJECT", "no sample"),
+    Promise("counter-lie", None, "REJECT", "checksum"),
+    Promise("rate-lie", None, "REJECT", "its own clock says"),
+    Promise("saturation", None, "REJECT", "range"),
+    Promise("dead-channel:0", None, "REJECT", "displacement does not move"),
+    Promise("dead-channel:1", None, "REJECT", "acceleration does not move"),
+    Promise("swapped", None, "REJECT", "swapped"),
+    Promise("reversed", None, "REJECT", "reversed"),
+    Promise("bump", None, "OK"),
+)
+
+
+@pytest.mark.parametrize("line", LINES)
+@pytest.mark.parametrize("promise", PROMISES, ids=lambda p: p.fault)
+def test_each_fault_ends_as_promised(tmp_path: Path, line: str, promise: Promise) -> None:
+    with double(tmp_path, line, *FAST, "--fault", promise.fault) as bench:
+        if promise.error is None:
+            capture(bench.port, SETTINGS, tmp_path / "s")
+        else:
+            with pytest.raises(promise.error):
+                capture(bench.port, SETTINGS, tmp_path / "s")
+        if not promise.verdict:
+            assert not (tmp_path / "s").exists()
+            return
+    session = Session.open(tmp_path / "s")
+    verdict = session.verdict
+    assert verdict is not None
+    assert verdict.word.value in promise.verdict.split("|")
+    assert promise.reason in " ".join(verdict.reasons)
+    assert session.info.state is (State.SEALED if promise.error is None else State.ABORTED)
+    assert verify(session.folder).ok
+
+
+WATCHER = """
+import sys
+from pathlib import Path
+from daq.capture import CaptureObserver, CaptureSettings, capture
+
+class Teller(CaptureObserver):
+    def block(self, first_index, samples):
+        print(first_index, samples.shape[1], float(samples[0, -1]).hex(), flush=True)
+
+capture(sys.argv[1], CaptureSettings(check_clock=False), Path(sys.argv[2]), Teller())
+"""
+KILLS = int(os.environ.get("STATION_KILLS", "4"))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="kill -9 is POSIX")
+@pytest.mark.parametrize("seed", range(KILLS))
+def test_a_killed_capture_keeps_every_sample_that_it_had_shown(tmp_path: Path, seed: int) -> None:
+    with double(tmp_path, "pty", *FAST) as bench:
+        watcher = subprocess.Popen(
+            [sys.executable, "-c", WATCHER, bench.port, str(tmp_path / "s")],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert watcher.stdout is not None
+        told = [watcher.stdout.readline()]
+        time.sleep(random.Random(seed).uniform(0.0, 1.6))
+        watcher.send_signal(signal.SIGKILL)
+        told += watcher.communicate(timeout=10)[0].splitlines()
+    blocks = [line.split() for line in told if len(line.split()) == 3]
+    session = recover(tmp_path / "s")
+    assembly = session.assembly()
+    assembly.window = None
+    kept = assembly.recording()
+    for first, count, last in blocks:
+        at = int(first) + int(count) - 1 - assembly.start
+        assert kept.samples[0, at] == float.fromhex(last)
+    assert blocks
+    assert verify(session.folder).ok
+    assert json.loads((tmp_path / "s" / "session.json").read_text())["state"] in ("recovered", "sealed")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="file size limits are POSIX")
+def test_a_disk_that_fills_up_during_the_capture_costs_nothing(tmp_path: Path) -> None:
+    import resource
+
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    settings = SETTINGS
+
+    class Filler(CaptureObserver):
+        def state(self, name: str, detail: str) -> None:
+            if name == "triggered":
+                resource.setrlimit(resource.RLIMIT_FSIZE, (8192, limits[1]))
+
+    def elsewhere(error: StationError) -> Path:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        return tmp_path / "t"
+
+    with double(tmp_path, "tcp", *FAST) as bench:
+        try:
+            session = capture(bench.port, settings, tmp_path / "s", Filler(), elsewhere)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert session.folder == tmp_path / "t"
+    assert np.isfinite(session.recording().samples).all()
+    assert session.info.verdict == "OK"
+    assert verify(tmp_path / "t").ok
