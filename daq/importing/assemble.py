@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from daq.importing.choose import Choice, choose_columns, left_out
+from daq.importing.choose import LARGEST, Choice, choose_columns, left_out
 from daq.importing.derived import find_derivation
 from daq.importing.errors import problem
 from daq.importing.options import NONE, ImportOptions, ask
@@ -20,7 +20,6 @@ DERIVATIVES = (
 )
 MIN_SAMPLES = 8
 MIN_RATE, MAX_RATE = 1e-3, 1e7
-LARGEST = 1e150
 
 
 def assemble(table: Table, options: ImportOptions) -> Recording:

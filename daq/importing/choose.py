@@ -11,6 +11,7 @@ from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 
+LARGEST = 1e150
 MOTIONS = ("displacement", "velocity", "acceleration")
 
 
@@ -181,6 +182,8 @@ def _rising_first(table: Table, taken: set[int]) -> SourceColumn | None:
         return None
     values = column.values
     if set(words(column.label)) & INDEX or len(table.columns) < 2 or len(values) < 3:
+        return None
+    if not float(np.max(np.abs(values))) < LARGEST:
         return None
     steps = np.diff(values)
     even = np.all(steps > 0.0) and float(np.max(steps)) < 1e3 * float(np.median(steps))

@@ -17,6 +17,7 @@ MISSING = frozenset(
         "inf", "+inf", "-inf", "infinity", "-infinity", "+infinity", "∞", "-∞",
     }
 )  # fmt: skip
+ENOUGH = 20  # wrong cells, to know that a column is text
 _PLAIN = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d{1,4})?")
 _GROUPED_DOT = re.compile(
     r"[-+]?[1-9]\d{0,2}(?:(?:[, '\u00a0\u202f]\d{3})+\.\d+|(?:[, '\u00a0\u202f]\d{3}){2,})"
@@ -93,14 +94,12 @@ class Parsed:
 
 def parse_column(cells: Sequence[str], decimal: str) -> Parsed:
     """Return the numbers of a column of text cells, all at once where they are plain."""
-    if decimal == ".":
-        try:
-            return Parsed(np.array([float(cell) for cell in cells if "_" not in cell or _refuse()]))
-        except ValueError:
-            pass
+    plain = _all_plain(cells, decimal)
+    if plain is not None:
+        return Parsed(plain)
     values = np.full(len(cells), math.nan)
     bad: int | None = None
-    clocks = 0
+    clocks = wrong = 0
     for i, cell in enumerate(cells):
         number = parse_number(cell, decimal)
         if number is None:
@@ -108,10 +107,25 @@ def parse_column(cells: Sequence[str], decimal: str) -> Parsed:
             clocks += number is not None
         if number is None:
             bad = i if bad is None else bad
+            wrong += 1
+            if wrong > ENOUGH:
+                break
             continue
         values[i] = number
     return Parsed(values, bad, clocks > len(cells) // 2)
 
 
-def _refuse() -> bool:
-    raise ValueError("an underscore is no part of a number in a file")
+def _all_plain(cells: Sequence[str], decimal: str) -> Array | None:
+    """Return a column of plain or empty cells, or None if any needs a closer look."""
+    text = "\n".join(cells)
+    if "_" in text or (decimal == "," and "." in text):
+        return None
+    try:
+        return np.array(
+            [
+                float(cell) if cell.strip() else math.nan
+                for cell in (text.replace(",", ".") if decimal == "," else text).split("\n")
+            ]
+        )
+    except ValueError:
+        return None

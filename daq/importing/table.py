@@ -10,7 +10,7 @@ from daq.recording import Array
 
 @dataclass(frozen=True, eq=False)
 class SourceColumn:
-    """One column of a file: what is written above it, and its numbers, NaN where there is none.
+    """One column of a file: what is written above it, and its numbers, NaN where there is none or an infinite one.
 
     `number` counts from 1; `label` is the header as it stands, without a unit row's unit, which is in
     `unit`. `quantity` is set where the format itself says it (UFF). `bad` is the first cell that is
@@ -27,6 +27,10 @@ class SourceColumn:
     clock: bool = False
     noun: str = "column"
     rate: float | None = None
+
+    def __post_init__(self) -> None:
+        values = np.asarray(self.values, dtype=np.float64)
+        object.__setattr__(self, "values", np.where(np.isfinite(values), values, np.nan))
 
     @property
     def place(self) -> str:
