@@ -1,0 +1,107 @@
+"""Words for a place where the model fails, in the operator's units: N with a mass, m/s^2 without."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Words:
+    """Puts places into words for a displacement in `unit` ("m", "rad" ...) and a mass in kg, None when unknown."""
+
+    unit: str = "m"
+    mass: float | None = None
+
+    @property
+    def force_scale(self) -> float:
+        """What turns a force per unit mass into the force that is told."""
+        return 1.0 if self.mass is None else self.mass
+
+    @property
+    def force_unit(self) -> str:
+        """Unit of the force that is told."""
+        if self.mass is None:
+            return f"{self.unit}/s^2"
+        return "N m" if self.unit == "rad" else "N"
+
+    @property
+    def energy_unit(self) -> str:
+        """Unit of the energy that is told."""
+        if self.mass is not None:
+            return "J"
+        return "J/kg" if self.unit == "m" else f"{self.unit}^2/s^2"
+
+    def length(self, value: float) -> str:
+        """Return a length without unit, to three figures, in mm for metres."""
+        return f"{value * 1e3:.3g}" if self.unit == "m" else f"{value:.3g}"
+
+    @property
+    def length_unit(self) -> str:
+        """Unit of the lengths that are told."""
+        return "mm" if self.unit == "m" else self.unit
+
+    def over_displacement(
+        self, force: float, at: tuple[float, float], single: bool, side: int, way: int
+    ) -> tuple[str, float, str]:
+        """Return the sentence, the factor on a force per unit mass and the unit."""
+        sense = "stiffer" if force > 0 else "softer"
+        text = (
+            f"between {self.length(at[0])} and {self.length(at[1])} {self.length_unit} the measured force is "
+            f"{self._up_to(single)}{self._amount(force)} {sense} than the model{_where(side, way)}"
+        )
+        return text, self.force_scale, self.force_unit
+
+    def over_velocity(
+        self, force: float, at: tuple[float, float], single: bool, way: int
+    ) -> tuple[str, float, str]:
+        """Return the sentence, the factor on a force per unit mass and the unit."""
+        sense = "more" if force > 0 else "less"
+        text = (
+            f"between {at[0]:.3g} and {at[1]:.3g} {self.unit}/s the measured force brakes "
+            f"{self._up_to(single)}{self._amount(force)} {sense} than the model{_where(0, way)}"
+        )
+        return text, self.force_scale, self.force_unit
+
+    def over_cycles(
+        self, kind: str, error: float, times: tuple[float, float], amplitudes: tuple[float, float]
+    ) -> tuple[str, float, str]:
+        """Return the sentence, the factor on the error and the unit."""
+        when = f"from {times[0]:.2f} to {times[1]:.2f} s" if times[1] > times[0] else f"at {times[0]:.2f} s"
+        low, high = self.length(amplitudes[0]), self.length(amplitudes[1])
+        sweep = (
+            f"amplitude {low} to {high} {self.length_unit}"
+            if low != high
+            else f"amplitude {low} {self.length_unit}"
+        )
+        up_to = self._up_to(times[0] == times[1])
+        if kind == "frequency":
+            sense, cause = ("faster", "stiffer") if error > 0 else ("slower", "softer")
+            text = f"{when} ({sweep}) the measured motion is {up_to}{abs(error):.2g} % {sense} than the model: {cause}"
+            return text, 1.0, "%"
+        sense, cause = ("more", "more damping") if error > 0 else ("less", "less damping")
+        amount = scaled(abs(error) * self.force_scale, self.energy_unit)
+        text = f"{when} ({sweep}) the measured motion loses {up_to}{amount} a cycle {sense} than the model: {cause}"
+        return text, self.force_scale, self.energy_unit
+
+    def _amount(self, force: float) -> str:
+        return scaled(abs(force) * self.force_scale, self.force_unit)
+
+    @staticmethod
+    def _up_to(single: bool) -> str:
+        return "" if single else "up to "
+
+
+def scaled(value: float, unit: str) -> str:
+    """Return a number to two figures with its unit, in thousandths where it is small and the unit can take a prefix."""
+    if value != 0.0 and abs(value) < 0.01 and unit[0] in "NJm" and "^" not in unit.split("/")[0]:
+        if abs(value) < 1e-5:
+            return f"{value * 1e6:.2g} u{unit}"
+        return f"{value * 1e3:.2g} m{unit}"
+    return f"{value:.2g} {unit}"
+
+
+def _where(side: int, way: int) -> str:
+    if side == 0 and way == 0:
+        return ", in both directions"
+    words = "" if side == 0 else f" on the {'positive' if side > 0 else 'negative'} side"
+    if way != 0:
+        words += f", while it moves to the {'positive' if way > 0 else 'negative'} side"
+    return words
