@@ -10,6 +10,7 @@ and of the missing half.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 from identify.arrays import Array, Mask
@@ -21,9 +22,9 @@ _REACH = 4.0  # the window is cut at 4 standard deviations, where it is 3e-4
 class Ridge:
     """A prepared transform of n samples at one angular frequency (rad/sample).
 
-    `kernels` are the spectra of 1, e^{iws} and s e^{iws} under the window, shape (3, m); `solution` turns the
-    five real correlations of a sample into the real and imaginary part of p and of q, shape (n, 4, 5);
-    `support` is the share of the window that holds samples, shape (n,); `width` is the window's standard
+    The transform is taken at the samples `centres`, shape (c,). `kernels` are the spectra of 1, e^{iws}, s e^{iws} under the window, shape (3, m); `solution` turns the
+    five real correlations of a sample into the real and imaginary part of p and of q, shape (c, 4, 5);
+    `support` is the share of the window that holds samples, shape (c,); `width` is the window's standard
     deviation in samples.
     """
 
@@ -31,14 +32,15 @@ class Ridge:
     frequency: float
     width: float
     valid: Mask
+    centres: NDArray[np.int_]
     kernels: Array
     solution: Array
     support: Array
     length: int
 
 
-def prepare_ridge(valid: Mask, frequency: float, width: float) -> Ridge:
-    """Prepare the transform of a record whose usable samples are `valid`, shape (n,).
+def prepare_ridge(valid: Mask, frequency: float, width: float, centres: NDArray[np.int_]) -> Ridge:
+    """Prepare the transform at `centres` (c,) of a record whose usable samples are `valid`, shape (n,).
 
     `frequency` in rad/sample, `width` (the standard deviation of the Gaussian window) in samples.
     """
@@ -50,21 +52,18 @@ def prepare_ridge(valid: Mask, frequency: float, width: float) -> Ridge:
     s = offsets / width
     wave = np.exp(1j * frequency * offsets)
 
-    def spectrum(kernel: Array) -> Array:
-        placed = np.zeros(length, dtype=kernel.dtype)
-        np.add.at(placed, offsets % length, kernel)
-        return fft.fft(placed)
+    # all kernels that are needed: 1, s, s^2 under the window, and those times e^{iws}, e^{2iws}
+    plain = window * np.stack([np.ones_like(s), s, s * s])
+    stack = np.concatenate([plain + 0j, plain[:2] * wave, plain * wave**2])
+    placed = np.zeros((len(stack), length), dtype=np.complex128)
+    placed[:, : reach + 1] = stack[:, reach:]
+    placed[:, -reach:] = stack[:, :reach]
+    spectra = np.conj(fft.fft(placed, axis=1))
+    moments = fft.ifft(fft.fft(valid.astype(np.float64), length) * spectra, axis=1)[:, centres]
+    m0, m1, m2 = moments[:3].real
+    c0, c1, d0, d1, d2 = np.conj(moments[3:])
 
-    mask_spectrum = fft.fft(valid.astype(np.float64), length)
-
-    def moment(kernel: Array) -> Array:
-        return fft.ifft(mask_spectrum * np.conj(spectrum(kernel)))[:n]
-
-    m0, m1, m2 = (moment(window * s**p + 0j).real for p in range(3))
-    c0, c1 = (moment(window * s**p * wave).conj() for p in range(2))
-    d0, d1, d2 = (moment(window * s**p * wave**2).conj() for p in range(3))
-
-    normal = np.empty((n, 5, 5))
+    normal = np.empty((len(centres), 5, 5))
     normal[:, 0, 0] = m0
     # columns: 1, cos, -sin, s cos, -s sin, so that the unknowns are Re and Im of p and of q
     normal[:, 0, 1], normal[:, 0, 2] = c0.real, -c0.imag
@@ -82,17 +81,17 @@ def prepare_ridge(valid: Mask, frequency: float, width: float) -> Ridge:
     normal[:, range(5), range(5)] += 1e-9 * full  # keeps an empty window solvable; its support says so
     solution = np.linalg.inv(normal)[:, 1:, :]
     solution[:, 2:] /= width
-    kernels = np.stack([spectrum(window + 0j), spectrum(window * wave), spectrum(window * s * wave)])
-    return Ridge(n, frequency, width, valid, kernels, solution, support, length)
+    kernels = np.conj(spectra[[0, 3, 4]])
+    return Ridge(n, frequency, width, valid, centres, kernels, solution, support, length)
 
 
 def transform(ridge: Ridge, samples: Array) -> tuple[Array, Array]:
-    """Return the analytic signal p and its local slope q (per sample) at each sample, complex, shape (n,).
+    """Return the analytic signal p and its local slope q (per sample) at each centre, complex, shape (c,).
 
     p = A e^{i phi}: the modulus is the envelope, the argument the phase (eq. 8).
     """
     spectrum = fft.fft(np.where(ridge.valid, samples, 0.0), ridge.length)
-    plain, wave, drift = fft.ifft(spectrum * np.conj(ridge.kernels), axis=1)[:, : ridge.n]
+    plain, wave, drift = fft.ifft(spectrum * np.conj(ridge.kernels), axis=1)[:, ridge.centres]
     right = np.stack([plain.real, wave.real, wave.imag, drift.real, drift.imag], axis=1)
     found = np.einsum("nij,nj->ni", ridge.solution, right)
     return found[:, 0] + 1j * found[:, 1], found[:, 2] + 1j * found[:, 3]
@@ -102,15 +101,15 @@ def weights_on_samples(ridge: Ridge, weights: Array) -> Array:
     """Return the weight of each raw sample in `Re sum_j conj(weights[:, j]) p_j`, shape (r, n).
 
     The adjoint of `transform`: it carries white noise of the samples into anything linear in p. `weights`
-    is complex, shape (r, n).
+    is complex, shape (r, c).
     """
-    spread = np.einsum("rn,nj->rnj", weights.real, ridge.solution[:, 0]) + np.einsum(
-        "rn,nj->rnj", weights.imag, ridge.solution[:, 1]
-    )
+    spread = weights.real[:, :, None] * ridge.solution[:, 0] + weights.imag[:, :, None] * ridge.solution[:, 1]
     # the correlations are plain.real, (x, cos), (x, -sin), (x, s cos), (x, -s sin)
-    rows = np.stack([spread[:, :, 0] + 0j, spread[:, :, 1] + 1j * spread[:, :, 2]], axis=1)
-    rows = np.concatenate([rows, (spread[:, :, 3] + 1j * spread[:, :, 4])[:, None]], axis=1)
-    spectra = fft.fft(rows, ridge.length, axis=2)
+    rows = np.zeros((len(weights), 3, ridge.length), dtype=np.complex128)
+    rows[:, 0, ridge.centres] = spread[:, :, 0]
+    rows[:, 1, ridge.centres] = spread[:, :, 1] + 1j * spread[:, :, 2]
+    rows[:, 2, ridge.centres] = spread[:, :, 3] + 1j * spread[:, :, 4]
+    spectra = fft.fft(rows, axis=2)
     back = fft.ifft(np.sum(spectra * ridge.kernels, axis=1), axis=1)[:, : ridge.n].real
     return np.where(ridge.valid, back, 0.0)
 

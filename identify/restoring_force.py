@@ -283,7 +283,7 @@ def _solved(rows: Array, factor: Array, order: int, others: int) -> LeastSquares
 def _fit(solution: LeastSquares, stiffness_orders: tuple[int, ...], unknown_mass: bool) -> _Fit:
     order = len(solution.values) - len(stiffness_orders) - 2 - unknown_mass
     covariance = solution.covariance + misfit_covariance(
-        solution.white.reshape(-1, 2).T.ravel(), solution.gain, len(solution.white)
+        solution.white.reshape(-1, 2).T.ravel(), solution.gain, len(solution.white), len(solution.values)
     )
     stiffness = {
         j: float(chi) for j, chi in zip(stiffness_orders, solution.values[order + 1 :], strict=False)

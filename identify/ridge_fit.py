@@ -14,10 +14,12 @@ from identify.arrays import Array, Mask
 from identify.averaging import backbone_factors, envelope_factors
 from identify.envelope import EnvelopeFit, PhaseFit, fit_envelope, fit_phase, solve_integrated
 from identify.half_cycles import Decay, simulate_decay
-from identify.morlet import Ridge, prepare_ridge, transform, weights_on_samples
+from identify.morlet import Ridge, prepare_ridge, transform
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
-_POINTS = 400
+POINTS_PER_CYCLE = 8
+_MOST_POINTS = 400
+_SETTLED = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,25 +76,25 @@ def observe(
 ) -> Observed:
     """Prepare the ridge of one channel at `angular_frequency` (rad/s)."""
     cycle = 2 * np.pi * rate / angular_frequency
-    ridge = prepare_ridge(valid, angular_frequency / rate, WIDTH_CYCLES * cycle)
-    every = max(1, int(np.ceil(len(samples) / _POINTS)))
+    every = max(1, int(cycle / POINTS_PER_CYCLE), -(-len(samples) // _MOST_POINTS))
     points = np.arange(0, len(samples), every)
+    ridge = prepare_ridge(valid, angular_frequency / rate, WIDTH_CYCLES * cycle, points)
     inside = np.sqrt(np.pi) * ridge.width
-    widening = np.maximum(np.trace(ridge.solution[points, :2, 1:3], axis1=1, axis2=2), 0) / 2
-    widening = widening * (np.sqrt(2 * np.pi) * ridge.width) / 2
-    usable = ridge.support[points] > 0.3
-    variance = noise**2 / inside * np.maximum(widening, 1.0) / angular_frequency ** (2 * derivatives)
-    weight = np.where(usable, 1 / np.sqrt(np.maximum(widening, 1.0)), 0.0)
+    widening = np.trace(ridge.solution[:, :2, 1:3], axis1=1, axis2=2) / 2
+    widening = np.maximum(widening * np.sqrt(2 * np.pi) * ridge.width / 2, 1.0)
+    variance = noise**2 / inside * widening / angular_frequency ** (2 * derivatives) + 1e-300
+    weight = np.where(ridge.support > 0.3, 1 / np.sqrt(widening), 0.0)
     return Observed(
-        samples, valid, rate, derivatives, angular_frequency, noise, ridge, points, weight, variance + 1e-300
+        samples, valid, rate, derivatives, angular_frequency, noise, ridge, points, weight, variance
     )
 
 
 def envelope_and_phase(observed: Observed, samples: Array) -> tuple[Array, Array, Array]:
-    """Return displacement's envelope, phase (rad) and frequency (rad/s) on the ridge at every sample, (n,)."""
+    """Return displacement's envelope, phase (rad) and frequency (rad/s) at the points, shape (m,)."""
     p, q = transform(observed.ridge, samples)
     envelope = np.abs(p) / observed.angular_frequency**observed.derivatives
-    phase = np.unwrap(np.angle(p)) - observed.derivatives * np.pi / 2
+    expected = observed.angular_frequency * observed.points / observed.rate
+    phase = np.unwrap(np.angle(p * np.exp(-1j * expected))) + expected - observed.derivatives * np.pi / 2
     slope = np.imag(q * np.conj(p)) / np.maximum(np.abs(p) ** 2, 1e-300)
     return envelope, phase, (slope + observed.ridge.frequency) * observed.rate
 
@@ -131,7 +133,6 @@ def channel_of(decay: Decay, derivatives: int) -> Array:
 def first_fit(observed: Observed, order: int, orders: tuple[int, ...]) -> RidgeFit:
     """Fit the ridge as it comes, by eqs. (9)-(12), with nothing taken off yet."""
     envelope, phase, _ = envelope_and_phase(observed, observed.samples)
-    envelope, phase = envelope[observed.points], phase[observed.points]
     zero = np.zeros(len(envelope))
     start = solve_integrated(envelope, observed.step, order, observed.weight)
     fitted = fit_envelope(envelope, observed.step, start, observed.weight)
@@ -150,41 +151,24 @@ def other_backbone(observed: Observed, fit: RidgeFit, orders: tuple[int, ...]) -
     return fit_phase(fit.phase, np.abs(fit.envelope), observed.step, orders, observed.weight)
 
 
-def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 1) -> RidgeFit:
-    """Take the transform's own bias off, as the model `fit` shows it, and fit again; `rounds` times."""
+def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 6) -> RidgeFit:
+    """Take the transform's own bias off, as the model `fit` shows it, and fit again, until nothing changes.
+
+    "Nothing" is a twentieth of the envelope's noise; at most `rounds` times.
+    """
     for _ in range(rounds):
         decay = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
         seen, phase, _ = envelope_and_phase(observed, channel_of(decay, observed.derivatives))
-        bias_envelope = seen[observed.points] - fit.envelope_fit.fit
-        bias_phase = phase[observed.points] - fit.phase_fit.fit
+        bias_envelope = seen - fit.envelope_fit.fit
+        bias_phase = phase - fit.phase_fit.fit
         bias_phase -= 2 * np.pi * np.round(np.median(bias_phase) / (2 * np.pi))
-        envelope = fit.envelope + fit.bias_envelope - bias_envelope
-        phases = fit.phase + fit.bias_phase - bias_phase
+        more, later = bias_envelope - fit.bias_envelope, bias_phase - fit.bias_phase
+        envelope, phases = fit.envelope - more, fit.phase - later
+        size = np.abs(envelope)
         fitted = fit_envelope(envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1)
-        phase_fit = fit_phase(phases, np.abs(envelope), observed.step, fit.stiffness_orders, observed.weight)
+        phase_fit = fit_phase(phases, size, observed.step, fit.stiffness_orders, observed.weight)
         fit = RidgeFit(fitted, phase_fit, fit.stiffness_orders, envelope, phases, bias_envelope, bias_phase)
+        change = np.maximum(np.abs(more), np.abs(later) * size) * (observed.weight > 0)
+        if np.all(change < _SETTLED * np.sqrt(observed.variance)):
+            break
     return fit
-
-
-def noise_in_envelope(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
-    """Return the covariance that white noise gives to parameters with `gain` (p, m) on the envelope, (p, p)."""
-    return _carried(observed, gain * _turn(observed, fit))
-
-
-def noise_in_phase(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
-    """Return the covariance that white noise gives to parameters with `gain` (p, m) on the phase, (p, p)."""
-    amplitude = np.abs(fit.envelope)
-    amplitude = np.maximum(amplitude, 1e-3 * np.max(amplitude))
-    return _carried(observed, 1j * gain * _turn(observed, fit) / amplitude)
-
-
-def _turn(observed: Observed, fit: RidgeFit) -> Array:
-    scale = observed.angular_frequency**observed.derivatives
-    return np.exp(1j * (fit.phase + fit.bias_phase + observed.derivatives * np.pi / 2)) / scale
-
-
-def _carried(observed: Observed, on_points: Array) -> Array:
-    weights = np.zeros((len(on_points), len(observed.samples)), dtype=complex)
-    weights[:, observed.points] = on_points
-    rows = weights_on_samples(observed.ridge, weights)
-    return observed.noise**2 * rows @ rows.T

@@ -7,19 +7,19 @@ from identify.arrays import Array
 _SURE = 3.0  # standard deviations by which a misfit must exceed the noise before it counts
 
 
-def misfit_covariance(residual: Array, gain: Array, independent: float) -> Array:
+def misfit_covariance(residual: Array, gain: Array, independent: float, parameters: int) -> Array:
     """Return the covariance that a model's misfit adds to its parameters, shape (p, p), zero when there is none.
 
     `residual` (m,) is what the model leaves of the observations, in standard deviations of their noise;
-    `gain` (p, m) carries the observations, in the same measure, into the parameters;
+    `gain` (p, m) carries the observations, in the same measure, into the parameters asked for, of
+    `parameters` fitted in all;
     `independent` is the number of independent observations among the m under noise alone. A misfit is
     correlated over longer stretches than noise: its length is read off its own autocorrelation.
     """
-    parameters = len(gain)
     free = max(1.0, independent - parameters)
     ratio = float(np.mean(residual**2)) * independent / free
     if ratio <= 1 + _SURE * np.sqrt(2 / free):
-        return np.zeros((parameters, parameters))
+        return np.zeros((len(gain), len(gain)))
     centred = residual - np.mean(residual)
     m = len(centred)
     spectrum = np.abs(np.fft.rfft(centred, 2 * m)) ** 2
