@@ -39,17 +39,26 @@ def cumulative(values: Array, step: float) -> Array:
     return out
 
 
+def weighted_inverse(rows: Array, weight: Array) -> Array:
+    """Return the least-squares inverse (p, m) of p functions of m points, `rows` (p, m), with `weight` (m,)."""
+    weighted = rows * weight
+    size = np.linalg.norm(weighted, axis=1)[:, None] + 1e-300
+    unit = weighted / size
+    inverse = np.linalg.pinv(unit @ unit.T, rcond=1e-13, hermitian=True)
+    return np.asarray(inverse @ unit * weight / size)
+
+
 def solve_integrated(envelope: Array, step: float, order: int, weight: Array) -> Array:
     """Return k(0), c_0..c_order from eqs. (10)-(12), the integrated envelope equation, by least squares.
 
     k(t) - k(0) = -sum c_i int k^i: `envelope` (m,) at `step` s. k(0) is left free, so that no single
-    noisy sample carries the whole fit. Columns are scaled; the system is solved by SVD.
+    noisy sample carries the whole fit.
     """
     scale = float(np.max(envelope))
     relative = envelope / scale
     powers = np.stack([relative**i for i in range(order + 1)])
     columns = np.concatenate([np.ones((1, len(envelope))), -cumulative(powers, step)]).T
-    found = np.linalg.lstsq(columns * weight[:, None], relative * weight, rcond=None)[0]
+    found = weighted_inverse(columns.T, weight) @ relative
     found *= scale
     found[1:] /= scale ** np.arange(order + 1)
     return found
@@ -65,9 +74,7 @@ def fit_envelope(envelope: Array, step: float, start: Array, weight: Array, roun
     exponents = np.arange(order + 1)
     for _ in range(rounds):
         fit, jacobian = _sensitivities(parameters, step, len(envelope), exponents)
-        scale = np.linalg.norm(jacobian * weight, axis=1) + 1e-300
-        inverse = np.linalg.pinv((jacobian * weight / scale[:, None]).T, rcond=1e-12)
-        gain = inverse * weight / scale[:, None]
+        gain = weighted_inverse(jacobian, weight)
         change = gain @ (envelope - fit)
         parameters = parameters + change
         parameters[0] = max(parameters[0], 0.1 * start[0])
@@ -94,13 +101,10 @@ def fit_phase(phase: Array, envelope: Array, step: float, orders: tuple[int, ...
     scale = float(np.max(envelope))
     powers = np.stack([(envelope / scale) ** (i - 1) for i in orders])
     columns = np.concatenate([np.ones((1, len(phase))), cumulative(powers, step)]).T
-    weighted = envelope * weight
-    norms = np.linalg.norm(columns * weighted[:, None], axis=0)
-    inverse = np.linalg.pinv(columns * weighted[:, None] / norms, rcond=1e-12)
-    units = norms * np.concatenate([[1.0], scale ** (np.array(orders) - 1.0)])
-    gain = inverse * weighted / units[:, None]
+    units = np.concatenate([[1.0], scale ** (np.array(orders) - 1.0)])
+    gain = weighted_inverse(columns.T, envelope * weight) / units[:, None]
     reference = phase - phase[0]
     parameters = gain @ reference
-    fit = (columns * np.concatenate([[1.0], scale ** (np.array(orders) - 1.0)])) @ parameters
+    fit = (columns * units) @ parameters
     parameters[0] += phase[0]
     return PhaseFit(parameters, fit + phase[0], gain)

@@ -40,6 +40,7 @@ __all__ = [
     "identify_restoring_force_as_recorded",
 ]
 
+CHANNELS = ("displacement", "velocity", "acceleration")
 _FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
 _STOP_AT_DRY_ZONE = 2.5  # as in the wavelet identification
 _STOP_AT_NOISE = 6.0
@@ -177,8 +178,11 @@ def _identify(
 
 
 def _levels(decay: FreeDecay) -> dict[str, float]:
-    measured = {name: noise.std for name, noise in noise_of(decay).items()}
-    levels = {name: getattr(decay, f"noise_{name}") or std for name, std in measured.items()}
+    present = [name for name in CHANNELS if getattr(decay, name) is not None]
+    levels = {name: getattr(decay, f"noise_{name}") for name in present}
+    if not all(levels.values()):
+        measured = noise_of(decay)
+        levels = {name: level or measured[name].std for name, level in levels.items()}
     return {
         name: max(level, 1e-9 * float(np.nanstd(getattr(decay, name))), 1e-300)
         for name, level in levels.items()
@@ -254,23 +258,30 @@ def _fits(
     u, v, a = (span.cut(x) for x in (motion.displacement, motion.velocity, motion.acceleration))
     force = None if span.force is None else span.cut(span.force)
     unknown_mass = force is not None and decay.mass is None
-    right = -a if force is None or unknown_mass else force - a
     others = [u**j for j in stiffness_orders] + [np.ones_like(u)] + ([-force] if unknown_mass else [])
     powers = [np.abs(v) ** i * np.sign(v) for i in range(1, max(max_order, 1) + 1)]
+    consistent = span.noise[0][0] == "consistent"
+
+    def rows(sign: Array) -> Array:
+        pull = np.zeros_like(u) if force is None or unknown_mass else force
+        sums = rows_of(windows, windows.kernel, np.stack([sign, *powers, *others, pull - a]))
+        if consistent:  # phi vanishes at its ends, so derivatives may pass from the motion to the window
+            centred = (u - np.mean(u))[None]
+            sums[:, -1:] = rows_of(windows, windows.kernel, pull[None])
+            sums[:, -1:] -= rows_of(windows, windows.curvature, centred)
+            sums[:, 1:2] = -rows_of(windows, windows.slope, centred)
+        return sums
 
     direction = direction_of(v)
-    columns = [averaged_sign(direction), *powers, *others, right]
     factor = factor_of(_covariance(span, windows, 0.0, w**2))
-    first = _solved(rows_of(windows, np.stack(columns)), factor, 1, len(others))
+    first = _solved(rows(averaged_sign(direction)), factor, 1, len(others))
     mu_0, mu_1, k_1 = first.values[0], first.values[1], first.values[2] if 1 in stiffness_orders else w**2
 
     direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w)
     band = _covariance(span, windows, mu_1, k_1)
     band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, _noise_velocity(span))
-    factor = factor_of(band)
-    columns[0] = averaged_sign(direction)
-    rows = rows_of(windows, np.stack(columns))
-    solutions = [_solved(rows, factor, order, len(others)) for order in range(max_order + 1)]
+    factor, found = factor_of(band), rows(averaged_sign(direction))
+    solutions = [_solved(found, factor, order, len(others)) for order in range(max_order + 1)]
     return [_fit(solution, stiffness_orders, unknown_mass) for solution in solutions]
 
 

@@ -9,26 +9,44 @@ from identify.ridge_fit import Observed, RidgeFit
 from identify.spread import misfit_covariance
 
 
-def envelope_covariance(
-    observed: Observed, fit: RidgeFit, trial: EnvelopeFit, *, last: bool = False
-) -> Array:
+def envelope_covariance(observed: Observed, fit: RidgeFit, trial: EnvelopeFit) -> Array:
     """Return the covariance of k(0), c_0, ... of a `trial` on the envelope of `fit`, (n + 2, n + 2).
 
-    White noise of the samples, and the misfit where there is one. Of the `last` coefficient alone, (1, 1), where
-    no more is asked.
+    White noise of the samples carried through the transform, and the misfit where there is one.
     """
-    gain = trial.gain[-1:] if last else trial.gain
-    misfit = _misfit(observed, fit.envelope - trial.fit, np.sqrt(observed.variance), gain, len(trial.gain))
-    return _noise_in_envelope(observed, fit, gain) + misfit
+    return _noise_in_envelope(observed, fit, trial.gain) + _misfit(
+        observed, fit.envelope - trial.fit, np.sqrt(observed.variance), trial.gain, len(trial.gain)
+    )
 
 
-def phase_covariance(observed: Observed, fit: RidgeFit, trial: PhaseFit, *, last: bool = False) -> Array:
+def phase_covariance(observed: Observed, fit: RidgeFit, trial: PhaseFit) -> Array:
     """Return the covariance of phi(0), w_1, ... of a `trial` on the phase of `fit`; as `envelope_covariance`."""
-    gain = trial.gain[-1:] if last else trial.gain
-    amplitude = np.maximum(np.abs(fit.envelope), 1e-3 * np.max(np.abs(fit.envelope)))
-    spread = np.sqrt(observed.variance) / amplitude
-    misfit = _misfit(observed, fit.phase - trial.fit, spread, gain, len(trial.gain))
-    return _noise_in_phase(observed, fit, gain) + misfit
+    spread = np.sqrt(observed.variance) / _amplitude(fit)
+    return _noise_in_phase(observed, fit, trial.gain) + _misfit(
+        observed, fit.phase - trial.fit, spread, trial.gain, len(trial.gain)
+    )
+
+
+def clearances_of_envelopes(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> list[float]:
+    """Return how many standard errors the highest coefficient of each trial stands from zero."""
+    gains = np.stack([trial.gain[-1] for trial in trials])
+    variances = np.diag(_noise_in_envelope(observed, fit, gains)).copy()
+    for at, trial in enumerate(trials):
+        left, spread = fit.envelope - trial.fit, np.sqrt(observed.variance)
+        variances[at] += _misfit(observed, left, spread, gains[at : at + 1], len(trial.gain))[0, 0]
+    highest = np.abs([trial.parameters[-1] for trial in trials])
+    return [float(x) for x in highest / np.sqrt(variances + 1e-300)]
+
+
+def clearances_of_phases(observed: Observed, fit: RidgeFit, trials: list[PhaseFit]) -> list[float]:
+    """Return how many standard errors the highest stiffness of each trial stands from zero."""
+    gains = np.stack([trial.gain[-1] for trial in trials])
+    variances = np.diag(_noise_in_phase(observed, fit, gains)).copy()
+    for at, trial in enumerate(trials):
+        left, spread = fit.phase - trial.fit, np.sqrt(observed.variance) / _amplitude(fit)
+        variances[at] += _misfit(observed, left, spread, gains[at : at + 1], len(trial.gain))[0, 0]
+    highest = np.abs([trial.parameters[-1] for trial in trials])
+    return [float(x) for x in highest / np.sqrt(variances + 1e-300)]
 
 
 def _misfit(observed: Observed, left: Array, spread: Array, gain: Array, parameters: int) -> Array:
@@ -38,14 +56,16 @@ def _misfit(observed: Observed, left: Array, spread: Array, gain: Array, paramet
     )
 
 
+def _amplitude(fit: RidgeFit) -> Array:
+    return np.maximum(np.abs(fit.envelope), 1e-3 * np.max(np.abs(fit.envelope)))
+
+
 def _noise_in_envelope(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
     return _carried(observed, gain * _turn(observed, fit))
 
 
 def _noise_in_phase(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
-    amplitude = np.abs(fit.envelope)
-    amplitude = np.maximum(amplitude, 1e-3 * np.max(amplitude))
-    return _carried(observed, 1j * gain * _turn(observed, fit) / amplitude)
+    return _carried(observed, 1j * gain * _turn(observed, fit) / _amplitude(fit))
 
 
 def _turn(observed: Observed, fit: RidgeFit) -> Array:

@@ -26,7 +26,12 @@ from identify.ridge_fit import (
     parameters_of,
 )
 from identify.ridge_span import CHANNELS, observe_span
-from identify.ridge_spread import envelope_covariance, phase_covariance
+from identify.ridge_spread import (
+    clearances_of_envelopes,
+    clearances_of_phases,
+    envelope_covariance,
+    phase_covariance,
+)
 from identify.units import damping_unit, stiffness_unit
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
@@ -99,16 +104,14 @@ def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
 
 
 def _choose_damping(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> tuple[int, str]:
-    spreads = [np.sqrt(envelope_covariance(observed, fit, trial, last=True)[0, 0]) for trial in trials]
-    clear = [abs(trial.parameters[-1]) / spread for trial, spread in zip(trials, spreads, strict=True)]
+    clear = clearances_of_envelopes(observed, fit, trials)
     return choose_order(range(len(trials)), [trial.mse_percent for trial in trials], clear, "damping")
 
 
 def _choose_stiffness(observed: Observed, fit: RidgeFit, trials: list[PhaseFit]) -> tuple[int, str]:
     weight = np.abs(fit.envelope) * observed.weight
     misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
-    spreads = [np.sqrt(phase_covariance(observed, fit, trial, last=True)[0, 0]) for trial in trials]
-    clear = [abs(trial.parameters[-1]) / spread for trial, spread in zip(trials, spreads, strict=True)]
+    clear = clearances_of_phases(observed, fit, trials)
     order, reason = choose_order((1, 3, 5), misfits, clear, "stiffness")
     return (order - 1) // 2, reason
 

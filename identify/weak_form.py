@@ -2,9 +2,10 @@
 
 A sample of eq. (15) is mostly noise: differentiation lifts it, while what damping does hides near the natural
 frequency. So both sides are summed under short windows `W(s) e^{-iws}` that slide over the record. Every window
-gives two rows of the same linear equation (17), in the same unknowns. Because acceleration, velocity and
-displacement agree with each other, a displacement noise n enters a row as `sum n (phi'' - mu_1 phi' + k_1 phi)`,
-almost nothing at the natural frequency; the covariance of the rows follows, and is banded.
+gives two rows of the same linear equation (17), in the same unknowns. A window phi vanishes smoothly at its ends, so
+`sum phi u'' = sum phi'' u`: where acceleration, velocity and displacement agree with each other, all three are read off
+the displacement. Its noise n enters a row as `sum n (phi'' - mu_1 phi' + k_1 phi)`, almost nothing at the natural
+frequency; the covariance of the rows follows, and is banded.
 """
 
 from collections.abc import Callable
@@ -58,10 +59,10 @@ def place_windows(valid: Mask, rate: float, angular_frequency: float) -> Windows
     )
 
 
-def rows_of(windows: Windows, columns: Array) -> Array:
-    """Return the sums of `columns` (p, n) under the windows, real and imaginary parts in turn, shape (2w, p)."""
-    views = np.lib.stride_tricks.sliding_window_view(columns, len(windows.kernel), axis=1)
-    sums = views[:, windows.first] @ np.stack([windows.kernel.real, windows.kernel.imag], axis=1)
+def rows_of(windows: Windows, kernel: Array, columns: Array) -> Array:
+    """Return the sums of `columns` (p, n) under `kernel` (l,), real and imaginary parts in turn, shape (2w, p)."""
+    views = np.lib.stride_tricks.sliding_window_view(columns, len(kernel), axis=1)
+    sums = views[:, windows.first] @ np.stack([kernel.real, kernel.imag], axis=1)
     return sums.transpose(1, 2, 0).reshape(-1, len(columns))
 
 
