@@ -1,7 +1,6 @@
 """Put the rows of a table on an even clock: what is missing stays missing."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from daq.importing.timebase import Timebase
 from daq.recording import Array, Gap, Mask
@@ -21,6 +20,8 @@ def place(values: Array, clock: Timebase, *, resample: bool) -> tuple[Array, Mas
 
 def _resampled(values: Array, stamps: Array, clock: Timebase) -> tuple[Array, Mask]:
     """Return a cubic spline through the stamped samples on the even clock; holes wider than 1.5 periods stay holes."""
+    from scipy.interpolate import CubicSpline
+
     grid = np.arange(clock.count) / clock.rate
     stamps, first = np.unique(stamps, return_index=True)
     samples = np.asarray(CubicSpline(stamps, values[:, first], axis=1)(grid))
