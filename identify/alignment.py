@@ -3,8 +3,9 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
-from identify.arrays import Array, Mask
+from identify.arrays import Array
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.fractional_delay import bridge, read_at_shift
@@ -17,6 +18,11 @@ from identify.smoothing import slope
 
 HAND_S = 0.030
 """The hand has surely let go this long after the release, for oscillations of about 4 Hz."""
+
+ONE_CHANNEL = "Only one channel was recorded, so there is no lag to find: record displacement (or velocity) and acceleration."
+
+ENOUGH_PER_PERIOD = 64
+"""Faster recordings are averaged down to about this many samples a period: both channels alike, so the lag stays."""
 
 SUDDEN = 0.03
 """An uncertainty of this share of the acceleration's range is no reversal but a release within the record."""
@@ -43,13 +49,16 @@ def align(decay: FreeDecay) -> Alignment:
     Maximum likelihood of N a = g H u (see `identify.kinematics`), which holds under any force and from any state at
     either end. Raises NotIdentifiable with fewer than two channels or too little motion.
     """
-    pair = pair_of(decay)
-    moving = slice(decay.release, None)
-    frequency = dominant_frequency(pair.high[moving], pair.rate)
+    if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
+        raise NotIdentifiable(ONE_CHANNEL)
+    frequency = dominant_frequency(decay.acceleration[decay.release :], decay.rate)
     if frequency <= 0:
         raise NotIdentifiable(
             "The channels hold no oscillation to align: record a release with a visible decay."
         )
+    decay = coarser(decay, int(decay.rate / (ENOUGH_PER_PERIOD * frequency)))
+    pair = pair_of(decay)
+    moving = slice(decay.release, None)
     upright, opposite = _starts(pair, moving, frequency)
     best = agree(pair, *upright, steps=8)
     if best.chi_square > 2.0 * best.degrees:
@@ -89,9 +98,7 @@ def correct(decay: FreeDecay, alignment: Alignment, *, gain: bool = True) -> Fre
 def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
     """Return the two channels with the variance of every sample; raises NotIdentifiable with one channel."""
     if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
-        raise NotIdentifiable(
-            "Only one channel was recorded, so there is no lag to find: record displacement (or velocity) and acceleration."
-        )
+        raise NotIdentifiable(ONE_CHANNEL)
     low_name, order = ("displacement", 2) if decay.displacement is not None else ("velocity", 1)
     low = decay.displacement if decay.displacement is not None else decay.velocity
     assert low is not None
@@ -103,7 +110,7 @@ def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
     noise_low = max(noise_low, 1e-9 * float(np.ptp(low)), 1e-300)
     noise_high = max(noise_high, 1e-9 * float(np.ptp(high)), 1e-300)
     variance_low = np.full(len(decay), noise_low**2)
-    jumps = jump_variance(bridge(high, valid), noise_high)
+    jumps = jump_variance(bridge(high, valid), noise_high, decay.rate)
     sudden = jumps > (SUDDEN * float(np.ptp(high[valid]))) ** 2
     variance_high = noise_high**2 + np.where(sudden, jumps, 0.0)
     out = ~valid
@@ -124,21 +131,45 @@ def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
     )
 
 
-def jump_variance(high: Array, noise: float) -> Array:
+def jump_variance(high: Array, noise: float, rate: float) -> Array:
     """Return the variance that a jump of the acceleration adds to the samples on either side of it, shape (n,).
 
     Where between two samples the jump fell (a reversal under dry friction, a sudden release) is not known: the
-    mean over the interval is uncertain by the jump over the square root of twelve. Jumps show in the third differences.
+    mean over the interval is uncertain by the jump over the square root of twelve. Jumps show in the third
+    differences, above the noise and above what the oscillation itself leaves there.
     """
-    third = np.abs(np.diff(high, 3))
     extra = np.zeros(len(high))
-    if len(third) < 8:
+    frequency = dominant_frequency(high, rate)
+    if len(high) < 12 or frequency <= 0.0:
         return extra
-    threshold = max(4.5 * np.sqrt(20.0) * noise, 5.0 * float(np.quantile(third, 0.75)))
-    jump = np.where(third > threshold, third, 0.0) ** 2 / 96.0
+    third = np.abs(np.diff(high, 3))
+    reach = max(3, round(rate / frequency))
+    amplitude = maximum_filter1d(np.abs(high - np.median(high)), reach)[1:-2]
+    own = (2.0 * np.sin(min(np.pi * frequency / rate, 0.5 * np.pi))) ** 3 * amplitude
+    jump = np.where(third > 4.5 * np.sqrt(20.0) * noise + 2.0 * own, third, 0.0) ** 2 / 96.0
     extra[1:-2] += jump
     extra[2:-1] += jump
     return extra
+
+
+def coarser(decay: FreeDecay, step: int) -> FreeDecay:
+    """Return the decay averaged over blocks of `step` samples; a block that holds a lost sample is lost."""
+    if step < 2:
+        return decay
+    floors = noise_of(decay)
+    count = len(decay) // step
+
+    def blocks(values: Array) -> Array:
+        return values[: count * step].reshape(count, step)
+
+    changes: dict[str, object] = {"force": None if decay.force is None else blocks(decay.force).mean(axis=1)}
+    for name, floor in floors.items():
+        std = getattr(decay, f"noise_{name}") or floor.std
+        changes |= {name: blocks(getattr(decay, name)).mean(axis=1), f"noise_{name}": std / np.sqrt(step)}
+    valid = None if decay.valid is None else blocks(decay.valid.astype(float)).min(axis=1) > 0.5
+    rest = (-(-decay.rest[0] // step), decay.rest[1] // step)
+    release = -(-decay.release // step)
+    return decay.with_(rate=decay.rate / step, release=release, rest=rest, valid=valid, **changes)
 
 
 def _starts(pair: Pair, moving: slice, frequency: float) -> list[tuple[float, float]]:

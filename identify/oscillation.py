@@ -9,17 +9,16 @@ def dominant_frequency(values: Array, rate: float) -> float:
     """Return the frequency in Hz of the strongest oscillation in `values` (n,), 0.0 when there is none.
 
     The spectrum is weighted by the frequency, which takes the weight off a held position, a drift or a slow
-    pull; the peak of the windowed periodogram is refined by the parabola through its logarithm.
+    pull. Only the ends are tapered, for a decay may be over early in the record. The peak is refined by the
+    parabola through its logarithm.
     """
     n = len(values)
     if n < 8:
         return 0.0
-    moving = np.diff(values)
-    moving = (moving - moving.mean()) * np.hanning(n - 1)
+    ramp = np.minimum(np.arange(n) + 1.0, n - np.arange(n)) / (0.02 * n + 1.0)
     size = 1 << int(np.ceil(np.log2(4 * n)))
-    power = np.abs(np.fft.rfft(moving, size)) ** 2
-    omega = np.linspace(0.0, np.pi, len(power))
-    power[1:] /= 2.0 * np.sin(omega[1:] / 2.0)
+    power = np.abs(np.fft.rfft((values - np.mean(values)) * np.minimum(ramp, 1.0), size)) ** 2
+    power *= np.linspace(0.0, 1.0, len(power)) ** 1.5
     first = int(np.ceil(1.5 * size / n))
     power[:first] = 0.0
     if not np.any(power > 0):
