@@ -306,7 +306,9 @@ class _Story:
     def _silent(self) -> str:
         kept = "what was received is kept"
         if self.link.silence() > WARN_S:
-            return f"the board has been silent for {GIVE_UP_S:g} s; {kept}. Check cable and board, or reset it"
+            return (
+                f"the board has been silent for {GIVE_UP_S:g} s; {kept}. Check cable and board, or reset it"
+            )
         clock = self.link.assembly.host_clock()
         if clock is not None and clock.rate < 0.9 * self.rate:
             return (

@@ -257,12 +257,13 @@ class Link:
         """
         message = Resend(first, count)
         sequence = self.send(message)
-        until = time.monotonic() + RESEND_FOR_S
-        quiet_from = time.monotonic()
-        while time.monotonic() < until and time.monotonic() - max(quiet_from, self.last_frame) < WARN_S:
+        began = quiet_since = time.monotonic()
+        while (now := time.monotonic()) - began < RESEND_FOR_S and now - quiet_since < WARN_S:
             frame = self.take(0.05)
             if frame is not None and _answers(frame.message, message, {sequence}):
                 return isinstance(frame.message, Ack)
+            if frame is not None and isinstance(frame.message, Data):
+                quiet_since = time.monotonic()
         return True
 
 

@@ -12,12 +12,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from daq.decode import Assembly
-from daq.recording import Array, Channel, Gap, Recording
-from firmware_protocol import EventKind
+from daq.recording import Array, Channel, Gap, Mask, Recording
+from firmware_protocol import NO_CHANNEL, EventKind
 
 LOST_LIMIT = 0.02
 LONGEST_GAP_S = 0.25
 SATURATED_LIMIT = 3
+BLOW_S = 0.05
 CLOCK_LIMIT = 0.005
 SHORTEST_CLOCK_S = 2.0
 MOTION_TO_NOISE = 20.0
@@ -82,6 +83,7 @@ def judge(
     _losses(findings, recording, planned)
     for channel, samples in zip(recording.channels, recording.samples, strict=True):
         _one_channel(findings, channel, samples[recording.valid], (noise or {}).get(channel.name))
+    _saturation(findings, recording, assembly)
     _start(findings, recording)
     _kinematics(findings, recording)
     if assembly is not None:
@@ -137,27 +139,55 @@ def _one_channel(findings: _Findings, channel: Channel, samples: Array, noise: f
             f"{channel.name} does not move: dead, or not connected", f"check the sensor of {channel.name}"
         )
         return
-    clipped = _saturated(channel, samples)
-    if clipped >= SATURATED_LIMIT:
-        findings.reject(
-            f"{channel.name} is at the end of its range in {clipped} samples",
-            f"a smaller release, or a wider range of {channel.name}",
-        )
     if noise is not None and span < MOTION_TO_NOISE * noise:
         findings.reject(
             f"{channel.name} moves by only {span / noise:.0f} times its noise", "a larger release"
         )
 
 
-def _saturated(channel: Channel, samples: Array) -> int:
-    """Count samples within one code of an end of the range that stay there for two samples or more."""
+def _saturation(findings: _Findings, recording: Recording, assembly: Assembly | None) -> None:
+    """Saturation by the samples and by the board's word; a blow may saturate, what follows it may not."""
+    blow = np.zeros(len(recording.valid), dtype=np.bool_)
+    if recording.trigger is not None:
+        after = recording.trigger + round(BLOW_S * recording.rate)
+        blow[max(recording.trigger - 2, 0) : after] = True
+    for number, channel in enumerate(recording.channels):
+        seen = _at_end(channel, recording.samples[number])
+        told = _told_saturated(assembly, number, len(blow)) if assembly else np.zeros_like(blow)
+        count, in_blow = int((seen | told)[~blow].sum()), int((seen | told)[blow].sum())
+        if count >= SATURATED_LIMIT or told[~blow].any():
+            findings.reject(
+                f"{channel.name} is at the end of its range in {count} samples",
+                f"a smaller release, or a wider range of {channel.name}",
+            )
+        elif in_blow:
+            findings.usable(
+                f"{channel.name} is at the end of its range in {in_blow} samples at the release",
+                f"a softer blow, or a wider range of {channel.name}",
+            )
+
+
+def _at_end(channel: Channel, samples: Array) -> Mask:
+    """Mark samples within one code of an end of the range that stay there for two samples or more."""
     step = channel.resolution or 0.0
     at_end = np.zeros(len(samples), dtype=np.bool_)
     if channel.high is not None:
         at_end |= samples >= channel.high - 1.01 * step
     if channel.low is not None:
         at_end |= samples <= channel.low + 1.01 * step
-    return int((at_end[1:] & at_end[:-1]).sum())
+    stays = np.zeros_like(at_end)
+    stays[1:] |= at_end[1:] & at_end[:-1]
+    stays[:-1] |= at_end[1:] & at_end[:-1]
+    return stays
+
+
+def _told_saturated(assembly: Assembly, number: int, n: int) -> Mask:
+    told = np.zeros(n, dtype=np.bool_)
+    for event in assembly.events:
+        if event.kind == EventKind.SATURATION and event.channel in (number, NO_CHANNEL):
+            first = event.index - assembly.start
+            told[max(first, 0) : max(first + event.count, 0)] = True
+    return told
 
 
 def _start(findings: _Findings, recording: Recording) -> None:
@@ -224,12 +254,6 @@ def _scales(findings: _Findings, x: Array, a: Array, rate: float) -> None:
 def _told_by_board(findings: _Findings, assembly: Assembly) -> None:
     for contradiction in assembly.contradictions[:3]:
         findings.reject(f"the board contradicts itself: {contradiction}", "correct the firmware")
-    saturated = Counter(
-        e.channel for e in assembly.events if e.kind == EventKind.SATURATION and _within(assembly, e.index)
-    )
-    for number, count in saturated.items():
-        name = assembly.channels[number].name if number < len(assembly.channels) else "a channel"
-        findings.reject(f"the board reports saturation of {name} ({count} times)", "a smaller release")
     faults = [e for e in assembly.events if e.kind == EventKind.SENSOR_FAULT]
     if faults:
         findings.reject(
@@ -239,10 +263,6 @@ def _told_by_board(findings: _Findings, assembly: Assembly) -> None:
         findings.reject("the board's checksum of all samples does not agree", "take it again")
     if assembly.rebooted:
         findings.reject("the board rebooted in mid-capture", "check its supply")
-
-
-def _within(assembly: Assembly, index: int) -> bool:
-    return assembly.start <= index < assembly.stop
 
 
 def _clocks(findings: _Findings, assembly: Assembly, check_host: bool) -> None:

@@ -42,9 +42,9 @@ def test_a_release_is_captured_where_it_happened(tmp_path: Path, line: str) -> N
 @pytest.mark.parametrize("line", LINES)
 def test_several_captures_follow_each_other_on_one_double(tmp_path: Path, line: str) -> None:
     with double(tmp_path, line, *FAST, "--releases", "-25,v0.4,5", "--hand-ms", "12") as bench:
-        for number in range(3):
+        for number, verdict in enumerate(("OK", "USABLE WITH GAPS", "OK")):  # the blow saturates
             session = capture(bench.port, SETTINGS, tmp_path / str(number))
-            assert session.info.verdict == "OK"
+            assert session.info.verdict == verdict
             window = session.assembly().window
             truth = bench.truth()["releases"][number]
             assert window is not None

@@ -96,3 +96,11 @@ def test_a_verdict_tells_what_to_do() -> None:
 def test_one_channel_is_judged_without_kinematics() -> None:
     one = Recording(RATE, (X,), decay(N, 256)[:1], np.ones(N, dtype=bool), trigger=256)
     assert judge(one).word is Word.OK
+
+
+def test_a_blow_that_saturates_leaves_it_usable() -> None:
+    samples = decay(N, 256)
+    samples[1, 256:259] = 50.0
+    verdict = judge(with_samples(samples))
+    assert verdict.word is Word.USABLE
+    assert "a is at the end of its range in 3 samples at the release" in verdict.reasons[0]
