@@ -18,11 +18,11 @@ from daq.clock import ClockFit, fit_clock
 from daq.errors import DataLost
 from daq.raw_log import Kind, Record
 from daq.recording import Array, Channel, Gap, Mask, Recording
+from daq.told import Window, channels_of, gap_of, items_of, problem_of, window_of
 from firmware_protocol import Data, Decoder, Describe, End, Event, EventKind, Frame, Hello, Log
 
 MAX_MISSING = 1 << 22
 MAX_LISTED = 200
-MAX_RATE = 1e7
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,15 +32,6 @@ class Block:
     first: int
     samples: Array
     time: float
-
-
-@dataclass(frozen=True)
-class Window:
-    """The part of the stream that is the recording: `count` samples from `first`, released at `trigger`."""
-
-    first: int
-    count: int
-    trigger: int | None = None
 
 
 @dataclass(frozen=True)
@@ -95,12 +86,12 @@ class Assembly:
     def take_note(self, note: dict[str, Any]) -> None:
         """Take what the station wrote down between the bytes; what is not understood is skipped."""
         if note.get("event") == "window":
-            self.window = _window(note) or self.window
+            self.window = window_of(note) or self.window
         elif note.get("event") == "start":
             self._forget_samples()
         elif note.get("event") == "imported":
-            self._reasons = [gap for item in _items(note, "gaps") if (gap := _gap(item)) is not None]
-            self.notes += [item for item in _items(note, "notes") if isinstance(item, str)]
+            self._reasons = [gap for item in items_of(note, "gaps") if (gap := gap_of(item)) is not None]
+            self.notes += [item for item in items_of(note, "notes") if isinstance(item, str)]
 
     @property
     def rate(self) -> float:
@@ -110,7 +101,7 @@ class Assembly:
     @property
     def channels(self) -> tuple[Channel, ...]:
         """The channels by the board's description; empty before it came."""
-        return _channels(self.description) if self.description else ()
+        return channels_of(self.description) if self.description else ()
 
     @property
     def start(self) -> int:
@@ -207,7 +198,7 @@ class Assembly:
         return ()
 
     def _take_description(self, description: Describe) -> None:
-        problem = _problem(description)
+        problem = problem_of(description)
         if problem:
             _list(self.contradictions, problem)
         elif self._pieces and description != self.description:
@@ -337,62 +328,3 @@ def assemble(records: Iterable[Record]) -> Assembly:
 def _list(items: list[str], text: str) -> None:
     if len(items) < MAX_LISTED and text not in items[-3:]:
         items.append(text)
-
-
-def _channels(description: Describe) -> tuple[Channel, ...]:
-    return tuple(
-        Channel(
-            name=c.name,
-            quantity=c.quantity,
-            unit=c.unit,
-            resolution=c.resolution,
-            low=c.low,
-            high=c.high,
-            group_delay_s=c.group_delay_s,
-            sensor=c.sensor,
-        )
-        for c in description.channels
-    )
-
-
-def _problem(description: Describe) -> str | None:
-    if not description.channels:
-        return "the board describes no channel"
-    for channel in description.channels:
-        if not (isfinite(channel.rate_hz) and 0 < channel.rate_hz <= MAX_RATE):
-            return f"the board gives channel {channel.name!r} a rate of {channel.rate_hz:g} Hz"
-        if not (isfinite(channel.scale) and isfinite(channel.offset)) or channel.scale == 0:
-            return f"the board gives channel {channel.name!r} a scale of {channel.scale:g}"
-    rates = {channel.rate_hz for channel in description.channels}
-    if len(rates) > 1:
-        return "the board describes channels of different rates: " + ", ".join(f"{r:g} Hz" for r in rates)
-    return None
-
-
-def _items(note: dict[str, Any], key: str) -> list[Any]:
-    value = note.get(key)
-    return value[: MAX_LISTED * 100] if isinstance(value, list) else []
-
-
-def _whole(value: object, limit: int = 1 << 62) -> bool:
-    return type(value) is int and 0 <= value <= limit
-
-
-def _gap(item: object) -> Gap | None:
-    if (
-        isinstance(item, list)
-        and len(item) == 3
-        and _whole(item[0])
-        and _whole(item[1])
-        and isinstance(item[2], str)
-    ):
-        return Gap(item[0], item[1], item[2])
-    return None
-
-
-def _window(note: dict[str, Any]) -> Window | None:
-    match note:
-        case {"first": int(first), "count": int(count)} if _whole(first) and _whole(count):
-            trigger = note.get("trigger")
-            return Window(first, count, trigger if isinstance(trigger, int) and _whole(trigger) else None)
-    return None

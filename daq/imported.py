@@ -5,10 +5,10 @@ from zlib import crc32
 
 import numpy as np
 
-from daq.decode import MAX_RATE
 from daq.errors import SettingsError
 from daq.raw_log import Kind, RawLog
 from daq.recording import Channel, Recording
+from daq.told import MAX_RATE
 from firmware_protocol import ChannelDescription, Data, Describe, End, Hello, Message, SampleFormat, encode
 
 ROOM_FOR_SAMPLES = 980

@@ -8,7 +8,7 @@ from typing import Any
 
 from daq.errors import OperatorError, StorageError
 from daq.raw_log import RawLog
-from daq.session import Session
+from daq.session_folder import Session
 from daq.session_info import SessionInfo, State
 from daq.storage import require_space
 

@@ -3,9 +3,9 @@
 import time
 from dataclasses import dataclass
 
-from daq.capture import CaptureObserver
 from daq.decode import Assembly, Block
 from daq.errors import SettingsError
+from daq.observer import CaptureObserver
 from daq.raw_log import Kind, Record
 from daq.recording import Recording
 from daq.session import Session

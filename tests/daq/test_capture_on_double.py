@@ -184,3 +184,22 @@ def test_a_disk_that_fills_up_during_the_capture_costs_nothing(tmp_path: Path) -
     assert np.isfinite(session.recording().samples).all()
     assert session.info.verdict == "OK"
     assert verify(tmp_path / "t").ok
+
+
+@pytest.mark.slow
+def test_the_rate_is_compared_with_this_computers_clock(tmp_path: Path) -> None:
+    """In real time: over some ten seconds the two agree to 0.1 % through any scheduler."""
+    with double(tmp_path, "pty", "--seed", "5") as bench:
+        session = capture(bench.port, CaptureSettings(), tmp_path / "s")
+    assert session.info.verdict == "OK"
+    rate_std = session.recording().rate_std
+    assert rate_std is not None
+    assert rate_std < 1e-3 * 256
+
+
+def test_a_rate_that_no_clock_of_this_computer_knows_is_told(tmp_path: Path) -> None:
+    """Three times as fast as life is what a board with a wrong rate looks like."""
+    with double(tmp_path, "tcp", "--speed", "3", "--seed", "5") as bench:
+        session = capture(bench.port, CaptureSettings(), tmp_path / "s")
+    assert session.verdict is not None
+    assert "of this computer's clock" in session.verdict.reasons[0]

@@ -1,0 +1,287 @@
+"""One session's folder: opened, created, filled, sealed; the layout is drawn in `session`."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import ValidationError
+
+from daq.decode import Assembly, assemble
+from daq.errors import DataLost, NotASession, SessionDamaged, SettingsError
+from daq.imported import import_log
+from daq.manifest import (
+    Counts,
+    FileEntry,
+    GapEntry,
+    Manifest,
+    entry,
+    is_plain_name,
+    read_manifest,
+    session_files,
+    write_manifest,
+)
+from daq.quality import Verdict, Word, judge
+from daq.raw_log import MAX_LOG, RawLog, Record, read
+from daq.recording import Channel, Recording
+from daq.session_info import SensorInfo, SessionInfo, State
+from daq.storage import Lock, make_folder, read_regular, refused, write_whole
+
+INFO = "session.json"
+RAW = "raw.log"
+RESULTS = "results"
+SOURCE = "source"
+MAX_INFO = 1 << 20
+
+
+class Session:
+    """One session's folder. Reading takes no lock; whoever writes the raw log holds one until it seals."""
+
+    def __init__(self, folder: Path, info: SessionInfo, lock: Lock | None = None) -> None:
+        self.folder = folder
+        self.info = info
+        self._lock = lock
+
+    @classmethod
+    def open(cls, folder: Path | str) -> Self:
+        """Open a session for reading; NotASession or SessionDamaged when it is none."""
+        folder = Path(folder)
+        return cls(folder, read_info(folder))
+
+    @classmethod
+    def create(cls, folder: Path | str, info: SessionInfo, log: RawLog) -> Self:
+        """Make a new folder, lock it and let `log` write into it from its first record on.
+
+        SessionExists when the folder holds something, StorageError when the disk refuses.
+        """
+        folder = Path(folder)
+        make_folder(folder)
+        lock = Lock(folder)
+        lock.acquire()
+        session = cls(folder, info.model_copy(update={"name": info.name or folder.name}), lock)
+        try:
+            log.note(event="session", info=session.info.model_dump(mode="json"))
+            session._make_results()
+            session._write_info()
+            log.store(folder / RAW)
+        except BaseException:
+            lock.release()
+            raise
+        return session
+
+    @classmethod
+    def create_imported(
+        cls, folder: Path | str, recording: Recording, source: Path | None, info: SessionInfo | None = None
+    ) -> Self:
+        """Make a sealed session of a recording from elsewhere; samples are kept bit by bit as DATA frames.
+
+        `source` is the file it came from; a copy is kept. Errors as in `create`; SettingsError when the
+        recording has more channels than one message describes.
+        """
+        info = info or SessionInfo()
+        content = read_regular(source, MAX_LOG) if source is not None else b""
+        log = import_log(recording)
+        changes: dict[str, Any] = {
+            "state": State.RECORDING,
+            "sensors": info.sensors or _calibrations(recording.channels),
+            "source": info.source or (str(source) if source else ""),
+            "source_file": source.name if source else "",
+            "rate_hz": recording.rate,
+            "rate_std_hz": recording.rate_std,
+        }
+        session = cls.create(folder, info.model_copy(update=changes), log)
+        try:
+            if source is not None:
+                session._store_source(source.name, content)
+            log.close()
+            if log.failure is not None:
+                raise log.failure
+            session.seal()
+        finally:
+            session.release()
+        return session
+
+    @property
+    def results(self) -> Path:
+        """The folder of results; it is there."""
+        return self.folder / RESULTS
+
+    @property
+    def source_file(self) -> Path | None:
+        """The copy of the imported file, or None."""
+        name = self.info.source_file
+        return self.folder / SOURCE / name if name and is_plain_name(name) else None
+
+    def records(self) -> tuple[Record, ...]:
+        """The records of the raw log, in order."""
+        return read(self.folder / RAW).records
+
+    def assembly(self) -> Assembly:
+        """Decode the raw log; what is damaged in it is listed in the notes."""
+        raw = read(self.folder / RAW)
+        assembly = assemble(raw.records)
+        if raw.damaged:
+            assembly.notes.append(f"{raw.damaged} damaged pieces of the raw log were skipped")
+        return assembly
+
+    def recording(self) -> Recording:
+        """Return the recording, decoded from the raw bytes; DataLost when they hold no sample."""
+        try:
+            return self.complete(self.assembly().recording())
+        except DataLost as error:
+            raise DataLost(f"{self.folder}: {error}", self.folder) from error
+
+    def complete(self, recording: Recording) -> Recording:
+        """Add what the metadata know: calibrations and the uncertainty of the rate."""
+        known = {sensor.channel: sensor for sensor in self.info.sensors}
+        channels = tuple(_calibrated(channel, known.get(channel.name)) for channel in recording.channels)
+        return replace(recording, channels=channels, rate_std=self.info.rate_std_hz)
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """The verdict of the manifest; None when the session is not sealed."""
+        try:
+            return self.manifest().verdict
+        except NotASession:
+            return None
+
+    def manifest(self) -> Manifest:
+        """Read the manifest; NotASession when the session is not sealed, SessionDamaged when altered."""
+        return read_manifest(self.folder)
+
+    def update(self, **changes: Any) -> None:
+        """Change metadata; SettingsError when a value is out of range."""
+        try:
+            self.info = SessionInfo.model_validate({**self.info.model_dump(), **changes})
+        except ValidationError as error:
+            first = error.errors(include_url=False, include_input=False)[0]
+            raise SettingsError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+        self._note(INFO, self._write_info())
+
+    def write_result(self, name: str, data: str | bytes) -> Path:
+        """Write `results/name` as a whole and note its checksum; overwrites a result of that name."""
+        if not is_plain_name(name) or "/" in name or "\\" in name:
+            raise SettingsError(f"{name!r} is no name for a result; use letters, digits, dots and dashes")
+        content = data.encode() if isinstance(data, str) else data
+        self._make_results()
+        write_whole(self.results / name, content)
+        self._note(f"{RESULTS}/{name}", content)
+        return self.results / name
+
+    def seal(
+        self,
+        state: State = State.SEALED,
+        reason: str = "",
+        resent: int = 0,
+        damaged_frames: int = 0,
+        check_clock: bool = True,
+    ) -> Verdict | None:
+        """Judge the recording, write metadata and manifest, give the lock back, and return the verdict.
+
+        On a session that is sealed already it only notes the checksums of new results.
+        """
+        known = self._known_manifest()
+        if known is not None and self.info.state is not State.RECORDING and state is State.SEALED:
+            write_manifest(self.folder, known.model_copy(update={"files": self._entries(known.files)}))
+            return known.verdict
+        assembly = self.assembly()
+        verdict, gaps, counts = self._judge(assembly, check_clock)
+        counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
+        self.info = self.info.model_copy(
+            update={"state": state, "reason": reason[:2000], "verdict": verdict.word.value}
+        )
+        self._write_info()
+        files = self._entries(known.files if known else {})
+        write_manifest(
+            self.folder, Manifest(state=state, files=files, counts=counts, gaps=gaps, verdict=verdict)
+        )
+        self.release()
+        return verdict
+
+    def release(self) -> None:
+        """Give the lock back; harmless when it is not held."""
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
+
+    def _judge(self, assembly: Assembly, check_clock: bool) -> tuple[Verdict, tuple[GapEntry, ...], Counts]:
+        planned = self.info.planned_samples
+        try:
+            recording = assembly.recording()
+        except DataLost:
+            nothing = Verdict(word=Word.REJECT, reasons=("no sample was received",))
+            return nothing, (), Counts(planned=planned or 0)
+        verdict = judge(recording, assembly, planned, self.info.noise, check_clock)
+        counts = Counts(
+            samples=len(recording.valid),
+            lost=int(len(recording.valid) - recording.valid.sum()),
+            planned=planned or 0,
+            frames=assembly.frames,
+            duplicates=assembly.duplicates,
+        )
+        gaps = tuple(GapEntry(first=g.first, count=g.count, reason=g.reason) for g in recording.gaps)
+        return verdict, gaps, counts
+
+    def _entries(self, known: dict[str, FileEntry]) -> dict[str, FileEntry]:
+        """Checksums of all files; the raw log's and the source's, once known, are never made again."""
+        files = {}
+        for name in session_files(self.folder):
+            keep = name in known and (name == RAW or name.startswith(f"{SOURCE}/"))
+            files[name] = known[name] if keep else entry(read_regular(self.folder / name, MAX_LOG))
+        return files
+
+    def _known_manifest(self) -> Manifest | None:
+        try:
+            return self.manifest()
+        except NotASession:
+            return None
+
+    def _note(self, name: str, content: bytes) -> None:
+        known = self._known_manifest()
+        if known is not None:
+            write_manifest(self.folder, known.with_file(name, content))
+
+    def _write_info(self) -> bytes:
+        content = self.info.model_dump_json(indent=1).encode() + b"\n"
+        write_whole(self.folder / INFO, content)
+        return content
+
+    def _make_results(self) -> None:
+        try:
+            self.results.mkdir(exist_ok=True)
+        except OSError as error:
+            raise refused(self.results, error) from error
+
+    def _store_source(self, name: str, content: bytes) -> None:
+        try:
+            (self.folder / SOURCE).mkdir(exist_ok=True)
+        except OSError as error:
+            raise refused(self.folder / SOURCE, error) from error
+        write_whole(self.folder / SOURCE / name, content)
+
+
+def read_info(folder: Path) -> SessionInfo:
+    """Read and check `session.json`."""
+    try:
+        data = read_regular(folder / INFO, MAX_INFO)
+    except NotASession as error:
+        raise NotASession(f"{folder} is no session: there is no {INFO} in it") from error
+    try:
+        return SessionInfo.model_validate_json(data)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        where = ".".join(str(part) for part in first["loc"]) or "it"
+        raise SessionDamaged(f"{folder / INFO}: {where}: {first['msg']}; recover the session") from error
+
+
+def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
+    return tuple(
+        SensorInfo(channel=c.name[:255], sensor=c.sensor[:255], uncertainty=c.calibration_uncertainty)
+        for c in channels
+    )
+
+
+def _calibrated(channel: Channel, sensor: SensorInfo | None) -> Channel:
+    if sensor is None:
+        return channel
+    uncertainty = channel.calibration_uncertainty if sensor.uncertainty is None else sensor.uncertainty
+    return replace(channel, sensor=channel.sensor or sensor.sensor, calibration_uncertainty=uncertainty)

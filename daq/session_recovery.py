@@ -1,0 +1,98 @@
+"""Sessions in a folder: listed fast, and made whole when the program that wrote them was killed."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from daq.errors import NotASession, SessionDamaged, StationError, StorageError
+from daq.raw_log import MAX_LOG, Record, unpack
+from daq.session_folder import INFO, RAW, Session, read_info
+from daq.session_info import SessionInfo, State
+from daq.storage import Lock, read_regular, refused
+
+
+@dataclass(frozen=True)
+class SessionSummary:
+    """One line of a list of sessions; `problem` says why a folder cannot be read."""
+
+    folder: Path
+    info: SessionInfo | None
+    problem: str = ""
+
+
+def list_sessions(folder: Path | str) -> tuple[SessionSummary, ...]:
+    """Return the sessions in a folder, oldest first; reads only `session.json` of each."""
+    found = []
+    try:
+        with os.scandir(folder) as entries:
+            names = sorted(item.name for item in entries if item.is_dir(follow_symlinks=False))
+    except OSError as error:
+        raise refused(Path(folder), error) from error
+    for name in names:
+        path = Path(folder) / name
+        try:
+            found.append(SessionSummary(path, read_info(path)))
+        except NotASession:
+            if (path / RAW).exists():
+                found.append(SessionSummary(path, None, f"no {INFO}; recover it"))
+        except StationError as error:
+            found.append(SessionSummary(path, None, str(error)))
+    return tuple(sorted(found, key=lambda s: (s.info.created.timestamp() if s.info else 0.0, s.folder.name)))
+
+
+def unsealed_sessions(folder: Path | str) -> tuple[Path, ...]:
+    """Return the sessions in a folder that were never sealed and that no process is writing."""
+    waiting = []
+    for summary in list_sessions(folder):
+        if summary.info is not None and summary.info.state is not State.RECORDING:
+            continue
+        lock = Lock(summary.folder)
+        try:
+            lock.acquire()
+        except StorageError:
+            continue
+        lock.release()
+        waiting.append(summary.folder)
+    return tuple(waiting)
+
+
+def recover(folder: Path | str) -> Session:
+    """Make an unsealed session whole: everything up to the last whole record of its raw log.
+
+    A sealed or recovered session is returned as it is. SessionLocked while a process writes it,
+    NotASession or SessionDamaged when there is no raw log. The raw log itself is never touched.
+    """
+    folder = Path(folder)
+    if not (folder / RAW).exists():
+        raise NotASession(f"{folder}: there is no {RAW} in it, so there is nothing to recover")
+    lock = Lock(folder)
+    lock.acquire()
+    try:
+        raw = unpack(read_regular(folder / RAW, MAX_LOG))
+        info = _info_again(folder, raw.records)
+        session = Session(folder, info, lock)
+        if info.state in (State.SEALED, State.RECOVERED) and (folder / "manifest.json").exists():
+            return session
+        session._make_results()
+        what = info.reason or "the program ended before the session was sealed"
+        session.seal(State.RECOVERED, f"{what}; {len(raw.records)} records recovered, {raw.cut} bytes cut")
+        return session
+    finally:
+        lock.release()
+
+
+def _info_again(folder: Path, records: tuple[Record, ...]) -> SessionInfo:
+    """Read the metadata, from the raw log where `session.json` is gone or damaged."""
+    try:
+        return read_info(folder)
+    except (NotASession, SessionDamaged):
+        for record in records:
+            note = record.note() if record.kind == 3 else {}
+            if note.get("event") == "session":
+                try:
+                    return SessionInfo.model_validate(note.get("info"))
+                except ValidationError:
+                    break
+    return SessionInfo(name=folder.name)
