@@ -14,7 +14,7 @@ from identify.noise import noise_of
 from identify.orders import choose_order
 from identify.oscillation import dominant_frequency
 from identify.smoothing import slope
-from identify.spread import misfit_covariance
+from identify.spread import correlated_covariance, misfit_covariance
 from identify.surface import Polynomial, Section, grid_of, sections_of
 from identify.units import damping_unit, stiffness_unit
 from identify.usable import first_free_sample, last_large_sample, require_cycles, valid_samples
@@ -45,6 +45,7 @@ _FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
 _STOP_AT_DRY_ZONE = 2.5  # as in the wavelet identification
 _STOP_AT_NOISE = 6.0
 _REACH = 2  # samples from a reversal over which the friction's jump is smeared
+_MISFIT = 2.0  # chi-square per degree beyond which noise alone does not explain what is left
 _SURE_SIGN = 3.0  # standard errors of the velocity below which its sign is noise
 
 
@@ -105,10 +106,11 @@ class _Span:
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """Eq. (17) solved for one damping order."""
+    """Eq. (17) solved for one damping order; `misfit` says that no order comes down to the noise."""
 
     order: int
     solution: LeastSquares
+    misfit: bool
     covariance: Array
     polynomial: Polynomial
     force_gain: float
@@ -171,9 +173,9 @@ def _identify(
     points = _points(span)
     fits = _fits(span, windows, max_order, stiffness_orders, decay)
     clear = [abs(fit.polynomial.damping[-1]) / np.sqrt(fit.covariance[fit.order, fit.order]) for fit in fits]
-    order, reason = choose_order(
-        range(max_order + 1), [fit.solution.chi_square for fit in fits], clear, "damping"
-    )
+    noise = 0.0 if fits[0].misfit else 1.0  # of chi-square per degree of freedom
+    misfits = [fit.solution.chi_square for fit in fits]
+    order, reason = choose_order(range(max_order + 1), misfits, clear, noise, "damping")
     return _result(decay, span, fits, fits[order], reason, points)
 
 
@@ -280,9 +282,37 @@ def _fits(
     direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w)
     band = _covariance(span, windows, mu_1, k_1)
     band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, _noise_velocity(span))
-    factor, found = factor_of(band), rows(averaged_sign(direction))
+    found = rows(averaged_sign(direction))
+    best = _solved(found, factor_of(band), max(max_order, 1), len(others))
+    misfit = best.chi_square > _MISFIT
+    if misfit:
+        band = band + _equation_error(span, windows, found, band, max(max_order, 1), len(others))
+    factor = factor_of(band)
     solutions = [_solved(found, factor, order, len(others)) for order in range(max_order + 1)]
-    return [_fit(solution, stiffness_orders, unknown_mass) for solution in solutions]
+    return [_fit(solution, stiffness_orders, unknown_mass, misfit) for solution in solutions]
+
+
+def _equation_error(
+    span: _Span, windows: Windows, rows: Array, band: Array, order: int, others: int
+) -> Array:
+    """Covariance of the rows for a white force that the equation lacks, as strong as makes chi-square one.
+
+    Without it, rows that noise hardly touches would be believed far beyond what the model can say.
+    """
+    white = band_of(windows, windows.kernel, span.motion.rate, np.ones_like)
+    low, high = 0.0, 1.0
+    while _solved(rows, factor_of(band + high * white), order, others).chi_square > 1 and high < 1e30:
+        low, high = high, high * 100
+    low = max(low, high * 1e-12)
+    for _ in range(12):
+        middle = float(np.sqrt(low * high))
+        if _solved(rows, factor_of(band + middle * white), order, others).chi_square > 1:
+            low = middle
+        else:
+            high = middle
+        if high < 1.2 * low:
+            break
+    return np.asarray(high * white)
 
 
 def _solved(rows: Array, factor: Array, order: int, others: int) -> LeastSquares:
@@ -291,18 +321,26 @@ def _solved(rows: Array, factor: Array, order: int, others: int) -> LeastSquares
     return solve(white[:, :-1], white[:, -1])
 
 
-def _fit(solution: LeastSquares, stiffness_orders: tuple[int, ...], unknown_mass: bool) -> _Fit:
+def _fit(solution: LeastSquares, stiffness_orders: tuple[int, ...], unknown_mass: bool, misfit: bool) -> _Fit:
     order = len(solution.values) - len(stiffness_orders) - 2 - unknown_mass
-    covariance = solution.covariance + misfit_covariance(
-        solution.white.reshape(-1, 2).T.ravel(), solution.gain, len(solution.white), len(solution.values)
-    )
+    residual = solution.white.reshape(-1, 2).T.ravel()
+    gain = solution.gain.reshape(len(solution.gain), -1, 2).swapaxes(1, 2).reshape(len(solution.gain), -1)
+    if misfit:
+        covariance = correlated_covariance(residual, gain, len(residual), len(gain))
+    else:
+        covariance = solution.covariance + misfit_covariance(residual, gain, len(residual), len(gain))
     stiffness = {
         j: float(chi) for j, chi in zip(stiffness_orders, solution.values[order + 1 :], strict=False)
     }
     offset = float(solution.values[order + 1 + len(stiffness_orders)])
-    gain = float(solution.values[-1]) if unknown_mass else 1.0
+    force_gain = float(solution.values[-1]) if unknown_mass else 1.0
     return _Fit(
-        order, solution, covariance, Polynomial(solution.values[: order + 1], stiffness, offset), gain
+        order,
+        solution,
+        misfit,
+        covariance,
+        Polynomial(solution.values[: order + 1], stiffness, offset),
+        force_gain,
     )
 
 

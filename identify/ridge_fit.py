@@ -12,7 +12,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.averaging import backbone_factors, envelope_factors
-from identify.envelope import EnvelopeFit, PhaseFit, fit_envelope, fit_phase, solve_integrated
+from identify.envelope import EnvelopeFit, PhaseFit, cumulative, fit_envelope, fit_phase, solve_integrated
 from identify.half_cycles import Decay, simulate_decay
 from identify.morlet import Ridge, prepare_ridge, transform
 
@@ -55,7 +55,12 @@ class Observed:
 
 @dataclass(frozen=True, eq=False)
 class RidgeFit:
-    """Envelope and phase models, and the exact decay that they reproduce."""
+    """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,).
+
+    `bias_envelope` and `bias_phase` are what was taken off; `settled` says whether another round would change
+    anything. `step` is the time between points, s. `mixing` carries parameters gained by averaging into those of the exact decay, where
+    the two differ by more than a little.
+    """
 
     envelope_fit: EnvelopeFit
     phase_fit: PhaseFit
@@ -64,6 +69,9 @@ class RidgeFit:
     phase: Array
     bias_envelope: Array
     bias_phase: Array
+    step: float
+    settled: bool = False
+    mixing: Array | None = None
 
     @property
     def order(self) -> int:
@@ -97,6 +105,14 @@ def envelope_and_phase(observed: Observed, samples: Array) -> tuple[Array, Array
     phase = np.unwrap(np.angle(p * np.exp(-1j * expected))) + expected - observed.derivatives * np.pi / 2
     slope = np.imag(q * np.conj(p)) / np.maximum(np.abs(p) ** 2, 1e-300)
     return envelope, phase, (slope + observed.ridge.frequency) * observed.rate
+
+
+def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[int, ...]) -> Array:
+    """Return phi(0) + sum d_i int k^(i-1) dt at the points of `envelope` (m,), as `fit_phase` fits it."""
+    slopes = np.zeros(len(envelope))
+    for order, slope in zip(orders, parameters[1:], strict=True):
+        slopes += slope * envelope ** (order - 1)
+    return parameters[0] + cumulative(slopes, step)
 
 
 def parameters_of(
@@ -137,7 +153,7 @@ def first_fit(observed: Observed, order: int, orders: tuple[int, ...]) -> RidgeF
     start = solve_integrated(envelope, observed.step, order, observed.weight)
     fitted = fit_envelope(envelope, observed.step, start, observed.weight)
     phases = fit_phase(phase, envelope, observed.step, orders, observed.weight)
-    return RidgeFit(fitted, phases, orders, envelope, phase, zero, zero)
+    return RidgeFit(fitted, phases, orders, envelope, phase, zero, zero, observed.step)
 
 
 def other_order(observed: Observed, fit: RidgeFit, order: int) -> EnvelopeFit:
@@ -167,8 +183,19 @@ def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 6) -> RidgeFit
         size = np.abs(envelope)
         fitted = fit_envelope(envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1)
         phase_fit = fit_phase(phases, size, observed.step, fit.stiffness_orders, observed.weight)
-        fit = RidgeFit(fitted, phase_fit, fit.stiffness_orders, envelope, phases, bias_envelope, bias_phase)
         change = np.maximum(np.abs(more), np.abs(later) * size) * (observed.weight > 0)
-        if np.all(change < _SETTLED * np.sqrt(observed.variance)):
+        settled = bool(np.all(change < _SETTLED * np.sqrt(observed.variance)))
+        fit = RidgeFit(
+            fitted,
+            phase_fit,
+            fit.stiffness_orders,
+            envelope,
+            phases,
+            bias_envelope,
+            bias_phase,
+            fit.step,
+            settled,
+        )
+        if settled:
             break
     return fit

@@ -9,22 +9,24 @@ from identify.ridge_fit import Observed, RidgeFit
 from identify.spread import misfit_covariance
 
 
-def envelope_covariance(observed: Observed, fit: RidgeFit, trial: EnvelopeFit) -> Array:
-    """Return the covariance of k(0), c_0, ... of a `trial` on the envelope of `fit`, (n + 2, n + 2).
+def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
+    """Return the standard errors of k(0), c_0, ... and of phi(0), w_1, ... of `fit`.
 
     White noise of the samples carried through the transform, and the misfit where there is one.
     """
-    return _noise_in_envelope(observed, fit, trial.gain) + _misfit(
-        observed, fit.envelope - trial.fit, np.sqrt(observed.variance), trial.gain, len(trial.gain)
+    gain, phase_gain = fit.envelope_fit.gain, fit.phase_fit.gain
+    cut = len(gain)
+    on_points = np.concatenate([gain + 0j, 1j * phase_gain / _amplitude(fit)]) * _turn(observed, fit)
+    covariance = _carried(observed, on_points)
+    spread = np.sqrt(observed.variance)
+    covariance[:cut, :cut] += _misfit(observed, fit.envelope - fit.envelope_fit.fit, spread, gain, cut)
+    covariance[cut:, cut:] += _misfit(
+        observed, fit.phase - fit.phase_fit.fit, spread / _amplitude(fit), phase_gain, len(phase_gain)
     )
-
-
-def phase_covariance(observed: Observed, fit: RidgeFit, trial: PhaseFit) -> Array:
-    """Return the covariance of phi(0), w_1, ... of a `trial` on the phase of `fit`; as `envelope_covariance`."""
-    spread = np.sqrt(observed.variance) / _amplitude(fit)
-    return _noise_in_phase(observed, fit, trial.gain) + _misfit(
-        observed, fit.phase - trial.fit, spread, trial.gain, len(trial.gain)
-    )
+    if fit.mixing is not None:
+        covariance = fit.mixing @ covariance @ fit.mixing.T
+    errors = np.sqrt(np.diag(covariance))
+    return errors[:cut], errors[cut:]
 
 
 def clearances_of_envelopes(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> list[float]:

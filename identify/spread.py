@@ -20,6 +20,14 @@ def misfit_covariance(residual: Array, gain: Array, independent: float, paramete
     ratio = float(np.mean(residual**2)) * independent / free
     if ratio <= 1 + _SURE * np.sqrt(2 / free):
         return np.zeros((len(gain), len(gain)))
+    return correlated_covariance(residual, gain, independent, parameters)
+
+
+def correlated_covariance(residual: Array, gain: Array, independent: float, parameters: int) -> Array:
+    """Return the covariance that a residual as large and as long as this one gives to the parameters, (p, p).
+
+    Arguments as in `misfit_covariance`. The residual's correlation is taken to fall off exponentially.
+    """
     centred = residual - np.mean(residual)
     m = len(centred)
     spectrum = np.abs(np.fft.rfft(centred, 2 * m)) ** 2

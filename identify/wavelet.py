@@ -20,17 +20,16 @@ from identify.ridge_fit import (
     envelope_and_phase,
     exact_decay,
     first_fit,
-    free_of_bias,
     other_backbone,
     other_order,
     parameters_of,
 )
+from identify.ridge_newton import settle
 from identify.ridge_span import CHANNELS, observe_span
 from identify.ridge_spread import (
     clearances_of_envelopes,
     clearances_of_phases,
-    envelope_covariance,
-    phase_covariance,
+    spreads_of,
 )
 from identify.units import damping_unit, stiffness_unit
 
@@ -88,7 +87,7 @@ def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
     through the transform, and grow with what the model leaves unexplained.
     """
     start, observed = observe_span(decay)
-    fit = free_of_bias(observed, first_fit(observed, min(1, max_order), (1,)))
+    fit = settle(observed, first_fit(observed, min(1, max_order), (1,)))
     for _ in range(_CHANGES_OF_MODEL):
         trials = [other_order(observed, fit, order) for order in range(max_order + 1)]
         backbones = [other_backbone(observed, fit, orders) for orders in STIFFNESS_ORDERS]
@@ -98,21 +97,23 @@ def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
         if order == fit.order and orders == fit.stiffness_orders:
             break
         fit = replace(fit, envelope_fit=trials[order], phase_fit=backbones[best], stiffness_orders=orders)
-        fit = free_of_bias(observed, fit)
+        fit = settle(observed, fit)
     misfits = tuple(trial.mse_percent for trial in trials)
     return _result(decay, start, observed, fit, misfits, (reason, stiffness_reason))
 
 
 def _choose_damping(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> tuple[int, str]:
     clear = clearances_of_envelopes(observed, fit, trials)
-    return choose_order(range(len(trials)), [trial.mse_percent for trial in trials], clear, "damping")
+    noise = 100 * float(np.mean(observed.variance) / np.var(fit.envelope))
+    return choose_order(range(len(trials)), [trial.mse_percent for trial in trials], clear, noise, "damping")
 
 
 def _choose_stiffness(observed: Observed, fit: RidgeFit, trials: list[PhaseFit]) -> tuple[int, str]:
     weight = np.abs(fit.envelope) * observed.weight
     misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
     clear = clearances_of_phases(observed, fit, trials)
-    order, reason = choose_order((1, 3, 5), misfits, clear, "stiffness")
+    noise = float(np.mean(observed.variance * observed.weight**2))
+    order, reason = choose_order((1, 3, 5), misfits, clear, noise, "stiffness")
     return (order - 1) // 2, reason
 
 
@@ -167,8 +168,7 @@ def _estimates(
     """Stiffness per unit mass by order, and damping, with their standard errors."""
     stiffness, damping = parameters_of(fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
     w = fit.phase_fit.parameters[1]
-    of_envelope = np.sqrt(np.diag(envelope_covariance(observed, fit, fit.envelope_fit)))
-    of_phase = np.sqrt(np.diag(phase_covariance(observed, fit, fit.phase_fit)))
+    of_envelope, of_phase = spreads_of(observed, fit)
     damping_std = of_envelope[1:] / envelope_factors(w, fit.order)
     stiffness_std = 2 * w * of_phase[1:] / backbone_factors(fit.stiffness_orders)
     by_order = {
