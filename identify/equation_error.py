@@ -64,6 +64,26 @@ def _forces_along(address_force, address_friction, address_rates, time, u, v, p,
     return out
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def states_after(address_rates, time, u, v, p, start, steps):  # type: ignore[no-untyped-def]
+    """Return the two internal states at the end of a motion (time, u, v), from `start` at its beginning."""
+    z = (start[0], start[1])
+    for i in range(u.shape[0] - 1):
+        h = (time[i + 1] - time[i]) / steps
+        for k in range(steps):
+            early, middle = k / steps, (k + 0.5) / steps
+            t = time[i] + k * h
+            u0 = u[i] + early * (u[i + 1] - u[i])
+            v0 = v[i] + early * (v[i + 1] - v[i])
+            r0, r1 = call_rates(address_rates, t, u0, v0, z, p)
+            half = (z[0] + 0.5 * h * r0, z[1] + 0.5 * h * r1)
+            u1 = u[i] + middle * (u[i + 1] - u[i])
+            v1 = v[i] + middle * (v[i + 1] - v[i])
+            r0, r1 = call_rates(address_rates, t + 0.5 * h, u1, v1, half, p)
+            z = (z[0] + h * r0, z[1] + h * r1)
+    return z
+
+
 def force_along(
     term: Term, inner: dict[str, float], time: Array, u: Array, v: Array, borrowed: dict[str, float]
 ) -> Array:

@@ -7,12 +7,15 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.effects.compiled import PARAMETERS, STATES
-from identify.model import Model
+from identify.equation_error import states_after
+from identify.model import Model, Term
 from identify.simulate import Response, make_system, simulate, substeps_for
-from identify.span import Span
+from identify.span import Prelude, Span
 
 LINEAR = {"linear_stiffness": 0, "viscous_damping": 1, "coulomb_friction": 2}
 _STEP = 1e-5
+_STATE_REACH = 6.0
+_PRELUDE_STEPS = 16
 
 
 @dataclass(frozen=True)
@@ -115,7 +118,7 @@ class Problem:
             )
             states = []
             for r, term in enumerate(self.physics):
-                if term.effect.rates is not None:
+                if term.effect.rates is not None and not (term.effect.forgets and span.prelude is not None):
                     for j in range(term.effect.states):
                         at = self._add(
                             f"{term.effect.name}.state{j}{tag}",
@@ -203,6 +206,10 @@ class Problem:
         states = np.zeros((len(self.physics), STATES))
         for at, row, j in self._states[i]:
             states[row, j] = theta[at]
+        if span.prelude is not None:
+            for row, term in enumerate(self.physics):
+                if term.effect.rates is not None and term.effect.forgets:
+                    states[row] = _driven(term, table[row], span.prelude, int(self.system.addresses[row, 2]))
         at_u, at_v = self._starts[i]
         lag = theta[self._lags[i]] if self._lags[i] >= 0 else 0.0
         return simulate(
@@ -290,6 +297,16 @@ class Problem:
                     self.residual_of(i, self.read(moved, i, response)) - residual[rows]
                 ) / step
         return residual, jacobian
+
+
+def _driven(term: Term, p: Array, prelude: Prelude, address: int) -> tuple[float, float]:
+    """Return the internal states at the start of a span, from rest before the release along the measured motion."""
+    assert term.effect.rest is not None
+    rest = term.effect.rest(float(prelude.displacement[0]), p)
+    found: tuple[float, float] = states_after(
+        address, prelude.time, prelude.displacement, prelude.velocity, tuple(p), rest, _PRELUDE_STEPS
+    )
+    return found
 
 
 def _amplitude(span: Span, w: float) -> float:

@@ -16,11 +16,13 @@ from identify.motion import Motion, reconstruct
 from identify.noise import Noise, noise_of
 from identify.problem import LINEAR
 from identify.release import Release
-from identify.span import CHANNELS, Span
+from identify.span import CHANNELS, Prelude, Span
 
 _SHORTEST_CYCLES = 4.0
 _LAG_REACH = 0.06
 _MOST_LOST = 0.2
+_PRELUDE_SAMPLES = 4
+_PRELUDE_MARGIN = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +70,12 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
     record, decay = decay, decay.with_(valid=valid)
     alignment = _align(decay)
     corrected = correct(decay, alignment) if alignment is not None else decay
-    free = corrected.with_(release=release.settle)
-    motion = reconstruct(free)
+    motion = reconstruct(corrected.with_(release=release.settle))
     motion = _cut(motion, max(release.end - release.settle, 0))
     if len(motion.displacement) < 16:
         raise NotIdentifiable("The motion after the release is too short; record at least four cycles.")
     base = regress(motion, _base_columns(motion), moving(motion))
-    k, mu_1, mu_0 = base.strengths
+    k, _, mu_0 = base.strengths
     if not k > 0.0:
         raise NotIdentifiable("The motion shows no restoring force: is the displacement's sign reversed?")
     frequency = float(np.sqrt(k))
@@ -87,8 +88,9 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
         )
     motion = _cut(motion, length)
     motion = _shifted(motion, zero)
+    span = _span(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty)
     return Setting(
-        _span(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty),
+        span.with_(prelude=_prelude(corrected, release, zero)),
         motion,
         frequency,
         alignment,
@@ -239,6 +241,19 @@ def _shifted(motion: Motion, zero: float) -> Motion:
         motion.noise_velocity,
         motion.noise_acceleration,
     )
+
+
+def _prelude(decay: FreeDecay, release: Release, zero: float) -> Prelude | None:
+    """Return the motion from just before the release to the start of the span; None when the rest was not seen."""
+    before = _PRELUDE_SAMPLES
+    first = release.index - before
+    if decay.displacement is None or release.rest[1] - release.rest[0] < before or first < release.rest[0]:
+        return None
+    motion = reconstruct(decay.with_(release=max(first - _PRELUDE_MARGIN, 0)))
+    skip = first - motion.start
+    part = slice(skip, release.settle - motion.start + 1)
+    time = (np.arange(first, release.settle + 1) - release.time_s * decay.rate) / decay.rate
+    return Prelude(time, motion.displacement[part] - zero, motion.velocity[part])
 
 
 def _base_columns(motion: Motion) -> Array:

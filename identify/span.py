@@ -11,13 +11,26 @@ CHANNELS = ("displacement", "velocity", "acceleration")
 
 
 @dataclass(frozen=True, eq=False)
+class Prelude:
+    """The measured motion from the rest before the release to the first sample of the span, inclusive, SI, shape (m,).
+
+    `time` counts from the release, `displacement` from the spring's zero. Effects with memory are driven along it.
+    """
+
+    time: Array
+    displacement: Array
+    velocity: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Span:
     """Readings of one release from the first sample that is compared, shape (n,) a channel, SI.
 
     `time` is the first sample's time since the release (s). `used` marks the readings that count; `sigma` is
     the noise of each channel; `lead` samples at the start are simulated but not compared, so that a late channel has a past.
     `lag` is where the search for the lag begins (s) and `lag_reach` how far it may go. `gain_uncertainty` is what the
-    calibration certificates leave open, and enters as a prior when the gain is judged.
+    calibration certificates leave open, and enters as a prior when the gain is judged. `prelude` is None where the rest
+    before the release was not seen.
     """
 
     rate: float
@@ -29,6 +42,7 @@ class Span:
     lag: float = 0.0
     lag_reach: float = 0.0
     gain_uncertainty: float = 0.0
+    prelude: Prelude | None = None
     force: Array | None = None
     unit: str = "m"
 

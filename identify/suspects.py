@@ -1,6 +1,5 @@
 """Suspects: every effect that the model lacks, refitted in turn."""
 
-import os
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -35,6 +34,7 @@ class Candidate:
     fit: Fit
     score: float
     gain: float
+    plausible: bool
 
     @property
     def name(self) -> str:
@@ -77,7 +77,7 @@ def try_terms(settings: tuple[Setting, ...], base: Fit, terms: tuple[Term, ...])
     promising terms are then fitted freely.
     """
     scales = scales_of(settings[0], residual_lines(base))
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with ThreadPoolExecutor() as pool:
         begun = [
             b for b in pool.map(lambda term: _begin(settings, base, term, scales), terms) if b is not None
         ]
@@ -130,8 +130,7 @@ def _leave(base: Fit, begun: _Beginning, scales: Scales) -> Candidate:
 
 
 def _inner_names(term: Term) -> set[str]:
-    free = term.free if term.effect.kind == "sensor" else term.free[1:]
-    return {f"{term.effect.name}.{p.name}" for p in free[: 1 if term.effect.kind == "sensor" else None]}
+    return {f"{term.effect.name}.{name}" for name in term.effect.inner}
 
 
 def judged(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
@@ -140,9 +139,10 @@ def judged(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
     score = found.chi_square + extra * float(np.log(found.degrees))
     by_name = {name.split("[")[0]: estimate.value for name, estimate in found.values.items()}
     values = {p.name: by_name[f"{term.effect.name}.{p.name}"] for p in term.free}
-    if not term.effect.plausible(values, scales):
+    plausible = term.effect.plausible(values, scales)
+    if not plausible:
         score += _IMPLAUSIBLE
-    return Candidate(term, found, score, base.chi_square - found.chi_square)
+    return Candidate(term, found, score, base.chi_square - found.chi_square, plausible)
 
 
 def _promising(

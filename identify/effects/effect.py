@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import pi
 from typing import Any, Literal
 
 from identify.arrays import Array
@@ -53,6 +54,14 @@ class Scales:
         return tuple(line[0] for lines in self.lines.values() for line in lines)
 
 
+def near_harmonic(line: float, scales: Scales) -> bool:
+    """Whether a line (Hz) lies so near zero, the motion's frequency or a harmonic that a nonlinear force makes it too."""
+    fundamental = scales.frequency / (2.0 * pi)
+    order = round(line / fundamental)
+    width = max(0.5 / scales.duration, 0.015 * order * fundamental)
+    return line * scales.duration < 3.0 or (1 <= order <= 5 and abs(line - order * fundamental) < width)
+
+
 @dataclass(frozen=True, eq=False)
 class Effect:
     """One cause of misfit: a force per unit mass on the left of u'' + ... = 0, or a fault of a sensor.
@@ -61,11 +70,12 @@ class Effect:
     `force`, `friction` and `rates` are compiled functions of (t, u, v, z, p): `friction` is a level >= 0 that
     acts against the velocity, `rates` drives `states` internal states `z`, two at most; `t` counts from the release.
     `borrows` names parameters of other effects that follow the effect's own in `p`.
-    `rest(u, p)` gives the internal states of a mass that has been held at `u` for long.
+    `rest(u, p)` gives the internal states of a mass that has been held at `u` for long; where it `forgets` how it came
+    there, these are its states at the release, otherwise they are unknowns of the fit.
     `observe(time, reading, p)` is a sensor's fault: it changes the predicted readings of one channel.
     `starts(scales)` lists starting values of the inner parameters, `sensor_starts(scales, channel)` of all
-    parameters of a sensor's fault. `variants` are alternatives (inner values that are held, or the channel
-    at fault) that are tried each and of which the best counts. `plausible(values, scales)` is False where
+    parameters of a sensor's fault, of which those `held_at_first` act out of proportion. `variants` are alternatives
+    (inner values that are held, or the channel at fault) that are tried each and of which the best counts. `plausible(values, scales)` is False where
     another effect is the better name for the same force. `kinked` forces want a finer step.
     """
 
@@ -82,6 +92,8 @@ class Effect:
     rest: Callable[[float, Array], tuple[float, float]] | None = None
     observe: Callable[[Array, Array, Array], Array] | None = None
     states: int = 0
+    forgets: bool = True
+    held_at_first: tuple[str, ...] = ()
     borrows: tuple[str, ...] = ()
     starts: Callable[[Scales], tuple[tuple[float, ...], ...]] = field(default=lambda scales: ((),))
     sensor_starts: Callable[[Scales, str], tuple[tuple[float, ...], ...]] = field(
@@ -95,6 +107,13 @@ class Effect:
     def __post_init__(self) -> None:
         if not 1 <= len(self.parameters) + len(self.borrows) <= PARAMETERS:
             raise ValueError(f"effect {self.name}: 1 to {PARAMETERS} parameters, not {len(self.parameters)}")
+
+    @property
+    def inner(self) -> tuple[str, ...]:
+        """Parameters that the readings do not follow in proportion; they are held while a fit begins."""
+        if self.kind == "sensor":
+            return self.held_at_first
+        return tuple(p.name for p in self.parameters[1:])
 
     @property
     def strength(self) -> Parameter:

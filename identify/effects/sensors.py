@@ -10,7 +10,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from identify.arrays import Array
-from identify.effects.effect import Effect, Parameter, Scales
+from identify.effects.effect import Effect, Parameter, Scales, near_harmonic
 
 _BOTH = ({"channel": "displacement"}, {"channel": "acceleration"}, {"channel": "velocity"})
 
@@ -74,6 +74,7 @@ CLIPPING = Effect(
     ),
     observe=_clip,
     sensor_starts=_limit_starts,
+    held_at_first=("limit",),
     variants=_BOTH,
     tell="flat peaks in one channel only, at one level",
     proof="release from a smaller amplitude, or choose a larger range",
@@ -108,6 +109,7 @@ AC_COUPLING = Effect(
     ),
     observe=_high_pass,
     sensor_starts=_corner_starts,
+    held_at_first=("fc",),
     variants=_BOTH,
     tell="one channel leads in phase, the more the slower the motion, and forgets its mean",
     proof="hold the mass off its zero: the reading creeps back",
@@ -137,7 +139,8 @@ MAINS_HUM = Effect(
     ),
     observe=_hum,
     sensor_starts=_hum_starts,
-    plausible=lambda values, scales: values["f"] * scales.duration > 3.0,
+    held_at_first=("f",),
+    plausible=lambda values, scales: not near_harmonic(values["f"], scales),
     variants=_BOTH,
     tell="a line in one channel only, there before the release",
     proof="record at rest: the line is there; move the cables or the supply: it changes",

@@ -3,7 +3,7 @@
 from math import inf, pi, sin
 
 from identify.effects.compiled import force_function
-from identify.effects.effect import Effect, Parameter, Scales
+from identify.effects.effect import Effect, Parameter, Scales, near_harmonic
 
 
 @force_function
@@ -46,7 +46,7 @@ HARMONIC_FORCING = Effect(
     ),
     force=_forcing,
     starts=_line_starts,
-    plausible=lambda values, scales: abs(2.0 * pi * values["f"] / scales.frequency - 1.0) > 0.15,
+    plausible=lambda values, scales: not near_harmonic(values["f"], scales),
     tell="a line that does not decay, in both channels, with the ratio -w^2",
     proof="record without a release: the line is still there",
     confusable_with=("second_mass", "mains_hum"),

@@ -1,0 +1,119 @@
+"""The search for what is missing: one effect, or two together."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.chance import Chance, chance_of
+from identify.effects.effect import Effect
+from identify.effects.library import LIBRARY
+from identify.faults import allowance
+from identify.fit import Fit, fit
+from identify.floor import Floor, refine_floor
+from identify.model import Model
+from identify.setting import Setting, regress_model, starting_values
+from identify.suspects import Candidate, candidate_terms, try_terms
+
+ADEQUATE = 3.0
+"""Standard errors by which a reduced chi-square may exceed 1 and still count as at the floor."""
+
+_BEAM = 3
+_LOOKED_AT = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A model fitted to releases, and the floor it is measured against."""
+
+    settings: tuple[Setting, ...]
+    fit: Fit
+    floors: tuple[Floor, ...]
+
+    @property
+    def spread(self) -> float:
+        """Standard error of the reduced chi-square of an adequate model."""
+        return float(np.sqrt(np.mean([floor.chi_square_std**2 for floor in self.floors])))
+
+    @property
+    def floor_is_sure(self) -> bool:
+        """Whether the noise was seen at rest, so that a misfit above it cannot be noise."""
+        return all("rest" in n.source for s in self.settings for n in s.noise.values())
+
+    def reduced(self, found: Fit) -> float:
+        """Reduced chi-square with the faults that are corrected but not named in the model counted in."""
+        extra, readings = allowance(self.settings, found, found.model)
+        return (found.chi_square + extra) / max(found.degrees + readings, 1)
+
+    def adequate(self, found: Fit) -> bool:
+        """Whether a fit reaches the floor (corrected faults left out)."""
+        return found.reduced <= 1.0 + ADEQUATE * self.spread
+
+
+def begin(settings: tuple[Setting, ...], model: Model, known: dict[str, float] | None = None) -> Start:
+    """Fit a model and settle the floor with its residual; `known` are values to begin from, by unknown's name."""
+    spans = tuple(setting.span for setting in settings)
+    frequency = settings[0].frequency
+    start = known if known is not None else starting_values(settings, model, {})
+    found = fit(model, spans, start, frequency)
+    return settle(settings, found)
+
+
+def settle(settings: tuple[Setting, ...], found: Fit) -> Start:
+    """Return a fit measured against the floor that its own residual shows."""
+    floors = refine_floor(found, tuple(setting.noise for setting in settings))
+    spans = tuple(floor.on(span) for floor, span in zip(floors, found.spans, strict=True))
+    values = dict(zip(found.names, found.theta.tolist(), strict=True))
+    return Start(settings, fit(found.model, spans, values, found.frequency), floors)
+
+
+def singles(start: Start, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
+    """Return the model refitted with each effect it lacks, best first."""
+    terms = candidate_terms(start.fit.model, library, start.fit.spans[0].channels)
+    return try_terms(start.settings, start.fit, terms)
+
+
+def chances(start: Start, library: tuple[Effect, ...] = LIBRARY) -> Chance:
+    """Return what each effect would gain by chance if nothing were missing."""
+    terms = candidate_terms(start.fit.model, library, start.fit.spans[0].channels)
+    return chance_of(start.settings, start.fit, terms)
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two effects together: the second was refitted with the first in the model."""
+
+    first: Candidate
+    second: Candidate
+
+    @property
+    def plausible(self) -> bool:
+        """Whether both are the best names for what they explain."""
+        return self.first.plausible and self.second.plausible
+
+
+def pairs(
+    start: Start, tried: tuple[Candidate, ...], library: tuple[Effect, ...] = LIBRARY
+) -> tuple[Pair, ...]:
+    """Return the most promising pairs of effects, best first; the search ends at a plausible one that is adequate."""
+    found = []
+    for first in _distinct(tried):
+        seconds = singles(Start(start.settings, first.fit, start.floors), library)
+        if seconds:
+            found.append(Pair(first, seconds[0]))
+            if start.adequate(seconds[0].fit) and found[-1].plausible:
+                break
+    return tuple(sorted(found, key=lambda pair: (not pair.plausible, pair.second.score)))
+
+
+def _distinct(tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+    """Return the first few candidates, plausible ones first: lines can follow anything for a while."""
+    return tuple(sorted(tried[:_LOOKED_AT], key=lambda c: (not c.plausible, c.score))[:_BEAM])
+
+
+def force_along_motion(setting: Setting, found: Fit) -> Array:
+    """Return the force per unit mass of a fitted model along the measured motion, strengths by equation error, (n,)."""
+    inner = {
+        n: float(t) for n, t in zip(found.names, found.theta, strict=True) if "." in n and ".state" not in n
+    }
+    return -setting.motion.acceleration - regress_model(setting, found.model, inner).residual
