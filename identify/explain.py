@@ -75,11 +75,13 @@ def _named(
     if close:
         second = f"This record does not tell it from {', '.join(close)}."
     elif others and others[0].p_value < 0.05:
-        second = f"The next best, {others[0].effect.name}, leaves {_size(others[0].error_after)}; its sign is: {top.effect.tell}."
+        rival = f"{others[0].effect.name}, leaves {_size(others[0].error_after)}"
+        second = f"The next best, {rival}; the sign of the first is: {top.effect.tell}."
     else:
         second = f"No other effect explains it; its sign is: {top.effect.tell}."
     if shape is not None and not start.adequate(final):
-        second += f" What remains ({_size(final.reduced)} times the noise) follows no force in displacement, velocity or time."
+        rest = f"{_size(final.reduced)} times the noise"
+        second += f" What remains ({rest}) follows no force in displacement, velocity or time."
     return f"{first} {second}"
 
 

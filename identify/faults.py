@@ -46,7 +46,7 @@ def _gain(settings: tuple[Setting, ...], fit: Fit) -> Fault | None:
     drop, weights, values = 0.0, [], []
     for i, setting in enumerate(settings):
         name = "gain" if len(settings) == 1 else f"gain[{i}]"
-        if name not in fit.values:
+        if name not in fit.values or not np.isfinite(fit.values[name].std):
             continue
         gain = fit.values[name]
         allowed = setting.span.gain_uncertainty or UNSTATED_GAIN_UNCERTAINTY

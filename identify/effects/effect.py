@@ -75,8 +75,9 @@ class Effect:
     `observe(time, reading, p)` is a sensor's fault: it changes the predicted readings of one channel.
     `starts(scales)` lists starting values of the inner parameters, `sensor_starts(scales, channel)` of all
     parameters of a sensor's fault, of which those `held_at_first` act out of proportion. `variants` are alternatives
-    (inner values that are held, or the channel at fault) that are tried each and of which the best counts. `plausible(values, scales)` is False where
-    another effect is the better name for the same force. `kinked` forces want a finer step.
+    (inner values that are held, or the channel at fault) that are tried each and of which the best counts.
+    `plausible(values, scales)` is False where another effect is the better name for the same force. `kinked` forces
+    want a finer step.
     """
 
     name: str
