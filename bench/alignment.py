@@ -33,7 +33,12 @@ def run(quick: bool) -> str:
 def _sample(seed: int) -> Sample:
     rng = np.random.default_rng([seed, 77])
     hand = float(rng.integers(0, 2)) * float(rng.uniform(0.0, 0.012))
-    common = {"noise_displacement": 5e-6, "noise_acceleration": 0.01, "hand": hand, "gain_error": rng.uniform(-0.01, 0.01)}
+    common = {
+        "noise_displacement": 5e-6,
+        "noise_acceleration": 0.01,
+        "hand": hand,
+        "gain_error": rng.uniform(-0.01, 0.01),
+    }
     which = seed % 9
     if which < len(PAPER_RELEASES):
         return draw(None, 0.0, seed, amplitude=PAPER_RELEASES[which], **common)
@@ -44,7 +49,9 @@ def _release_of(sample: Sample) -> Release:
     return find_release(sample.rate, displacement=sample.displacement, acceleration=sample.acceleration)
 
 
-def _decay(sample: Sample, start: int = 0, stop: int | None = None, release: Release | None = None) -> FreeDecay:
+def _decay(
+    sample: Sample, start: int = 0, stop: int | None = None, release: Release | None = None
+) -> FreeDecay:
     span = slice(start, stop)
     known = {} if release is None else {"release": release.index, "rest": release.rest}
     return FreeDecay(
@@ -72,7 +79,9 @@ def _lag_table(samples: list[Sample]) -> str:
     for name, cut in _cuts():
         rows.append(_lag_row(name, [(sample, cut(sample, found)) for sample, found in large]))
     small = [sample for sample in samples if abs(sample.truth["from_m"]) == 0.005]
-    rows.append(_lag_row("rest to rest, from 0.5 cm", [(s, _decay(s, release=_release_of(s))) for s in small]))
+    rows.append(
+        _lag_row("rest to rest, from 0.5 cm", [(s, _decay(s, release=_release_of(s))) for s in small])
+    )
     return "\n".join(rows) + (
         "\n\nThe paper's 0.5 cm release has a line of its own: it moves for a second only. "
         "z is error over stated standard error; 1 is right."
@@ -90,15 +99,23 @@ def _lag_row(name: str, records: list[tuple[Sample, FreeDecay]]) -> str:
         lags.append((found.lag.value - sample.truth["displacement_late_s"], found.lag.std))
         gains.append((found.gain.value - sample.truth["gain"], found.gain.std))
     lag, gain = np.array(lags), np.array(gains)
+    lag_z, gain_z = _rms(lag[:, 0] / lag[:, 1]), _rms(gain[:, 0] / gain[:, 1])
     return (
         f"| {name} | {1e6 * _rms(lag[:, 0]):.2f} | {1e6 * lag[:, 0].mean():+.2f} | {1e6 * _rms(lag[:, 1]):.2f} "
-        f"| {_rms(lag[:, 0] / lag[:, 1]):.2f} | {1e6 * _rms(gain[:, 0]):.0f} | {_rms(gain[:, 0] / gain[:, 1]):.2f} | {refused} |"
+        f"| {lag_z:.2f} | {1e6 * _rms(gain[:, 0]):.0f} | {gain_z:.2f} | {refused} |"
     )
 
 
 def _release_table(samples: list[Sample]) -> str:
-    rows = ["| channels | hand | found | right kind | error, samples (rms) | largest, samples |", "|---|---|---|---|---|---|"]
-    for label, names in (("both", ("displacement", "acceleration")), ("displacement", ("displacement",)), ("acceleration", ("acceleration",))):
+    rows = [
+        "| channels | hand | found | right kind | error, samples (rms) | largest, samples |",
+        "|---|---|---|---|---|---|",
+    ]
+    for label, names in (
+        ("both", ("displacement", "acceleration")),
+        ("displacement", ("displacement",)),
+        ("acceleration", ("acceleration",)),
+    ):
         for hand, wanted in (("ideal", True), ("slow", False)):
             chosen = [s for s in samples if (s.truth["hand_s"] == 0.0) == wanted]
             rows.append(_release_row(label, hand, names, chosen))
@@ -112,7 +129,9 @@ def _release_row(label: str, hand: str, names: tuple[str, ...], samples: list[Sa
     outside, right = [], 0
     for sample in samples:
         release = find_release(sample.rate, **{name: getattr(sample, name) for name in names})
-        begun = sample.truth["released_at_s"] + (sample.truth["displacement_late_s"] if label == "displacement" else 0.0)
+        begun = sample.truth["released_at_s"] + (
+            sample.truth["displacement_late_s"] if label == "displacement" else 0.0
+        )
         late = release.time_s - begun
         outside.append(max(0.0, -late, late - sample.truth["hand_s"]) * sample.rate)
         right += release.kind == ("displaced" if sample.truth["from_m"] else "impulse")
@@ -141,7 +160,9 @@ def _motion_table(samples: list[Sample]) -> str:
     )
 
 
-def _plain_regression(sample: Sample, way: Callable[[FreeDecay, Alignment], FreeDecay]) -> tuple[float, float, float]:
+def _plain_regression(
+    sample: Sample, way: Callable[[FreeDecay, Alignment], FreeDecay]
+) -> tuple[float, float, float]:
     release = _release_of(sample)
     decay = _decay(sample, release=release)
     motion = reconstruct(way(decay, align(decay)).with_(release=release.settle))
@@ -164,7 +185,13 @@ def _time_table(sample: Sample) -> str:
         ("correct", lambda: correct(decay, found)),
         ("reconstruct", lambda: reconstruct(moved)),
     )
-    return "\n".join(["| step | ms (warm, best of 15) |", "|---|---|", *(f"| {name} | {_best(step):.1f} |" for name, step in steps)])
+    return "\n".join(
+        [
+            "| step | ms (warm, best of 15) |",
+            "|---|---|",
+            *(f"| {name} | {_best(step):.1f} |" for name, step in steps),
+        ]
+    )
 
 
 def _best(step: Callable[[], object]) -> float:

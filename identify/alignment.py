@@ -19,7 +19,10 @@ from identify.smoothing import slope
 HAND_S = 0.030
 """The hand has surely let go this long after the release, for oscillations of about 4 Hz."""
 
-ONE_CHANNEL = "Only one channel was recorded, so there is no lag to find: record displacement (or velocity) and acceleration."
+ONE_CHANNEL = (
+    "Only one channel was recorded, so there is no lag to find: "
+    "record displacement (or velocity) and acceleration."
+)
 
 ENOUGH_PER_PERIOD = 64
 """Faster recordings are averaged down to about this many samples a period: both channels alike, so the lag stays."""

@@ -31,9 +31,10 @@ DIFFERENCES = {2: (-1, np.array([1.0, -2.0, 1.0])), 1: (0, np.array([-1.0, 1.0])
 class Pair:
     """Two channels of one motion and the variance of each sample, shape (n,).
 
-    `order` is the number of derivatives from `low` to `high`. A lost sample has been bridged and has a variance as
-    large as the motion itself, which is how it is left out. `jumps` is a variance of `high` next to small jumps, which
-    widens the standard errors but not the weights: weights that follow the jumps would bias the lag. `excess` is taken off the averages N a (see `identify.reversals`).
+    `order` is the number of derivatives from `low` to `high`. A lost sample has been bridged and has a
+    variance as large as the motion itself, which is how it is left out. `jumps` is a variance of `high`
+    next to small jumps, which widens the standard errors but not the weights: weights that follow the jumps
+    would bias the lag. `excess` is taken off the averages N a (see `identify.reversals`).
     """
 
     low: Array
@@ -197,4 +198,4 @@ def _slow_offset(n: int, coefficients: Array) -> Array:
 
 
 def _whiten(factor: Array, misfit: Array) -> Array:
-    return solve_banded((factor.shape[0] - 1, 0), factor, misfit, check_finite=False)
+    return solve_banded((factor.shape[0] - 1, 0), factor, misfit, check_finite=False).astype(np.float64)

@@ -14,6 +14,7 @@ from identify.integration import integrate, slow_part
 from identify.kinematics import agree, cut
 from identify.noise import noise_of
 from identify.oscillation import dominant_frequency
+from identify.reversals import reversal_excess
 from identify.smoothing import slope, smooth_to_noise
 
 SHORTEST = 16
@@ -126,7 +127,7 @@ def _from_displacement(decay: FreeDecay, start: int, known: Mask) -> _Parts:
     smoothed, corner = smooth_to_noise(values, noise, frequency / decay.rate, known)
     velocity = slope(smoothed, decay.rate)
     acceleration = slope(velocity, decay.rate)
-    edge = int(np.ceil(0.5 / corner)) + 2
+    edge = int(np.ceil(1.0 / corner)) + 2
     return _Parts(
         smoothed,
         velocity,
@@ -146,7 +147,7 @@ def _from_velocity(decay: FreeDecay, start: int, known: Mask) -> _Parts:
     raw = integrate(smoothed, decay.rate)
     slow = slow_part(raw, decay.rate, frequency, known)
     acceleration = slope(smoothed, decay.rate) - slow.second
-    edge = int(np.ceil(0.5 / corner)) + 2
+    edge = int(np.ceil(1.0 / corner)) + 2
     return _Parts(
         raw - slow.value,
         smoothed - slow.first,
@@ -163,9 +164,12 @@ def _from_acceleration(decay: FreeDecay, start: int, known: Mask) -> _Parts:
     noise = decay.noise_acceleration or noise_of(decay)["acceleration"].std
     frequency = _frequency(values, decay.rate)
     centred = values - values.mean()
-    velocity = integrate(centred, decay.rate)
-    raw = integrate(velocity, decay.rate)
-    slow = slow_part(raw, decay.rate, frequency, known)
+    excess = np.zeros(len(values))
+    for _ in range(2):
+        velocity = integrate(centred, decay.rate, excess)
+        raw = integrate(velocity, decay.rate)
+        slow = slow_part(raw, decay.rate, frequency, known)
+        excess, _placed = reversal_excess(centred, velocity - slow.first, noise, 1)
     omega = 2.0 * np.pi * frequency
     noise_velocity = noise / np.sqrt(decay.rate * omega)
     return _Parts(

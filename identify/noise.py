@@ -43,7 +43,10 @@ def noise_of(decay: FreeDecay) -> dict[str, Noise]:
             continue
         first, last = decay.rest
         rest = values[first:last][valid[first:last]]
-        result[name] = floor_at_rest(rest) if len(rest) >= SHORTEST_REST else floor_above_motion(values[decay.release :], valid[decay.release :])  # fmt: skip
+        if len(rest) >= SHORTEST_REST:
+            result[name] = floor_at_rest(rest)
+        else:
+            result[name] = floor_above_motion(values[decay.release :], valid[decay.release :])
     return result
 
 

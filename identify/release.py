@@ -192,7 +192,8 @@ def _where_it_ends(amplitude: Array, peak: int, floor: float, lap: int) -> int:
 
 def _block_means(values: Array, step: int) -> Array:
     count = len(values) // step
-    return values[: count * step].reshape(count, step).mean(axis=1)
+    means: Array = values[: count * step].reshape(count, step).mean(axis=1)
+    return means
 
 
 def _release(
@@ -206,14 +207,14 @@ def _release(
     if not found:
         start = earliest if number else 0
         return Release(start / rate, 0.0, start, start, end, "in_motion", (0, 0))
-    channel, onset = _most_trusted(found)
-    time_s = onset.index / rate
-    index = int(np.ceil(onset.index - 1e-9))
+    onset = _most_trusted(found)[1]
+    time_s = onset.place / rate
+    index = int(np.ceil(onset.place - 1e-9))
     letting_go = min(max(HAND_S * rate, 0.05 * period), period) + (
         2.0 * onset.std if onset.std > 1.0 else 0.0
     )
     settle = min(index + max(1, int(np.ceil(letting_go))), n - 1)
-    rest = _rest(channels, found, rate, period, onset.index, earliest)
+    rest = _rest(channels, found, rate, period, onset.place, earliest)
     kind: ReleaseKind = "displaced" if abs(found[0][1].displaced) >= abs(found[0][1].impulse) else "impulse"
     return Release(time_s, onset.std / rate, index, settle, max(end, settle), kind, rest)
 
