@@ -22,10 +22,10 @@ _REACH = 4.0  # the window is cut at 4 standard deviations, where it is 3e-4
 class Ridge:
     """A prepared transform of n samples at one angular frequency (rad/sample).
 
-    The transform is taken at the samples `centres`, shape (c,). `kernels` are the spectra of 1, e^{iws}, s e^{iws} under the window, shape (3, m); `solution` turns the
-    five real correlations of a sample into the real and imaginary part of p and of q, shape (c, 4, 5);
-    `support` is the share of the window that holds samples, shape (c,); `width` is the window's standard
-    deviation in samples.
+    The transform is taken at the samples `centres`, shape (c,). `kernels` are the spectra of 1, e^{iws} and
+    s e^{iws} under the window, shape (3, m). `solution` turns the five real correlations of a centre into the
+    real and imaginary part of p and of q, shape (c, 4, 5). `support` is the share of the window that holds
+    samples, shape (c,); `width` is the window's standard deviation in samples.
     """
 
     n: int
@@ -119,8 +119,8 @@ def scalogram(
 ) -> tuple[Array, Array]:
     """Return the modulus of the plain Morlet transform, eq. (7), and the times it stands at.
 
-    `frequencies` (f,) in Hz; about `times` columns; `waves` is w_wavelet / (2 pi), the number of waves in one standard deviation.
-    The modulus, shape (f, t), is scaled so that a steady sine shows its amplitude; times (t,) in s.
+    `frequencies` (f,) in Hz; about `times` columns; `waves` is w_wavelet / (2 pi), the number of waves in one
+    standard deviation. The modulus, shape (f, t), is scaled so that a steady sine shows its amplitude; times (t,) in s.
     """
     n = len(samples)
     length = fft.next_fast_len(2 * n)

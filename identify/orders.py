@@ -3,25 +3,25 @@
 from collections.abc import Sequence
 
 CLEAR = 4.0  # standard errors by which a further coefficient must stand clear of zero
-WORTH = 0.85  # the misfit must fall at least to this share of the best lower order's
-KNEE = 0.3  # and to this share where even then it stays well above the noise: the knee of fig. 3
 
 
 def choose_order(
-    orders: Sequence[int], misfits: Sequence[float], clearances: Sequence[float], noise: float, what: str
+    orders: Sequence[int],
+    misfits: Sequence[float],
+    clearances: Sequence[float],
+    worth: Sequence[float],
+    what: str,
 ) -> tuple[int, str]:
     """Return the chosen order and a sentence that says why.
 
     `orders` ascending; `misfits` the mean square error of each; `clearances` the highest coefficient of each
-    over its standard error; `noise` the mean square error that noise alone would leave. The highest order is
-    taken whose own coefficient stands clear of zero and which lowers the misfit noticeably: a little where that
-    brings it to the noise, much where it stays above. The lowest order needs no reason. `what` names the
-    polynomial.
+    over its standard error; `worth` the share of the best lower order's misfit below which each must come. The
+    highest order is taken that stands clear of zero and is worth it; the lowest needs no reason. `what` names
+    the polynomial.
     """
     best = 0
     for i in range(1, len(orders)):
-        share = WORTH if misfits[i] < 2 * noise else KNEE
-        if clearances[i] > CLEAR and misfits[i] < share * min(misfits[:i]):
+        if clearances[i] > CLEAR and misfits[i] < worth[i] * min(misfits[:i]):
             best = i
     if best == len(orders) - 1:
         return orders[best], (

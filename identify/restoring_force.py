@@ -1,7 +1,7 @@
 """The restoring force surface, eqs. (13)-(19)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,8 @@ from identify.motion import Motion, reconstruct
 from identify.noise import noise_of
 from identify.orders import choose_order
 from identify.oscillation import dominant_frequency
-from identify.smoothing import slope
+from identify.smoothing import slope, smooth
+from identify.spikes import without_spikes
 from identify.spread import correlated_covariance, misfit_covariance
 from identify.surface import Polynomial, Section, grid_of, sections_of
 from identify.units import damping_unit, stiffness_unit
@@ -31,6 +32,7 @@ from identify.weak_form import (
     rows_of,
     solve,
     whiten,
+    widened,
 )
 
 __all__ = [
@@ -45,7 +47,11 @@ _FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
 _STOP_AT_DRY_ZONE = 2.5  # as in the wavelet identification
 _STOP_AT_NOISE = 6.0
 _REACH = 2  # samples from a reversal over which the friction's jump is smeared
+_CALM_HARMONICS = 8.0  # kept of a coarse displacement, times the natural frequency
+_ROUGH = 0.2  # of the acceleration, beyond which it is mostly noise
 _MISFIT = 2.0  # chi-square per degree beyond which noise alone does not explain what is left
+_SHARES = (0.0, 1e-4, 1e-3, 1e-2)  # of a missing force in what is left; more would throw the resonance away
+_FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold no damping
 _SURE_SIGN = 3.0  # standard errors of the velocity below which its sign is noise
 
 
@@ -106,11 +112,12 @@ class _Span:
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """Eq. (17) solved for one damping order; `misfit` says that no order comes down to the noise."""
+    """Eq. (17) solved for one damping order; `clear` is how many standard errors its highest
+    damping stands from zero."""
 
     order: int
     solution: LeastSquares
-    misfit: bool
+    clear: float
     covariance: Array
     polynomial: Polynomial
     force_gain: float
@@ -127,7 +134,8 @@ def identify_restoring_force(
     the lag's standard error adds nothing here; see `identify_restoring_force_as_recorded` for what it does
     otherwise. Raises NotIdentifiable when there is too little to identify.
     """
-    motion = reconstruct(decay)
+    decay = without_spikes(decay)
+    motion = _calmed(reconstruct(decay))
     return _identify(decay, motion, _noise_of_agreeing(decay), max_order, stiffness_orders)
 
 
@@ -136,7 +144,8 @@ def identify_restoring_force_as_recorded(
 ) -> RestoringForceResult:
     """Identify the restoring force from displacement and acceleration as they are, each taken at its word.
 
-    The paper's first attempt: a displacement late by tau adds w0^2 tau to mu_1. Raises NotIdentifiable without both channels.
+    The paper's first attempt: a displacement late by tau adds w0^2 tau to mu_1. Raises NotIdentifiable
+    without both channels.
     """
     if decay.displacement is None or decay.acceleration is None:
         raise NotIdentifiable("the restoring force as recorded needs a displacement and an acceleration")
@@ -172,11 +181,38 @@ def _identify(
         raise NotIdentifiable("gaps leave too few whole stretches of two cycles; record again without losses")
     points = _points(span)
     fits = _fits(span, windows, max_order, stiffness_orders, decay)
-    clear = [abs(fit.polynomial.damping[-1]) / np.sqrt(fit.covariance[fit.order, fit.order]) for fit in fits]
-    noise = 0.0 if fits[0].misfit else 1.0  # of chi-square per degree of freedom
+    clear = [fit.clear for fit in fits]
+    import os
+
+    if os.environ.get("DBG"):
+        print(
+            "   clear",
+            np.round(clear, 1),
+            "chi",
+            [round(f.solution.chi_square, 3) for f in fits],
+            [np.round(f.polynomial.damping, 5) for f in fits],
+        )
     misfits = [fit.solution.chi_square for fit in fits]
-    order, reason = choose_order(range(max_order + 1), misfits, clear, noise, "damping")
+    worth = [_FALL] * len(fits)
+    order, reason = choose_order(range(max_order + 1), misfits, clear, worth, "damping")
     return _result(decay, span, fits, fits[order], reason, points)
+
+
+def _calmed(motion: Motion) -> Motion:
+    """Smooth a motion whose acceleration is mostly noise, as two differentiations of a coarse displacement leave it."""
+    frequency = dominant_frequency(motion.velocity, motion.rate)
+    corner = _CALM_HARMONICS * frequency / motion.rate
+    if motion.source != "displacement" or not 0 < corner < 0.3:
+        return motion
+    displacement = smooth(motion.displacement, corner, motion.valid)
+    velocity = slope(displacement, motion.rate)
+    acceleration = slope(velocity, motion.rate)
+    rough = np.mean((motion.acceleration - acceleration)[motion.valid] ** 2)
+    if rough < _ROUGH**2 * np.mean(acceleration[motion.valid] ** 2):
+        return motion
+    return replace(
+        motion, displacement=displacement, velocity=velocity, acceleration=acceleration, noise_velocity=None
+    )
 
 
 def _levels(decay: FreeDecay) -> dict[str, float]:
@@ -295,24 +331,25 @@ def _fits(
 def _equation_error(
     span: _Span, windows: Windows, rows: Array, band: Array, order: int, others: int
 ) -> Array:
-    """Covariance of the rows for a white force that the equation lacks, as strong as makes chi-square one.
+    """Covariance of the rows for a white force that the equation lacks, as strong as is most likely.
 
-    Without it, rows that noise hardly touches would be believed far beyond what the model can say.
+    Without it, rows that noise hardly touches may be believed beyond what the model can say; how much of what is
+    left is noise of the channels, larger than was measured, and how much a force, the rows themselves tell.
     """
     white = band_of(windows, windows.kernel, span.motion.rate, np.ones_like)
-    low, high = 0.0, 1.0
-    while _solved(rows, factor_of(band + high * white), order, others).chi_square > 1 and high < 1e30:
-        low, high = high, high * 100
-    low = max(low, high * 1e-12)
-    for _ in range(12):
-        middle = float(np.sqrt(low * high))
-        if _solved(rows, factor_of(band + middle * white), order, others).chi_square > 1:
-            low = middle
-        else:
-            high = middle
-        if high < 1.2 * low:
-            break
-    return np.asarray(high * white)
+    unit = float(np.mean(band[0]) / np.mean(white[0]))
+    best, unlikely = 0.0, np.inf
+    for share in _SHARES:
+        factor = factor_of(band + share * unit * white)
+        left = _solved(rows, factor, order, others).chi_square
+        this = len(rows) * np.log(left) + 2 * float(np.sum(np.log(factor[0])))
+        if this < unlikely:
+            best, unlikely = share, this
+    import os
+
+    if os.environ.get("DBG"):
+        print("   share", best)
+    return np.asarray(best * unit * white)
 
 
 def _solved(rows: Array, factor: Array, order: int, others: int) -> LeastSquares:
@@ -329,6 +366,9 @@ def _fit(solution: LeastSquares, stiffness_orders: tuple[int, ...], unknown_mass
         covariance = correlated_covariance(residual, gain, len(residual), len(gain))
     else:
         covariance = solution.covariance + misfit_covariance(residual, gain, len(residual), len(gain))
+    clear = abs(float(solution.values[order])) / float(np.sqrt(covariance[order, order]))
+    if misfit:
+        covariance = widened(covariance, solution)
     stiffness = {
         j: float(chi) for j, chi in zip(stiffness_orders, solution.values[order + 1 :], strict=False)
     }
@@ -337,7 +377,7 @@ def _fit(solution: LeastSquares, stiffness_orders: tuple[int, ...], unknown_mass
     return _Fit(
         order,
         solution,
-        misfit,
+        clear,
         covariance,
         Polynomial(solution.values[: order + 1], stiffness, offset),
         force_gain,

@@ -58,8 +58,8 @@ class RidgeFit:
     """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,).
 
     `bias_envelope` and `bias_phase` are what was taken off; `settled` says whether another round would change
-    anything. `step` is the time between points, s. `mixing` carries parameters gained by averaging into those of the exact decay, where
-    the two differ by more than a little.
+    nothing. `step` is the time between points, s. `mixing` carries parameters gained by averaging into those of
+    the exact decay, where the two differ by more than a little.
     """
 
     envelope_fit: EnvelopeFit

@@ -10,6 +10,7 @@ from identify.free_decay import FreeDecay
 from identify.noise import noise_of
 from identify.oscillation import dominant_frequency
 from identify.ridge_fit import Observed, envelope_and_phase, first_fit, observe
+from identify.spikes import without_spikes
 from identify.usable import first_free_sample, last_large_sample, require_cycles, valid_samples
 
 CHANNELS = ("displacement", "velocity", "acceleration")  # by number of derivatives
@@ -25,6 +26,7 @@ def observe_span(decay: FreeDecay) -> tuple[int, Observed]:
 
     Raises NotIdentifiable when the record is driven, holds no oscillation, or too little of it.
     """
+    decay = without_spikes(decay)
     derivatives = next(i for i, name in enumerate(CHANNELS) if getattr(decay, name) is not None)
     samples = getattr(decay, CHANNELS[derivatives])
     valid = valid_samples(decay)

@@ -35,6 +35,8 @@ from identify.units import damping_unit, stiffness_unit
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _CHANGES_OF_MODEL = 3  # the orders may be chosen again once the chosen model's bias has been taken off
+_FALL = 0.85  # of the lower order's misfit, where the higher one leaves hardly more than noise
+_KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
 _TRUSTED = 0.9  # share of the window that must hold samples
 
 
@@ -105,7 +107,8 @@ def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
 def _choose_damping(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> tuple[int, str]:
     clear = clearances_of_envelopes(observed, fit, trials)
     noise = 100 * float(np.mean(observed.variance) / np.var(fit.envelope))
-    return choose_order(range(len(trials)), [trial.mse_percent for trial in trials], clear, noise, "damping")
+    misfits = [trial.mse_percent for trial in trials]
+    return choose_order(range(len(trials)), misfits, clear, _worth(misfits, noise), "damping")
 
 
 def _choose_stiffness(observed: Observed, fit: RidgeFit, trials: list[PhaseFit]) -> tuple[int, str]:
@@ -113,8 +116,13 @@ def _choose_stiffness(observed: Observed, fit: RidgeFit, trials: list[PhaseFit])
     misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
     clear = clearances_of_phases(observed, fit, trials)
     noise = float(np.mean(observed.variance * observed.weight**2))
-    order, reason = choose_order((1, 3, 5), misfits, clear, noise, "stiffness")
+    order, reason = choose_order((1, 3, 5), misfits, clear, _worth(misfits, noise), "stiffness")
     return (order - 1) // 2, reason
+
+
+def _worth(misfits: list[float], noise: float) -> list[float]:
+    """The fall of the misfit that pays for an order: a little where it comes down to the noise, else a knee."""
+    return [_FALL if misfit < 2 * noise else _KNEE for misfit in misfits]
 
 
 def _result(

@@ -10,6 +10,7 @@ frequency; the covariance of the rows follows, and is banded.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy import fft
@@ -26,7 +27,10 @@ _TAIL = 4  # steps over which coloured noise of two windows that no longer overl
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Windows of one length at starts `first` (w,) samples; `kernel`, `slope`, `curvature` are phi and its derivatives, complex (l,)."""
+    """Windows of one length that start at samples `first` (w,), multiples of `step`.
+
+    `kernel`, `slope`, `curvature` are phi and its derivatives, complex, shape (l,).
+    """
 
     first: Array
     step: int
@@ -38,8 +42,8 @@ class Windows:
 def place_windows(valid: Mask, rate: float, angular_frequency: float) -> Windows:
     """Place windows of two cycles, four starts a cycle, wherever all their samples are `valid` (n,)."""
     cycle = 2 * np.pi * rate / angular_frequency
-    length = max(8, int(round(WINDOW_CYCLES * cycle)))
-    step = max(1, int(round(cycle / ROWS_PER_CYCLE)))
+    length = max(8, round(WINDOW_CYCLES * cycle))
+    step = max(1, round(cycle / ROWS_PER_CYCLE))
     angle = np.pi * (np.arange(length) + 0.5) / length
     turn = np.pi * rate / length
     window = np.sin(angle) ** 4
@@ -99,11 +103,13 @@ def band_of(windows: Windows, kernel: Array, rate: float, spectrum: Callable[[Ar
 class LeastSquares:
     """Solution of weighted rows.
 
-    `values` (p,) with their `covariance` (p, p); `gain` (p, 2w) carries whitened rows into them; `white` (2w,) are the
-    whitened residuals and `chi_square` their mean square over the degrees of freedom.
+    `values` (p,) with their `covariance` (p, p); `design` (2w, p) are the whitened rows, `gain` (p, 2w)
+    carries whitened rows into the values; `white` (2w,) are the whitened residuals and `chi_square` their mean
+    square over the degrees of freedom.
     """
 
     values: Array
+    design: Array
     gain: Array
     covariance: Array
     white: Array
@@ -128,8 +134,28 @@ def solve(white: Array, right: Array) -> LeastSquares:
     residual = right - white @ values
     degrees = max(1, len(right) - white.shape[1])
     return LeastSquares(
-        values, inverse, inverse @ inverse.T, residual, degrees, float(residual @ residual) / degrees
+        values, white, inverse, inverse @ inverse.T, residual, degrees, float(residual @ residual) / degrees
     )
+
+
+def widened(covariance: Array, solution: LeastSquares, blocks: int = 6) -> Array:
+    """Return `covariance` (p, p) raised to what the solution does when one stretch of the record is left out.
+
+    The jackknife over `blocks` stretches: a model that fails differently at large and at small amplitudes shows
+    it there, however smooth its residual.
+    """
+    rows = len(solution.white)
+    edges = np.linspace(0, rows, blocks + 1).astype(int)
+    moves = []
+    for a, b in pairwise(edges):
+        share = solution.gain[:, a:b] @ solution.design[a:b]  # of the solution that these rows hold
+        moves.append(
+            -np.linalg.pinv(np.eye(len(share)) - share) @ solution.gain[:, a:b] @ solution.white[a:b]
+        )
+    spread = np.sqrt((blocks - 1) / blocks * np.sum((np.array(moves) - np.mean(moves, axis=0)) ** 2, axis=0))
+    stated = np.sqrt(np.diag(covariance)) + 1e-300
+    raised = np.maximum(1.0, spread / stated)
+    return np.asarray(covariance * np.outer(raised, raised))
 
 
 def whiten(factor: Array, columns: Array) -> Array:
@@ -190,8 +216,8 @@ def band_of_reversals(
 ) -> Array:
     """Return the covariance of the rows from not knowing when the motion turned, in lower banded form (width, 2w).
 
-    A reversal is uncertain by the velocity's `noise` over its slope; friction of twice mu_0, the `jump`, is summed at the wrong
-    moment for so long. Small amplitudes turn slowly, so their reversals count least.
+    A reversal is uncertain by the velocity's `noise` over its slope; friction of twice mu_0, the `jump`, is
+    summed at the wrong moment for so long. Small amplitudes turn slowly, so their reversals count least.
     """
     turns = np.flatnonzero(direction.at < 1)
     late = noise / np.maximum(np.abs(velocity[turns + 1] - velocity[turns]), noise)
