@@ -27,7 +27,7 @@ def backbone_factors(orders: tuple[int, ...]) -> Array:
     return np.array([2 * gamma(i / 2 + 1) / (sqrt(pi) * gamma(i / 2 + 1.5)) for i in orders])
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True)  # type: ignore[untyped-decorator]
 def integrate_envelope(start: float, coefficients: Array, step: float, count: int) -> Array:
     """Return k at 0, step, ..., (count-1) step from k' = -sum c_i k^i with k(0) = start, shape (count,).
 

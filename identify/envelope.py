@@ -72,7 +72,7 @@ def fit_envelope(envelope: Array, step: float, start: Array, weight: Array, roun
     """
     parameters = start.copy()
     order = len(start) - 2
-    exponents = np.arange(order + 1)
+    exponents = np.arange(order + 1.0)
     for _ in range(rounds):
         fit, jacobian = _sensitivities(parameters, step, len(envelope), exponents)
         gain = weighted_inverse(jacobian, weight)

@@ -15,6 +15,7 @@ from scipy import fft
 
 from identify.arrays import Array, Mask
 
+Complex = NDArray[np.complex128]
 _REACH = 4.0  # the window is cut at 4 standard deviations, where it is 3e-4
 
 
@@ -33,7 +34,7 @@ class Ridge:
     width: float
     valid: Mask
     centres: NDArray[np.int_]
-    kernels: Array
+    kernels: Complex
     solution: Array
     support: Array
     length: int
@@ -77,15 +78,15 @@ def prepare_ridge(valid: Mask, frequency: float, width: float, centres: NDArray[
         for column in range(row):
             normal[:, row, column] = normal[:, column, row]
     full = float(np.sum(window))
-    support = m0 / full
+    support = np.asarray(m0 / full, dtype=np.float64)
     normal[:, range(5), range(5)] += 1e-9 * full  # keeps an empty window solvable; its support says so
-    solution = np.linalg.inv(normal)[:, 1:, :]
+    solution = np.linalg.inv(normal)[:, 1:, :].astype(np.float64)
     solution[:, 2:] /= width
     kernels = np.conj(spectra[[0, 3, 4]])
     return Ridge(n, frequency, width, valid, centres, kernels, solution, support, length)
 
 
-def transform(ridge: Ridge, samples: Array) -> tuple[Array, Array]:
+def transform(ridge: Ridge, samples: Array) -> tuple[Complex, Complex]:
     """Return the analytic signal p and its local slope q (per sample) at each centre, complex, shape (c,).
 
     p = A e^{i phi}: the modulus is the envelope, the argument the phase (eq. 8).
@@ -97,7 +98,7 @@ def transform(ridge: Ridge, samples: Array) -> tuple[Array, Array]:
     return found[:, 0] + 1j * found[:, 1], found[:, 2] + 1j * found[:, 3]
 
 
-def weights_on_samples(ridge: Ridge, weights: Array) -> Array:
+def weights_on_samples(ridge: Ridge, weights: Complex) -> Array:
     """Return the weight of each raw sample in `Re sum_j conj(weights[:, j]) p_j`, shape (r, n).
 
     The adjoint of `transform`: it carries white noise of the samples into anything linear in p. `weights`

@@ -9,6 +9,7 @@ what the transform then shows beyond the averaged model is taken off the measure
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
 from identify.averaging import backbone_factors, envelope_factors
@@ -38,7 +39,7 @@ class Observed:
     angular_frequency: float
     noise: float
     ridge: Ridge
-    points: Array
+    points: NDArray[np.int_]
     weight: Array
     variance: Array
 
@@ -112,7 +113,7 @@ def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[i
     slopes = np.zeros(len(envelope))
     for order, slope in zip(orders, parameters[1:], strict=True):
         slopes += slope * envelope ** (order - 1)
-    return parameters[0] + cumulative(slopes, step)
+    return np.asarray(parameters[0] + cumulative(slopes, step))
 
 
 def parameters_of(

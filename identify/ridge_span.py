@@ -11,9 +11,8 @@ from identify.noise import noise_of
 from identify.oscillation import dominant_frequency
 from identify.ridge_fit import Observed, envelope_and_phase, first_fit, observe
 from identify.spikes import without_spikes
-from identify.usable import first_free_sample, last_large_sample, require_cycles, valid_samples
+from identify.usable import CHANNELS, first_free_sample, last_large_sample, require_cycles, valid_samples
 
-CHANNELS = ("displacement", "velocity", "acceleration")  # by number of derivatives
 _FEWEST_CYCLES = 3.0
 _STOP_AT_FIRST = 0.1  # of the largest amplitude, until dry friction is known
 _STOP_AT_DRY_ZONE = 2.5  # fit down to this many times mu_0 / w0^2, where sticking is one cycle away

@@ -4,7 +4,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.envelope import EnvelopeFit, PhaseFit
-from identify.morlet import weights_on_samples
+from identify.morlet import Complex, weights_on_samples
 from identify.ridge_fit import Observed, RidgeFit
 from identify.spread import misfit_covariance
 
@@ -59,7 +59,7 @@ def _misfit(observed: Observed, left: Array, spread: Array, gain: Array, paramet
 
 
 def _amplitude(fit: RidgeFit) -> Array:
-    return np.maximum(np.abs(fit.envelope), 1e-3 * np.max(np.abs(fit.envelope)))
+    return np.asarray(np.maximum(np.abs(fit.envelope), 1e-3 * np.max(np.abs(fit.envelope))))
 
 
 def _noise_in_envelope(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
@@ -70,11 +70,11 @@ def _noise_in_phase(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
     return _carried(observed, 1j * gain * _turn(observed, fit) / _amplitude(fit))
 
 
-def _turn(observed: Observed, fit: RidgeFit) -> Array:
+def _turn(observed: Observed, fit: RidgeFit) -> Complex:
     scale = observed.angular_frequency**observed.derivatives
-    return np.exp(1j * (fit.phase + fit.bias_phase + observed.derivatives * np.pi / 2)) / scale
+    return np.asarray(np.exp(1j * (fit.phase + fit.bias_phase + observed.derivatives * np.pi / 2)) / scale)
 
 
-def _carried(observed: Observed, on_points: Array) -> Array:
+def _carried(observed: Observed, on_points: Complex) -> Array:
     rows = weights_on_samples(observed.ridge, on_points)
     return observed.noise**2 * rows @ rows.T

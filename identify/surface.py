@@ -35,7 +35,8 @@ class Polynomial:
     def dissipative(self, velocity: Array) -> Array:
         """Return the part that velocity makes, any shape."""
         speed = np.abs(velocity)
-        return np.sign(velocity) * sum(mu * speed**i for i, mu in enumerate(self.damping))
+        loss = np.polynomial.polynomial.polyval(speed, self.damping)
+        return np.asarray(np.sign(velocity) * loss)
 
     def __call__(self, displacement: Array, velocity: Array) -> Array:
         """Return the force per unit mass."""

@@ -1,5 +1,9 @@
 """Units of the identified parameters, spelled from the unit of the displacement."""
 
+from math import hypot
+
+from identify.estimate import Estimate
+
 
 def damping_unit(order: int, unit: str = "m") -> str:
     """Return the unit of mu_i, a force per unit mass over the i-th power of a velocity.
@@ -27,3 +31,16 @@ def stiffness_unit(order: int, mass_known: bool, unit: str = "m") -> str:
     if order == 1:
         return "1/s^2"
     return f"1/(s^2 {unit if order == 2 else f'{unit}^{order - 1}'})"
+
+
+def with_mass(
+    value: Estimate, order: int, mass: float | None, mass_std: float | None, unit: str = "m"
+) -> Estimate:
+    """Return a stiffness of `order` per unit mass times the mass, the mass's uncertainty with it.
+
+    Unchanged but for its unit when the mass is None.
+    """
+    spelled = stiffness_unit(order, mass is not None, unit)
+    if mass is None:
+        return Estimate(value.value, value.std, spelled)
+    return Estimate(value.value * mass, hypot(value.std * mass, value.value * (mass_std or 0.0)), spelled)

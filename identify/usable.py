@@ -6,6 +6,7 @@ from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 
+CHANNELS = ("displacement", "velocity", "acceleration")  # by number of derivatives
 HAND_S = 0.03  # a hand takes up to 20 ms to let go; the ideal release loses an eighth of a cycle to it
 
 
@@ -21,8 +22,8 @@ def valid_samples(decay: FreeDecay) -> Mask:
 def first_free_sample(decay: FreeDecay, frequency: float | None = None) -> int:
     """Return the first sample at which the hand has surely let go.
 
-    `frequency` (Hz) shortens the wait where 30 ms is more than a quarter of a cycle. A record without a rest before the release
-    began in mid-decay: no hand, no wait.
+    `frequency` (Hz) shortens the wait where 30 ms is more than a quarter of a cycle. A record without a rest
+    before the release began in mid-decay: no hand, no wait.
     """
     if decay.rest[1] <= decay.rest[0]:
         return decay.release

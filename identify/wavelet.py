@@ -25,13 +25,14 @@ from identify.ridge_fit import (
     parameters_of,
 )
 from identify.ridge_newton import settle
-from identify.ridge_span import CHANNELS, observe_span
+from identify.ridge_span import observe_span
 from identify.ridge_spread import (
     clearances_of_envelopes,
     clearances_of_phases,
     spreads_of,
 )
-from identify.units import damping_unit, stiffness_unit
+from identify.units import damping_unit, stiffness_unit, with_mass
+from identify.usable import CHANNELS
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _CHANGES_OF_MODEL = 3  # the orders may be chosen again once the chosen model's bias has been taken off
@@ -134,7 +135,10 @@ def _result(
     reasons: tuple[str, str],
 ) -> WaveletResult:
     by_order, damping = _estimates(decay, observed, fit)
-    with_mass = {order: _with_mass(value, order, decay) for order, value in by_order.items()}
+    stiffness = {
+        order: with_mass(value, order, decay.mass, decay.mass_std, decay.unit)
+        for order, value in by_order.items()
+    }
     computed = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
     reconstruction = channel_of(computed, observed.derivatives)
     level = np.mean(observed.samples[observed.valid] - reconstruction[observed.valid])
@@ -143,8 +147,8 @@ def _result(
     modulus, ladder, columns = _scalogram(observed)
     trusted = ridge["support"] > _TRUSTED
     return WaveletResult(
-        stiffness=with_mass[1],
-        stiffness_by_order=with_mass,
+        stiffness=stiffness[1],
+        stiffness_by_order=stiffness,
         damping=damping,
         order=fit.order,
         reason=reasons[0],
@@ -217,11 +221,3 @@ def _scalogram(observed: Observed) -> tuple[Array, Array, Array]:
     averaged = samples[:whole].reshape(-1, coarse).mean(axis=1)
     modulus, columns = scalogram(averaged, observed.rate / coarse, ladder, 200, 1.0)
     return modulus, ladder, columns
-
-
-def _with_mass(value: Estimate, order: int, decay: FreeDecay) -> Estimate:
-    unit = stiffness_unit(order, decay.mass is not None, decay.unit)
-    if decay.mass is None:
-        return replace(value, unit=unit)
-    spread = np.hypot(value.std * decay.mass, value.value * (decay.mass_std or 0.0))
-    return Estimate(value.value * decay.mass, float(spread), unit)
