@@ -1,7 +1,5 @@
 """Along the measured motion: the forces and internal states of a fitted effect where the mass has been."""
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 
@@ -73,7 +71,7 @@ def _parameters(term: Term, values: dict[str, float]) -> tuple[float, ...]:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _evaluate(force: int, friction: int, time: Array, u: Array, v: Array, states: Array, p: Any) -> Any:
+def _evaluate(force, friction, time, u, v, states, p):  # type: ignore[no-untyped-def]
     out = np.zeros(u.shape[0])
     for i in range(u.shape[0]):
         z = (states[i, 0], states[i, 1])
@@ -85,7 +83,7 @@ def _evaluate(force: int, friction: int, time: Array, u: Array, v: Array, states
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _drive(address: int, time: Array, u: Array, v: Array, p: Any, z0: float, z1: float, steps: int) -> Any:
+def _drive(address, time, u, v, p, z0, z1, steps):  # type: ignore[no-untyped-def]
     out = np.empty((u.shape[0], 2))
     z = (z0, z1)
     for i in range(u.shape[0]):

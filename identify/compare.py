@@ -15,26 +15,30 @@ from identify.kinematic_check import KinematicCheck, check_kinematics
 from identify.noise import Noise
 from identify.phase_plane import PhasePlane, compare_phase_plane
 from identify.place_words import Words
+from identify.residual_line import find_line
 from identify.setting import Setting
+from identify.slow_fault import SlowFault, find_slow_fault
 from identify.tracking import Tracking, track
 from identify.worst_places import NONE, Place, worst_places
 
 _UNKNOWN_FLOOR = 0.05
 _SURE = 4.0
+_SURE_OF_SLOW = 6.0
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """Where and by how much a model fails on one release.
 
-    `force_error` is eq. (18) in %: 100/(n var f) sum (f - f')^2, with f the measured acceleration (less any recorded force)
-    and f' the model's force at the measured motion, and `force_floor` what noise alone leaves of it. `motion_error` is the rms
-    misfit of the free run over the rms of the `motion_channel`, in %, over `horizon` s (`horizon_cycles`).
-    `chi_square` is reduced, 1.0 when nothing is left to explain, with the standard error `chi_square_std` that readings
-    and noise floor leave open; `floor` is the noise of each channel and where it came from.
+    `force_error` is eq. (18) in %: 100/(n var f) sum (f - f')^2, with f the measured acceleration (less any recorded
+    force) and f' the model's force at the measured motion, and `force_floor` what noise alone leaves of it.
+    `motion_error` is the rms misfit of the free run over the rms of the `motion_channel`, in %, over `horizon` s
+    (`horizon_cycles`). `chi_square` is reduced, 1.0 when nothing is left to explain, with the standard error
+    `chi_square_std` that readings and noise floor leave open; `floor` is the noise of each channel and its source.
     `time` (n,) is in s since the release; `free_run_misfit` (cycles,) the rms misfit of the free run in units of the
-    noise, cycle by cycle; `displacement`, `velocity`, `residual_force` (n,) the measured motion and measured less model force
-    per unit mass along it. `places` are the worst ones; `summary` says them, `cause` whether to look at a sensor or at physics.
+    noise, cycle by cycle; `displacement`, `velocity`, `residual_force` (n,) the measured motion and measured less
+    model force per unit mass along it. `places` are the worst ones; `summary` tells the first, `cause` whether to
+    look at a sensor or at physics.
     """
 
     force_error: float
@@ -51,6 +55,7 @@ class Comparison:
     phase_plane: PhasePlane
     harmonics: Harmonics
     kinematics: KinematicCheck | None
+    slow_fault: SlowFault | None
     places: tuple[Place, ...]
     summary: str
     cause: str
@@ -80,7 +85,10 @@ def compare(
     factors = tuple(
         (1.0 + doubt) * max(1.0, np.sqrt(left)) for left in (plane.chi_square_after, cycles.chi_square_after)
     )
-    places = worst_places(plane, cycles, Words(span.unit, mass), (factors[0], factors[1]))
+    slow = find_slow_fault(tracking)
+    places = worst_places(
+        plane, cycles, find_line(tracking), Words(span.unit, mass), (factors[0], factors[1])
+    )
     force_error, force_floor, residual = _force_error(setting, fit)
     channel = span.channels[0]
     used = span.used[channel]
@@ -105,7 +113,8 @@ def compare(
         kinematics=kinematics,
         places=places,
         summary=NONE if not places else f"{places[0].text[0].upper()}{places[0].text[1:]}.",
-        cause=_cause(fit.reduced, chi_square_std, kinematics),
+        slow_fault=slow,
+        cause=_cause(fit.reduced, chi_square_std, kinematics, slow),
         time=frozen(span.clock),
         displacement=frozen(setting.motion.displacement),
         velocity=frozen(setting.motion.velocity),
@@ -146,7 +155,7 @@ def _misfit_by_cycle(fit: Fit, tracking: Tracking) -> Array:
     return frozen(misfit)
 
 
-def _cause(chi_square: float, std: float, kinematics: KinematicCheck | None) -> str:
+def _cause(chi_square: float, std: float, kinematics: KinematicCheck | None, slow: SlowFault | None) -> str:
     dynamic = (chi_square - 1.0) / std
     if kinematics is None:
         return "There is only one channel, so a fault of the sensor cannot be told from physics."
@@ -156,9 +165,11 @@ def _cause(chi_square: float, std: float, kinematics: KinematicCheck | None) -> 
             f"The channels contradict each other, whatever the forces are (a less D^2 u stands {sensor:.0f} standard errors "
             "above its noise): look at a sensor first."
         )
+    if slow is not None and slow.significance > _SURE_OF_SLOW:
+        return "The zero of the acceleration moves during the record, which no force can do: look at that sensor first."
     if dynamic > _SURE:
         return (
             "Both channels describe one motion within their noise, and the model does not follow it: "
-            "it is physics, not a sensor."
+            "it is physics (or the displacement drifts slowly, which looks like motion)."
         )
     return "Both channels describe one motion within their noise, and the model follows it within its noise."

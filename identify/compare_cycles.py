@@ -17,8 +17,8 @@ class CycleErrors:
 
     `time` (s since the release) and `amplitude` (m) of the middle of each cycle. `frequency_error` in % of the
     frequency, positive when the measured motion is faster (stiffer); `energy_error` in J per kg and cycle, positive when
-    the measured motion loses more (more damping). `covariance` (2 cycles, 2 cycles) is that of both, frequency first; `chi_square_after` the reduced
-    chi-square that such changes would leave.
+    the measured motion loses more (more damping). `covariance` (2 cycles, 2 cycles) is that of both,
+    frequency first; `chi_square_after` is the reduced chi-square that such changes would leave.
     """
 
     time: Array

@@ -26,20 +26,24 @@ class ExtraForce:
         return np.sqrt(np.diag(self.covariance))
 
 
-def estimate_extra_force(tracking: Tracking, patterns: Array) -> ExtraForce:
+def estimate_extra_force(tracking: Tracking, patterns: Array, faults: Array | None = None) -> ExtraForce:
     """Least squares of what the tracked model leaves on the response to patterns (n, patterns) of force.
 
+    `faults` (rows, faults) are whitened columns of what a sensor may add; their sizes follow those of the patterns.
     The state at the start of every stretch is free, and so are lag, gain and offset of the acceleration, which
     kinematics alone determines. A pattern that the readings do not feel has a standard error as large as the
     springs' force.
     """
-    columns = np.hstack([respond_to(tracking, patterns), nuisances(tracking)])
+    asked = respond_to(tracking, patterns)
+    if faults is not None:
+        asked = np.hstack([asked, faults])
+    columns = np.hstack([asked, nuisances(tracking)])
     both = tracking.without_states(np.column_stack([columns, tracking.misfit]))
     columns, misfit = both[:, :-1], both[:, -1]
-    count = patterns.shape[1]
+    count = asked.shape[1]
     largest = tracking.stiffness * tracking.sizes[0]
     prior = np.full(columns.shape[1], 1.0)
-    prior[:count] = 1.0 / largest**2
+    prior[: patterns.shape[1]] = 1.0 / largest**2
     normal = columns.T @ columns
     scale = np.sqrt(np.diag(normal) + prior)
     inverse = np.linalg.inv((normal + np.diag(prior)) / np.outer(scale, scale)) / np.outer(scale, scale)

@@ -46,7 +46,7 @@ def compare_harmonics(tracking: Tracking) -> Harmonics:
         size = found.size[places]
         significance[n] = np.sqrt(size @ np.linalg.solve(found.covariance[np.ix_(places, places)], size))
     return Harmonics(
-        frozen(orders),
+        frozen(orders.astype(float)),
         frozen(np.hypot(cosine, sine)),
         frozen(np.arctan2(sine, cosine)),
         frozen(cosine),

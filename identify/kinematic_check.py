@@ -76,7 +76,7 @@ def _near_reversals(velocity: Array) -> Mask:
     return np.convolve(turns, np.ones(2 * _NEAR_REVERSAL + 1), "same") > 0.5
 
 
-def _without_slow(values: Array, inside: Array) -> Array:
+def _without_slow(values: Array, inside: Mask) -> Array:
     clock = np.linspace(-1.0, 1.0, len(values))
     line = np.polynomial.polynomial.polyfit(clock[inside], values[inside], 1)
     return np.asarray(values - np.polynomial.polynomial.polyval(clock, line))

@@ -22,11 +22,11 @@ class ForceSection:
 class PhasePlane:
     """Residual force per unit mass (m/s^2, measured less model, on the left of u'' + ... = 0) in bins.
 
-    Edges of the bins `displacement_edges` (p + 1,), odd in number of bins and symmetric, and `velocity_edges` (q + 1,), even in
-    number, so that zero velocity is an edge and both directions stay apart. `force`, `std` (nan where the mass never
+    Edges of an odd number of bins `displacement_edges` (p + 1,) and of an even number `velocity_edges` (q + 1,), so that
+    zero velocity is an edge and both directions stay apart. `force`, `std` (nan where the mass never
     was), `counts` of samples and `significance` (force over standard error): (q, p). `bins` (visited, 2) are the rows
-    and columns of the bins visited and `covariance` (visited, visited) theirs; `chi_square_after` is the reduced chi-square within the cycles that such a force
-    would leave.
+    and columns of the bins visited and `covariance` (visited, visited) theirs; `chi_square_after` is the
+    reduced chi-square within the cycles that such a force would leave.
     """
 
     displacement_edges: Array

@@ -81,6 +81,18 @@ class Words:
         text = f"{when} ({sweep}) the measured motion loses {up_to}{amount} a cycle {sense} than the model: {cause}"
         return text, self.force_scale, self.energy_unit
 
+    def at_frequency(
+        self, frequency: float, amplitude: float, channel: str, channels: tuple[str, ...]
+    ) -> tuple[str, str]:
+        """Return the sentence and the unit of the amplitude."""
+        unit = {"displacement": self.unit, "velocity": f"{self.unit}/s"}.get(channel, f"{self.unit}/s^2")
+        where = f"in {' and '.join(channels)}" if len(channels) > 1 else f"in the {channel} alone"
+        return (
+            f"at {frequency:.4g} Hz there is a line of {scaled(amplitude, unit)} in the {channel} that the model "
+            f"lacks, seen {where}",
+            unit,
+        )
+
     def _amount(self, force: float) -> str:
         return scaled(abs(force) * self.force_scale, self.force_unit)
 

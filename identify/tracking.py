@@ -6,6 +6,7 @@ it lacks is the small force that explains the rest: readings and noise as record
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -204,7 +205,7 @@ def _pieces(span: Span, u: Array, v: Array, frequency: float) -> list[tuple[int,
     period = 2.0 * np.pi / frequency * span.rate
     edges = edges[(edges > span.lead + 0.5 * period) & (edges < n - 0.5 * period)]
     bounds = [span.lead, *[int(e) for e in edges], n]
-    return [(start - span.lead, start, stop) for start, stop in zip(bounds, bounds[1:], strict=False)]
+    return [(start - span.lead, start, stop) for start, stop in pairwise(bounds)]
 
 
 def _problem(

@@ -9,6 +9,7 @@ from identify.arrays import Array
 from identify.compare_cycles import CycleErrors
 from identify.phase_plane import PhasePlane
 from identify.place_words import Words
+from identify.residual_line import ResidualLine
 
 MOST = 5
 NONE = "No place stands out of the noise."
@@ -23,9 +24,10 @@ _SHARE_OF_WORST = 0.1
 class Place:
     """One place where the model fails: `kind` says how it was seen, `size` by how much, in `unit`.
 
-    `kind` is "force over displacement", "force over velocity", "frequency" or "energy". `size` (measured less model; positive is
-    stiffer, braking more, faster, losing more) is the mean over the place with standard error `std`, and `largest`
-    the largest in it. `significance` is in standard errors.
+    `kind` is "force over displacement", "force over velocity", "frequency", "energy" or "line".
+    `size` (measured less model; positive is stiffer, braking more, faster, losing more) is the mean over the place
+    with standard error `std`, `largest` the largest in it; of a line both are its amplitude. `significance` is in
+    standard errors.
     """
 
     kind: str
@@ -49,12 +51,17 @@ class _Candidate:
 
 
 def worst_places(
-    plane: PhasePlane, cycles: CycleErrors, words: Words, doubt: tuple[float, float]
+    plane: PhasePlane,
+    cycles: CycleErrors,
+    line: ResidualLine | None,
+    words: Words,
+    doubt: tuple[float, float],
 ) -> tuple[Place, ...]:
     """Return at most five places, the most significant first; none when nothing stands out of the noise.
 
-    `doubt` are factors >= 1 on the standard errors of the forces and of the cycles: what is unsure about the noise, and what
-    neither explains. The threshold is where the best of all candidates lies in 5 % of the cases in which there is noise only.
+    `doubt` are factors >= 1 on the standard errors of the forces and of the cycles: what is unsure about
+    the noise, and what neither explains. The threshold is where the best of all candidates lies in 5 % of the cases in
+    which there is noise only.
     """
     force = plane.force[plane.bins[:, 0], plane.bins[:, 1]]
     errors = np.concatenate([cycles.frequency_error, cycles.energy_error])
@@ -84,7 +91,13 @@ def worst_places(
             break
         if not any(_same(entry[1], other[1]) for other in chosen):
             chosen.append(entry)
-    return tuple(_told(*entry, plane, cycles, words) for entry in chosen)
+    places = [_told(*entry, plane, cycles, words) for entry in chosen]
+    if line is not None:
+        text, unit = words.at_frequency(line.frequency, line.amplitude, line.channel, line.channels)
+        std = line.amplitude / line.significance
+        places.append(Place("line", text, line.amplitude, std, line.amplitude, unit, line.significance))
+    places.sort(key=lambda place: -place.significance)
+    return tuple(places[:MOST])
 
 
 def _firm(covariance: Array) -> Array:
@@ -95,7 +108,7 @@ def _same(one: _Candidate, other: _Candidate) -> bool:
     if one.kind != other.kind:
         return False
     shared = float(np.sum((one.members != 0) & (other.members != 0)))
-    return shared > _OVERLAP * min(np.count_nonzero(one.members), np.count_nonzero(other.members))
+    return bool(shared > _OVERLAP * min(np.count_nonzero(one.members), np.count_nonzero(other.members)))
 
 
 def _candidate(

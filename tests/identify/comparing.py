@@ -1,0 +1,42 @@
+"""Releases with a known hidden effect, fitted with the model that lacks it, for the tests of the comparison."""
+
+from functools import cache
+from typing import Any
+
+from identify.compare import Comparison, compare
+from identify.fit import Fit, fit
+from identify.free_decay import FreeDecay
+from identify.model import base_model
+from identify.noise import noise_of
+from identify.release import find_release
+from identify.setting import Setting, prepare, starting_values
+from mocks.generate import draw
+
+MASS = 21.36
+
+
+@cache
+def fitted(
+    effect: str | None, strength: float, seed: int
+) -> tuple[Setting, Fit, dict[str, Any], dict[str, Any]]:
+    """Return the setting, the fit of stiffness and friction, the noise of each channel and the truth."""
+    sample = draw(effect, strength, seed)
+    release = find_release(sample.rate, sample.displacement, None, sample.acceleration)
+    decay = FreeDecay(
+        sample.rate,
+        displacement=sample.displacement,
+        acceleration=sample.acceleration,
+        release=release.index,
+        rest=release.rest,
+    )
+    setting = prepare(decay, release)
+    model = base_model()
+    found = fit(model, (setting.span,), starting_values((setting,), model, {}), setting.frequency)
+    return setting, found, noise_of(decay), sample.truth
+
+
+@cache
+def compared(effect: str | None, strength: float, seed: int) -> Comparison:
+    """Return the comparison of the same, with the testbed's mass."""
+    setting, found, floor, _ = fitted(effect, strength, seed)
+    return compare(setting, found, floor, mass=MASS)
