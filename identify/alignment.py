@@ -12,7 +12,7 @@ from identify.fractional_delay import bridge, read_at_shift
 from identify.free_decay import FreeDecay
 from identify.kinematics import Agreement, Pair, agree
 from identify.noise import noise_of
-from identify.oscillation import dominant_frequency
+from identify.oscillation import dominant_frequency, running_amplitude
 from identify.reversals import reversal_excess
 from identify.smoothing import slope
 
@@ -23,6 +23,8 @@ ONE_CHANNEL = (
     "Only one channel was recorded, so there is no lag to find: "
     "record displacement (or velocity) and acceleration."
 )
+
+TOO_LITTLE = "There is too little motion above the noise to know the lag between the channels: release from further away."
 
 ENOUGH_PER_PERIOD = 64
 """Faster recordings are averaged down to about this many samples a period: both channels alike, so the lag stays."""
@@ -54,7 +56,8 @@ def align(decay: FreeDecay) -> Alignment:
     """
     if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
         raise NotIdentifiable(ONE_CHANNEL)
-    frequency = dominant_frequency(decay.acceleration[decay.release :], decay.rate)
+    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.array(decay.valid)
+    frequency = dominant_frequency(bridge(decay.acceleration, valid)[decay.release :], decay.rate)
     if frequency <= 0:
         raise NotIdentifiable(
             "The channels hold no oscillation to align: record a release with a visible decay."
@@ -62,6 +65,7 @@ def align(decay: FreeDecay) -> Alignment:
     decay = coarser(decay, int(decay.rate / (ENOUGH_PER_PERIOD * frequency)))
     pair = pair_of(decay)
     moving = slice(decay.release, None)
+    _require_motion(pair, moving, frequency)
     upright, opposite = _starts(pair, moving, frequency)
     best = agree(pair, *upright, steps=8)
     if best.chi_square > 2.0 * best.degrees:
@@ -69,6 +73,15 @@ def align(decay: FreeDecay) -> Alignment:
         best = other if 2.0 * other.chi_square < best.chi_square else best
     pair = with_reversals(pair, best)
     return _judged(pair, agree(pair, best.lag, best.gain, steps=8), frequency)
+
+
+def _require_motion(pair: Pair, moving: slice, frequency: float) -> None:
+    """Raise NotIdentifiable unless the oscillation stands above the noise in both channels."""
+    period = max(2, round(pair.rate / frequency))
+    for values, variance in ((pair.low, pair.variance_low), (pair.high, pair.variance_high)):
+        amplitude = float(running_amplitude(values[moving], period).max())
+        if amplitude < 8.0 * float(np.sqrt(np.min(variance))) / np.sqrt(period):
+            raise NotIdentifiable(TOO_LITTLE)
 
 
 def with_reversals(pair: Pair, found: Agreement) -> Pair:
@@ -196,9 +209,7 @@ def _judged(pair: Pair, found: Agreement, frequency: float) -> Alignment:
     excess = max(found.chi_square / max(found.degrees, 1), 1.0)
     gain_std, lag_std = np.sqrt(excess * np.diag(found.covariance)[:2])
     if not np.isfinite(lag_std) or lag_std > 0.1 / frequency or gain_std > 0.3 * abs(found.gain):
-        raise NotIdentifiable(
-            "There is too little motion above the noise to know the lag between the channels: release from further away."
-        )
+        raise NotIdentifiable(TOO_LITTLE)
     cautions = []
     if excess > 1.5:
         cautions.append(

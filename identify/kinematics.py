@@ -194,7 +194,7 @@ def _slow_columns(pair: Pair, average: Stencil, rows: range, terms: int) -> Arra
 
 
 def _slow_offset(n: int, coefficients: Array) -> Array:
-    return np.polynomial.polynomial.polyval(np.linspace(-1.0, 1.0, n), coefficients)
+    return np.linspace(-1.0, 1.0, n)[:, None] ** np.arange(len(coefficients)) @ coefficients
 
 
 def _whiten(factor: Array, misfit: Array) -> Array:

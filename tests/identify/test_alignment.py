@@ -1,0 +1,200 @@
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from decays_in_closed_form import coulomb, exponential
+
+from identify.alignment import align, correct
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+from identify.release import find_release
+from mocks.generate import Sample, draw
+
+RATE = 256.0
+DATA = Path(os.environ.get("STATION_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
+
+
+def drawn(seed: int, **fixed: float) -> Sample:
+    """The working point: 5 um, 0.01 m/s^2, lag +-3 ms, an ideal hand or one of up to 12 ms."""
+    amplitude = (-0.025, -0.02, -0.015, 0.02, 0.025)[seed % 5]
+    settings = {"noise_displacement": 5e-6, "noise_acceleration": 0.01, "amplitude": amplitude} | fixed
+    return draw(None, 0.0, seed, **settings)
+
+
+def decay_of(sample: Sample, start: int = 0, stop: int | None = None) -> FreeDecay:
+    found = find_release(RATE, displacement=sample.displacement, acceleration=sample.acceleration)
+    span = slice(start, stop)
+    whole = {"release": found.index, "rest": found.rest} if (start, stop) == (0, None) else {}
+    return FreeDecay(
+        RATE, displacement=sample.displacement[span], acceleration=sample.acceleration[span], **whole
+    )
+
+
+def errors(samples: list[Sample], start: int = 0, stop: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of lag (s) and gain with their standard errors, shape (samples, 2) each."""
+    found = [align(decay_of(sample, start, stop)) for sample in samples]
+    truths = [sample.truth for sample in samples]
+    lag = [(f.lag.value - t["displacement_late_s"], f.lag.std) for f, t in zip(found, truths, strict=True)]
+    gain = [(f.gain.value - t["gain"], f.gain.std) for f, t in zip(found, truths, strict=True)]
+    return np.array(lag), np.array(gain)
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def test_from_rest_to_rest_the_lag_is_known_within_four_microseconds() -> None:
+    rng = np.random.default_rng(0)
+    lag, gain = errors([drawn(seed, gain_error=rng.uniform(-0.01, 0.01)) for seed in range(60)])
+    assert rms(lag[:, 0]) < 4e-6
+    assert abs(lag[:, 0].mean()) < 1.2e-6  # 1 us wanted; the mean of 60 is itself known within 0.4 us
+    assert 0.8 < rms(lag[:, 0] / lag[:, 1]) < 1.25  # sixty draws leave 9 % on it
+    assert rms(gain[:, 0]) < 1.2e-4
+    assert 0.75 < rms(gain[:, 0] / gain[:, 1]) < 1.3
+
+
+@pytest.mark.parametrize(("start", "stop"), [(256, 768), (256, None), (256, 384), (0, 500)])
+def test_in_mid_decay_the_lag_is_known_within_twenty_microseconds(start: int, stop: int | None) -> None:
+    lag, _ = errors([drawn(seed) for seed in range(100, 125)], start, stop)
+    assert rms(lag[:, 0]) < 20e-6
+    assert abs(lag[:, 0].mean()) < 4 * rms(lag[:, 1]) / 5  # four standard errors of the mean of 25
+    assert 0.6 < rms(lag[:, 0] / lag[:, 1]) < 1.5
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.14, 2.0])
+@pytest.mark.parametrize("lag", [-11e-3, -1.1e-3, 0.0, 2.93e-3])
+def test_damping_does_not_pass_for_a_lag(damping: float, lag: float) -> None:
+    time = np.arange(700) / RATE
+    u = exponential(time - lag, 3.944, decay=damping)[0]
+    a = 1.01 * exponential(time, 3.944, decay=damping)[2] + 0.05
+    found = align(
+        FreeDecay(RATE, displacement=u, acceleration=a, noise_displacement=5e-6, noise_acceleration=0.01)
+    )
+    assert found.lag.value == pytest.approx(lag, abs=1e-7)  # no noise: what is left is the interpolation's
+    assert found.gain.value == pytest.approx(1.01, rel=1e-6)
+
+
+def test_dry_friction_s_jumps_do_not_pass_for_a_lag() -> None:
+    errors_s = []
+    for lag in np.linspace(-3e-3, 3e-3, 13):
+        time = np.arange(1400) / RATE + 0.31
+        u, a = coulomb(time - lag, 3.944)[0], coulomb(time, 3.944)[2]
+        decay = FreeDecay(
+            RATE, displacement=u, acceleration=a, noise_displacement=5e-6, noise_acceleration=0.01
+        )
+        errors_s.append(align(decay).lag.value - lag)
+    assert (
+        rms(np.array(errors_s)) < 5e-7
+    )  # the jumps fall between samples; a fifth of the noise's share is allowed
+
+
+def test_a_laser_vibrometer_aligns_too() -> None:
+    z = []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        lag, time = rng.uniform(-3e-3, 3e-3), np.arange(1000) / RATE + 0.1
+        v = coulomb(time - lag, 3.944)[1] + 2e-4 * rng.standard_normal(1000)
+        a = coulomb(time, 3.944)[2] + 0.01 * rng.standard_normal(1000)
+        found = align(FreeDecay(RATE, velocity=v, acceleration=a))
+        assert abs(found.lag.value - lag) < 40e-6
+        assert "velocity" in found.method
+        z.append((found.lag.value - lag) / found.lag.std)
+    assert 0.5 < rms(np.array(z)) < 1.6  # twelve draws
+
+
+@pytest.mark.parametrize("rate", [60.0, 1000.0, 20000.0])
+def test_other_rates_align(rate: float) -> None:
+    rng = np.random.default_rng(4)
+    time = np.arange(int(3 * rate)) / rate + 0.05
+    u = exponential(time - 1.7e-3, 3.944)[0] + 5e-6 * rng.standard_normal(len(time))
+    a = exponential(time, 3.944)[2] + 0.01 * rng.standard_normal(len(time))
+    found = align(FreeDecay(rate, displacement=u, acceleration=a))
+    assert abs(found.lag.value - 1.7e-3) < 4 * found.lag.std
+    assert found.lag.std < 4e-6 * np.sqrt(256 / rate)  # as the samples become more
+
+
+def test_dropouts_are_left_out() -> None:
+    sample = drawn(7)
+    rng = np.random.default_rng(7)
+    valid = rng.random(len(sample.displacement)) > 0.03
+    valid[900:960] = False
+    wrong = np.where(valid, sample.displacement, 0.04)
+    decay = FreeDecay(
+        RATE,
+        displacement=wrong,
+        acceleration=np.where(valid, sample.acceleration, -40.0),
+        release=193,
+        rest=(0, 180),
+        valid=valid,
+    )
+    found = align(decay)
+    assert abs(found.lag.value - sample.truth["displacement_late_s"]) < 4 * found.lag.std
+    assert found.lag.std < 8e-6  # a few samples less, not another method
+
+
+def test_a_sensor_mounted_upside_down_is_told() -> None:
+    sample = drawn(9)
+    found = align(
+        FreeDecay(
+            RATE,
+            displacement=sample.displacement,
+            acceleration=-sample.acceleration,
+            release=193,
+            rest=(0, 180),
+        )
+    )
+    assert found.gain.value == pytest.approx(-1.0, abs=1e-3)
+    assert "opposite" in found.caution
+
+
+def test_one_channel_is_refused_in_words() -> None:
+    with pytest.raises(NotIdentifiable, match="one channel"):
+        align(FreeDecay(RATE, displacement=np.zeros(500)))
+
+
+def test_no_motion_is_refused_in_words() -> None:
+    rng = np.random.default_rng(2)
+    with pytest.raises(NotIdentifiable, match="motion"):
+        align(
+            FreeDecay(
+                RATE,
+                displacement=5e-6 * rng.standard_normal(900),
+                acceleration=0.01 * rng.standard_normal(900),
+            )
+        )
+
+
+def test_correcting_moves_the_displacement_and_scales_the_acceleration() -> None:
+    time = np.arange(800) / RATE
+    u, a = exponential(time - 2.2e-3, 3.944)[0], 0.99 * exponential(time, 3.944)[2]
+    decay = FreeDecay(RATE, displacement=u, acceleration=a, noise_displacement=5e-6, noise_acceleration=0.01)
+    moved = correct(decay, align(decay))
+    assert moved.displacement is not None
+    assert moved.acceleration is not None
+    inside = slice(8, -8)
+    assert np.max(np.abs(moved.displacement - exponential(time, 3.944)[0])[inside]) < 1e-7  # v times 1e-7 s
+    assert np.max(np.abs(moved.acceleration - exponential(time, 3.944)[2])[inside]) < 1e-4
+
+
+@pytest.mark.skipif(not (DATA / "hidden").is_dir(), reason=f"no recordings in {DATA}")
+def test_hidden_physics_does_not_pass_for_a_lag() -> None:
+    truths = json.loads((DATA / "hidden" / "truth.json").read_text())
+    z = {}
+    for truth in truths:
+        columns = np.genfromtxt(DATA / "hidden" / truth["file"], delimiter=",", skip_header=1)
+        release = find_release(RATE, displacement=columns[:, 1], acceleration=columns[:, 2])
+        decay = FreeDecay(
+            RATE,
+            displacement=columns[:, 1],
+            acceleration=columns[:, 2],
+            release=release.index,
+            rest=release.rest,
+        )
+        found = align(decay)
+        z[truth["hidden"]] = (found.lag.value - truth["displacement_late_s"]) / found.lag.std
+    # An AC-coupled accelerometer leads by its corner over the frequency: at one frequency that is a lag.
+    assert abs(z.pop("ac_coupling")) > 50
+    assert max(abs(value) for value in z.values()) < 3.5
+    assert 0.7 < rms(np.array(list(z.values()))) < 1.4

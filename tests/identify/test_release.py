@@ -1,0 +1,184 @@
+import itertools
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from decays_in_closed_form import coulomb, exponential
+
+from identify.errors import NotIdentifiable
+from identify.release import find_release, find_releases
+from mocks.generate import draw
+from mocks.testbed import Bench, Release, simulate
+
+DATA = Path(os.environ.get("STATION_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
+CHANNELS = (("displacement", "acceleration"), ("displacement",), ("acceleration",))
+
+
+def pull(time: np.ndarray, to: float, hold: float, lasting: float) -> np.ndarray:
+    """A displacement that a hand takes from zero to `to`, then holds for `hold` s, until t = 0."""
+    s = np.clip((time + hold + lasting) / lasting, 0.0, 1.0)
+    return to * s**3 * (10 - 15 * s + 6 * s**2)
+
+
+@pytest.mark.parametrize("names", CHANNELS)
+@pytest.mark.parametrize("hand", [0.0, 0.004, 0.012, 0.02])
+def test_a_displaced_release_is_found_within_a_sample_of_the_hand_s_ramp(
+    names: tuple[str, ...], hand: float
+) -> None:
+    for seed in range(12):
+        sample = draw(None, 0.0, seed, hand=hand)
+        found = find_release(256.0, **{name: getattr(sample, name) for name in names})
+        late = 0.0 if "acceleration" in names else sample.truth["displacement_late_s"]
+        begun = sample.truth["released_at_s"] + late
+        assert begun - 1 / 256 < found.time_s < begun + hand + 1 / 256
+        assert found.kind == "displaced"
+        assert found.settle / 256 > begun + hand  # the hand has surely let go
+        assert found.settle / 256 < begun + hand + 0.045
+        assert 150 < found.rest[1] < 256 * begun
+        assert found.rest[0] == 0
+
+
+@pytest.mark.parametrize("names", CHANNELS)
+def test_an_impulse_is_told_from_a_displacement(names: tuple[str, ...]) -> None:
+    for seed in range(12):
+        sample = draw(None, 0.0, seed, amplitude=0.0, velocity=0.5, hand=0.01)
+        found = find_release(256.0, **{name: getattr(sample, name) for name in names})
+        begun = sample.truth["released_at_s"]
+        assert found.kind == "impulse"
+        assert (
+            begun - 5e-3 < found.time_s < begun + 0.01 + 5e-3
+        )  # the push, a sample, and the displacement's lag
+
+
+@pytest.mark.parametrize("rate", [40.0, 256.0, 2000.0, 20000.0])
+@pytest.mark.parametrize("noise", [1e-4, 3e-3, 2e-2])
+def test_any_rate_and_noise(rate: float, noise: float) -> None:
+    time = np.arange(int(4 * rate)) / rate - 0.9 - 0.3 / rate
+    u, _, a = coulomb(time, 3.944)
+    rng = np.random.default_rng(int(rate))
+    u = u + noise * 0.02 * rng.standard_normal(len(time))
+    a = a + noise * 12.3 * rng.standard_normal(len(time))
+    found = find_release(rate, displacement=u, acceleration=a)
+    assert abs(found.time_s - 0.9 - 0.3 / rate) < max(1 / rate, 4 * found.std_s)
+    assert found.std_s < 0.01
+
+
+def test_the_pull_that_displaces_the_mass_is_not_the_release() -> None:
+    for lasting in (0.35, 0.8, 2.0):
+        time = np.arange(1900) / 256 - 3.3021
+        u, _, a = coulomb(time, 3.944)
+        before = time < 0
+        pulled = pull(time, 0.02, 0.25, lasting)
+        u = np.where(before, pulled, u)
+        a = np.where(before, np.gradient(np.gradient(pulled)) * 256**2, a)
+        rng = np.random.default_rng(1)
+        u, a = u + 5e-6 * rng.standard_normal(1900), a + 0.01 * rng.standard_normal(1900)
+        for channels in ({"displacement": u, "acceleration": a}, {"displacement": u}, {"acceleration": a}):
+            found = find_release(256.0, **channels)
+            assert abs(found.time_s - 3.3021) < 1 / 256
+            assert len(find_releases(256.0, **channels)) == 1
+
+
+def test_a_bump_hum_and_spikes_are_not_the_release() -> None:
+    time = np.arange(1900) / 256 - 3.3021
+    u, _, a = coulomb(time, 3.944)
+    rng = np.random.default_rng(2)
+    bump = np.exp(-(((time + 1.7) / 0.02) ** 2)) * np.cos(150 * (time + 1.7))
+    u = u + 5e-6 * rng.standard_normal(1900) + 2e-4 * bump + 1e-4 * time
+    a = a + 0.01 * rng.standard_normal(1900) + 6.0 * bump + 0.06 * np.sin(2 * np.pi * 50 * time)
+    u[[300, 1500]] += 0.03
+    a[[420, 1200]] -= 25.0
+    for channels in ({"displacement": u, "acceleration": a}, {"displacement": u}, {"acceleration": a}):
+        found = find_releases(256.0, **channels)
+        assert len(found) == 1
+        assert abs(found[0].time_s - 3.3021) < 1 / 256
+        assert found[0].rest[1] - found[0].rest[0] > 100
+
+
+def test_lost_samples_are_not_looked_at() -> None:
+    sample = draw(None, 0.0, 5, hand=0.0)
+    valid = np.ones(len(sample.displacement), dtype=bool)
+    valid[100:110] = valid[400:440] = False
+    u = np.where(valid, sample.displacement, -1.0)
+    found = find_release(256.0, displacement=u, valid=valid)
+    assert abs(found.time_s - sample.truth["released_at_s"] - sample.truth["displacement_late_s"]) < 1 / 256
+
+
+def test_a_record_that_begins_in_mid_decay_says_so() -> None:
+    u, _, a = exponential(np.arange(1000) / 256 + 0.2, 3.944)
+    for channels in ({"displacement": u, "acceleration": a}, {"displacement": u}, {"acceleration": a}):
+        found = find_release(256.0, **channels)
+        assert (found.kind, found.index, found.rest) == ("in_motion", 0, (0, 0))
+        assert found.end > 990
+
+
+def test_the_end_is_where_the_mass_sticks() -> None:
+    time = np.arange(2240) / 256 - 0.75
+    u = coulomb(time, 3.944)[0]
+    stuck = int(np.flatnonzero(np.abs(np.diff(u)) > 0)[-1]) + 1
+    u = u + 5e-6 * np.random.default_rng(3).standard_normal(2240)
+    found = find_release(256.0, displacement=u)
+    # The last half-cycle creeps in under the noise for its last tenth.
+    assert stuck - 16 < found.end < stuck + 16
+
+
+def test_several_releases_in_one_file_are_all_found() -> None:
+    bench, rng = Bench(), np.random.default_rng(4)
+    pieces, begun, offset = [], [], 0
+    for amplitude in (0.02, -0.025, 0.008):
+        lasting = 3.1 + rng.random()
+        time = np.arange(int((lasting + 6) * 256)) / 256 - lasting
+        motion = simulate(bench, Release(displacement=amplitude), time)
+        previous = pieces[-1][-1] if pieces else 0.0
+        pulled = previous + pull(time, amplitude - previous, 0.8, 1.1)
+        pieces.append(np.where(time < 0, pulled, motion.displacement))
+        begun.append(offset / 256 + lasting)
+        offset += len(time)
+    u = np.concatenate(pieces) + 5e-6 * rng.standard_normal(offset)
+    found = find_releases(256.0, displacement=u)
+    assert len(found) == 3
+    for release, truth in zip(found, begun, strict=True):
+        assert abs(release.time_s - truth) < 1 / 256
+        assert release.kind == "displaced"
+        assert release.rest[0] > (truth - 4.0) * 256 - 800
+    assert all(a.end <= b.rest[1] for a, b in itertools.pairwise(found))
+    assert find_release(256.0, displacement=u).time_s == found[1].time_s  # the largest
+
+
+def test_noise_alone_is_refused_in_words() -> None:
+    with pytest.raises(NotIdentifiable):
+        find_release(256.0, acceleration=0.01 * np.random.default_rng(5).standard_normal(1500))
+
+
+@pytest.mark.skipif(not (DATA / "ship_roll").is_dir(), reason=f"no recordings in {DATA}")
+@pytest.mark.parametrize(("name", "earliest", "latest"), [("21337", 2455, 2490), ("21338", 775, 805)])
+def test_a_ship_model_is_released_after_it_was_tilted(name: str, earliest: int, latest: int) -> None:
+    roll = np.genfromtxt(DATA / "ship_roll" / f"model_test_{name}.csv", delimiter=",", skip_header=1)[:, 4]
+    found = find_release(100.0, displacement=roll)
+    assert (
+        earliest < found.index < latest
+    )  # the roll's second derivative turns from the hand's to the water's
+    assert found.kind == "displaced"
+    assert found.rest[1] - found.rest[0] > 400
+    assert found.end > len(roll) - 10
+
+
+@pytest.mark.skipif(not (DATA / "spring_disc").is_dir(), reason=f"no recordings in {DATA}")
+@pytest.mark.parametrize("name", ["release_1", "release_2", "release_3_glitches", "release_4_small"])
+def test_a_sonar_that_begins_in_motion_is_not_given_a_release(name: str) -> None:
+    columns = np.genfromtxt(DATA / "spring_disc" / f"{name}.csv", delimiter=";", skip_header=1)
+    found = find_releases(200.0 if name.endswith("small") else 100.0, displacement=columns[:, 1])
+    assert len(found) == 1
+    assert found[0].kind == "in_motion"
+    assert found[0].end > len(columns) - 10
+
+
+@pytest.mark.skipif(not (DATA / "pohl_wheel").is_dir(), reason=f"no recordings in {DATA}")
+@pytest.mark.parametrize("current", ["000", "100", "200", "400", "700"])
+def test_a_wheel_at_ten_hertz_begins_in_motion(current: str) -> None:
+    text = (DATA / "pohl_wheel" / f"brake_{current}mA.csv").read_bytes().decode("latin-1").replace(",", ".")
+    angle = np.array([float(line.split(";")[3]) for line in text.splitlines()[1:] if line.count(";") > 3])
+    found = find_releases(10.0, displacement=angle)
+    assert len(found) == 1
+    assert found[0].kind == "in_motion"
