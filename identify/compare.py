@@ -15,7 +15,7 @@ from identify.kinematic_check import KinematicCheck, check_kinematics
 from identify.noise import Noise
 from identify.phase_plane import PhasePlane, compare_phase_plane
 from identify.place_words import Words
-from identify.residual_line import find_line
+from identify.residual_line import ResidualLine, find_line
 from identify.setting import Setting
 from identify.slow_fault import SlowFault, find_slow_fault
 from identify.tracking import Tracking, track
@@ -85,10 +85,8 @@ def compare(
     factors = tuple(
         (1.0 + doubt) * max(1.0, np.sqrt(left)) for left in (plane.chi_square_after, cycles.chi_square_after)
     )
-    slow = find_slow_fault(tracking)
-    places = worst_places(
-        plane, cycles, find_line(tracking), Words(span.unit, mass), (factors[0], factors[1])
-    )
+    slow, line = find_slow_fault(tracking), find_line(tracking)
+    places = worst_places(plane, cycles, line, Words(span.unit, mass), (factors[0], factors[1]))
     force_error, force_floor, residual = _force_error(setting, fit)
     channel = span.channels[0]
     used = span.used[channel]
@@ -114,7 +112,7 @@ def compare(
         places=places,
         summary=NONE if not places else f"{places[0].text[0].upper()}{places[0].text[1:]}.",
         slow_fault=slow,
-        cause=_cause(fit.reduced, chi_square_std, kinematics, slow),
+        cause=_cause(fit.reduced, chi_square_std, kinematics, slow, line),
         time=frozen(span.clock),
         displacement=frozen(setting.motion.displacement),
         velocity=frozen(setting.motion.velocity),
@@ -155,7 +153,13 @@ def _misfit_by_cycle(fit: Fit, tracking: Tracking) -> Array:
     return frozen(misfit)
 
 
-def _cause(chi_square: float, std: float, kinematics: KinematicCheck | None, slow: SlowFault | None) -> str:
+def _cause(
+    chi_square: float,
+    std: float,
+    kinematics: KinematicCheck | None,
+    slow: SlowFault | None,
+    line: ResidualLine | None,
+) -> str:
     dynamic = (chi_square - 1.0) / std
     if kinematics is None:
         return "There is only one channel, so a fault of the sensor cannot be told from physics."
@@ -167,6 +171,11 @@ def _cause(chi_square: float, std: float, kinematics: KinematicCheck | None, slo
         )
     if slow is not None and slow.significance > _SURE_OF_SLOW:
         return "The zero of the acceleration moves during the record, which no force can do: look at that sensor first."
+    if line is not None and line.sensor:
+        return (
+            f"At {line.frequency:.4g} Hz the {line.channel} shows what the other channel does not: hum or a disturbance "
+            "of that sensor; look at it first."
+        )
     if dynamic > _SURE:
         return (
             "Both channels describe one motion within their noise, and the model does not follow it: "

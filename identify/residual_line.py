@@ -9,6 +9,8 @@ from identify.span import CHANNELS, Span
 from identify.tracking import Tracking
 
 _APART = 0.3
+_HIGH = 6.5
+_APART_HIGH = 0.12
 _SEEN = 12.0
 _EXPECTED = 40.0
 
@@ -17,8 +19,8 @@ _EXPECTED = 40.0
 class ResidualLine:
     """The strongest line: `frequency` Hz, `amplitude` in the unit of `channel`, `significance` in standard errors.
 
-    `channels` are those in which it is seen. `sensor` is True when the other channel lacks it where a motion would have shown
-    there, with the ratio w^2 of acceleration to displacement: then it is no motion.
+    `channels` are those in which it is seen. `sensor` is True when the other channel lacks it where a motion would have
+    shown there, with the ratio w^2 of acceleration to displacement: then it is no motion.
     """
 
     frequency: float
@@ -41,7 +43,7 @@ def find_line(tracking: Tracking) -> ResidualLine | None:
     size = 2 * n
     frequency = np.fft.rfftfreq(size, 1.0 / span.rate)
     turns = frequency * 2.0 * np.pi / tracking.frequency
-    allowed = (np.abs(turns - np.round(turns)) > _APART) | (turns > 6.5)
+    allowed = np.abs(turns - np.round(turns)) > np.where(turns < _HIGH, _APART, _APART_HIGH)
     allowed &= (turns > _APART) & (frequency < 0.49 * span.rate)
     if np.count_nonzero(allowed) < 16:
         return None
@@ -71,6 +73,8 @@ def find_line(tracking: Tracking) -> ResidualLine | None:
 
 def _is_no_motion(span: Span, channel: str, powers: dict[str, Array], at: int, omega: float) -> bool:
     near = slice(max(at - 2, 0), at + 3)
+    if float(powers[channel][at]) < 0.5 * float(np.max(powers[channel])):
+        return False
     for other in span.channels:
         if other == channel:
             continue
