@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
+from scipy.ndimage import binary_dilation, maximum_filter1d, median_filter, minimum_filter1d
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
@@ -100,7 +101,7 @@ def _search(
 ) -> list[tuple[float, Release]]:
     channels = _channels((displacement, velocity, acceleration), valid)
     lead = channels[0]
-    frequency = dominant_frequency(lead.values, rate)
+    frequency = dominant_frequency(lead.values, rate, lead.derivative)
     if frequency <= 0.0 or len(lead.values) * frequency / rate < 2.5:
         raise NotIdentifiable(
             "No free oscillation was found in the record: it needs at least three cycles after a release."
@@ -148,7 +149,7 @@ def _without_spikes(values: Array) -> Array:
 def _bursts(lead: _Channel, period: float) -> list[_Burst]:
     """Find sustained oscillations by their running amplitude: a steep rise, then more than a pulse."""
     step = max(1, round(period / POINTS_PER_PERIOD))
-    coarse = _block_means(lead.values, step)
+    coarse = _coarse(lead, step, period)
     turn = period / step
     amplitude = running_amplitude(coarse, max(4, round(turn)))
     n, lap = len(coarse), max(4, round(turn))
@@ -190,6 +191,15 @@ def _where_it_ends(amplitude: Array, peak: int, floor: float, lap: int) -> int:
     return peak + end
 
 
+def _coarse(channel: _Channel, step: int, period: float) -> Array:
+    """Block means; an acceleration is freed of blows shorter than a twelfth of a period by a running median."""
+    means = _block_means(channel.values, step)
+    if channel.derivative < 2:
+        return means
+    width = 2 * max(1, round(period / step / 12.0)) + 1
+    return np.asarray(median_filter(means, width, mode="nearest"), dtype=np.float64)
+
+
 def _block_means(values: Array, step: int) -> Array:
     count = len(values) // step
     means: Array = values[: count * step].reshape(count, step).mean(axis=1)
@@ -222,7 +232,7 @@ def _release(
 def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earliest: int) -> Onset | None:
     """Where the hand's force ends, coarsely, then by the change-point fit; None when nothing held the mass."""
     step = max(1, round(period / POINTS_PER_PERIOD))
-    coarse = _block_means(channel.values, step)
+    coarse = _coarse(channel, step, period)
     turn = period / step
     first = max(int(burst.start / step - 1.2 * turn), earliest // step, 0)
     last = min(int(burst.start / step + 2.0 * turn) + 1, len(coarse))
@@ -296,8 +306,6 @@ def _rest(
 
 def _still(values: Array, span: int, tolerance: float) -> Mask:
     """Where the channel stays within the tolerance over a window of `span` samples that holds the sample."""
-    from scipy.ndimage import binary_dilation, maximum_filter1d, minimum_filter1d
-
     spread = maximum_filter1d(values, span, mode="nearest") - minimum_filter1d(values, span, mode="nearest")
     calm = spread <= tolerance
     grown: Mask = binary_dilation(calm, np.ones(span, dtype=bool))
