@@ -163,6 +163,11 @@ def _cause(
     dynamic = (chi_square - 1.0) / std
     if kinematics is None:
         return "There is only one channel, so a fault of the sensor cannot be told from physics."
+    if line is not None and line.sensor:
+        return (
+            f"At {line.frequency:.4g} Hz the {line.channel} shows what the other channel does not: hum or a disturbance "
+            "of that sensor; look at it first."
+        )
     sensor = kinematics.significance
     if sensor > _SURE:
         return (
@@ -171,11 +176,6 @@ def _cause(
         )
     if slow is not None and slow.significance > _SURE_OF_SLOW:
         return "The zero of the acceleration moves during the record, which no force can do: look at that sensor first."
-    if line is not None and line.sensor:
-        return (
-            f"At {line.frequency:.4g} Hz the {line.channel} shows what the other channel does not: hum or a disturbance "
-            "of that sensor; look at it first."
-        )
     if dynamic > _SURE:
         return (
             "Both channels describe one motion within their noise, and the model does not follow it: "
