@@ -159,7 +159,7 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
     normal = scaled.T @ scaled
     values, vectors = np.linalg.eigh(normal)
     weak = values < 1e-13 * values.max()
-    inverse = np.where(weak, 0.0, 1.0 / np.where(weak, 1.0, values))
+    inverse = 1.0 / np.maximum(values, 1e-16 * values.max())
     covariance = (vectors * inverse) @ vectors.T * np.outer(size, size)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)

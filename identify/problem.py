@@ -14,6 +14,14 @@ from identify.span import Prelude, Span
 
 LINEAR = {"linear_stiffness": 0, "viscous_damping": 1, "coulomb_friction": 2}
 _STEP = 1e-5
+_STEP_TRIALS = 4
+_STEP_GROWTH = 1e3
+_LONGEST_STEP = 1e-2
+_JUMP = 0.5
+"""Change of a reading by a small step, in units of the noise, from which on a reversal has crossed its sample."""
+
+_READABLE = 3e-3
+"""Root mean square change of the readings, in units of the noise, at which a difference is taken."""
 _STATE_REACH = 6.0
 _PRELUDE_STEPS = 16
 
@@ -55,6 +63,8 @@ class Problem:
         self.low = np.array([u.low for u in self.unknowns])
         self.high = np.array([u.high for u in self.unknowns])
         self.size = np.array([u.size for u in self.unknowns])
+        self._steps = np.zeros(len(self.unknowns))
+        self._counts = [sum(int(span.used[c].sum()) for c in span.channels) for span in spans]
         self.index = {u.name: i for i, u in enumerate(self.unknowns)}
 
     def _add(self, *args: object) -> int:
@@ -268,35 +278,60 @@ class Problem:
         )
 
     def linearise(self, theta: Array, *, skip: Mask | None = None) -> tuple[Array, Array]:
-        """Return the misfit (n,) and its Jacobian (n, unknowns) by forward differences; zero where skipped."""
+        """Return the misfit (n,) and its Jacobian (n, unknowns) by forward differences; zero where skipped.
+
+        The steps are kept from call to call, each so large that it moves the readings well above rounding and well
+        below the noise.
+        """
         responses = [self.respond(theta, i) for i in range(len(self.spans))]
         parts = [self.residual_of(i, self.read(theta, i, r)) for i, r in enumerate(responses)]
         residual = np.concatenate(parts)
-        edges = np.concatenate([[0], np.cumsum([len(p) for p in parts])])
         jacobian = np.zeros((len(residual), len(theta)))
-        steps = _STEP * self.sizes(theta)
-        steps = np.where(theta + steps > self.high, -steps, steps)
-        for j, unknown in enumerate(self.unknowns):
+        if not np.isfinite(residual).all():
+            return residual, jacobian
+        size = self.sizes(theta)
+        self._steps = np.where(self._steps > 0.0, self._steps, _STEP * size)
+        for j in range(len(theta)):
             if skip is not None and skip[j]:
                 continue
-            moved = theta.copy()
-            moved[j] += steps[j]
-            step = moved[j] - theta[j]
-            for i in range(len(self.spans)) if unknown.span < 0 else (unknown.span,):
-                response = responses[i]
-                if unknown.simulated:
-                    response = self.respond(moved, i)
-                elif j == self._lags[i]:
-                    response = Response(
-                        response.displacement - step * response.velocity,
-                        response.velocity - step * response.acceleration,
-                        response.acceleration,
-                    )
-                rows = slice(edges[i], edges[i + 1])
-                jacobian[rows, j] = (
-                    self.residual_of(i, self.read(moved, i, response)) - residual[rows]
-                ) / step
+            for _ in range(_STEP_TRIALS):
+                step, change = self._difference(theta, j, responses, residual)
+                moved = float(np.sqrt(np.mean(change**2)))
+                grow = float(np.clip(_READABLE / moved if moved > 0.0 else _STEP_GROWTH, 1e-2, _STEP_GROWTH))
+                wanted = float(np.clip(self._steps[j] * grow, 1e-9 * size[j], _LONGEST_STEP * size[j]))
+                too_short = moved < 0.03 * _READABLE and wanted > 3.0 * self._steps[j]
+                self._steps[j] = wanted
+                if not too_short:
+                    break
+            jacobian[:, j] = change / step
         return residual, jacobian
+
+    def _difference(
+        self, theta: Array, j: int, responses: list[Response], residual: Array
+    ) -> tuple[float, Array]:
+        """Return the step taken in unknown j and the change of the misfit, shape (n,)."""
+        unknown = self.unknowns[j]
+        moved = theta.copy()
+        moved[j] += -self._steps[j] if theta[j] + self._steps[j] > self.high[j] else self._steps[j]
+        step = float(moved[j] - theta[j])
+        change = np.zeros(len(residual))
+        first = 0
+        for i, response in enumerate(responses):
+            rows = slice(first, first + self._counts[i])
+            first += self._counts[i]
+            if unknown.span not in (-1, i):
+                continue
+            if unknown.simulated:
+                response = self.respond(moved, i)
+            elif j == self._lags[i]:
+                response = Response(
+                    response.displacement - step * response.velocity,
+                    response.velocity - step * response.acceleration,
+                    response.acceleration,
+                )
+            change[rows] = self.residual_of(i, self.read(moved, i, response)) - residual[rows]
+        smooth = np.abs(change) < _JUMP
+        return step, np.where(smooth, change, 0.0)
 
 
 def _driven(term: Term, p: Array, prelude: Prelude, address: int) -> tuple[float, float]:

@@ -23,6 +23,7 @@ _LAG_REACH = 0.06
 _MOST_LOST = 0.2
 _PRELUDE_SAMPLES = 4
 _PRELUDE_MARGIN = 16
+_REVERSAL_MARGIN = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,6 +244,14 @@ def _shifted(motion: Motion, zero: float) -> Motion:
     )
 
 
+def _at_reversal(motion: Motion) -> Mask:
+    """Return the samples so near a reversal that which side of dry friction's jump they lie on is left to chance, (n,)."""
+    margin = np.abs(motion.acceleration) * _REVERSAL_MARGIN / motion.rate + 4.0 * (
+        motion.noise_velocity or 0.0
+    )
+    return np.asarray(np.abs(motion.velocity) < margin)
+
+
 def _prelude(decay: FreeDecay, release: Release, zero: float) -> Prelude | None:
     """Return the motion from just before the release to the start of the span; None when the rest was not seen."""
     before = _PRELUDE_SAMPLES
@@ -296,6 +305,8 @@ def _span(
             mask[:lead] = False
             if channel in lost:
                 mask &= ~lost[channel][part]
+            if channel == "acceleration":
+                mask &= ~_at_reversal(motion)
             used[channel] = mask
     return Span(
         rate=decay.rate,

@@ -1,0 +1,201 @@
+"""Naming what was hidden: every effect at five strengths, nothing, sensor faults, pairs, and shapes unknown to the library."""
+
+import os
+import time
+from collections import Counter, defaultdict
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from identify.diagnose import diagnose
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+from identify.refine import climb
+from identify.release import find_release
+from identify.setting import Setting, prepare
+from mocks.forces import OUTSIDE_THE_LIBRARY
+from mocks.generate import PHYSICS, draw
+from mocks.sensor_faults import SENSOR_FAULTS
+
+TITLE = "Naming the hidden effect"
+BASE = ("linear_stiffness", "coulomb_friction", "viscous_damping")
+EFFECTS = tuple(name for name in PHYSICS if name not in BASE)
+FAULTS = tuple(name for name in SENSOR_FAULTS if name != "channel_lag")
+STRENGTHS = (0.0003, 0.001, 0.003, 0.01, 0.03)
+PAIRS = (
+    "freeplay+cubic_damping",
+    "stribeck_friction+cubic_stiffness",
+    "time_varying_stiffness+quadratic_damping",
+    "quadratic_stiffness+position_dependent_friction",
+    "end_stop+quadratic_damping",
+    "hysteresis+cubic_stiffness",
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is hidden, how strongly, and with which seed; `auto` climbs the ladder instead of one diagnosis."""
+
+    hidden: str | None
+    strength: float
+    seed: int
+    auto: bool = False
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the station said of a case; `scores` are errors of the parameters in standard errors."""
+
+    case: Case
+    verdict: str
+    first: str
+    named: tuple[str, ...]
+    chi_square: float
+    seconds: float
+    p_value: float
+    scores: dict[str, float]
+
+
+def setting_of(case: Case) -> tuple[Setting, dict[str, Any]]:
+    """Draw a case and make it ready as the station would, and return its truth beside it."""
+    sample = draw(case.hidden, case.strength, case.seed)
+    release = find_release(sample.rate, sample.displacement, None, sample.acceleration)
+    decay = FreeDecay(
+        sample.rate,
+        displacement=sample.displacement,
+        acceleration=sample.acceleration,
+        release=release.index,
+        rest=release.rest,
+    )
+    return prepare(decay, release), sample.truth
+
+
+def judge(case: Case) -> Outcome:
+    """Let the station judge one case."""
+    began = time.perf_counter()
+    try:
+        setting, truth = setting_of(case)
+        if case.auto:
+            ladder, found = climb((setting,))
+            named = tuple(e for e in ladder.top.effects if e not in BASE)
+            fit, verdict, first, p = ladder.top.fit, ladder.verdict, named[0] if named else "", 0.0
+        else:
+            found = diagnose((setting,))
+            named, fit, verdict = found.named, found.final, found.verdict
+            first, p = found.suspects[0].effect.name, found.suspects[0].p_value
+    except (NotIdentifiable, ValueError) as error:
+        return Outcome(case, f"refused: {error}", "", (), np.nan, time.perf_counter() - began, 1.0, {})
+    return Outcome(
+        case, verdict, first, named, fit.reduced, time.perf_counter() - began, p, _scores(fit.values, truth)
+    )
+
+
+def _scores(values: dict[str, Any], truth: dict[str, Any]) -> dict[str, float]:
+    known = {
+        "linear_stiffness.k": truth["stiffness_per_mass"],
+        "coulomb_friction.mu_0": truth["mu_0"],
+        "viscous_damping.mu_1": truth["mu_1"],
+        "lag": truth["displacement_late_s"],
+    }
+    parameters = truth["parameters"]
+    for effect, inner in parameters.items() if "+" in truth["hidden"] else [(truth["hidden"], parameters)]:
+        if isinstance(inner, dict):
+            known |= {f"{effect}.{name}": value for name, value in inner.items() if isinstance(value, float)}
+    return {
+        name: (values[name].value - value) / values[name].std
+        for name, value in known.items()
+        if name in values and np.isfinite(values[name].std) and values[name].std > 0.0
+    }
+
+
+def judge_all(cases: Iterable[Case]) -> list[Outcome]:
+    """Judge cases on all cores, a process each."""
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(judge, cases, chunksize=4))
+
+
+def run(quick: bool) -> str:
+    """Return the tables as markdown."""
+    seeds = 2 if quick else 10
+    single = judge_all(Case(e, s, 1000 + i) for e in EFFECTS for s in STRENGTHS for i in range(seeds))
+    nothing = judge_all(Case(None, 0.0, 5000 + i) for i in range(20 if quick else 200))
+    faults = judge_all(Case(f, s, 2000 + i) for f in FAULTS for s in STRENGTHS[2:] for i in range(seeds))
+    pairs = judge_all(Case(p, 0.02, 3000 + i, auto=True) for p in PAIRS for i in range(seeds // 2 or 1))
+    outside = judge_all(Case(o, s, 4000 + i) for o in OUTSIDE_THE_LIBRARY for s in STRENGTHS[2:] for i in range(seeds // 2 or 1))
+    return "\n\n".join(
+        (_by_strength(single), _nothing(nothing), _faults(faults), _pairs(pairs), _outside(outside), _parameters(single))
+    )
+
+
+def _by_strength(outcomes: list[Outcome]) -> str:
+    table = defaultdict(Counter)
+    for o in outcomes:
+        table[o.case.hidden][o.case.strength] += o.first == o.case.hidden
+    seeds = len(outcomes) // (len(EFFECTS) * len(STRENGTHS))
+    head = "| effect | " + " | ".join(f"{100 * s:g} %" for s in STRENGTHS) + " |\n|---|" + "---|" * len(STRENGTHS)
+    rows = [
+        f"| {e} | " + " | ".join(f"{100 * table[e][s] / seeds:.0f}" for s in STRENGTHS) + " |" for e in EFFECTS
+    ]
+    total = [sum(table[e][s] for e in EFFECTS) / seeds / len(EFFECTS) for s in STRENGTHS]
+    rows.append("| **all** | " + " | ".join(f"**{100 * t:.1f}**" for t in total) + " |")
+    seconds = np.median([o.seconds for o in outcomes])
+    return (
+        f"Named first, % of {seeds} seeds each, by strength (rms of the effect's force over the total):\n\n"
+        + "\n".join([head, *rows])
+        + f"\n\nMedian time of a diagnosis, one process a core: {seconds:.1f} s."
+    )
+
+
+def _nothing(outcomes: list[Outcome]) -> str:
+    claimed = [o for o in outcomes if o.verdict not in ("nothing_missing", "not_enough_data")]
+    said = ", ".join(f"{o.verdict} {'+'.join(o.named)} (p {o.p_value:.2g})" for o in claimed) or "none"
+    return f"Nothing hidden, {len(outcomes)} seeds: an effect or a fault claimed in {100 * len(claimed) / len(outcomes):.1f} % ({said})."
+
+
+def _faults(outcomes: list[Outcome]) -> str:
+    named = sum(o.named[:1] == (o.case.hidden,) for o in outcomes)
+    physics = [o for o in outcomes if o.verdict == "missing_effect"]
+    missed = Counter((o.case.hidden, o.case.strength, o.verdict, o.first) for o in outcomes if o.named[:1] != (o.case.hidden,))
+    return (
+        f"Sensor faults at 0.3, 1 and 3 %, {len(outcomes)} records: named as a sensor's fault, and which, in "
+        f"{100 * named / len(outcomes):.1f} %; called physics in {100 * len(physics) / len(outcomes):.1f} %. "
+        f"Misses: {'; '.join(f'{k[0]} {100 * k[1]:g} %: {k[2]} ({k[3]}) x{n}' for k, n in missed.items()) or 'none'}."
+    )
+
+
+def _pairs(outcomes: list[Outcome]) -> str:
+    both = [o for o in outcomes if set(o.case.hidden.split("+")) <= set(o.named)]
+    within = [o for o in both if len(o.named) <= 3 and o.chi_square < 1.2]
+    missed = [f"{o.case.hidden} seed {o.case.seed}: {'+'.join(o.named)} ({o.chi_square:.2f})" for o in outcomes if o not in within]
+    return (
+        f"Two effects at once, {len(outcomes)} records climbed by `--auto`: both found in {100 * len(both) / len(outcomes):.0f} %, "
+        f"in at most three rungs and below chi-square 1.2 in {100 * len(within) / len(outcomes):.0f} %. Misses: {'; '.join(missed) or 'none'}."
+    )
+
+
+def _outside(outcomes: list[Outcome]) -> str:
+    lines = ["| effect outside the library | strength | verdicts |", "|---|---|---|"]
+    for effect in OUTSIDE_THE_LIBRARY:
+        for strength in STRENGTHS[2:]:
+            said = Counter(
+                o.verdict + (f" ({'+'.join(o.named)}, {o.chi_square:.2f})" if o.named else "")
+                for o in outcomes
+                if o.case.hidden == effect and o.case.strength == strength
+            )
+            lines.append(f"| {effect} | {100 * strength:g} % | {', '.join(f'{v} x{n}' for v, n in said.items())} |")
+    unknown = sum(o.verdict == "unknown_effect" for o in outcomes) / len(outcomes)
+    clean = sum(o.verdict == "nothing_missing" for o in outcomes) / len(outcomes)
+    return "\n".join(lines) + f"\n\nunknown_effect in {100 * unknown:.0f} %, a clean bill in {100 * clean:.0f} %."
+
+
+def _parameters(outcomes: list[Outcome]) -> str:
+    right = [o for o in outcomes if o.named == (o.case.hidden,)]
+    scores = np.array([s for o in right for s in o.scores.values()])
+    chi = np.array([o.chi_square for o in right])
+    return (
+        f"After the right effect ({len(right)} records): chi-square between 0.9 and 1.1 in {100 * np.mean((chi > 0.9) & (chi < 1.1)):.0f} %, "
+        f"parameters within 2 standard errors in {100 * np.mean(np.abs(scores) < 2.0):.1f} %."
+    )
