@@ -297,12 +297,15 @@ class Problem:
             for _ in range(_STEP_TRIALS):
                 step, change = self._difference(theta, j, responses, residual)
                 moved = float(np.sqrt(np.mean(change**2)))
-                grow = float(np.clip(_READABLE / moved if moved > 0.0 else _STEP_GROWTH, 1e-2, _STEP_GROWTH))
-                wanted = float(np.clip(self._steps[j] * grow, 1e-9 * size[j], _LONGEST_STEP * size[j]))
-                too_short = moved < 0.03 * _READABLE and wanted > 3.0 * self._steps[j]
-                self._steps[j] = wanted
-                if not too_short:
+                grow = float(
+                    np.clip(_READABLE / moved if moved > 0.0 else np.inf, 1.0 / _STEP_GROWTH, _STEP_GROWTH)
+                )
+                before = self._steps[j]
+                self._steps[j] = float(np.clip(before * grow, 1e-12 * size[j], _LONGEST_STEP * size[j]))
+                if 0.03 < self._steps[j] / before < 30.0:
                     break
+            smooth = np.abs(change) < _JUMP
+            change[~smooth] = 0.0
             jacobian[:, j] = change / step
         return residual, jacobian
 
@@ -330,8 +333,7 @@ class Problem:
                     response.acceleration,
                 )
             change[rows] = self.residual_of(i, self.read(moved, i, response)) - residual[rows]
-        smooth = np.abs(change) < _JUMP
-        return step, np.where(smooth, change, 0.0)
+        return step, np.where(np.isfinite(change), change, 0.0)
 
 
 def _driven(term: Term, p: Array, prelude: Prelude, address: int) -> tuple[float, float]:

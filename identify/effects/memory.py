@@ -90,10 +90,10 @@ def _second_mass_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 
 def _line_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    nyquist = 3.0 * scales.rate
+    highest = 3.0 * scales.rate
     frequencies = [2.0 * pi * line for line in scales.line_frequencies]
-    frequencies += [ratio * scales.frequency for ratio in (0.55, 1.6, 3.0)]
-    return tuple((frequency, 0.02) for frequency in frequencies if frequency < nyquist)
+    frequencies += [0.4 * scales.frequency * 1.1**i for i in range(32)]
+    return tuple((frequency, 0.02) for frequency in frequencies if frequency < highest)
 
 
 SECOND_MASS = Effect(
