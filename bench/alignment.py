@@ -24,7 +24,7 @@ def run(quick: bool) -> str:
     parts = (_lag_table(samples), _release_table(samples), _motion_table(samples), _time_table(samples[0]))
     made = (
         f"{len(samples)} releases of `mocks.generate` with nothing hidden: from -2.5, -2, -1.5, -0.5, 2, 2.5 cm and "
-        "three with 0.35 to 0.6 m/s (pushed), noise 5 um and 0.01 m/s^2, 16 bits, lag +-3 ms, hand 0 to 12 ms, "
+        "three with 0.35 to 0.6 m/s (pushed), noise 5 um and 0.01 m/s^2, 16 bits, lag +-3 ms, hand ideal or 1 to 12 ms, "
         "gain error +-1 %, 256 Hz, 0.75 s of rest and 8 s."
     )
     return "\n\n".join((made, *parts))
@@ -32,7 +32,7 @@ def run(quick: bool) -> str:
 
 def _sample(seed: int) -> Sample:
     rng = np.random.default_rng([seed, 77])
-    hand = float(rng.integers(0, 2)) * float(rng.uniform(0.0, 0.012))
+    hand = float(rng.integers(0, 2)) * float(rng.uniform(0.001, 0.012))
     common = {
         "noise_displacement": 5e-6,
         "noise_acceleration": 0.01,

@@ -9,8 +9,9 @@ def dominant_frequency(values: Array, rate: float, derivative: int = 0) -> float
     """Return the frequency in Hz of the strongest oscillation in `values` (n,), 0.0 when there is none.
 
     The spectrum is weighted by the frequency, which takes the weight off a held position, a drift or a slow
-    pull; less so for a higher `derivative` of the displacement, which shows a blow as much as the decay. Only the ends are tapered, for a decay may be over early in the record. The peak is refined by the
-    parabola through its logarithm.
+    pull; less so for a higher `derivative` of the displacement, which shows a blow as much as the decay. Only
+    the ends are tapered, for a decay may be over early in the record. The peak is refined by the parabola
+    through its logarithm.
     """
     n = len(values)
     if n < 8:
