@@ -1,0 +1,60 @@
+"""`station compare`: by how much a model fails on a session, and where."""
+
+from pathlib import Path
+
+import click
+
+from station.output import json_option, print_json, progress, screen
+
+
+@click.command("compare")
+@click.argument("session")
+@click.option(
+    "--model",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Model, instead of stiffness and friction.",
+)
+@click.option(
+    "--mass",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="KG",
+    help="Mass, instead of the session's.",
+)
+@click.option("--view", "with_view", is_flag=True, help="Write the Compare tab for the viewer, and open it.")
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    session: str,
+    model: Path | None,
+    mass: float | None,
+    with_view: bool,
+    as_json: bool,
+) -> None:
+    """Compare a model with SESSION: how large its errors are, and where.
+
+    Three errors against the noise floor, a sensor or physics, the worst places
+    in words, cycle by cycle. Without --model the model is stiffness, Coulomb
+    and viscous friction.
+    """
+    from station.comparing import compare_session, write_view
+    from station.identifying import options_for
+    from station.sessions import open_session
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    opened = open_session(session, settings.sessions)
+    compared, document = compare_session(opened, options_for(opened, settings, mass), model)
+    if as_json:
+        print_json(document)
+    else:
+        from station.comparison_text import show_comparison
+
+        show_comparison(screen(), compared)
+    if with_view:
+        from station.commands.view import open_if_possible
+
+        file = write_view(opened, compared)
+        progress(f"recording: {file}")
+        open_if_possible(file)

@@ -1,0 +1,46 @@
+"""`station effects`: the library of physical effects and sensors' faults, and one of them in full."""
+
+from pathlib import Path
+
+import click
+
+from station.exits import UsageProblem
+from station.output import json_option, print_json, progress, screen
+
+
+@click.command("effects")
+@click.argument("name", required=False)
+@click.option("--picture", type=click.Path(path_type=Path), metavar="FILE", help="Write its picture as PNG.")
+@json_option
+def command(name: str | None, picture: Path | None, as_json: bool) -> None:
+    """List the effects that may be missing, or tell all of NAME.
+
+    With NAME: its equation, parameters with units and bounds, how it shows,
+    what proves it, what it is confused with, its force and its signature.
+    """
+    from identify.effects.library import LIBRARY, find_effect
+    from station import effect_text
+    from station.effect_pictures import draw, portray
+
+    if name is None:
+        if picture is not None:
+            raise UsageProblem("--picture draws one effect: name it, as in `station effects cubic_stiffness`")
+        if as_json:
+            print_json({"effects": [effect_text.as_document(effect, None) for effect in LIBRARY]})
+        else:
+            effect_text.show_list(screen(), LIBRARY)
+        return
+    try:
+        effect = find_effect(name)
+    except KeyError as missing:
+        raise UsageProblem(str(missing.args[0])) from None
+    portrait = portray(effect) if effect.kind == "physics" else None
+    if picture is not None:
+        if portrait is None:
+            raise UsageProblem(f"{name} is a fault of a sensor: it has no force to draw")
+        draw(effect, portrait, picture)
+        progress(f"picture: {picture}")
+    if as_json:
+        print_json(effect_text.as_document(effect, portrait))
+    else:
+        effect_text.show_effect(screen(), effect, portrait)

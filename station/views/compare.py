@@ -1,0 +1,322 @@
+"""The Compare tab: measurement and model, what is left beside the noise, the phase plane, the errors cycle by cycle."""
+
+from pathlib import Path
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from identify.place_words import Words
+from station.comparing import Compared
+from station.views import log, palette
+from station.views.figure import figure, legend
+from station.views.log import Array
+
+ROOT = "/compare"
+NAME = "Compare"
+BAND = 2.0
+FORCE_HEIGHT = 0.7
+
+
+def write_file(file: Path, compared: Compared) -> None:
+    """Write a recording that holds this tab alone."""
+    from station.views.show import APPLICATION
+
+    stream = rr.RecordingStream(APPLICATION, send_properties=False)
+    blueprint = rrb.Blueprint(
+        rrb.Tabs(tab(compared), active_tab=0),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=log.TIMELINE),
+        auto_views=False,
+        auto_layout=False,
+    )
+    stream.save(file, default_blueprint=blueprint)
+    write(stream, compared)
+    stream.flush()
+    stream.disconnect()
+
+
+def write(stream: rr.RecordingStream, compared: Compared, root: str = ROOT) -> None:
+    """Log a comparison under `root`; another model goes under another root, as logged times cannot be replaced."""
+    log.markdown(stream, f"{root}/summary", summary(compared))
+    for channel in compared.start.fit.spans[0].channels:
+        _channel(stream, compared, channel, root)
+    _phase_plane(stream, compared, root)
+    _sections(stream, compared, root)
+    _cycles(stream, compared, root)
+
+
+def _channel(stream: rr.RecordingStream, compared: Compared, channel: str, root: str) -> None:
+    fit = compared.start.fit
+    span = fit.spans[0]
+    factor, unit = _scale(channel, span.unit)
+    time, used = compared.comparison.time, span.used[channel]
+    measured = np.where(used, span.readings[channel], np.nan) * factor
+    model = fit.predicted[0][channel] * factor
+    log.series(
+        stream, f"{root}/{channel}/measured", time, measured, f"measured [{unit}]", palette.MEASURED, 4.5
+    )
+    log.series(
+        stream, f"{root}/{channel}/model", time, model, f"model, run freely [{unit}]", palette.FORCE, 1.5
+    )
+    fine, fine_unit = _fine(channel, span.unit)
+    left = np.where(used, fit.residual(channel), np.nan) * fine
+    noise = BAND * span.sigma[channel] * fine
+    log.series(
+        stream,
+        f"{root}/{channel}_left/residual",
+        time,
+        left,
+        f"measured less model [{fine_unit}]",
+        palette.WRONG,
+        1.2,
+    )
+    for name, level in (("above", noise), ("below", -noise)):
+        band = np.full(len(time), level)
+        log.series(
+            stream,
+            f"{root}/{channel}_left/{name}",
+            time,
+            band,
+            f"noise, 2 std [{fine_unit}]",
+            palette.REFERENCE,
+            1.0,
+        )
+
+
+def _scale(channel: str, unit: str) -> tuple[float, str]:
+    if unit == "m" and channel == "displacement":
+        return 1e3, "mm"
+    return 1.0, {"displacement": unit, "velocity": f"{unit}/s"}.get(channel, f"{unit}/s^2")
+
+
+def _fine(channel: str, unit: str) -> tuple[float, str]:
+    if unit == "m" and channel == "displacement":
+        return 1e6, "um"
+    return _scale(channel, unit)
+
+
+def _phase_plane(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
+    """Log each bin of the phase plane as a column whose height and colour are the force that the model lacks."""
+    found = compared.comparison
+    plane, words = found.phase_plane, Words(found.unit, found.mass)
+    rows, columns = plane.bins[:, 0], plane.bins[:, 1]
+    force = plane.force[rows, columns]
+    score = plane.significance[rows, columns]
+    tallest = max(float(np.max(np.abs(force))), 1e-300)
+    reach = np.array([plane.displacement_edges[-1], plane.velocity_edges[-1]])
+    centre = np.column_stack([plane.displacement[columns] / reach[0], plane.velocity[rows] / reach[1]])
+    height = force / tallest * FORCE_HEIGHT
+    half = np.array([1.0 / plane.force.shape[1], 1.0 / plane.force.shape[0]]) * 0.92
+    stream.log(
+        f"{root}/plane/force",
+        rr.Boxes3D(
+            centers=np.column_stack([centre, height / 2.0]),
+            half_sizes=np.column_stack([np.broadcast_to(half, centre.shape), np.abs(height) / 2.0 + 0.002]),
+            colors=_colours(force / tallest, np.abs(score)),
+            fill_mode="Solid",
+        ),
+        static=True,
+    )
+    path = np.column_stack(
+        [found.displacement / reach[0], found.velocity / reach[1], np.zeros(len(found.time))]
+    )
+    stream.log(
+        f"{root}/plane/motion", rr.LineStrips3D([path], colors=palette.REFERENCE, radii=0.003), static=True
+    )
+    unit = words.force_unit
+    labels = [
+        f"displacement ± {words.length(float(reach[0]))} {words.length_unit}",
+        f"velocity ± {reach[1]:.3g} {found.unit}/s",
+        f"measured less model, ± {tallest * words.force_scale:.2g} {unit}",
+    ]
+    axes = [
+        [[-1, -1, 0], [1, -1, 0]],
+        [[1, -1, 0], [1, 1, 0]],
+        [[-1, -1, -FORCE_HEIGHT], [-1, -1, FORCE_HEIGHT]],
+    ]
+    colours = [palette.DISPLACEMENT, palette.VELOCITY, palette.ACCELERATION]
+    stream.log(f"{root}/plane/axes", rr.LineStrips3D(axes, colors=colours, radii=0.006), static=True)
+    ends = [[0, -1.15, 0], [1.15, 0.1, 0], [-1, -1, FORCE_HEIGHT + 0.1]]
+    stream.log(
+        f"{root}/plane/names",
+        rr.Points3D(ends, labels=labels, colors=colours, radii=0.008, show_labels=True),
+        static=True,
+    )
+    stream.log(
+        f"{root}/plane/numbers",
+        rr.AnyValues(
+            displacement=plane.displacement[columns],
+            velocity=plane.velocity[rows],
+            force_per_mass=force,
+            std=plane.std[rows, columns],
+            counts=plane.counts[rows, columns],
+        ),
+        static=True,
+    )
+
+
+def _colours(share: Array, score: Array) -> Array:
+    """Red where the measured force is larger, blue where smaller, grey where that is within the noise."""
+    import matplotlib
+
+    table = matplotlib.colormaps["coolwarm"]((np.clip(share, -1, 1) + 1) / 2)
+    grey = np.array([0.35, 0.38, 0.42, 1.0])
+    sure = np.clip((score - 2.0) / 2.0, 0.0, 1.0)[:, None]
+    colours: Array = ((sure * table + (1.0 - sure) * grey) * 255).astype(np.uint8)
+    return colours
+
+
+def _sections(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
+    found = compared.comparison
+    words = Words(found.unit, found.mass)
+    factor, length = (1e3, "mm") if found.unit == "m" else (1.0, found.unit)
+    drawn, axes = figure(8.4, 3.4, 1, 2)
+    down, up = found.phase_plane.sections_at_reversal
+    middle = found.phase_plane.section_at_middle
+    for section, colour, label in (
+        (up, palette.DISPLACEMENT, "moving to the positive side"),
+        (down, palette.ACCELERATION, "moving to the negative side"),
+    ):
+        _errorbars(axes[0], section.position * factor, section.force, section.std, words, colour, label)
+    axes[0].set(xlabel=f"displacement [{length}]", title="at velocity 0: stiffness")
+    _errorbars(
+        axes[1], middle.position, middle.force, middle.std, words, palette.VELOCITY, "passing the middle"
+    )
+    axes[1].set(xlabel=f"velocity [{found.unit}/s]", title="at displacement 0: damping")
+    for axis in axes:
+        axis.set_ylabel(f"measured less model [{words.force_unit}]")
+        axis.axhline(0, color=palette.FAINT, lw=0.8)
+        axis.axvline(0, color=palette.FAINT, lw=0.8)
+    legend(axes[0], "upper left")
+    numbers = {
+        "u": up.position,
+        "force_up": up.force,
+        "force_down": down.force,
+        "v": middle.position,
+        "force_middle": middle.force,
+    }
+    log.picture(stream, f"{root}/sections", drawn, numbers)
+
+
+def _errorbars(
+    axis: object, x: Array, force: Array, std: Array, words: Words, colour: log.Colour, label: str
+) -> None:
+    from matplotlib.axes import Axes
+
+    assert isinstance(axis, Axes)
+    axis.errorbar(
+        x,
+        force * words.force_scale,
+        yerr=2 * std * words.force_scale,
+        fmt="o-",
+        ms=3.5,
+        lw=1,
+        capsize=2,
+        color=palette.css(colour),
+        label=f"{label}, 2 std",
+    )
+
+
+def _cycles(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
+    found = compared.comparison
+    words, done = Words(found.unit, found.mass), found.cycles
+    factor, length = (1e3, "mm") if found.unit == "m" else (1.0, found.unit)
+    drawn, axes = figure(8.4, 3.4, 1, 2)
+    fine = 1e3 if found.unit == "m" else 1.0
+    rows = (
+        (done.frequency_error, done.frequency_error_std, 1.0, "frequency error [%]", "stiffness"),
+        (
+            done.energy_error,
+            done.energy_error_std,
+            fine * words.force_scale,
+            f"energy error a cycle [{'m' if fine > 1 else ''}{words.energy_unit}]",
+            "damping",
+        ),
+    )
+    for axis, (values, std, scale, label, title) in zip(axes, rows, strict=True):
+        axis.errorbar(
+            done.amplitude * factor,
+            values * scale,
+            yerr=2 * std * scale,
+            fmt="o-",
+            ms=3.5,
+            lw=1,
+            capsize=2,
+            color=palette.css(palette.FORCE),
+        )
+        axis.axhline(0, color=palette.FAINT, lw=0.8)
+        axis.set(
+            xlabel=f"amplitude of the cycle [{length}]",
+            ylabel=label,
+            title=f"{title}: measured less model, 2 std",
+        )
+    numbers = {
+        "amplitude": done.amplitude,
+        "frequency_error": done.frequency_error,
+        "energy_error": done.energy_error,
+    }
+    log.picture(stream, f"{root}/cycles", drawn, numbers)
+
+
+def summary(compared: Compared) -> str:
+    """Return the errors and the worst places as markdown."""
+    found = compared.comparison
+    lines = [
+        f"# {compared.name}",
+        "",
+        f"Model: {', '.join(compared.start.fit.model.names)}",
+        "",
+        "| error | value |",
+        "|---|---:|",
+        f"| force, eq. (18) | {found.force_error:.3g} % (noise {found.force_floor:.2g} %) |",
+        f"| motion, free run of {found.horizon:.2g} s | {found.motion_error:.3g} % |",
+        f"| chi-square | {found.chi_square:.4g} (floor 1 ± {found.chi_square_std:.2f}) |",
+        "",
+        f"{found.cause}",
+        "",
+        "## Worst places",
+        "",
+    ]
+    if not found.places:
+        lines.append(found.summary)
+    lines += [
+        f"{i}. {place.text} ({place.significance:.0f} sigma)" for i, place in enumerate(found.places, start=1)
+    ]
+    return "\n".join(lines)
+
+
+def tab(compared: Compared, root: str = ROOT) -> rrb.Container:
+    """Return the layout of the tab."""
+    channels = compared.start.fit.spans[0].channels
+    views = []
+    for channel in channels:
+        views.append(
+            log.curves(
+                f"{channel.capitalize()}: measured, and the model run freely", [f"{root}/{channel}/**"]
+            )
+        )
+        views.append(
+            log.curves(f"What is left of the {channel}, and the noise", [f"{root}/{channel}_left/**"])
+        )
+    plane = rrb.Spatial3DView(
+        origin=f"{root}/plane",
+        name="Phase plane: the force that the model lacks (grey: within the noise)",
+        background=palette.BACKGROUND,
+        line_grid=False,
+        eye_controls=rrb.EyeControls3D(
+            position=(-1.35, -2.5, 1.5), look_target=(0.05, 0.0, -0.1), eye_up=(0.0, 0.0, 1.0)
+        ),
+    )
+    return rrb.Horizontal(
+        rrb.Vertical(log.document("Comparison", f"{root}/summary"), plane, row_shares=[1, 1.2]),
+        rrb.Vertical(
+            *views,
+            log.shown_picture("Sections through the phase plane", f"{root}/sections"),
+            log.shown_picture("Cycle by cycle", f"{root}/cycles"),
+            row_shares=[*([1.0, 0.8] * len(channels)), 1.6, 1.6],
+        ),
+        column_shares=[1, 1.15],
+        name=NAME,
+    )
