@@ -1,0 +1,75 @@
+"""`station diagnose`: which effect a model lacks, how sure that is, and what to record next."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from station.output import json_option, print_json, progress, screen
+
+if TYPE_CHECKING:
+    from identify.diagnose import Diagnosis
+    from station.diagnosing import Bench
+
+
+@click.command("diagnose")
+@click.argument("sessions", nargs=-1, required=True, metavar="SESSION...")
+@click.option(
+    "--model", "model_file", type=click.Path(path_type=Path), metavar="FILE", help="Model to begin with."
+)
+@click.option(
+    "--effects",
+    "effects_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Your own effects (Python).",
+)
+@click.option(
+    "--gain-uncertainty",
+    "gain_percent",
+    type=click.FloatRange(0, 50),
+    metavar="PERCENT",
+    help="What the calibrations leave open between the channels.",
+)
+@click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    sessions: tuple[str, ...],
+    model_file: Path | None,
+    effects_file: Path | None,
+    gain_percent: float | None,
+    no_viewer: bool,
+    as_json: bool,
+) -> int:
+    """Find out which effect a model lacks.
+
+    SESSION is a session or a data file; several share the physics. Without
+    --model the model is stiffness, dry and viscous friction.
+    """
+    from station.diagnosis import diagnose_bench, keep, open_or_refuse, refuse_if_too_little
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    bench = open_or_refuse(sessions, settings, gain_percent, as_json)
+    found, document = diagnose_bench(bench, model_file, effects_file, progress)
+    keep(bench, document)
+    if as_json:
+        print_json(document)
+    else:
+        from station.diagnosis_words import show_diagnosis
+
+        show_diagnosis(screen(), document)
+        for line in next_steps(bench, found):
+            screen().print(line, markup=False, soft_wrap=True)
+    refuse_if_too_little(document)
+    return 0
+
+
+def next_steps(bench: "Bench", found: "Diagnosis") -> list[str]:
+    """Return the commands that come next."""
+    folder = bench.sessions[0].folder
+    if found.verdict in ("missing_effect", "sensor_fault"):
+        return [f" next: station refine {folder} --add {found.named[0]}"]
+    return [] if found.verdict == "not_enough_data" else [f" next: station view {folder}"]

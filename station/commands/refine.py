@@ -1,0 +1,83 @@
+"""`station refine`: the next model of a session, and the ladder of errors that led to it."""
+
+from pathlib import Path
+
+import click
+
+from station.exits import UsageProblem
+from station.output import json_option, print_json, progress, screen
+
+
+@click.command("refine")
+@click.argument("session")
+@click.option("--add", "added", metavar="EFFECT", help='A name, or "magnet = a*u/(1+(u/b)**2)".')
+@click.option("--remove", "removed", metavar="EFFECT", help="Take an effect out of the model.")
+@click.option("--auto", is_flag=True, help="Climb to the floor: add what is missing, say why it stops.")
+@click.option("--to", "number", type=click.IntRange(min=0), metavar="N", help="Go back to rung N.")
+@click.option("--reset", is_flag=True, help="Begin the ladder again.")
+@click.option(
+    "--model", "model_file", type=click.Path(path_type=Path), metavar="FILE", help="Begin with this model."
+)
+@click.option(
+    "--effects",
+    "effects_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Your own effects (Python).",
+)
+@click.option(
+    "--gain-uncertainty",
+    "gain_percent",
+    type=click.FloatRange(0, 50),
+    metavar="PERCENT",
+    help="What the calibrations leave open between the channels.",
+)
+@click.option("--no-viewer", is_flag=True, help="Do not show the ladder in the viewer.")
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    session: str,
+    added: str | None,
+    removed: str | None,
+    auto: bool,
+    number: int | None,
+    reset: bool,
+    model_file: Path | None,
+    effects_file: Path | None,
+    gain_percent: float | None,
+    no_viewer: bool,
+    as_json: bool,
+) -> None:
+    """Add an effect to the model of SESSION and watch the error fall.
+
+    The model, and every rung of the ladder that led to it, are kept in the
+    session. Without an option the ladder is printed.
+    """
+    wanted = [name for name, given in (("--add", added), ("--remove", removed), ("--auto", auto)) if given]
+    wanted += ["--to"] if number is not None else []
+    if len(wanted) > 1:
+        raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
+    from station.ladder import ladder_document
+    from station.refining import add, climb_on, go_to, open_refinement, remove
+    from station.sessions import open_session
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    opened = open_session(session, settings.sessions)
+    refinement = open_refinement(opened, settings, model_file, effects_file, gain_percent, reset=reset)
+    ladder = refinement.ladder
+    if added:
+        ladder = add(refinement, added)
+    elif removed:
+        ladder = remove(refinement, removed)
+    elif auto:
+        ladder = climb_on(refinement, progress)
+    elif number is not None:
+        ladder = go_to(refinement, number)
+    if as_json:
+        print_json(ladder_document(opened, ladder))
+        return
+    from station.ladder_words import show_ladder
+
+    show_ladder(screen(), opened.folder.name, ladder)
