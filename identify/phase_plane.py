@@ -8,6 +8,8 @@ from identify.arrays import Array, frozen
 from identify.extra_force import estimate_extra_force
 from identify.tracking import Tracking
 
+_KNOWN = 8.0
+
 
 @dataclass(frozen=True, eq=False)
 class ForceSection:
@@ -23,10 +25,10 @@ class PhasePlane:
     """Residual force per unit mass (m/s^2, measured less model, on the left of u'' + ... = 0) in bins.
 
     Edges of an odd number of bins `displacement_edges` (p + 1,) and of an even number `velocity_edges` (q + 1,), so that
-    zero velocity is an edge and both directions stay apart. `force`, `std` (nan where the mass never
-    was), `counts` of samples and `significance` (force over standard error): (q, p). `bins` (visited, 2) are the rows
-    and columns of the bins visited and `covariance` (visited, visited) theirs; `chi_square_after` is the
-    reduced chi-square within the cycles that such a force would leave.
+    zero velocity is an edge and both directions stay apart. `force`, `std` (nan where the mass never was, or so
+    briefly that nothing is known), `counts` of samples and `significance` (force over standard error): (q, p).
+    `bins` (known, 2) are the rows and columns of the bins that are known and `covariance` (known, known) theirs;
+    `chi_square_after` is the reduced chi-square within the cycles that such a force would leave.
     """
 
     displacement_edges: Array
@@ -78,12 +80,13 @@ def compare_phase_plane(tracking: Tracking) -> PhasePlane:
     code, member = np.unique(row * across + column, return_inverse=True)
     patterns = (member[:, None] == np.arange(len(code))).astype(float)
     found = estimate_extra_force(tracking, patterns)
-    bins = np.column_stack([code // across, code % across])
+    known = found.std < _KNOWN * np.median(found.std)
+    bins = np.column_stack([code // across, code % across])[known]
     force, std = np.full((along, across), np.nan), np.full((along, across), np.nan)
     counts = np.zeros((along, across))
-    force[bins[:, 0], bins[:, 1]] = found.size
-    std[bins[:, 0], bins[:, 1]] = found.std
-    counts[bins[:, 0], bins[:, 1]] = patterns.sum(axis=0)
+    force[bins[:, 0], bins[:, 1]] = found.size[known]
+    std[bins[:, 0], bins[:, 1]] = found.std[known]
+    counts[bins[:, 0], bins[:, 1]] = patterns.sum(axis=0)[known]
     bins.setflags(write=False)
     return PhasePlane(
         frozen(edges_u),
@@ -93,7 +96,7 @@ def compare_phase_plane(tracking: Tracking) -> PhasePlane:
         frozen(counts),
         frozen(force / std),
         bins,
-        frozen(found.covariance),
+        frozen(found.covariance[np.ix_(known, known)]),
         found.chi_square_after,
     )
 

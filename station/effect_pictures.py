@@ -82,6 +82,7 @@ def _typical(effect: Effect) -> dict[str, float]:
 
 def draw(effect: Effect, portrait: Portrait, file: Path) -> None:
     """Write the picture of a portrait: force over u, force over v, damping and frequency against amplitude."""
+    from station.views import palette
     from station.views.figure import figure as chart
 
     figure, axes = chart(10.5, 6.4, 2, 2)
@@ -99,5 +100,5 @@ def draw(effect: Effect, portrait: Portrait, file: Path) -> None:
     axes[3].set(
         xlabel="amplitude [mm]", ylabel="change of frequency [%]", title="frequency against amplitude"
     )
-    figure.suptitle(f"{effect.name}: {effect.equation}", fontsize=11)
+    figure.suptitle(f"{effect.name}: {effect.equation}", fontsize=11, color=palette.INK)
     figure.savefig(file)

@@ -51,9 +51,10 @@ def _channel(stream: rr.RecordingStream, compared: Compared, channel: str, root:
     fit = compared.start.fit
     span = fit.spans[0]
     factor, unit = _scale(channel, span.unit)
-    time, used = compared.comparison.time, span.used[channel]
-    measured = np.where(used, span.readings[channel], np.nan) * factor
-    model = fit.predicted[0][channel] * factor
+    used = span.used[channel]
+    time = compared.comparison.time[used]
+    measured = span.readings[channel][used] * factor
+    model = fit.predicted[0][channel][used] * factor
     log.series(
         stream, f"{root}/{channel}/measured", time, measured, f"measured [{unit}]", palette.MEASURED, 4.5
     )
@@ -61,7 +62,7 @@ def _channel(stream: rr.RecordingStream, compared: Compared, channel: str, root:
         stream, f"{root}/{channel}/model", time, model, f"model, run freely [{unit}]", palette.FORCE, 1.5
     )
     fine, fine_unit = _fine(channel, span.unit)
-    left = np.where(used, fit.residual(channel), np.nan) * fine
+    left = fit.residual(channel)[used] * fine
     noise = BAND * span.sigma[channel] * fine
     log.series(
         stream,
@@ -172,7 +173,7 @@ def _sections(stream: rr.RecordingStream, compared: Compared, root: str) -> None
     found = compared.comparison
     words = Words(found.unit, found.mass)
     factor, length = (1e3, "mm") if found.unit == "m" else (1.0, found.unit)
-    drawn, axes = figure(8.4, 3.4, 1, 2)
+    drawn, axes = figure(4.8, 5.6, 2, 1)
     down, up = found.phase_plane.sections_at_reversal
     middle = found.phase_plane.section_at_middle
     for section, colour, label in (
@@ -223,7 +224,7 @@ def _cycles(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
     found = compared.comparison
     words, done = Words(found.unit, found.mass), found.cycles
     factor, length = (1e3, "mm") if found.unit == "m" else (1.0, found.unit)
-    drawn, axes = figure(8.4, 3.4, 1, 2)
+    drawn, axes = figure(4.8, 5.6, 2, 1)
     fine = 1e3 if found.unit == "m" else 1.0
     rows = (
         (done.frequency_error, done.frequency_error_std, 1.0, "frequency error [%]", "stiffness"),
@@ -250,7 +251,7 @@ def _cycles(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
         axis.set(
             xlabel=f"amplitude of the cycle [{length}]",
             ylabel=label,
-            title=f"{title}: measured less model, 2 std",
+            title=f"{title}, 2 std",
         )
     numbers = {
         "amplitude": done.amplitude,
@@ -264,41 +265,51 @@ def summary(compared: Compared) -> str:
     """Return the errors and the worst places as markdown."""
     found = compared.comparison
     lines = [
-        f"# {compared.name}",
+        f"**{compared.name}** against {', '.join(compared.start.fit.model.names)}",
         "",
-        f"Model: {', '.join(compared.start.fit.model.names)}",
+        "| error | value | at the floor |",
+        "|---|---:|---:|",
+        f"| force, eq. (18) | {found.force_error:.3g} % | {found.force_floor:.2g} % |",
+        f"| motion, free run of {found.horizon:.2g} s | {found.motion_error:.3g} % | |",
+        f"| chi-square | {found.chi_square:.4g} | 1 ± {found.chi_square_std:.2f} |",
         "",
-        "| error | value |",
-        "|---|---:|",
-        f"| force, eq. (18) | {found.force_error:.3g} % (noise {found.force_floor:.2g} %) |",
-        f"| motion, free run of {found.horizon:.2g} s | {found.motion_error:.3g} % |",
-        f"| chi-square | {found.chi_square:.4g} (floor 1 ± {found.chi_square_std:.2f}) |",
-        "",
-        f"{found.cause}",
-        "",
-        "## Worst places",
+        found.cause,
         "",
     ]
     if not found.places:
-        lines.append(found.summary)
+        lines.append(f"**{found.summary}**")
     lines += [
         f"{i}. {place.text} ({place.significance:.0f} sigma)" for i, place in enumerate(found.places, start=1)
     ]
     return "\n".join(lines)
 
 
+def _range(values: Array) -> tuple[float, float]:
+    low, high = float(np.min(values)), float(np.max(values))
+    room = 0.06 * max(high - low, 1e-300)
+    return low - room, high + room
+
+
 def tab(compared: Compared, root: str = ROOT) -> rrb.Container:
     """Return the layout of the tab."""
-    channels = compared.start.fit.spans[0].channels
+    fit = compared.start.fit
+    channels = fit.spans[0].channels
     views = []
     for channel in channels:
+        used = fit.spans[0].used[channel]
+        reading = fit.spans[0].readings[channel][used] * _scale(channel, fit.spans[0].unit)[0]
+        left = fit.residual(channel)[used] * _fine(channel, fit.spans[0].unit)[0]
         views.append(
             log.curves(
-                f"{channel.capitalize()}: measured, and the model run freely", [f"{root}/{channel}/**"]
+                f"{channel.capitalize()}: measured, and the model run freely",
+                [f"{root}/{channel}/**"],
+                _range(reading),
             )
         )
         views.append(
-            log.curves(f"What is left of the {channel}, and the noise", [f"{root}/{channel}_left/**"])
+            log.curves(
+                f"What is left of the {channel}, and the noise", [f"{root}/{channel}_left/**"], _range(left)
+            )
         )
     plane = rrb.Spatial3DView(
         origin=f"{root}/plane",
@@ -313,10 +324,12 @@ def tab(compared: Compared, root: str = ROOT) -> rrb.Container:
         rrb.Vertical(log.document("Comparison", f"{root}/summary"), plane, row_shares=[1, 1.2]),
         rrb.Vertical(
             *views,
+            row_shares=[1.0, 0.8] * len(channels),
+        ),
+        rrb.Vertical(
             log.shown_picture("Sections through the phase plane", f"{root}/sections"),
             log.shown_picture("Cycle by cycle", f"{root}/cycles"),
-            row_shares=[*([1.0, 0.8] * len(channels)), 1.6, 1.6],
         ),
-        column_shares=[1, 1.15],
+        column_shares=[1.1, 1.1, 0.8],
         name=NAME,
     )

@@ -1,0 +1,121 @@
+"""Comparing a session and telling of effects, from the command line; the session is simulated by the testbed."""
+
+import json
+
+import numpy as np
+import pytest
+
+from identify.effects.library import LIBRARY
+from mocks.generate import draw
+from station.cli import run
+
+MASS = 21.36
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with a release of a hardening or softening spring, as a text file."""
+    made = tmp_path_factory.mktemp("compare")
+    sample = draw("cubic_stiffness", 0.01, 3)
+    time = np.arange(len(sample.displacement)) / sample.rate
+    table = np.column_stack([time, sample.displacement, sample.acceleration])
+    header = "time_s,displacement_m,acceleration_m_s2"
+    np.savetxt(made / "cubic.csv", table, delimiter=",", header=header, comments="", fmt="%.9g")
+    (made / "truth.json").write_text(json.dumps(sample.truth["parameters"]))
+    return made
+
+
+@pytest.fixture
+def inside(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def test_compare_tells_the_worst_places_in_newtons_within_80_columns(inside, capsys):
+    assert run(["compare", "cubic.csv", "--mass", str(MASS)]) == 0
+    text = capsys.readouterr().out
+    k3 = json.loads((inside / "truth.json").read_text())["k3"]
+    told = " ".join(text.split())
+    assert f"{'stiffer' if k3 > 0 else 'softer'} than the model, in both directions" in told
+    assert " N " in told
+    assert "eq. (18)" in told
+    assert all(len(line) <= 80 for line in text.splitlines())
+
+
+def test_compare_as_json_holds_errors_places_and_cycles_and_is_kept(inside, capsys):
+    assert run(["compare", "cubic.csv", "--mass", str(MASS), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["error"]["chi2"] > 10
+    assert document["error"]["force_mse_percent"] > document["error"]["force_mse_percent_of_noise"]
+    assert document["noise_floor"]["displacement"]["source"]
+    assert document["places"][0]["significance"] >= document["places"][-1]["significance"]
+    assert len(document["cycles"]["time_s"]) == len(document["cycles"]["energy_error_per_mass"])
+    kept = json.loads((inside / "sessions" / "cubic" / "results" / "comparison.json").read_text())
+    assert kept == document
+
+
+def test_the_compare_tab_shows_the_measurement_as_recorded_and_the_model_beside_it(inside):
+    assert run(["compare", "cubic.csv", "--view"]) == 0
+    file = inside / "sessions" / "cubic" / "results" / "comparison.rrd"
+    measured, model = (_column(file, f"/compare/displacement/{name}") for name in ("measured", "model"))
+    recorded = np.loadtxt(inside / "cubic.csv", delimiter=",", skiprows=1)[:, 1] * 1e3
+    assert len(measured) == len(model) > 500
+    assert np.isin(measured, recorded).all()
+    assert 0 < np.std(measured - model) < 0.1 * np.std(measured)
+
+
+def _column(file, path):
+    from rerun.chunk import RrdReader
+
+    values = []
+    for chunk in RrdReader(file).stream().filter(content=path):
+        batch = chunk.to_record_batch()
+        for field in batch.schema.names:
+            if field.endswith("Scalars:scalars"):
+                values += [row[0] for row in batch.column(field).to_pylist() if row is not None]
+    return np.array(values)
+
+
+def test_a_model_file_that_does_not_exist_is_refused_in_one_sentence(inside, capsys):
+    assert run(["compare", "cubic.csv", "--model", "none.json"]) != 0
+    assert "none.json" in capsys.readouterr().err
+
+
+def test_effects_lists_the_whole_library(capsys):
+    assert run(["effects"]) == 0
+    text = capsys.readouterr().out
+    assert all(effect.name in text for effect in LIBRARY)
+    assert all(len(line) <= 80 for line in text.splitlines())
+
+
+@pytest.mark.parametrize("effect", LIBRARY, ids=lambda effect: effect.name)
+def test_every_effect_tells_of_itself_within_80_columns(effect, capsys):
+    assert run(["effects", effect.name]) == 0
+    text = capsys.readouterr().out
+    assert all(parameter.name in text for parameter in effect.parameters)
+    assert "proof" in text
+    assert ("force over displacement" in text) == (effect.kind == "physics")
+    assert all(len(line) <= 80 for line in text.splitlines())
+
+
+def test_an_effects_picture_is_a_png(tmp_path, capsys):
+    assert run(["effects", "hysteresis", "--picture", str(tmp_path / "h.png")]) == 0
+    assert (tmp_path / "h.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_effects_as_json_gives_the_signature(capsys):
+    assert run(["effects", "cubic_stiffness", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    found = document["signature"]
+    k3, a = found["values"]["k3"], np.array(found["amplitude_m"])
+    np.testing.assert_allclose(found["change_of_w2_1_s2"], 0.75 * k3 * a**2, rtol=1e-4)  # Duffing's backbone
+
+
+def test_an_unknown_effect_is_answered_with_the_names_there_are(capsys):
+    assert run(["effects", "bogus"]) != 0
+    assert "cubic_stiffness" in capsys.readouterr().err
+
+
+def test_a_sensors_fault_has_no_picture(tmp_path, capsys):
+    assert run(["effects", "clipping", "--picture", str(tmp_path / "c.png")]) != 0
+    assert "no force" in capsys.readouterr().err
