@@ -24,6 +24,9 @@ ONE_CHANNEL = (
     "record displacement (or velocity) and acceleration."
 )
 
+LEAST_EXCESS = 0.7
+"""The misfit corrects a floor read too high from a short rest, but not beyond what such a floor can be off."""
+
 TOO_LITTLE = "There is too little motion above the noise to know the lag between the channels: release from further away."
 
 ENOUGH_PER_PERIOD = 64
@@ -206,7 +209,7 @@ def _starts(pair: Pair, moving: slice, frequency: float) -> list[tuple[float, fl
 
 
 def _judged(pair: Pair, found: Agreement, frequency: float) -> Alignment:
-    excess = max(found.chi_square / max(found.degrees, 1), 1.0)
+    excess = max(found.chi_square / max(found.degrees, 1), LEAST_EXCESS)
     gain_std, lag_std = np.sqrt(excess * np.diag(found.covariance)[:2])
     if not np.isfinite(lag_std) or lag_std > 0.1 / frequency or gain_std > 0.3 * abs(found.gain):
         raise NotIdentifiable(TOO_LITTLE)

@@ -64,9 +64,7 @@ def floor_at_rest(rest: Array) -> Noise:
         floor = float(np.mean(power[quiet])) / 0.9851 if quiet.any() else floor
     step = _converter_step(rest)
     std = max(np.sqrt(floor), step / np.sqrt(12.0))
-    return Noise(
-        float(std), float(std / np.sqrt(2.0 * max(len(power) / 1.5, 1.0))), "rest before the release"
-    )
+    return Noise(float(std), float(std / np.sqrt(2.3 * max(len(power), 1))), "rest before the release")
 
 
 def floor_above_motion(values: Array, valid: Mask | None = None) -> Noise:
