@@ -86,10 +86,12 @@ class Words:
     ) -> tuple[str, str]:
         """Return the sentence and the unit of the amplitude."""
         unit = {"displacement": self.unit, "velocity": f"{self.unit}/s"}.get(channel, f"{self.unit}/s^2")
-        where = f"in {' and '.join(channels)}" if len(channels) > 1 else f"in the {channel} alone"
+        where = f", seen in the {channel} alone" if len(channels) == 1 else ""
+        if len(channels) > 1:
+            where = f", seen in {' and '.join(channels)}"
         return (
             f"at {frequency:.4g} Hz there is a line of {scaled(amplitude, unit)} in the {channel} that the model "
-            f"lacks, seen {where}",
+            f"lacks{where}",
             unit,
         )
 

@@ -19,7 +19,7 @@ _EXPECTED = 40.0
 class ResidualLine:
     """The strongest line: `frequency` Hz, `amplitude` in the unit of `channel`, `significance` in standard errors.
 
-    `channels` are those in which it is seen. `sensor` is True when the other channel lacks it where a motion would have
+    `channels` are those of several in which it is seen. `sensor` is True when the other channel lacks it where a motion would have
     shown there, with the ratio w^2 of acceleration to displacement: then it is no motion.
     """
 
@@ -65,7 +65,7 @@ def find_line(tracking: Tracking) -> ResidualLine | None:
         float(frequency[at]),
         float(amplitude),
         channel,
-        tuple(c for c in span.channels if float(np.max(powers[c][near])) > _SEEN),
+        tuple(c for c in span.channels if len(span.channels) > 1 and float(np.max(powers[c][near])) > _SEEN),
         float(np.sqrt(2.0 * peak)),
         _is_no_motion(span, channel, powers, at, 2.0 * np.pi * float(frequency[at])),
     )
