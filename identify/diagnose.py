@@ -16,6 +16,7 @@ from identify.fit import Fit, fit
 from identify.free_form import FreeForm, free_form
 from identify.model import Model, Term, base_model
 from identify.next_experiment import next_experiment
+from identify.rest_evidence import at_rest
 from identify.search import Start, begin, chances, force_along_motion, pairs, singles
 from identify.setting import Setting
 from identify.span import Span
@@ -165,6 +166,7 @@ def _rank(
     for candidate in tried:
         drop = candidate.gain / dispersion
         evidence = chance.surprise(candidate.name, drop) - (0.0 if candidate.plausible else _IMPLAUSIBLE)
+        evidence += at_rest(start.settings, candidate)
         ranked.append(_Ranked(candidate, evidence, chance.p_value(candidate.name, drop)))
     return tuple(sorted(ranked, key=lambda entry: -entry.evidence))
 

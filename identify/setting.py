@@ -1,6 +1,6 @@
 """The setting of a fit: the spans that are compared, the motion they show, and where to begin."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,9 +21,22 @@ from identify.span import CHANNELS, Prelude, Span
 _SHORTEST_CYCLES = 4.0
 _LAG_REACH = 0.06
 _MOST_LOST = 0.2
+_SHORTEST_REST = 24
 _PRELUDE_SAMPLES = 4
 _PRELUDE_MARGIN = 16
-_REVERSAL_MARGIN = 0.05
+_REVERSAL_MARGIN = 0.02
+_DENSEST = 24.0
+"""Samples a cycle to which a long record is thinned; short ones keep every sample."""
+
+_LONG = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """Readings of each channel at rest before the release, shape (m,), SI; `time` counts from the release."""
+
+    time: Array
+    readings: dict[str, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +46,8 @@ class Setting:
     `span` holds the readings, `motion` the displacement (from the spring's zero), velocity and acceleration along
     it, on the acceleration's clock; `frequency` is the angular frequency (rad/s); `alignment` is None with one
     channel. `zero` is the displacement reading at the spring's zero, `noise` what was known of the noise before any
-    fit, and `lost` marks the readings of each channel that its sensor repeated or lost.
+    fit, and `lost` marks the readings of each channel that its sensor repeated or lost. `rest` is None where none was
+    recorded.
     """
 
     span: Span
@@ -43,6 +57,7 @@ class Setting:
     zero: float
     noise: dict[str, Noise]
     lost: dict[str, Mask]
+    rest: Rest | None = None
 
     @property
     def time(self) -> Array:
@@ -89,15 +104,61 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
         )
     motion = _cut(motion, length)
     motion = _shifted(motion, zero)
+    lost = {name: mask[release.settle :][: len(motion.displacement)] for name, mask in lost.items()}
     span = _span(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty)
+    thin = _thinning(len(span), decay.rate, frequency)
     return Setting(
-        span.with_(prelude=_prelude(corrected, release, zero)),
-        motion,
+        _thinned(span.with_(prelude=_prelude(corrected, release, zero)), thin),
+        _thinned_motion(motion, thin),
         frequency,
         alignment,
         zero,
         known,
-        {name: mask[release.settle :][: len(motion.displacement)] for name, mask in lost.items()},
+        {name: mask[::thin] for name, mask in lost.items()},
+        _rest_of(record, release),
+    )
+
+
+def _rest_of(decay: FreeDecay, release: Release) -> Rest | None:
+    first, last = release.rest
+    if last - first < _SHORTEST_REST:
+        return None
+    part = slice(first, last)
+    return Rest(
+        (np.arange(first, last) - release.time_s * decay.rate) / decay.rate,
+        {c: np.asarray(getattr(decay, c))[part] for c in CHANNELS if getattr(decay, c) is not None},
+    )
+
+
+def _thinning(samples: int, rate: float, frequency: float) -> int:
+    if samples <= _LONG:
+        return 1
+    return max(1, min(int(2.0 * np.pi * rate / frequency / _DENSEST), samples // (_LONG // 2)))
+
+
+def _thinned(span: Span, thin: int) -> Span:
+    if thin == 1:
+        return span
+    return span.with_(
+        rate=span.rate / thin,
+        readings={c: r[::thin] for c, r in span.readings.items()},
+        used={c: m[::thin] for c, m in span.used.items()},
+        lead=-(-span.lead // thin),
+        force=None if span.force is None else span.force[::thin],
+    )
+
+
+def _thinned_motion(motion: Motion, thin: int) -> Motion:
+    if thin == 1:
+        return motion
+    part = slice(None, None, thin)
+    return replace(
+        motion,
+        rate=motion.rate / thin,
+        displacement=motion.displacement[part],
+        velocity=motion.velocity[part],
+        acceleration=motion.acceleration[part],
+        valid=motion.valid[part],
     )
 
 
@@ -217,31 +278,18 @@ def _align(decay: FreeDecay) -> Alignment | None:
 
 
 def _cut(motion: Motion, samples: int) -> Motion:
-    return Motion(
-        motion.rate,
-        motion.start,
-        motion.displacement[:samples],
-        motion.velocity[:samples],
-        motion.acceleration[:samples],
-        motion.valid[:samples],
-        motion.source,
-        motion.noise_velocity,
-        motion.noise_acceleration,
+    part = slice(0, samples)
+    return replace(
+        motion,
+        displacement=motion.displacement[part],
+        velocity=motion.velocity[part],
+        acceleration=motion.acceleration[part],
+        valid=motion.valid[part],
     )
 
 
 def _shifted(motion: Motion, zero: float) -> Motion:
-    return Motion(
-        motion.rate,
-        motion.start,
-        motion.displacement - zero,
-        motion.velocity,
-        motion.acceleration,
-        motion.valid,
-        motion.source,
-        motion.noise_velocity,
-        motion.noise_acceleration,
-    )
+    return replace(motion, displacement=motion.displacement - zero)
 
 
 def _at_reversal(motion: Motion) -> Mask:
@@ -304,7 +352,7 @@ def _span(
             mask = valid[part].copy()
             mask[:lead] = False
             if channel in lost:
-                mask &= ~lost[channel][part]
+                mask &= ~lost[channel]
             if channel == "acceleration":
                 mask &= ~_at_reversal(motion)
             used[channel] = mask

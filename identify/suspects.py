@@ -155,7 +155,8 @@ def _promising(
     known = dict(zip(base.names, base.theta.tolist(), strict=True))
     tags = [f"[{i}]" for i in range(len(settings))] if len(settings) > 1 else [""]
     if term.effect.kind == "sensor":
-        return [known | {f"{n}{tag}": v for n, v in start.items() for tag in tags} for start in starts]
+        scales = scales_of(settings[0], {})
+        return [_with_fault(known, term, start, tags, scales) for start in starts]
     largest = max(settings, key=lambda setting: setting.amplitude)
     strength = f"{term.effect.name}.{term.effect.strength.name}"
     place = [t.effect.name for t in model.terms if t.effect.kind == "physics"].index(term.effect.name)
@@ -179,6 +180,18 @@ def _promising(
             point = kept
         points.append(point)
     return points
+
+
+def _with_fault(
+    known: dict[str, float], term: Term, start: dict[str, float], tags: list[str], scales: Scales
+) -> dict[str, float]:
+    """Return the base's values with a sensor's fault, and the lag that it would have been taken for undone."""
+    point = known | {f"{n}{tag}": v for n, v in start.items() for tag in tags}
+    if term.effect.seems_lag is not None:
+        early = term.effect.seems_lag(tuple(start.values()), scales)
+        early *= -1.0 if term.channel == "acceleration" else 1.0
+        point |= {f"lag{tag}": known[f"lag{tag}"] + early for tag in tags if f"lag{tag}" in known}
+    return point
 
 
 def _one_percent(setting: Setting, term: Term, inner: dict[str, float]) -> float:

@@ -74,10 +74,11 @@ class Effect:
     there, these are its states at the release, otherwise they are unknowns of the fit.
     `observe(time, reading, p)` is a sensor's fault: it changes the predicted readings of one channel.
     `starts(scales)` lists starting values of the inner parameters, `sensor_starts(scales, channel)` of all
-    parameters of a sensor's fault, of which those `held_at_first` act out of proportion. `variants` are alternatives
-    (inner values that are held, or the channel at fault) that are tried each and of which the best counts.
-    `plausible(values, scales)` is False where another effect is the better name for the same force. `kinked` forces
-    want a finer step.
+    parameters of a sensor's fault, of which those `held_at_first` act out of proportion. A fault that `shows_at_rest`
+    is looked for there too; `seems_lag(start, scales)` is by how much it makes its channel seem early (s).
+    `variants` are alternatives (inner values that are held, or the channel at fault) that are tried each and of
+    which the best counts. `plausible(values, scales)` is False where another effect is the better name for the same
+    force. `kinked` forces want a finer step.
     """
 
     name: str
@@ -95,6 +96,8 @@ class Effect:
     states: int = 0
     forgets: bool = True
     held_at_first: tuple[str, ...] = ()
+    shows_at_rest: bool = False
+    seems_lag: Callable[[tuple[float, ...], Scales], float] | None = None
     borrows: tuple[str, ...] = ()
     starts: Callable[[Scales], tuple[tuple[float, ...], ...]] = field(default=lambda scales: ((),))
     sensor_starts: Callable[[Scales, str], tuple[tuple[float, ...], ...]] = field(

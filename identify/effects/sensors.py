@@ -95,7 +95,7 @@ def _high_pass(time: Array, reading: Array, p: Array) -> Array:
 
 
 def _corner_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
-    return tuple((share * scales.frequency / (2.0 * pi), 0.0) for share in (0.005, 0.02, 0.08))
+    return tuple((share * scales.frequency / (2.0 * pi), 0.0) for share in (0.003, 0.006, 0.012, 0.025, 0.05, 0.1))
 
 
 AC_COUPLING = Effect(
@@ -110,6 +110,7 @@ AC_COUPLING = Effect(
     observe=_high_pass,
     sensor_starts=_corner_starts,
     held_at_first=("fc",),
+    seems_lag=lambda start, scales: 2.0 * pi * start[0] / scales.frequency**2,
     variants=_BOTH,
     tell="one channel leads in phase, the more the slower the motion, and forgets its mean",
     proof="hold the mass off its zero: the reading creeps back",
@@ -140,6 +141,7 @@ MAINS_HUM = Effect(
     observe=_hum,
     sensor_starts=_hum_starts,
     held_at_first=("f",),
+    shows_at_rest=True,
     plausible=lambda values, scales: not near_harmonic(values["f"], scales),
     variants=_BOTH,
     tell="a line in one channel only, there before the release",
