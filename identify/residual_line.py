@@ -19,8 +19,8 @@ _EXPECTED = 40.0
 class ResidualLine:
     """The strongest line: `frequency` Hz, `amplitude` in the unit of `channel`, `significance` in standard errors.
 
-    `channels` are those of several in which it is seen. `sensor` is True when the other channel lacks it where a motion would have
-    shown there, with the ratio w^2 of acceleration to displacement: then it is no motion.
+    `channels` are those of several in which it is seen. `sensor` is True when the other channel lacks it where a
+    motion would have shown there, with the ratio w^2 of acceleration to displacement: then it is no motion.
     """
 
     frequency: float
