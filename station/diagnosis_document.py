@@ -43,6 +43,7 @@ def diagnosis_document(
         "held_out": None if left_out is None else _left_out(names, left_out),
         "explanation": found.explanation,
         "next_experiment": found.next_experiment,
+        "fitted": model_file(start.fit, expressions).model_dump(mode="json"),
     }
 
 

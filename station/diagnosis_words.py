@@ -109,7 +109,7 @@ def size(value: float | None) -> str:
     """Return an error with three figures."""
     if value is None or not math.isfinite(value):
         return "-"
-    return f"{value:.0f}" if value >= 100 else f"{value:.3g}"
+    return f"{value:.0f}" if value >= 100 else f"{value:#.3g}"
 
 
 def _parameters(suspect: dict[str, Any], most: int | None) -> str:

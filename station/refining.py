@@ -97,7 +97,9 @@ def add(refinement: Refinement, wanted: str) -> KeptLadder:
         rung = add_effect(top, effect, library=refinement.library)
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
-    return _extended(refinement, (kept(rung, expressions),), _manual(rung, f"{effect.name} was added"))
+    return _extended(
+        refinement, (kept(rung, expressions),), _manual(rung, f"as asked, {effect.name} was added")
+    )
 
 
 def remove(refinement: Refinement, name: str) -> KeptLadder:
@@ -109,7 +111,7 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
         raise UsageProblem(f"{name} is all that the model has; add something before removing it")
     rung = remove_effect(top, name)
     expressions = refinement.ladder.top.model.expressions
-    return _extended(refinement, (kept(rung, expressions),), _manual(rung, f"{name} was removed"))
+    return _extended(refinement, (kept(rung, expressions),), _manual(rung, f"as asked, {name} was removed"))
 
 
 def climb_on(refinement: Refinement, tell: Tell) -> KeptLadder:
@@ -152,8 +154,8 @@ def _extended(refinement: Refinement, new: tuple[KeptRung, ...], why: tuple[str,
 def _manual(rung: Rung, done: str) -> tuple[str, str | None]:
     chi_square, spread = rung.error.chi_square, rung.error.floor_std
     if chi_square <= 1.0 + ADEQUATE * spread:
-        return f"{done} as asked; the noise floor is reached", None
-    return f"{done} as asked; {chi_square:.3g} times the noise is left", None
+        return f"{done}; the noise floor is reached", None
+    return f"{done}; {chi_square:.3g} times the noise is left", None
 
 
 def _found(name: str, library: tuple[Effect, ...]) -> Effect:

@@ -20,13 +20,16 @@ START_S = 60.0
 
 
 @click.command("demo")
-@click.option("--seed", type=int, default=1, show_default=True, help="Draws bench, sensors, lag and hand.")
+@click.option("--seed", type=int, default=6, show_default=True, help="Draws bench, sensors, lag and hand.")
 @click.option(
     "--speed",
     type=click.FloatRange(min=0),
     default=SPEED,
     show_default=True,
     help="Times real time; 0: as fast as it goes.",
+)
+@click.option(
+    "--mystery", is_flag=False, flag_value=-1, type=int, metavar="[SEED]", help="Hide an effect, find it."
 )
 @click.option("--pty", is_flag=True, help="Connect through a pseudo terminal instead of TCP.")
 @click.option(
@@ -43,6 +46,7 @@ def command(
     settings_file: str | None,
     seed: int,
     speed: float,
+    mystery: int | None,
     pty: bool,
     folder: Path | None,
     no_viewer: bool,
@@ -63,6 +67,11 @@ def command(
     from station.terminal import next_steps, show_identification
 
     settings = load_settings(settings_file)
+    if mystery is not None:
+        from station.mystery import play
+
+        play(settings, mystery if mystery >= 0 else None, speed, pty, folder, no_viewer, as_json)
+        return
     info = SessionInfo(specimen=f"simulated testbed, seed {seed}", mass_kg=21.36, operator="demo")
     wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
     where = folder or new_folder(settings.sessions, "demo")
@@ -104,12 +113,12 @@ def _made_of(truth: dict[str, Any]) -> str:
 
 
 @contextlib.contextmanager
-def double(seed: int, speed: float, pty: bool, *more: str) -> Iterator[str]:
+def double(seed: int, speed: float, pty: bool, *more: str, module: str = "mocks") -> Iterator[str]:
     """Start the simulated board, give the name of its port, and end it afterwards."""
     line = ["--pty"] if pty else ["--tcp", "0"]
     arguments = [*line, "--seed", str(seed), "--speed", f"{speed:g}", *more]
     process = subprocess.Popen(
-        [sys.executable, "-m", "mocks", *arguments],
+        [sys.executable, "-m", module, *arguments],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -42,7 +42,7 @@ def command(
     gain_percent: float | None,
     no_viewer: bool,
     as_json: bool,
-) -> int:
+) -> None:
     """Find out which effect a model lacks.
 
     SESSION is a session or a data file; several share the physics. Without
@@ -64,7 +64,11 @@ def command(
         for line in next_steps(bench, found):
             screen().print(line, markup=False, soft_wrap=True)
     refuse_if_too_little(document)
-    return 0
+    if not no_viewer:
+        from station.showing import show_suspects
+
+        if show_suspects(bench.sessions[0], found, document):
+            progress("the viewer shows the suspects")
 
 
 def next_steps(bench: "Bench", found: "Diagnosis") -> list[str]:

@@ -58,6 +58,8 @@ def command(
     wanted += ["--to"] if number is not None else []
     if len(wanted) > 1:
         raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
+    from dataclasses import replace
+
     from station.ladder import ladder_document
     from station.refining import add, climb_on, go_to, open_refinement, remove
     from station.sessions import open_session
@@ -77,7 +79,12 @@ def command(
         ladder = go_to(refinement, number)
     if as_json:
         print_json(ladder_document(opened, ladder))
-        return
-    from station.ladder_words import show_ladder
+    else:
+        from station.ladder_words import show_ladder
 
-    show_ladder(screen(), opened.folder.name, ladder)
+        show_ladder(screen(), opened.folder.name, ladder)
+    if not no_viewer:
+        from station import showing
+
+        if showing.show_ladder(replace(refinement, ladder=ladder)):
+            progress("the viewer shows the ladder: step along its timeline `rung`")

@@ -1,0 +1,122 @@
+"""Show a model's story: the tabs Suspects and Ladder, in a viewer that is open and in the session's recording."""
+
+import json
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from daq.session import Session
+from identify.diagnose import Diagnosis
+from identify.fit import fit
+from identify.search import begin
+from station.diagnosing import begin_from
+from station.diagnosis import RESULT
+from station.ladder import LADDER
+from station.models import ModelFile, known_model
+from station.refining import Refinement, rung_again
+
+if TYPE_CHECKING:
+    from station.views.modelling import Tab
+
+VIEW = "model.rrd"
+BEST = 3
+
+
+def suspects_tab(found: Diagnosis, document: dict[str, Any]) -> "Tab":
+    """Return the Suspects tab of a diagnosis."""
+    from station.views import suspects
+    from station.views.modelling import Tab
+
+    told = suspects.shown(found, document)
+    return Tab(suspects.NAME, lambda stream: suspects.write(stream, told), lambda: suspects.tab(told))
+
+
+def suspects_again(refinement: Refinement) -> "Tab | None":
+    """Return the Suspects tab of the diagnosis that a session keeps; None when it keeps none that can be read."""
+    from station.views import suspects
+    from station.views.modelling import Tab
+
+    file = refinement.session.results / RESULT
+    if not file.is_file():
+        return None
+    document = json.loads(file.read_text(encoding="utf-8"))
+    if not document.get("suspects") or "fitted" not in document:
+        return None
+    setting, library = refinement.setting, refinement.library
+    known = known_model(ModelFile.model_validate(document["fitted"]), str(file), library)
+    base = begin((setting,), known.model, begin_from(known, (setting,))).fit
+    best = []
+    for suspect in document["suspects"][:BEST]:
+        if suspect["model"] is not None:
+            its = known_model(ModelFile.model_validate(suspect["model"]), str(file), library)
+            start = begin_from(its, (setting,))
+            best.append((its.model.terms[-1], fit(its.model, base.spans, start, base.frequency)))
+    told = suspects.Shown(document, setting, 0, base, tuple(best))
+    return Tab(suspects.NAME, lambda stream: suspects.write(stream, told), lambda: suspects.tab(told))
+
+
+def ladder_tab(refinement: Refinement, root: str = "/ladder") -> "Tab":
+    """Return the Ladder tab of a session; each rung's fit is found again from its values."""
+    from station.views import ladder
+    from station.views.modelling import Tab
+
+    kept = refinement.ladder
+    fits = tuple(rung_again(refinement, rung).fit for rung in kept.rungs[: kept.present + 1])
+    climbed = ladder.Climbed(refinement.session.folder.name, kept, refinement.setting, fits)
+    return Tab(
+        ladder.NAME, lambda stream: ladder.write(stream, climbed, root), lambda: ladder.tab(climbed, root)
+    )
+
+
+def kept_tabs(refinement: Refinement) -> tuple["Tab", ...]:
+    """Return the tabs of what a session's results hold: Suspects after a diagnosis, Ladder after a refinement."""
+    suspects = suspects_again(refinement)
+    has_ladder = (refinement.session.results / LADDER).is_file()
+    return (*([suspects] if suspects else []), *([ladder_tab(refinement)] if has_ladder else []))
+
+
+def show_suspects(session: Session, found: Diagnosis, document: dict[str, Any]) -> bool:
+    """Show a diagnosis in the viewer that is open, or in a new one; False where there is neither."""
+    from station.views.open_viewer import url_or_new
+
+    url = url_or_new()
+    if url is None:
+        return False
+    from station.views import modelling
+    from station.views.log import TIMELINE
+
+    modelling.send(url, _recording(session), (suspects_tab(found, document),), TIMELINE)
+    return True
+
+
+def show_ladder(refinement: Refinement) -> bool:
+    """Show the ladder in the viewer that is open, or in a new one; False where there is neither.
+
+    Every call draws under a path of its own, since what was logged at a rung before cannot be replaced.
+    """
+    from station.views.open_viewer import url_or_new
+
+    url = url_or_new()
+    if url is None:
+        return False
+    from station.views import ladder, modelling
+
+    suspects = suspects_again(refinement)
+    tabs = (ladder_tab(refinement, f"/ladder/{time.time_ns()}"), *([suspects] if suspects else []))
+    modelling.send(url, _recording(refinement.session), tabs, ladder.TIMELINE)
+    return True
+
+
+def _recording(session: Session) -> str:
+    return f"{session.folder.name}-model"
+
+
+def keep_view(session: Session, tabs: tuple["Tab", ...], timeline: str) -> Path:
+    """Write the tabs into the session's results as a recording; return the file."""
+    from station.views import modelling
+
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / VIEW
+        modelling.write_file(file, _recording(session), tabs, timeline)
+        return session.write_result(VIEW, file.read_bytes())

@@ -1,0 +1,193 @@
+"""The Ladder tab: every rung is a step of the timeline `rung`; the model closes in, the bars fall to the floor."""
+
+from dataclasses import dataclass
+from io import BytesIO
+from typing import TYPE_CHECKING
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from identify.fit import Fit
+from identify.setting import Setting
+from station.diagnosis_words import number, size
+from station.ladder import KeptLadder, KeptRung
+from station.ladder_words import moved, step
+from station.quantities import shown
+from station.views import log, palette
+from station.views.figure import figure, legend
+from station.views.log import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+ROOT = "/ladder"
+NAME = "Ladder"
+TIMELINE = "rung"
+CYCLES = 2.5
+NOISE = 2.0
+ROOM = 1.15
+ERRORS = (
+    ("chi2", "chi2, 1 is the floor"),
+    ("motion_percent", "motion error [%]"),
+    ("force_mse_percent", "force error, MSE [%]"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Climbed:
+    """What the tab shows: the ladder up to the present rung, the setting, and the fit of each rung."""
+
+    name: str
+    ladder: KeptLadder
+    setting: Setting
+    fits: tuple[Fit, ...]
+
+    @property
+    def rungs(self) -> tuple[KeptRung, ...]:
+        """The rungs up to the present one."""
+        return self.ladder.rungs[: len(self.fits)]
+
+
+def write(stream: rr.RecordingStream, climbed: Climbed, root: str = ROOT) -> None:
+    """Log each rung as a step; `root` is another one each time the ladder has changed."""
+    window = _window(climbed)
+    reach = _reach(climbed)
+    for place in range(len(climbed.fits)):
+        stream.set_time(TIMELINE, sequence=place)
+        stream.set_time(
+            log.TIMELINE, duration=float(place)
+        )  # so that the tab is not empty on the other tabs' timeline
+        _frame(stream, f"{root}/motion", _motion(climbed, place, window, reach))
+        _frame(stream, f"{root}/errors", _errors(climbed, place))
+        text = rr.TextDocument(words(climbed, place), media_type="text/markdown")
+        stream.log(f"{root}/words", text)
+        for name, _ in ERRORS:
+            value = getattr(climbed.rungs[place].error, name)
+            stream.log(f"{root}/numbers/{name}", rr.Scalars([np.nan if value is None else value]))
+    stream.reset_time()
+
+
+def _frame(stream: rr.RecordingStream, path: str, drawn: "Figure") -> None:
+    buffer = BytesIO()
+    drawn.savefig(buffer, format="png", facecolor=palette.PANEL)
+    stream.log(path, rr.EncodedImage(contents=buffer.getvalue(), media_type="image/png"))
+
+
+def _window(climbed: Climbed) -> slice:
+    """Return a few cycles around the place at which the first model is farthest off."""
+    fit = climbed.fits[0]
+    span = fit.spans[0]
+    channel = span.channels[0]
+    left = np.where(span.used[channel], np.abs(fit.residual(channel)), 0.0)
+    width = int(CYCLES * 2.0 * np.pi / fit.frequency * span.rate)
+    smooth = np.convolve(left, np.ones(width), "same")
+    middle = int(np.argmax(smooth))
+    first = int(np.clip(middle - width // 2, 0, max(len(span) - width, 0)))
+    return slice(first, first + width)
+
+
+def _reach(climbed: Climbed) -> float:
+    """Return how far the residual's axis goes on all rungs, SI."""
+    span = climbed.fits[0].spans[0]
+    channel = span.channels[0]
+    largest = max(
+        float(np.max(np.abs(fit.residual(channel)[span.used[channel]]), initial=0.0)) for fit in climbed.fits
+    )
+    return ROOM * max(largest, 3.0 * NOISE * span.sigma[channel])
+
+
+def _motion(climbed: Climbed, place: int, window: slice, reach: float) -> "Figure":
+    fit = climbed.fits[place]
+    span = fit.spans[0]
+    channel = span.channels[0]
+    factor, unit = shown(channel, span.unit)
+    fine, fine_unit = shown(channel, span.unit, fine=True)
+    time, used = span.clock, span.used[channel]
+    measured = np.where(used, span.readings[channel], np.nan)
+    model = fit.predicted[0][channel]
+    drawn, axes = figure(8.6, 9.4, 3, 1)
+    whole, close, left = axes
+    _overlay(whole, time, measured * factor, model * factor, 1.0)
+    whole.axvspan(time[window][0], time[window][-1], color=palette.FAINT, alpha=0.35, lw=0)
+    whole.set(ylabel=f"{channel} [{unit}]", xlim=(time[0], time[-1]))
+    whole.set_title(f"rung {place}: {step(climbed.rungs[place])}", loc="left", fontsize=13)
+    _overlay(close, time[window], measured[window] * factor, model[window] * factor, 4.0)
+    close.set(ylabel=f"{channel} [{unit}]", xlim=(time[window][0], time[window][-1]))
+    close.set_title("where the first model is farthest off", loc="left")
+    legend(close, "upper right", ["measured", "model, run freely"])
+    noise = NOISE * span.sigma[channel] * fine
+    left.axhspan(-noise, noise, color=palette.css(palette.FORCE), alpha=0.3, lw=0)
+    left.plot(
+        time, np.where(used, fit.residual(channel), np.nan) * fine, color=palette.css(palette.WRONG), lw=1.0
+    )
+    left.set_yscale("symlog", linthresh=noise)
+    left.set(
+        xlabel="time since the release [s]", ylabel=f"measured less model [{fine_unit}]",
+        xlim=(time[0], time[-1]), ylim=(-reach * fine, reach * fine),
+    )  # fmt: skip
+    left.set_title("what the model leaves (band: noise, 2 std.; logarithmic beyond)", loc="left")
+    return drawn
+
+
+def _overlay(axis: "Axes", time: Array, measured: Array, model: Array, dot: float) -> None:
+    style = "o" if dot > 2 else "-"
+    axis.plot(time, measured, style, color=palette.css(palette.MEASURED), ms=dot, lw=2.2, alpha=0.8)
+    axis.plot(time, model, color=palette.css(palette.FORCE), lw=1.3)
+
+
+def _errors(climbed: Climbed, place: int) -> "Figure":
+    drawn, axes = figure(5.8, 9.4, 3, 1)
+    labels = [f"{n}: {step(rung)}" for n, rung in enumerate(climbed.rungs)]
+    for axis, (name, title) in zip(axes, ERRORS, strict=True):
+        values = np.array([getattr(rung.error, name) or np.nan for rung in climbed.rungs])
+        floor = getattr(climbed.ladder.floor, name) or np.nan
+        shown_values = values[: place + 1]
+        colours = [palette.css(palette.REFERENCE)] * place + [palette.css(palette.FORCE)]
+        bottom = 0.4 * np.nanmin([*values, floor])
+        axis.barh(range(place + 1), shown_values - bottom, left=bottom, color=colours, height=0.6)
+        for row, value in enumerate(shown_values):
+            axis.annotate(f" {size(float(value))}", (value, row), va="center", fontsize=9, color=palette.INK)
+        axis.axvline(floor, color=palette.css(palette.WRONG), lw=1.5, ls="--")
+        axis.set_xscale("log")
+        axis.set_xlim(bottom, 6.0 * np.nanmax([*values, floor]))
+        axis.set_ylim(max(len(values), 3) - 0.4, -0.6)
+        axis.set_yticks(range(place + 1), labels[: place + 1])
+        axis.grid(axis="y", visible=False)
+        axis.set_title(f"{title} (dashed: what noise alone leaves)", loc="left", fontsize=10)
+    return drawn
+
+
+def words(climbed: Climbed, place: int) -> str:
+    """Return what one rung did, as markdown."""
+    rung, floor = climbed.rungs[place], climbed.ladder.floor
+    lines = [f"# {climbed.name}, rung {place}", "", f"**{step(rung)}**: {' + '.join(rung.effects)}", ""]
+    lines += ["| error | this rung | before | floor |", "|---|---:|---:|---:|"]
+    before = climbed.rungs[place - 1].error if place else None
+    for name, title in ERRORS:
+        old = "" if before is None else size(getattr(before, name))
+        lines.append(
+            f"| {title} | {size(getattr(rung.error, name))} | {old} | {size(getattr(floor, name))} |"
+        )
+    if place:
+        lines += ["", "## What moved", ""]
+        lines += [f"- {text}" for text in moved(climbed.rungs[place - 1], rung)]
+    lines += ["", "## The model", "", f"`{rung.model.equation}`", ""]
+    lines += [f"- {name} = {number(value)}" for name, value in rung.parameters.items()]
+    if place == len(climbed.rungs) - 1 and climbed.ladder.stopped_because:
+        lines += ["", f"**The climb stops here**: {climbed.ladder.stopped_because}."]
+    elif place < len(climbed.rungs) - 1:
+        lines += ["", "*Step on along the timeline `rung`.*"]
+    return "\n".join(lines)
+
+
+def tab(climbed: Climbed, root: str = ROOT) -> rrb.Container:
+    """Return the layout of the tab."""
+    return rrb.Horizontal(
+        log.shown_picture("The model closes in on the measurement", f"{root}/motion"),
+        log.shown_picture("The errors fall to the floor", f"{root}/errors"),
+        log.document("This rung", f"{root}/words"),
+        column_shares=[1.35, 0.9, 0.75],
+        name=NAME,
+    )
