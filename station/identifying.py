@@ -53,11 +53,11 @@ def refuse_if_nothing(result: Identification) -> None:
         raise NothingIdentified("nothing could be identified: " + "; ".join(reasons))
 
 
-def write_view(session: Session, result: Identification) -> Path:
-    """Write the tabs of the viewer into the session's results; return the file."""
+def write_view(session: Session, result: Identification, more: tuple[Any, ...] = ()) -> Path:
+    """Write the tabs of the viewer into the session's results, `more` after those of the identification."""
     from station.views import show
 
     with TemporaryDirectory() as folder:
         file = Path(folder) / VIEW
-        show.write(file, session.folder.name, result)
+        show.write(file, session.folder.name, result, more)
         return session.write_result(VIEW, file.read_bytes())

@@ -43,6 +43,7 @@ def open_refinement(
 ) -> Refinement:
     """Open the ladder of a session; begin one where there is none, where a model is given, or on `reset`.
 
+    A ladder that begins is not kept before its first step, or before `write_ladder`.
     Raises NotIdentifiable when the session holds too little.
     """
     library = whole_library(effects_file)
@@ -59,7 +60,6 @@ def open_refinement(
             floor=floor_of(setting, rung),
             gain_percent=gain_percent,
         )
-        write_ladder(session, ladder)
     return Refinement(session, setting, library, ladder)
 
 

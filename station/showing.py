@@ -10,14 +10,19 @@ from daq.session import Session
 from identify.diagnose import Diagnosis
 from identify.fit import fit
 from identify.search import begin
+from station.comparing import RESULT as COMPARISON
 from station.diagnosing import begin_from
 from station.diagnosis import RESULT
+from station.exits import UsageProblem
+from station.identifying import options_for
 from station.ladder import LADDER
 from station.models import ModelFile, known_model
-from station.refining import Refinement, rung_again
+from station.output import progress
+from station.refining import Refinement, open_refinement, rung_again
+from station.settings import Settings
 
 if TYPE_CHECKING:
-    from station.views.modelling import Tab
+    from station.views.tab import Tab
 
 VIEW = "model.rrd"
 BEST = 3
@@ -26,7 +31,7 @@ BEST = 3
 def suspects_tab(found: Diagnosis, document: dict[str, Any]) -> "Tab":
     """Return the Suspects tab of a diagnosis."""
     from station.views import suspects
-    from station.views.modelling import Tab
+    from station.views.tab import Tab
 
     told = suspects.shown(found, document)
     return Tab(suspects.NAME, lambda stream: suspects.write(stream, told), lambda: suspects.tab(told))
@@ -35,7 +40,7 @@ def suspects_tab(found: Diagnosis, document: dict[str, Any]) -> "Tab":
 def suspects_again(refinement: Refinement) -> "Tab | None":
     """Return the Suspects tab of the diagnosis that a session keeps; None when it keeps none that can be read."""
     from station.views import suspects
-    from station.views.modelling import Tab
+    from station.views.tab import Tab
 
     file = refinement.session.results / RESULT
     if not file.is_file():
@@ -59,7 +64,7 @@ def suspects_again(refinement: Refinement) -> "Tab | None":
 def ladder_tab(refinement: Refinement, root: str = "/ladder") -> "Tab":
     """Return the Ladder tab of a session; each rung's fit is found again from its values."""
     from station.views import ladder
-    from station.views.modelling import Tab
+    from station.views.tab import Tab
 
     kept = refinement.ladder
     fits = tuple(rung_again(refinement, rung).fit for rung in kept.rungs[: kept.present + 1])
@@ -74,6 +79,29 @@ def kept_tabs(refinement: Refinement) -> tuple["Tab", ...]:
     suspects = suspects_again(refinement)
     has_ladder = (refinement.session.results / LADDER).is_file()
     return (*([suspects] if suspects else []), *([ladder_tab(refinement)] if has_ladder else []))
+
+
+def story_tabs(session: Session, settings: Settings) -> tuple["Tab", ...]:
+    """Return the tabs Compare, Suspects and Ladder, as far as a session's results hold what they show."""
+    results = session.results
+    tabs: list[Tab] = []
+    if (results / COMPARISON).is_file():
+        tabs.append(_compare_tab(session, settings))
+    if (results / RESULT).is_file() or (results / LADDER).is_file():
+        try:
+            tabs += kept_tabs(open_refinement(session, settings))
+        except UsageProblem as problem:  # an effect of the user's own file, which is not at hand here
+            progress(f"the tabs Suspects and Ladder are left out: {problem}")
+    return tuple(tabs)
+
+
+def _compare_tab(session: Session, settings: Settings) -> "Tab":
+    from station.comparing import compare_session
+    from station.views import compare
+    from station.views.tab import Tab
+
+    compared, _ = compare_session(session, options_for(session, settings))
+    return Tab(compare.NAME, lambda stream: compare.write(stream, compared), lambda: compare.tab(compared))
 
 
 def show_suspects(session: Session, found: Diagnosis, document: dict[str, Any]) -> bool:

@@ -60,7 +60,7 @@ def command(
         raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
     from dataclasses import replace
 
-    from station.ladder import ladder_document
+    from station.ladder import ladder_document, write_ladder
     from station.refining import add, climb_on, go_to, open_refinement, remove
     from station.sessions import open_session
     from station.settings import load_settings
@@ -77,6 +77,8 @@ def command(
         ladder = climb_on(refinement, progress)
     elif number is not None:
         ladder = go_to(refinement, number)
+    else:
+        write_ladder(opened, ladder)
     if as_json:
         print_json(ladder_document(opened, ladder))
     else:

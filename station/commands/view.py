@@ -37,7 +37,9 @@ def command(
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     result, _ = identify_session(opened, options_for(opened, settings))
-    file = write_view(opened, result)
+    from station.showing import story_tabs
+
+    file = write_view(opened, result, story_tabs(opened, settings))
     document: dict[str, Any] = {"session": str(opened.folder), "recording": str(file), "pictures": []}
     progress(f"recording: {file}")
     if screenshot is not None:

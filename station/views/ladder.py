@@ -122,7 +122,7 @@ def _motion(climbed: Climbed, place: int, window: slice, reach: float) -> "Figur
     left.plot(
         time, np.where(used, fit.residual(channel), np.nan) * fine, color=palette.css(palette.WRONG), lw=1.0
     )
-    left.set_yscale("symlog", linthresh=noise)
+    left.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(noise)))
     left.set(
         xlabel="time since the release [s]", ylabel=f"measured less model [{fine_unit}]",
         xlim=(time[0], time[-1]), ylim=(-reach * fine, reach * fine),
@@ -176,7 +176,8 @@ def words(climbed: Climbed, place: int) -> str:
     lines += ["", "## The model", "", f"`{rung.model.equation}`", ""]
     lines += [f"- {name} = {number(value)}" for name, value in rung.parameters.items()]
     if place == len(climbed.rungs) - 1 and climbed.ladder.stopped_because:
-        lines += ["", f"**The climb stops here**: {climbed.ladder.stopped_because}."]
+        reason = climbed.ladder.stopped_because
+        lines += ["", f"**{reason[0].upper()}{reason[1:]}.**"]
     elif place < len(climbed.rungs) - 1:
         lines += ["", "*Step on along the timeline `rung`.*"]
     return "\n".join(lines)

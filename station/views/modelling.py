@@ -1,22 +1,12 @@
 """The recording of a model's story: the tabs Suspects and Ladder, written to a file or sent to an open viewer."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import rerun as rr
 import rerun.blueprint as rrb
 
 from station.views.show import APPLICATION
-
-
-@dataclass(frozen=True)
-class Tab:
-    """One tab: how its data are logged, and how it is laid out."""
-
-    name: str
-    write: Callable[[rr.RecordingStream], None]
-    layout: Callable[[], rrb.Container]
+from station.views.tab import Tab
 
 
 def write_file(file: Path, name: str, tabs: tuple[Tab, ...], timeline: str) -> None:

@@ -7,6 +7,7 @@ import rerun.blueprint as rrb
 
 from station.identification import Identification
 from station.views import alignment, capture, log, restoring_force, results, wavelet
+from station.views.tab import Tab
 
 APPLICATION = "free-decay-station"
 
@@ -14,11 +15,11 @@ TABS = (capture, alignment, wavelet, restoring_force, results)
 NAMES = ("Capture", "Alignment", "Wavelet", "Restoring force", "Results")
 
 
-def write(file: Path, name: str, result: Identification) -> None:
-    """Write the recording with its blueprint to `file`."""
+def write(file: Path, name: str, result: Identification, more: tuple[Tab, ...] = ()) -> None:
+    """Write the recording with its blueprint to `file`; `more` are tabs of what else is known of the session."""
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
-    stream.save(file, default_blueprint=blueprint(result))
-    _fill(stream, name, result)
+    stream.save(file, default_blueprint=blueprint(result, more=more))
+    _fill(stream, name, result, more)
 
 
 def send(url: str, name: str, result: Identification) -> None:
@@ -28,16 +29,18 @@ def send(url: str, name: str, result: Identification) -> None:
     _fill(stream, name, result)
 
 
-def _fill(stream: rr.RecordingStream, name: str, result: Identification) -> None:
+def _fill(stream: rr.RecordingStream, name: str, result: Identification, more: tuple[Tab, ...] = ()) -> None:
     for tab in TABS:
         tab.write(stream, name, result)
+    for other in more:
+        other.write(stream)
     stream.flush()
     stream.disconnect()
 
 
-def blueprint(result: Identification, active: str = "Results") -> rrb.Blueprint:
+def blueprint(result: Identification, active: str = "Results", more: tuple[Tab, ...] = ()) -> rrb.Blueprint:
     """Return the layout: one named tab for each step of the story."""
-    tabs = [tab.tab(result) for tab in TABS]
+    tabs = [*(tab.tab(result) for tab in TABS), *(other.layout() for other in more)]
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=NAMES.index(active)),
         rrb.BlueprintPanel(state="collapsed"),
