@@ -8,12 +8,12 @@ from typing import Any
 
 from daq.session import Session
 from identify.compare import Comparison, compare
-from identify.model import Model, base_model
+from identify.effects.library import LIBRARY
 from identify.release import find_release
 from identify.search import Start, begin
 from identify.setting import Setting, prepare
+from station.diagnosing import chosen_model
 from station.document import estimate
-from station.exits import UsageProblem
 from station.output import finite
 from station.pipeline import Options, free_decay
 
@@ -38,19 +38,13 @@ def setting_of(session: Session, options: Options) -> Setting:
     return prepare(decay.with_(release=release.index, rest=release.rest), release)
 
 
-def model_of(file: Path | None) -> Model:
-    """Return the model in a file, or stiffness, Coulomb and viscous friction without one."""
-    if file is None:
-        return base_model()
-    raise UsageProblem(f"{file}: models cannot be read from files yet; leave --model out")
-
-
 def compare_session(
     session: Session, options: Options, model: Path | None = None
 ) -> tuple[Compared, dict[str, Any]]:
     """Fit a model to a session, compare, write results/comparison.json; return both forms."""
     setting = setting_of(session, options)
-    start = begin((setting,), model_of(model))
+    chosen, known, _ = chosen_model(model, (setting,), LIBRARY)
+    start = begin((setting,), chosen, known)
     found = compare(setting, start.fit, start.floors[0].channels, mass=options.mass)
     compared = Compared(session.folder.name, setting, start, found)
     document = as_document(compared)
