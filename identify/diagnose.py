@@ -9,6 +9,7 @@ from identify.arrays import Array
 from identify.chance import Chance
 from identify.effects.effect import Effect, Kind
 from identify.effects.library import LIBRARY
+from identify.episodes import episodes
 from identify.estimate import Estimate
 from identify.explain import explain
 from identify.faults import Fault, corrected_faults
@@ -97,6 +98,7 @@ def diagnose(
     known: dict[str, float] | None = None,
 ) -> Diagnosis:
     """Return what a model (stiffness, Coulomb and viscous friction unless given) lacks on one or more releases."""
+    settings = tuple(episode for setting in settings for episode in episodes(setting))
     start = begin(settings, model or base_model(), known)
     tried = singles(start, library)
     chance = chances(start, library)
@@ -165,13 +167,15 @@ def _rank(
     ranked = []
     for candidate in tried:
         drop = candidate.gain / dispersion
-        evidence = chance.surprise(candidate.name, drop) - (0.0 if candidate.plausible else _IMPLAUSIBLE)
-        evidence += at_rest(start.settings, candidate)
+        evidence = chance.surprise(candidate.name, drop) + at_rest(start.settings, candidate)
         ranked.append(_Ranked(candidate, evidence, chance.p_value(candidate.name, drop)))
-    return tuple(sorted(ranked, key=lambda entry: -entry.evidence))
+    return tuple(sorted(ranked, key=_order))
 
 
-_IMPLAUSIBLE = 8.0
+def _order(entry: _Ranked) -> tuple[int, float]:
+    """Put plausible suspects that chance cannot explain first, then implausible ones, then the rest."""
+    tier = 2 if entry.p_value >= ALPHA else 0 if entry.candidate.plausible else 1
+    return tier, -entry.evidence
 
 
 def _significant(fault: Fault) -> bool:

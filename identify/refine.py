@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from identify.diagnose import Diagnosis, diagnose
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY, find_effect
+from identify.episodes import episodes
 from identify.errors import NotIdentifiable
 from identify.faults import corrected_faults
 from identify.fit import Fit, fit
@@ -58,7 +59,8 @@ def first_rung(
     settings: tuple[Setting, ...], model: Model | None = None, known: dict[str, float] | None = None
 ) -> Rung:
     """Return the rung on which a ladder stands: a model (the base model unless given) as fitted."""
-    return _rung(begin(settings, model or base_model(), known))
+    pieces = tuple(episode for setting in settings for episode in episodes(setting))
+    return _rung(begin(pieces, model or base_model(), known))
 
 
 def add_effect(rung: Rung, effect: Effect, *, library: tuple[Effect, ...] = LIBRARY) -> Rung:
