@@ -147,10 +147,14 @@ def _facts(document: dict[str, Any]) -> list[tuple[str, str]]:
             ("shape", f"a free-form force over {along} explains {100 * shape['explained']:.0f} % of the rest")
         )
     if document["held_out"]:
-        parts = [f"{one['session']} {size(one['chi2'])}" for one in document["held_out"]]
+        parts = [f"{one['session']} {_left(one['chi2'])}" for one in document["held_out"]]
         facts.append(("left out", f"physics of the others on each session, chi2: {', '.join(parts)}"))
     facts.append(("record next", document["next_experiment"]))
     return facts
+
+
+def _left(chi_square: float | None) -> str:
+    return size(chi_square) if chi_square is not None and math.isfinite(chi_square) else "runs away"
 
 
 def indistinguishable(document: dict[str, Any]) -> list[str]:

@@ -1,0 +1,234 @@
+"""Diagnose and refine, as their documents and their words say it, on releases that another program has simulated."""
+
+import io
+import json
+
+import pytest
+from hidden import DRIFT, DUFFING, NOTHING, TRUTH
+from rich.console import Console
+
+from station import exits
+from station.cli import run
+from station.diagnosis_words import evidence, indistinguishable, probability, show_diagnosis, size
+from station.ladder import KeptLadder
+from station.ladder_words import change, show_ladder
+
+VERDICTS = ("missing_effect", "sensor_fault", "nothing_missing", "unknown_effect", "not_enough_data")
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory):
+    """Return a folder in which the release with a Duffing spring has been diagnosed and refined."""
+    folder = tmp_path_factory.mktemp("bench")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.delenv("DISPLAY", raising=False)
+        patch.delenv("WAYLAND_DISPLAY", raising=False)
+        patch.setenv("STATION_VIEWER", "rerun+http://127.0.0.1:9/proxy")  # nobody listens there
+        yield folder
+
+
+def told(capsys, *arguments, code=0):
+    assert run([*map(str, arguments), "--json"]) == code
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.fixture(scope="module")
+def diagnosis(bench):
+    assert run(["diagnose", str(DUFFING), "--no-viewer"]) == 0
+    return json.loads((bench / "sessions" / DUFFING.stem / "results" / "diagnosis.json").read_text())
+
+
+def test_the_document_has_the_keys_that_other_programs_rely_on(diagnosis):
+    assert diagnosis["verdict"] in VERDICTS
+    assert set(diagnosis["error"]) >= {"force_mse_percent", "motion_percent", "chi2"}
+    assert isinstance(diagnosis["explanation"], str)
+    assert isinstance(diagnosis["next_experiment"], str)
+    assert diagnosis["noise_floor"]["channels"]["displacement"]["unit"] == "m"
+    assert diagnosis["model"]["effects"] == ["linear_stiffness", "coulomb_friction", "viscous_damping"]
+    for suspect in diagnosis["suspects"]:
+        assert suspect["kind"] in ("physics", "sensor")
+        assert suspect["p_value"] is None or 0 <= suspect["p_value"] <= 1
+        assert isinstance(suspect["confusable_with"], list)
+        assert suspect["error_after"] is None or suspect["error_after"] >= 0
+        for parameter in suspect["parameters"].values():
+            assert set(parameter) == {"value", "std", "unit"}
+
+
+def test_the_hidden_spring_is_named_with_its_parameter(diagnosis):
+    truth = TRUTH[DUFFING.name]
+    first = diagnosis["suspects"][0]
+    assert diagnosis["verdict"] == "missing_effect"
+    assert diagnosis["named"] == [truth["hidden"]] == [first["effect"]]
+    found = first["parameters"]["k3"]
+    # Four standard errors: one record, and the seed of its noise was drawn once.
+    assert found["value"] == pytest.approx(truth["parameters"]["k3"], abs=4 * found["std"])
+    assert first["error_after"] < 1.0 + 4 * diagnosis["noise_floor"]["chi2_std"]
+
+
+def test_the_first_suspect_is_the_one_with_the_most_evidence(diagnosis):
+    first, *others = [suspect["evidence"] for suspect in diagnosis["suspects"]]
+    assert first > max(others)
+
+
+def test_the_verdict_fits_a_terminal_and_comes_first(diagnosis):
+    text = printed(show_diagnosis, diagnosis)
+    lines = text.splitlines()
+    assert all(len(line) <= 80 for line in lines)
+    assert len(lines) <= 45
+    assert next(line for line in lines if line.strip()) == " A FORCE IS MISSING: cubic_stiffness"
+    assert "m^2" in text
+
+
+def printed(show, *arguments):
+    stream = io.StringIO()
+    show(Console(file=stream, width=80, highlight=False), *arguments)
+    return stream.getvalue()
+
+
+def test_a_drifting_sensor_is_named_as_a_sensor(bench, capsys):
+    document = told(capsys, "diagnose", DRIFT)
+    assert document["verdict"] == "sensor_fault"
+    assert document["named"] == ["offset_drift"]
+    assert document["suspects"][0]["channel"] == "displacement"
+    rate = document["suspects"][0]["parameters"]["rate"]
+    assert rate["value"] == pytest.approx(TRUTH[DRIFT.name]["parameters"]["rate"], abs=4 * rate["std"])
+
+
+def test_nothing_hidden_is_nothing_named(bench, capsys):
+    document = told(capsys, "diagnose", NOTHING)
+    assert document["verdict"] == "nothing_missing"
+    assert document["named"] == []
+    assert document["error"]["chi2"] == pytest.approx(1.0, abs=4 * document["noise_floor"]["chi2_std"])
+
+
+def test_the_uncertainty_of_the_gain_can_be_given(bench, capsys):
+    assert told(capsys, "diagnose", NOTHING, "--gain-uncertainty", "3")["verdict"] == "nothing_missing"
+    assert run(["diagnose", str(NOTHING), "--gain-uncertainty", "-1"]) == exits.USAGE
+
+
+def test_too_short_a_record_ends_with_8_and_says_so_in_json(bench, capsys, tmp_path):
+    rows = DUFFING.read_text().splitlines()
+    short = tmp_path / "short.csv"
+    short.write_text("\n".join(rows[: 1 + 192 + 120]) + "\n")  # the rest before, and 0.47 s: two cycles
+    assert run(["diagnose", str(short), "--json"]) == exits.NOT_IDENTIFIABLE
+    out, err = capsys.readouterr()
+    document = json.loads(out)
+    assert document["verdict"] == "not_enough_data"
+    assert document["error"] == {"force_mse_percent": None, "motion_percent": None, "chi2": None}
+    assert document["explanation"] in err
+
+
+def test_a_session_given_twice_is_refused(bench, diagnosis, capsys):
+    assert run(["diagnose", DUFFING.stem, DUFFING.stem]) == exits.USAGE
+    assert "given twice" in capsys.readouterr().err
+
+
+def test_the_ladder_falls_to_the_floor_and_can_be_gone_back_on(bench, diagnosis, capsys):
+    first = told(capsys, "refine", DUFFING.stem, "--reset")
+    assert len(first["rungs"]) == 1
+    second = told(capsys, "refine", DUFFING.stem, "--add", "cubic_stiffness")
+    assert second["rungs"][0] == first["rungs"][0]
+    assert [rung["added"] for rung in second["rungs"]] == [None, "cubic_stiffness"]
+    for name in ("force_mse_percent", "motion_percent", "chi2"):
+        errors = [rung["error"][name] for rung in second["rungs"]]
+        assert errors[1] < errors[0] / 3
+        assert errors[1] < 1.5 * second["floor"][name]
+    assert "floor is reached" in second["stopped_because"]
+    removed = told(capsys, "refine", DUFFING.stem, "--remove", "coulomb_friction")
+    assert removed["rungs"][-1]["removed"] == "coulomb_friction"
+    assert removed["rungs"][-1]["error"]["chi2"] > 100
+    back = told(capsys, "refine", DUFFING.stem, "--to", "1")
+    assert back["rungs"] == second["rungs"]
+    assert back["rungs_above"] == 1
+    again = told(capsys, "refine", DUFFING.stem, "--add", "quadratic_damping")
+    assert [rung["added"] for rung in again["rungs"]] == [None, "cubic_stiffness", "quadratic_damping"]
+    assert again["rungs_above"] == 0
+
+
+def test_the_present_model_is_a_file_that_leaves_nothing_missing(bench, diagnosis, capsys):
+    told(capsys, "refine", DUFFING.stem, "--reset")
+    ladder = told(capsys, "refine", DUFFING.stem, "--add", "cubic_stiffness")
+    document = told(capsys, "diagnose", DUFFING.stem, "--model", ladder["model_file"])
+    assert document["model"]["effects"] == ladder["rungs"][-1]["effects"]
+    assert document["verdict"] == "nothing_missing"
+    chi_square = told(capsys, "compare", DUFFING.stem, "--model", ladder["model_file"])["error"]["chi2"]
+    assert chi_square == pytest.approx(
+        ladder["rungs"][-1]["error"]["chi2"], rel=0.02
+    )  # the floor is settled once more
+
+
+def test_the_ladder_fits_a_terminal_and_ends_with_the_floor(bench, diagnosis, capsys):
+    told(capsys, "refine", DUFFING.stem, "--reset")
+    told(capsys, "refine", DUFFING.stem, "--add", "cubic_stiffness")
+    file = bench / "sessions" / DUFFING.stem / "results" / "ladder.json"
+    text = printed(show_ladder, "one", KeptLadder.model_validate_json(file.read_bytes()))
+    lines = [line for line in text.splitlines() if line.strip()]
+    assert all(len(line) <= 80 for line in lines)
+    table = lines[: next(place for place, line in enumerate(lines) if line.startswith(" moved:"))]
+    assert "floor" in table[-1]
+    assert "+ cubic_stiffness" in table[-2]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--add", "magic"], "no effect is called 'magic'"),
+        (["--remove", "magic"], "not in the model"),
+        (["--add", "coulomb_friction"], "in the model already"),
+        (["--to", "99"], "the ladder has rungs 0 to"),
+        (["--add", "end_stop", "--auto"], "do not go together"),
+    ],
+)
+def test_a_step_that_cannot_be_done_is_refused_and_changes_nothing(
+    bench, diagnosis, capsys, arguments, words
+):
+    before = told(capsys, "refine", DUFFING.stem)
+    assert run(["refine", DUFFING.stem, *arguments]) == exits.USAGE
+    assert words in capsys.readouterr().err
+    assert told(capsys, "refine", DUFFING.stem) == before
+
+
+def test_a_damaged_ladder_is_told_and_can_be_begun_again(bench, diagnosis, capsys):
+    told(capsys, "refine", DUFFING.stem, "--reset")
+    file = bench / "sessions" / DUFFING.stem / "results" / "ladder.json"
+    file.write_text('{"format": 1, "rungs": []}')
+    assert run(["refine", DUFFING.stem]) == exits.USAGE
+    assert "--reset" in capsys.readouterr().err
+    assert len(told(capsys, "refine", DUFFING.stem, "--reset")["rungs"]) == 1
+
+
+def test_numbers_are_written_for_people():
+    assert [size(value) for value in (None, float("inf"), 0.0123456, 1.0, 132.4)] == [
+        "-",
+        "-",
+        "0.0123",
+        "1.00",
+        "132",
+    ]
+    assert [probability(value) for value in (None, 1e-9, 0.004, 0.5)] == ["-", "<1e-6", "4e-3", "0.50"]
+    assert [evidence(value) for value in (None, 1.0, 6.0, 20.0, 2e5)] == [
+        "none", "none 1", "some 6", "strong 20", "decisive 2.0e5"
+    ]  # fmt: skip
+    assert [change(10.0, 1.0), change(1.0, 10.0), change(1.0, 0.9), change(None, 1.0)] == [
+        "÷ 10",
+        "x 10",
+        "-10.0 %",
+        "",
+    ]
+
+
+def test_only_a_claimed_suspect_close_to_the_first_counts_as_not_told_apart():
+    def suspect(name, nats, p):
+        return {"effect": name, "evidence": nats, "p_value": p}
+
+    document = {
+        "named": ["a"],
+        "suspects": [
+            suspect("a", 30.0, 1e-6),
+            suspect("b", 27.0, 1e-6),
+            suspect("c", 20.0, 1e-6),
+            suspect("d", 29.0, 0.5),
+        ],
+    }
+    assert indistinguishable(document) == ["b"]

@@ -1,0 +1,141 @@
+"""The tabs Suspects and Ladder, read back: what they show is what was found, and every rung is a step."""
+
+import socket
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hidden import DUFFING, TRUTH
+from rerun.chunk import RrdReader
+
+from station import showing
+from station.diagnosing import open_bench
+from station.diagnosis import diagnose_bench, keep
+from station.refining import add, open_refinement
+from station.settings import Settings
+from station.views import open_viewer
+from station.views.viewer import executable
+
+
+@pytest.fixture(scope="module")
+def refinement(tmp_path_factory):
+    settings = Settings(sessions=tmp_path_factory.mktemp("sessions"))
+    bench = open_bench((str(DUFFING),), settings)
+    _, document = diagnose_bench(bench)
+    keep(bench, document)
+    begun = open_refinement(bench.sessions[0], settings)
+    return replace(begun, ladder=add(begun, "cubic_stiffness"))
+
+
+@pytest.fixture(scope="module")
+def file(refinement):
+    return showing.keep_view(refinement.session, showing.kept_tabs(refinement), "rung")
+
+
+def chunks(file, path):
+    return [chunk.to_record_batch() for chunk in RrdReader(file).stream().filter(content=path)]
+
+
+def column(file, path, name):
+    values = []
+    for batch in chunks(file, path):
+        for field in batch.schema.names:
+            if field == name or field.endswith(f":{name}"):
+                values += [
+                    np.asarray(row, dtype=float) for row in batch.column(field).to_pylist() if row is not None
+                ]
+    return np.concatenate(values) if values else np.zeros(0)
+
+
+def texts(file, path):
+    found = []
+    for batch in chunks(file, path):
+        for field in batch.schema.names:
+            if field.endswith("TextDocument:text"):
+                found += [row[0] for row in batch.column(field).to_pylist() if row]
+    return found
+
+
+def test_every_rung_is_a_step_with_its_errors(file, refinement):
+    errors = [rung.error.chi2 for rung in refinement.ladder.rungs]
+    assert np.array_equal(column(file, "/ladder/numbers/chi2", "Scalars:scalars"), errors)
+    steps = {step for batch in chunks(file, "/ladder/motion") for step in batch.column("rung").to_pylist()}
+    assert steps == {0, 1}
+
+
+def test_each_rung_tells_what_it_added_and_why_the_climb_stopped(file):
+    first, second = texts(file, "/ladder/words")
+    assert "base model" in first
+    assert "+ cubic_stiffness" in second
+    assert "floor is reached" in second
+
+
+def test_the_suspects_tab_shows_the_errors_that_were_found(file, refinement):
+    (verdict,) = texts(file, "/suspects/verdict")
+    assert "A FORCE IS MISSING: cubic_stiffness" in verdict
+    shown = column(file, "/suspects/errors/numbers", "chi2_after")
+    assert shown[0] == pytest.approx(
+        refinement.ladder.rungs[0].error.chi2, rel=0.05
+    )  # each settles its own floor
+    assert shown[1] == min(shown)
+
+
+def test_the_fingerprint_of_the_right_suspect_is_that_of_the_residual(file, refinement):
+    residual = column(file, "/suspects/fingerprints/numbers", "residual")
+    right = column(file, "/suspects/fingerprints/numbers", "cubic_stiffness")
+    known = np.isfinite(residual) & np.isfinite(right)
+    assert known.sum() > 150  # bins
+    assert np.corrcoef(residual[known], right[known])[0, 1] > 0.8
+
+
+def test_the_fingerprint_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follow(refinement):
+    from identify.fingerprint import force_added
+    from station.refining import rung_again
+
+    base, top = (rung_again(refinement, rung).fit for rung in refinement.ladder.rungs)
+    setting = refinement.setting
+    added = force_added(setting, base, top, top.model.terms[-1])
+    u = setting.motion.displacement
+    truth = TRUTH[DUFFING.name]["parameters"]["k3"] * u**3
+    used = np.abs(setting.motion.velocity) > 0.05
+    line = np.column_stack([u, setting.motion.velocity, np.sign(setting.motion.velocity), np.ones_like(u)])
+    left = truth - line @ np.linalg.lstsq(line[used], truth[used], rcond=None)[0]
+    # The regression along noisy motion finds k3 to some per cent; the two fits weigh the samples a little differently.
+    assert np.abs((added - left)[used]).max() < 0.15 * np.abs(left[used]).max()
+
+
+def test_a_session_without_results_has_no_tabs(tmp_path):
+    settings = Settings(sessions=tmp_path)
+    bench = open_bench((str(DUFFING),), settings)
+    assert showing.story_tabs(bench.sessions[0], settings) == ()
+
+
+def test_without_a_screen_and_a_viewer_nothing_is_shown(refinement, monkeypatch):
+    monkeypatch.setenv(open_viewer.VARIABLE, "rerun+http://127.0.0.1:9/proxy")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert not showing.show_ladder(refinement)
+
+
+def test_a_viewer_that_is_open_is_sent_the_ladder(refinement, monkeypatch):
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    server = subprocess.Popen(
+        [executable(), "--serve-grpc", "--port", str(port), "--bind", "127.0.0.1"],
+        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        monkeypatch.setenv(open_viewer.VARIABLE, f"rerun+http://127.0.0.1:{port}/proxy")
+        assert any(open_viewer.open_url() or server.poll() or _wait() for _ in range(100))
+        assert showing.show_ladder(refinement)
+    finally:
+        server.terminate()
+        server.wait(timeout=10)
+
+
+def _wait():
+    import time
+
+    time.sleep(0.1)
