@@ -18,7 +18,7 @@ from identify.free_form import FreeForm, free_form
 from identify.model import Model, Term, base_model
 from identify.next_experiment import next_experiment
 from identify.rest_evidence import at_rest
-from identify.search import Start, begin, chances, force_along_motion, pairs, singles
+from identify.search import Pair, Start, begin, chances, force_along_motion, pairs, singles
 from identify.setting import Setting
 from identify.span import Span
 from identify.suspects import Candidate
@@ -137,9 +137,9 @@ class _Ranked:
 
 
 def _dispersion(start: Start, tried: tuple[Candidate, ...]) -> float:
-    """Return by how much a misfit that nothing explains widens chance: 1 where the best refit reaches the floor."""
-    best = min((c.fit for c in tried), key=lambda found: found.chi_square, default=start.fit)
-    if start.adequate(best):
+    """Return by how much a misfit that nothing explains widens chance: 1 where the best refit reaches a sure floor."""
+    best = min((c.fit for c in tried if c.plausible), key=lambda found: found.chi_square, default=start.fit)
+    if start.adequate(best) and start.floor_is_sure:
         return 1.0
     lengths = []
     for i, span in enumerate(best.spans):
@@ -206,16 +206,22 @@ def _judge(
             return _Judgement("unknown_effect", ranked, (), best.fit, _free(start, start.fit))
         return _Judgement(_kind_of(best), ranked, (), best.fit, None)
     two = pairs(start, tuple(entry.candidate for entry in ranked), library)
-    if two and start.adequate(two[0].second.fit) and two[0].plausible:
-        first = next(entry for entry in ranked if entry.candidate is two[0].first)
-        rest = tuple(entry for entry in ranked if entry is not first)
-        return _Judgement(
-            _kind_of(first.candidate), (first, *rest), (two[0].second.name,), two[0].second.fit, None
-        )
-    shape = _free(start, best.fit)
+    together = two[0] if two and two[0].plausible else None
+    if together is not None and start.adequate(together.second.fit):
+        return _of_pair(ranked, together, None)
+    final = together.second.fit if together is not None else best.fit
+    shape = _free(start, final)
     if shape.explained > _FREE_FORM_EXPLAINS or start.floor_is_sure or not best.plausible:
-        return _Judgement("unknown_effect", ranked, (), two[0].second.fit if two else best.fit, shape)
+        return _Judgement("unknown_effect", ranked, (), final, _free(start, best.fit))
+    if together is not None:
+        return _of_pair(ranked, together, shape)
     return _Judgement(_kind_of(best), ranked, (), best.fit, shape)
+
+
+def _of_pair(ranked: tuple[_Ranked, ...], pair: Pair, shape: FreeForm | None) -> _Judgement:
+    first = next(entry for entry in ranked if entry.candidate is pair.first)
+    rest = tuple(entry for entry in ranked if entry is not first)
+    return _Judgement(_kind_of(pair.first), (first, *rest), (pair.second.name,), pair.second.fit, shape)
 
 
 def _kind_of(candidate: Candidate) -> Verdict:

@@ -70,7 +70,7 @@ def descend(
     theta = np.clip(theta, problem.low, problem.high)
     always = np.zeros(len(theta), dtype=bool) if held is None else held
     residual, jacobian = problem.linearise(theta, skip=held)
-    cost = float(residual @ residual)
+    cost = _sum_of_squares(residual)
     damping = 1e-3
     settled = False
     for _ in range(steps):
@@ -94,7 +94,7 @@ def descend(
             candidate = np.clip(theta + step * size, problem.low, problem.high)
             promise = -(2.0 * gradient @ step + step @ normal @ step)
             trial = problem.residuals(candidate)
-            trial_cost = float(trial @ trial)
+            trial_cost = _sum_of_squares(trial)
             if np.isfinite(trial_cost) and trial_cost < cost:
                 improved = True
                 break
@@ -134,6 +134,12 @@ def fit(
     return _result(whole, theta, cost, jacobian, settled=settled)
 
 
+def _sum_of_squares(residual: Array) -> float:
+    """Return the sum of squares; inf where the motion ran away."""
+    size = float(np.max(np.abs(residual), initial=0.0))
+    return float(residual @ residual) if size < 1e100 else np.inf
+
+
 def fit_at(problem: Problem, theta: Array) -> Fit:
     """Return the fit as it stands at some values, without a further step."""
     residual, jacobian = problem.linearise(theta)
@@ -159,7 +165,7 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
     normal = scaled.T @ scaled
     values, vectors = np.linalg.eigh(normal)
     weak = values < 1e-13 * values.max()
-    inverse = 1.0 / np.maximum(values, 1e-16 * values.max())
+    inverse = 1.0 / np.maximum(values, max(1e-16 * values.max(), 1e-300))
     covariance = (vectors * inverse) @ vectors.T * np.outer(size, size)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)

@@ -18,6 +18,9 @@ from identify.suspects import Candidate, candidate_terms, try_terms
 ADEQUATE = 3.0
 """Standard errors by which a reduced chi-square may exceed 1 and still count as at the floor."""
 
+DOUBT = 0.5
+"""Excess of the reduced chi-square that is left to the noise where its floor could only be guessed."""
+
 _BEAM = 3
 _LOOKED_AT = 6
 
@@ -37,8 +40,11 @@ class Start:
 
     @property
     def floor_is_sure(self) -> bool:
-        """Whether the noise was seen at rest, so that a misfit above it cannot be noise."""
-        return all("rest" in n.source for s in self.settings for n in s.noise.values())
+        """Whether a misfit above the floor cannot be noise: it was seen at rest, and two channels bear each other out."""
+        return all(
+            setting.span.paired and all("rest" in noise.source for noise in setting.noise.values())
+            for setting in self.settings
+        )
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square with the faults that are corrected but not named in the model counted in."""
@@ -46,8 +52,9 @@ class Start:
         return (found.chi_square + extra) / max(found.degrees + readings, 1)
 
     def adequate(self, found: Fit) -> bool:
-        """Whether a fit reaches the floor (corrected faults left out)."""
-        return found.reduced <= 1.0 + ADEQUATE * self.spread
+        """Whether a fit reaches the floor, corrected faults left out; one that is not sure gets the benefit of doubt."""
+        doubt = 0.0 if self.floor_is_sure else DOUBT
+        return found.reduced <= 1.0 + max(ADEQUATE * self.spread, doubt)
 
 
 def begin(settings: tuple[Setting, ...], model: Model, known: dict[str, float] | None = None) -> Start:

@@ -95,7 +95,9 @@ def _high_pass(time: Array, reading: Array, p: Array) -> Array:
 
 
 def _corner_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
-    return tuple((share * scales.frequency / (2.0 * pi), 0.0) for share in (0.003, 0.006, 0.012, 0.025, 0.05, 0.1))
+    return tuple(
+        (share * scales.frequency / (2.0 * pi), 0.0) for share in (0.003, 0.006, 0.012, 0.025, 0.05, 0.1)
+    )
 
 
 AC_COUPLING = Effect(
@@ -116,6 +118,10 @@ AC_COUPLING = Effect(
     proof="hold the mass off its zero: the reading creeps back",
     confusable_with=("channel_lag", "maxwell_element", "viscous_damping"),
 )
+
+
+_HUM_FROM = 2.5
+"""Multiple of the motion's frequency above which a line may be called hum; a slower one is a motion."""
 
 
 def _hum(time: Array, reading: Array, p: Array) -> Array:
@@ -142,7 +148,9 @@ MAINS_HUM = Effect(
     sensor_starts=_hum_starts,
     held_at_first=("f",),
     shows_at_rest=True,
-    plausible=lambda values, scales: not near_harmonic(values["f"], scales),
+    plausible=lambda values, scales: (
+        values["f"] > _HUM_FROM * scales.frequency / (2.0 * pi) and not near_harmonic(values["f"], scales)
+    ),
     variants=_BOTH,
     tell="a line in one channel only, there before the release",
     proof="record at rest: the line is there; move the cables or the supply: it changes",
