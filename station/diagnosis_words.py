@@ -165,5 +165,5 @@ def indistinguishable(document: dict[str, Any]) -> list[str]:
     return [
         other["effect"]
         for other in others
-        if other["p_value"] < CLAIMED and first["evidence"] - other["evidence"] < TOLD_APART
+        if other["p_value"] < CLAIMED and abs(first["evidence"] - other["evidence"]) < TOLD_APART
     ]

@@ -80,14 +80,15 @@ def step(rung: KeptRung) -> str:
 
 
 def change(before: float | None, after: float | None) -> str:
-    """Return by how much the error fell or rose, as a factor or in %."""
+    """Return by how much something fell or rose, as a factor or in %."""
     if not before or not after:
         return ""
-    if before >= 2 * after:
+    if before >= 2 * after > 0:
         return f"÷ {before / after:.3g}"
-    if after >= 2 * before:
+    if after >= 2 * before > 0:
         return f"x {after / before:.3g}"
-    return f"{100 * (after / before - 1):+.1f} %"
+    percent = 100 * (after - before) / abs(before)
+    return f"{percent:+.1f} %" if abs(percent) >= 0.1 else f"{percent:+.2g} %"
 
 
 def bar(chi_square: float | None, largest: float, width: int = 12) -> str:
@@ -106,12 +107,10 @@ def moved(before: KeptRung, after: KeptRung) -> list[str]:
             found.append((math.inf, f"{name} = {number(value)}, new"))
             continue
         std = max(old["std"] or 0.0, value["std"] or 0.0)
-        shift = value["value"] - old["value"]
-        if std > 0 and abs(shift) > MOVED * std:
-            percent = f"{100 * shift / old['value']:+.2g} %" if old["value"] else ""
-            found.append(
-                (abs(shift) / std, f"{name} {number(value)} ({percent}, {abs(shift) / std:.0f} std. errors)")
-            )
+        errors = abs(value["value"] - old["value"]) / std if std > 0 else 0.0
+        if errors > MOVED:
+            by = ", ".join(filter(None, (change(old["value"], value["value"]), f"{errors:.0f} std. errors")))
+            found.append((errors, f"{name} {number(value)} ({by})"))
     found.sort(key=lambda entry: -entry[0])
     new = sum(1 for weight, _ in found if math.isinf(weight))
     return [text for _, text in found[: new + MOST_MOVED]]

@@ -18,14 +18,16 @@ from identify.measures import errors_of
 from station.capturing import new_folder, record
 from station.commands.capture import capture_settings
 from station.commands.demo import double
+from station.comparing import compare_session
 from station.diagnosing import Bench, make_ready
 from station.diagnosis import diagnose_bench, keep
 from station.diagnosis_words import show_diagnosis, size
 from station.exits import Problem
+from station.identifying import options_for
 from station.ladder import KeptLadder, ladder_document
 from station.ladder_words import show_ladder
 from station.output import print_json, progress, screen
-from station.refining import Refinement, add, open_refinement
+from station.refining import add, open_refinement
 from station.settings import Settings
 
 MASS_KG = 21.36
@@ -108,7 +110,7 @@ def _solve(
         "The model is fitted, then run freely from the release, and laid over the measurement.",
     )
     refinement = open_refinement(session, settings)
-    _compare(refinement, console)
+    _compare(session, settings, console)
     say(
         "2. DIAGNOSE: what is missing?",
         "Every effect that the library knows is added in turn, refitted, and judged by what chance alone would do.",
@@ -135,14 +137,11 @@ def _solve(
     return Solved(seed, session, document, ladder, truth)
 
 
-def _compare(refinement: Refinement, console: Console | None) -> None:
+def _compare(session: Session, settings: Settings, console: Console | None) -> None:
+    compared, _ = compare_session(session, options_for(session, settings))
     if console is None:
         return
-    from identify.compare import compare
-    from station.refining import rung_again
-
-    start = rung_again(refinement, refinement.ladder.top).start
-    found = compare(refinement.setting, start.fit, start.floors[0].channels, mass=MASS_KG)
+    start, found = compared.start, compared.comparison
     error = errors_of(start)
     console.print(
         Padding(
