@@ -28,6 +28,9 @@ Verdict = Literal["missing_effect", "sensor_fault", "nothing_missing", "unknown_
 ALPHA = 0.02
 """Probability of claiming an effect where there is none; the promise is 5 %."""
 
+_ALPHA_GUESSED = 2e-4
+"""The same where the floor could only be guessed: on such records nothing weak is claimed."""
+
 _APART = 4.6
 """Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
 
@@ -195,7 +198,7 @@ def _judge(
     start: Start, ranked: tuple[_Ranked, ...], faults: tuple[Fault, ...], library: tuple[Effect, ...]
 ) -> _Judgement:
     top = ranked[0] if ranked else None
-    if top is None or top.p_value >= ALPHA:
+    if top is None or top.p_value >= (ALPHA if start.floor_is_sure else _ALPHA_GUESSED):
         if not start.adequate(start.fit):
             return _Judgement("unknown_effect", ranked, (), start.fit, _free(start, start.fit))
         faulty = any(_significant(f) for f in faults)

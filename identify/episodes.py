@@ -38,6 +38,7 @@ def _episode(setting: Setting, first: int, length: int) -> Setting:
             used={c: _with_lead(m[part], span.lead) for c, m in span.used.items()},
             force=None if span.force is None else span.force[part],
             prelude=span.prelude if first == 0 else None,
+            episode=True,
         ),
         motion=replace(
             motion,

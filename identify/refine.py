@@ -73,7 +73,7 @@ def add_effect(rung: Rung, effect: Effect, *, library: tuple[Effect, ...] = LIBR
         raise ValueError(f"{effect.name} is in the model already")
     if effect.name in JUDGED_APART:
         return _own_up(rung, effect)
-    terms = candidate_terms(start.fit.model, (effect,), start.fit.spans[0].channels)
+    terms = candidate_terms(start.fit.model, (effect,), start.fit.spans[0])
     tried = try_terms(start.settings, start.fit, terms)
     if not tried:
         raise NotIdentifiable(f"This record has no channel that could show {effect.name}.")

@@ -76,13 +76,13 @@ def settle(settings: tuple[Setting, ...], found: Fit) -> Start:
 
 def singles(start: Start, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
     """Return the model refitted with each effect it lacks, best first."""
-    terms = candidate_terms(start.fit.model, library, start.fit.spans[0].channels)
+    terms = candidate_terms(start.fit.model, library, start.fit.spans[0])
     return try_terms(start.settings, start.fit, terms)
 
 
 def chances(start: Start, library: tuple[Effect, ...] = LIBRARY) -> Chance:
     """Return what each effect would gain by chance if nothing were missing."""
-    terms = candidate_terms(start.fit.model, library, start.fit.spans[0].channels)
+    terms = candidate_terms(start.fit.model, library, start.fit.spans[0])
     return chance_of(start.settings, start.fit, terms)
 
 

@@ -96,7 +96,7 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
         raise NotIdentifiable("The motion shows no restoring force: is the displacement's sign reversed?")
     frequency = float(np.sqrt(k))
     zero = -base.constant / k
-    length = _length(motion, zero, frequency, max(mu_0, 0.0) / k, noise)
+    length = _length(motion, frequency, max(mu_0, 0.0) / k, noise)
     if length * frequency / (2.0 * np.pi * decay.rate) < _SHORTEST_CYCLES:
         raise NotIdentifiable(
             f"Only {length * frequency / (2.0 * np.pi * decay.rate):.1f} cycles of free motion stand above friction "
@@ -317,9 +317,12 @@ def _base_columns(motion: Motion) -> Array:
     return np.column_stack([motion.displacement, motion.velocity, np.sign(motion.velocity)])
 
 
-def _length(motion: Motion, zero: float, frequency: float, stuck: float, noise: dict[str, float]) -> int:
-    """Number of samples until the amplitude falls to a few times the band in which the mass can stick, or the noise."""
-    amplitude = np.hypot(motion.displacement - zero, motion.velocity / frequency)
+def _length(motion: Motion, frequency: float, stuck: float, noise: dict[str, float]) -> int:
+    """Number of samples until the amplitude falls to a few times the band in which the mass can stick, or the noise.
+
+    The amplitude is read from velocity and acceleration, which a drifting zero does not touch.
+    """
+    amplitude = np.hypot(motion.acceleration / frequency**2, motion.velocity / frequency)
     floors = [noise["displacement"]] if "displacement" in noise else []
     floors += [noise["velocity"] / frequency] if "velocity" in noise else []
     floors += [noise["acceleration"] / frequency**2] if "acceleration" in noise else []

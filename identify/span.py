@@ -30,7 +30,7 @@ class Span:
     the noise of each channel; `lead` samples at the start are simulated but not compared, so that a late channel has a past.
     `lag` is where the search for the lag begins (s) and `lag_reach` how far it may go. `gain_uncertainty` is what the
     calibration certificates leave open, and enters as a prior when the gain is judged. `prelude` is None where the rest
-    before the release was not seen.
+    before the release was not seen. An `episode` is one of several pieces of a long release.
     """
 
     rate: float
@@ -44,6 +44,7 @@ class Span:
     gain_uncertainty: float = 0.0
     prelude: Prelude | None = None
     force: Array | None = None
+    episode: bool = False
     unit: str = "m"
 
     def __len__(self) -> int:

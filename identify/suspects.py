@@ -13,6 +13,7 @@ from identify.fit import Fit, descend, fit, fit_at
 from identify.model import Model, Term
 from identify.problem import Problem
 from identify.setting import Setting, regress_model, rest_states, scales_of, starting_values, term_starts
+from identify.span import Span
 from identify.spectrum import strongest_lines
 
 JUDGED_APART = ("channel_lag", "channel_gain", "dropouts")
@@ -53,16 +54,18 @@ def residual_lines(found: Fit) -> dict[str, tuple[tuple[float, float, float], ..
     return lines
 
 
-def candidate_terms(model: Model, library: Iterable[Effect], channels: Iterable[str]) -> tuple[Term, ...]:
-    """Return every effect and variant that the model lacks and that these channels can show."""
-    present = set(channels)
+def candidate_terms(model: Model, library: Iterable[Effect], span: Span) -> tuple[Term, ...]:
+    """Return every effect and variant that the model lacks and that the channels of a span can show.
+
+    Over the episodes of a long release each has offsets of its own, which leaves slow faults of a sensor nothing to say.
+    """
     terms = []
     for effect in library:
-        if effect.name in JUDGED_APART:
+        if effect.name in JUDGED_APART or (span.episode and effect.kind == "sensor"):
             continue
         for variant in effect.variants:
             channel = variant.get("channel")
-            if channel is not None and channel not in present:
+            if channel is not None and channel not in span.readings:
                 continue
             if any(t.effect.name == effect.name and t.channel == (channel or "") for t in model.terms):
                 continue
