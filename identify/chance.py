@@ -7,6 +7,7 @@ distribution, and the smallest tail probability over the whole library one from 
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -122,7 +123,7 @@ def _fine_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
             key: float(np.sqrt(a[key] * b[key])) if a[key] * b[key] > 0.0 else 0.5 * (a[key] + b[key])
             for key in a
         }
-        for a, b in zip(starts, starts[1:], strict=False)
+        for a, b in pairwise(starts)
     )
     return starts + between
 

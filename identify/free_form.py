@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline
 
-from identify.arrays import Array, frozen
+from identify.arrays import Array, Mask, frozen
 from identify.equation_error import moving
 from identify.setting import Setting
 
@@ -93,7 +93,7 @@ def free_form(setting: Setting, force: Array) -> FreeForm:
     return FreeForm(before / noise**2, best / noise**2, shapes, tuple(chosen))
 
 
-def _within(setting: Setting, fitted: Array, held: Array) -> Array:
+def _within(setting: Setting, fitted: Mask, held: Mask) -> Mask:
     """Return the held-out readings that lie where the fitted ones have been, so that nothing is extrapolated."""
     motion = setting.motion
     mask = held.copy()
@@ -103,7 +103,7 @@ def _within(setting: Setting, fitted: Array, held: Array) -> Array:
 
 
 def _held_out(
-    constant: Array, blocks: list[Array], misfit: Array, folds: list[Array], inside: list[Array]
+    constant: Array, blocks: list[Array], misfit: Array, folds: list[Mask], inside: list[Mask]
 ) -> float:
     """Return the mean squared misfit on held-out cycles at the best smoothness."""
     results = []
@@ -119,11 +119,11 @@ def _held_out(
     return min(results)
 
 
-def _all(folds: list[Array]) -> Array:
+def _all(folds: list[Mask]) -> Mask:
     return np.asarray(np.any(folds, axis=0))
 
 
-def _penalised(constant: Array, blocks: list[Array], misfit: Array, used: Array, stiffness: float) -> Array:
+def _penalised(constant: Array, blocks: list[Array], misfit: Array, used: Mask, stiffness: float) -> Array:
     """Penalised splines (Eilers and Marx 1996): second differences of the coefficients of each block are kept small."""
     columns = np.column_stack([constant, *blocks])[used]
     normal = columns.T @ columns
@@ -169,7 +169,7 @@ def _splines(position: Array, count: int) -> Array:
     return np.asarray(BSpline.design_matrix(np.clip(position, low, high), knots, 3).toarray())
 
 
-def _shapes(setting: Setting, blocks: dict[str, Array], misfit: Array, used: Array) -> tuple[Shape, ...]:
+def _shapes(setting: Setting, blocks: dict[str, Array], misfit: Array, used: Mask) -> tuple[Shape, ...]:
     """Return each coordinate's own regression of the misfit, the one that explains most first."""
     ranked = []
     target = misfit - misfit[used].mean()

@@ -125,7 +125,7 @@ def _rest_of(decay: FreeDecay, release: Release) -> Rest | None:
         return None
     part = slice(first, last)
     return Rest(
-        (np.arange(first, last) - release.time_s * decay.rate) / decay.rate,
+        decay.time[first:last] - release.time_s,
         {c: np.asarray(getattr(decay, c))[part] for c in CHANNELS if getattr(decay, c) is not None},
     )
 
@@ -309,7 +309,7 @@ def _prelude(decay: FreeDecay, release: Release, zero: float) -> Prelude | None:
     motion = reconstruct(decay.with_(release=max(first - _PRELUDE_MARGIN, 0)))
     skip = first - motion.start
     part = slice(skip, release.settle - motion.start + 1)
-    time = (np.arange(first, release.settle + 1) - release.time_s * decay.rate) / decay.rate
+    time = decay.time[first : release.settle + 1] - release.time_s
     return Prelude(time, motion.displacement[part] - zero, motion.velocity[part])
 
 

@@ -12,7 +12,11 @@ from scipy.signal import lfilter
 from identify.arrays import Array
 from identify.effects.effect import Effect, Parameter, Scales, near_harmonic
 
-_BOTH = ({"channel": "displacement"}, {"channel": "acceleration"}, {"channel": "velocity"})
+_BOTH: tuple[dict[str, float | str], ...] = (
+    {"channel": "displacement"},
+    {"channel": "acceleration"},
+    {"channel": "velocity"},
+)
 
 
 CHANNEL_LAG = Effect(
@@ -37,7 +41,7 @@ CHANNEL_GAIN = Effect(
 
 
 def _drift(time: Array, reading: Array, p: Array) -> Array:
-    return reading + p[0] * time
+    return np.asarray(reading + p[0] * time)
 
 
 OFFSET_DRIFT = Effect(
@@ -56,7 +60,7 @@ OFFSET_DRIFT = Effect(
 
 
 def _clip(time: Array, reading: Array, p: Array) -> Array:
-    return np.clip(reading, p[1] - p[0], p[1] + p[0])
+    return np.asarray(np.clip(reading, p[1] - p[0], p[1] + p[0]))
 
 
 def _limit_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
@@ -91,7 +95,8 @@ def _high_pass(time: Array, reading: Array, p: Array) -> Array:
     ramp = (1.0 - keep) / (rate * step) if rate * step > 1e-9 else 1.0
     jumps = np.diff(reading, prepend=reading[0]) * ramp
     jumps[0] = reading[0]
-    return np.asarray(lfilter([1.0], [1.0, -keep], jumps)) + p[1] * np.exp(-rate * (time - time[0]))
+    passed = np.asarray(lfilter([1.0], [1.0, -keep], jumps))
+    return np.asarray(passed + p[1] * np.exp(-rate * (time - time[0])))
 
 
 def _corner_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
@@ -125,7 +130,7 @@ _HUM_FROM = 2.5
 
 
 def _hum(time: Array, reading: Array, p: Array) -> Array:
-    return reading + p[0] * np.sin(2.0 * pi * p[1] * time + p[2])
+    return np.asarray(reading + p[0] * np.sin(2.0 * pi * p[1] * time + p[2]))
 
 
 def _hum_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
