@@ -1,7 +1,6 @@
 """Compare a session with a model, and keep what was found in it."""
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -10,8 +9,9 @@ from daq.session import Session
 from identify.compare import Comparison, compare
 from identify.effects.library import LIBRARY
 from identify.release import find_release
-from identify.search import Start, begin
+from identify.search import begin
 from identify.setting import Setting, prepare
+from station.compared import Compared
 from station.diagnosing import chosen_model
 from station.document import estimate
 from station.output import finite
@@ -19,16 +19,6 @@ from station.pipeline import Options, free_decay
 
 RESULT = "comparison.json"
 VIEW = "comparison.rrd"
-
-
-@dataclass(frozen=True, eq=False)
-class Compared:
-    """A model as fitted to a session, and where it fails."""
-
-    name: str
-    setting: Setting
-    start: Start
-    comparison: Comparison
 
 
 def setting_of(session: Session, options: Options) -> Setting:

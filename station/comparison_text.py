@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.place_words import Words, scaled
-from station.comparing import Compared
+from station.compared import Compared
 from station.quantities import written
 
 ROWS = 8

@@ -7,7 +7,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.place_words import Words
-from station.comparing import Compared
+from station.compared import Compared
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array

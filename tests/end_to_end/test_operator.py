@@ -108,7 +108,17 @@ def test_the_demo_records_identifies_and_tells_where_everything_is(tmp_path):
 def test_a_capture_from_a_pseudo_terminal_then_replay_view_verify_and_table(tmp_path):
     with board("--pty", "--seed", "4") as port:
         done = station(
-            "capture", "--port", port, "--mass", 21.36, "--duration", 6, "--session", "first", "--json", cwd=tmp_path
+            "capture",
+            "--port",
+            port,
+            "--mass",
+            21.36,
+            "--duration",
+            6,
+            "--session",
+            "first",
+            "--json",
+            cwd=tmp_path,
         )
     told = json.loads(done.stdout)
     assert told["verdict"]["word"] == "OK"
@@ -130,7 +140,9 @@ def test_a_capture_from_a_pseudo_terminal_then_replay_view_verify_and_table(tmp_
 
 
 def test_no_board_ends_with_3_and_words(tmp_path):
-    done = station("capture", "--port", "socket://127.0.0.1:9", "--no-viewer", cwd=tmp_path, code=exits.NO_BOARD)
+    done = station(
+        "capture", "--port", "socket://127.0.0.1:9", "--no-viewer", cwd=tmp_path, code=exits.NO_BOARD
+    )
     assert len(done.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "sessions").exists()
 
@@ -143,14 +155,25 @@ def test_another_version_of_the_protocol_ends_with_4(tmp_path):
 
 def test_an_unplugged_board_ends_with_6_and_keeps_what_came(tmp_path):
     with board("--tcp", "0", "--speed", "4", "--fault", "unplug@5") as port:
-        done = station("capture", "--port", port, "--session", "cut", "--no-viewer", cwd=tmp_path, code=exits.DISCONNECTED)
+        done = station(
+            "capture",
+            "--port",
+            port,
+            "--session",
+            "cut",
+            "--no-viewer",
+            cwd=tmp_path,
+            code=exits.DISCONNECTED,
+        )
     assert "cut" in done.stderr
     assert Session.open(tmp_path / "cut").recording().samples.shape[1] > 256
 
 
 def test_a_record_of_nothing_ends_with_8_and_one_sentence(tmp_path):
     file = tmp_path / "still.csv"
-    file.write_text("time_s,displacement_m\n" + "".join(f"{i / 256},{1e-6 * (i * 7919 % 13)}\n" for i in range(2048)))
+    file.write_text(
+        "time_s,displacement_m\n" + "".join(f"{i / 256},{1e-6 * (i * 7919 % 13)}\n" for i in range(2048))
+    )
     done = station("identify", file, "--json", cwd=tmp_path, code=exits.NOT_IDENTIFIABLE)
     assert json.loads(done.stdout)["error"]["exit_code"] == exits.NOT_IDENTIFIABLE
 

@@ -43,7 +43,9 @@ def test_both_methods_find_what_the_testbed_was_made_of(both, drawn):
     assert both.refusals == {}
 
 
-def test_the_lag_is_found_and_without_it_the_viscous_damping_is_wrong_by_as_much_as_the_paper_says(both, drawn):
+def test_the_lag_is_found_and_without_it_the_viscous_damping_is_wrong_by_as_much_as_the_paper_says(
+    both, drawn
+):
     lag = drawn.truth["displacement_late_s"]
     assert both.alignment.lag.value == pytest.approx(lag, abs=16e-6)  # 4 us rms wanted; four times that
     spoiled = both.without_alignment.damping[1].value - both.restoring_force.damping[1].value
@@ -101,4 +103,7 @@ def test_the_document_has_the_keys_that_other_programs_rely_on(both):
 
 
 def test_a_document_never_holds_a_number_that_json_has_not():
-    assert finite({"a": [float("nan"), (1.0, float("inf"))], "b": {"c": 2}}) == {"a": [None, [1.0, None]], "b": {"c": 2}}
+    assert finite({"a": [float("nan"), (1.0, float("inf"))], "b": {"c": 2}}) == {
+        "a": [None, [1.0, None]],
+        "b": {"c": 2},
+    }

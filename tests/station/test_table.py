@@ -24,7 +24,10 @@ def method(values):
     mu_0, mu_1, stiffness = values
     return {
         "stiffness": {"value": stiffness, "std": 1.0, "unit": "N/m"},
-        "damping": [{"value": mu_0, "std": 0.001, "unit": "m/s^2"}, {"value": mu_1, "std": 0.002, "unit": "1/s"}],
+        "damping": [
+            {"value": mu_0, "std": 0.001, "unit": "m/s^2"},
+            {"value": mu_1, "std": 0.002, "unit": "1/s"},
+        ],
     }
 
 

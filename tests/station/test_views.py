@@ -29,7 +29,9 @@ def column(file, path, name):
         batch = chunk.to_record_batch()
         for field in batch.schema.names:
             if field == name or field.endswith(f":{name}"):
-                values += [np.asarray(row, dtype=float) for row in batch.column(field).to_pylist() if row is not None]
+                values += [
+                    np.asarray(row, dtype=float) for row in batch.column(field).to_pylist() if row is not None
+                ]
     return np.concatenate(values) if values else np.zeros(0)
 
 
@@ -43,7 +45,9 @@ def text(file, path):
 
 
 def test_the_channels_are_shown_bit_for_bit_as_they_were_recorded(file, result):
-    assert np.array_equal(column(file, "/capture/displacement", "Scalars:scalars"), result.decay.displacement * 1e3)
+    assert np.array_equal(
+        column(file, "/capture/displacement", "Scalars:scalars"), result.decay.displacement * 1e3
+    )
     assert np.array_equal(column(file, "/capture/acceleration", "Scalars:scalars"), result.decay.acceleration)
 
 
@@ -83,7 +87,9 @@ def test_the_overlay_differentiates_a_known_motion_rightly(result):
 def test_the_envelope_the_fit_and_the_frequency_are_those_that_were_found(file, result):
     found = result.wavelet
     assert np.array_equal(column(file, "/wavelet/envelope/measured", "Scalars:scalars"), found.envelope * 1e3)
-    assert np.array_equal(column(file, "/wavelet/envelope/model", "Scalars:scalars"), found.envelope_fit * 1e3)
+    assert np.array_equal(
+        column(file, "/wavelet/envelope/model", "Scalars:scalars"), found.envelope_fit * 1e3
+    )
     shown = column(file, "/wavelet/frequency", "Scalars:scalars")
     assert np.array_equal(shown[found.trusted], found.frequency[found.trusted])
     assert np.isnan(shown[~found.trusted]).all()
@@ -96,8 +102,12 @@ def test_the_surface_the_sections_and_the_significance_are_those_that_were_found
     found = result.restoring_force
     root = "/restoring_force"
     assert np.array_equal(column(file, f"{root}/surface/fit/numbers", "surface"), found.surface.ravel())
-    assert np.array_equal(column(file, f"{root}/sections/numbers", "u_force"), found.section_zero_velocity.force)
-    assert np.array_equal(column(file, f"{root}/sections/numbers", "v_fit"), found.section_zero_displacement.fit)
+    assert np.array_equal(
+        column(file, f"{root}/sections/numbers", "u_force"), found.section_zero_velocity.force
+    )
+    assert np.array_equal(
+        column(file, f"{root}/sections/numbers", "v_fit"), found.section_zero_displacement.fit
+    )
     assert np.array_equal(column(file, f"{root}/orders/numbers", "mse_percent"), found.mse_percent_by_order)
     percent = column(file, f"{root}/significance/numbers", "percent")
     assert np.array_equal(percent, sorted(found.significance_percent.values(), reverse=True))
@@ -119,7 +129,9 @@ def test_the_results_are_the_table_and_both_reconstructions(file, result):
     assert "13115.2 ± 2.1" in told
     assert "13114.90 ± 0.60" in told
     assert "m/s^2" in told
-    assert np.array_equal(column(file, "/results/force/model", "Scalars:scalars"), result.restoring_force.force_fit)
+    assert np.array_equal(
+        column(file, "/results/force/model", "Scalars:scalars"), result.restoring_force.force_fit
+    )
     left = column(file, "/results/force_error", "Scalars:scalars")
     assert np.array_equal(left, result.restoring_force.force - result.restoring_force.force_fit)
 
@@ -133,7 +145,11 @@ def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
                 "restoring_force": None,
                 "without_alignment": None,
                 "alignment": None,
-                "refusals": {"wavelet": "too few cycles", "restoring_force": "too short", "alignment": "one channel"},
+                "refusals": {
+                    "wavelet": "too few cycles",
+                    "restoring_force": "too short",
+                    "alignment": "one channel",
+                },
             }
         )
     )
@@ -146,7 +162,9 @@ def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
 
 def test_an_acceleration_alone_is_shown_without_a_displacement(result, tmp_path):
     alone = result.decay.with_(displacement=None, noise_displacement=None)
-    one = Identification(**(vars(result) | {"decay": alone, "aligned": alone, "alignment": None, "without_alignment": None}))
+    one = Identification(
+        **(vars(result) | {"decay": alone, "aligned": alone, "alignment": None, "without_alignment": None})
+    )
     path = tmp_path / "alone.rrd"
     wavelet = vars(result.wavelet) | {"channel": "acceleration"}
     one = Identification(**(vars(one) | {"wavelet": type(result.wavelet)(**wavelet)}))
