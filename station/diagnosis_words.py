@@ -81,10 +81,12 @@ def _suspects(document: dict[str, Any]) -> Table:
 
 
 def shown_suspects(document: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the suspects that are worth a line: all that chance would hardly give, and at least three."""
+    """Return the suspects that are worth a line: all that chance would hardly give, at least three, and what is as good."""
     suspects: list[dict[str, Any]] = document["suspects"]
     claimed = [s for s in suspects if s["p_value"] < CLAIMED]
-    return suspects[: max(3, min(MOST_SUSPECTS, len(claimed)))]
+    rivals = indistinguishable(document)
+    most = max(3, min(MOST_SUSPECTS, len(claimed)))
+    return [s for rank, s in enumerate(suspects) if rank < most or s["effect"] in rivals]
 
 
 def evidence(nats: float | None) -> str:

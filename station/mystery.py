@@ -90,11 +90,11 @@ def play(
         print_json(_document(solved))
     else:
         _reveal(console, solved, say)
-    if not no_viewer and url is None:
+    if not no_viewer:
         from station.showing import show_ladder as show
 
         opened = open_refinement(session, settings)
-        if show(opened):
+        if show(opened, url):
             progress("the viewer shows the ladder: step along its timeline `rung`")
 
 

@@ -118,14 +118,14 @@ def show_suspects(session: Session, found: Diagnosis, document: dict[str, Any]) 
     return True
 
 
-def show_ladder(refinement: Refinement) -> bool:
-    """Show the ladder in the viewer that is open, or in a new one; False where there is neither.
+def show_ladder(refinement: Refinement, at: str | None = None) -> bool:
+    """Show the ladder in the viewer `at` a URL, else in the one that is open, or in a new one; False where there is none.
 
     Every call draws under a path of its own, since what was logged at a rung before cannot be replaced.
     """
     from station.views.open_viewer import url_or_new
 
-    url = url_or_new()
+    url = at or url_or_new()
     if url is None:
         return False
     from station.views import ladder, modelling
