@@ -69,7 +69,7 @@ def _suspects(document: dict[str, Any]) -> Table:
     table.add_column("p", justify="right", no_wrap=True)
     table.add_column("with", overflow="fold")
     for rank, suspect in enumerate(shown_suspects(document)):
-        style = "" if suspect["p_value"] < CLAIMED else "dim"
+        style = "" if is_claimed(suspect) else "dim"
         table.add_row(
             Text(suspect["effect"], style=style),
             Text(size(suspect["error_after"]), style=style),
@@ -83,10 +83,16 @@ def _suspects(document: dict[str, Any]) -> Table:
 def shown_suspects(document: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the suspects that are worth a line: all that chance would hardly give, at least three, and what is as good."""
     suspects: list[dict[str, Any]] = document["suspects"]
-    claimed = [s for s in suspects if s["p_value"] < CLAIMED]
+    claimed = [s for s in suspects if is_claimed(s)]
     rivals = indistinguishable(document)
     most = max(3, min(MOST_SUSPECTS, len(claimed)))
     return [s for rank, s in enumerate(suspects) if rank < most or s["effect"] in rivals]
+
+
+def is_claimed(suspect: dict[str, Any]) -> bool:
+    """Return whether chance would hardly give as good a reason."""
+    p: float | None = suspect["p_value"]
+    return p is not None and p < CLAIMED
 
 
 def evidence(nats: float | None) -> str:
@@ -167,5 +173,5 @@ def indistinguishable(document: dict[str, Any]) -> list[str]:
     return [
         other["effect"]
         for other in others
-        if other["p_value"] < CLAIMED and abs(first["evidence"] - other["evidence"]) < TOLD_APART
+        if is_claimed(other) and abs((first["evidence"] or 0.0) - (other["evidence"] or 0.0)) < TOLD_APART
     ]

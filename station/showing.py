@@ -45,20 +45,28 @@ def suspects_again(refinement: Refinement) -> "Tab | None":
     file = refinement.session.results / RESULT
     if not file.is_file():
         return None
-    document = json.loads(file.read_text(encoding="utf-8"))
-    if not document.get("suspects") or "fitted" not in document:
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"))
+        models = [ModelFile.model_validate_json(json.dumps(part)) for part in _models(document)]
+    except (ValueError, KeyError, TypeError, AttributeError):  # written by another version, or altered
+        progress(f"{file} cannot be read; diagnose again to see the suspects")
         return None
     setting, library = refinement.setting, refinement.library
-    known = known_model(ModelFile.model_validate(document["fitted"]), str(file), library)
+    known = known_model(models[0], str(file), library)
     base = begin((setting,), known.model, begin_from(known, (setting,))).fit
     best = []
-    for suspect in document["suspects"][:BEST]:
-        if suspect["model"] is not None:
-            its = known_model(ModelFile.model_validate(suspect["model"]), str(file), library)
-            start = begin_from(its, (setting,))
-            best.append((its.model.terms[-1], fit(its.model, base.spans, start, base.frequency)))
+    for model in models[1:]:
+        its = known_model(model, str(file), library)
+        start = begin_from(its, (setting,))
+        best.append((its.model.terms[-1], fit(its.model, base.spans, start, base.frequency)))
     told = suspects.Shown(document, setting, 0, base, tuple(best))
     return Tab(suspects.NAME, lambda stream: suspects.write(stream, told), lambda: suspects.tab(told))
+
+
+def _models(document: dict[str, Any]) -> list[Any]:
+    """Return the model that was diagnosed and those of the best suspects."""
+    best = [suspect["model"] for suspect in document["suspects"][:BEST]]
+    return [document["fitted"], *(model for model in best if model is not None)]
 
 
 def ladder_tab(refinement: Refinement, root: str = "/ladder") -> "Tab":

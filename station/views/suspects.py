@@ -12,7 +12,15 @@ from identify.fingerprint import Fingerprint, fingerprint, force_added, force_le
 from identify.fit import Fit
 from identify.model import Term
 from identify.setting import Setting
-from station.diagnosis_words import CLAIMED, evidence, headline, indistinguishable, number, probability, size
+from station.diagnosis_words import (
+    evidence,
+    headline,
+    indistinguishable,
+    is_claimed,
+    number,
+    probability,
+    size,
+)
 from station.views import log, palette
 from station.views.figure import figure, legend
 
@@ -58,12 +66,14 @@ def write(stream: rr.RecordingStream, told: Shown, root: str = ROOT) -> None:
 
 
 def _errors(stream: rr.RecordingStream, document: dict[str, Any], root: str) -> None:
-    suspects = [s for s in document["suspects"] if s["error_after"] is not None][:MOST_BARS]
+    suspects = [s for s in document["suspects"] if _known(s["error_after"])][:MOST_BARS]
     drawn, (axis,) = figure(9.0, 4.0)
     before = document["error"]["chi2"]
-    names = ["the model as it is", *(s["effect"] for s in suspects)]
-    values = [before, *(s["error_after"] for s in suspects)]
-    colours = [palette.MEASURED, *(_colour(s, document) for s in suspects)]
+    rows = [("the model as it is", before, palette.MEASURED)] if _known(before) else []
+    rows += [(s["effect"], s["error_after"], _colour(s, document)) for s in suspects]
+    names = [name for name, _, _ in rows]
+    values = [float(value) for _, value, _ in rows]
+    colours = [colour for _, _, colour in rows]
     for row, (value, colour) in enumerate(zip(values, colours, strict=True)):
         axis.barh(row, max(value, 1e-3), left=0, color=palette.css(colour), height=0.62)
         axis.annotate(f" {size(value)}", (max(value, 1.0), row), va="center", fontsize=8.5, color=palette.INK)
@@ -71,19 +81,23 @@ def _errors(stream: rr.RecordingStream, document: dict[str, Any], root: str) -> 
     axis.axvspan(1 - 2 * spread, 1 + 2 * spread, color=palette.css(palette.FORCE), alpha=0.22)
     axis.axvline(1, color=palette.css(palette.FORCE), lw=1.2)
     axis.set_xscale("log")
-    largest = max(*values, 2.0)
+    largest = max([*values, 2.0])
     axis.set_xlim(0.5, largest ** (1.18 if largest > 10 else 1.0) * (1.4 if largest <= 10 else 1.0))
     axis.set_yticks(range(len(names)), names)
     axis.invert_yaxis()
     axis.grid(axis="y", visible=False)
     axis.set_xlabel("chi2 after adding it: 1 is the noise floor (band: 2 standard errors)")
-    log.picture(stream, f"{root}/errors", drawn, {"chi2_after": [float(value) for value in values]})
+    log.picture(stream, f"{root}/errors", drawn, {"chi2_after": values})
+
+
+def _known(value: float | None) -> bool:
+    return value is not None and bool(np.isfinite(value))
 
 
 def _colour(suspect: dict[str, Any], document: dict[str, Any]) -> log.Colour:
     if suspect["effect"] in document["named"]:
         return palette.FORCE
-    if suspect["p_value"] >= CLAIMED:
+    if not is_claimed(suspect):
         return palette.REFERENCE
     return palette.DISPLACEMENT if suspect["kind"] == "physics" else palette.WAVELET
 

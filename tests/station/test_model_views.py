@@ -139,3 +139,15 @@ def _wait():
     import time
 
     time.sleep(0.1)
+
+
+def test_a_diagnosis_that_was_altered_is_told_and_left_out(refinement, capsys):
+    file = refinement.session.results / "diagnosis.json"
+    whole = file.read_text()
+    try:
+        for text in ("{", "[]", '{"suspects": [], "fitted": {"format": 9}}'):
+            file.write_text(text)
+            assert [tab.name for tab in showing.kept_tabs(refinement)] == ["Ladder"]
+            assert "diagnose again" in capsys.readouterr().err
+    finally:
+        file.write_text(whole)
