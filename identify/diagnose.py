@@ -1,6 +1,6 @@
 """Diagnosis: which effect a model lacks, how sure that is, and what cannot be told apart."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ from identify.free_form import FreeForm, free_form
 from identify.model import Model, Term, base_model
 from identify.next_experiment import next_experiment
 from identify.rest_evidence import at_rest
-from identify.search import Pair, Start, begin, chances, force_along_motion, pairs, singles
+from identify.search import Pair, Start, begin, chances, force_along_motion, pairs, settle, singles
 from identify.setting import Setting
 from identify.span import Span
 from identify.suspects import Candidate
@@ -72,7 +72,8 @@ class Diagnosis:
 
     `start` is the model as fitted, with its floor. `together` names a second effect when it takes two to reach
     the floor. `findings` are sensors' faults that are corrected in every fit but ought to be mended. `final` is
-    the fit with what was found. `shape` is the free form, when something is missing that has no name.
+    the fit with what was found, against the floor that its own residual shows. `shape` is the free form, when
+    something is missing that has no name.
     """
 
     start: Start
@@ -113,6 +114,10 @@ def diagnose(
     judgement = _judge(start, ranked, faults, library)
     verdict, together, final, shape = judgement.verdict, judgement.together, judgement.final, judgement.shape
     suspects = _suspects(start, judgement.ranked, faults, verdict)
+    settled = settle(start.settings, final) if final is not start.fit else start
+    final = settled.fit
+    if suspects and suspects[0].fit is judgement.final:
+        suspects = (replace(suspects[0], error_after=settled.reduced(final)), *suspects[1:])
     suspects = _with_held_out(start, suspects)
     cycles = len(start.fit.spans[0]) / start.fit.spans[0].rate * start.fit.frequency / (2.0 * np.pi)
     if cycles < _FEWEST_CYCLES and verdict != "sensor_fault":
@@ -305,7 +310,7 @@ def _with_held_out(start: Start, suspects: tuple[Suspect, ...]) -> tuple[Suspect
             and suspect.p_value < ALPHA
         ):
             gain = base - _held_out_error(suspect.fit, start.fit.spans)
-            suspect = Suspect(**{**suspect.__dict__, "held_out_gain": gain})
+            suspect = replace(suspect, held_out_gain=gain)
         asked.append(suspect)
     return tuple(asked)
 

@@ -320,13 +320,13 @@ def _base_columns(motion: Motion) -> Array:
 def _length(motion: Motion, frequency: float, stuck: float, noise: dict[str, float]) -> int:
     """Number of samples until the amplitude falls to a few times the band in which the mass can stick, or the noise.
 
-    The amplitude is read from velocity and acceleration, which a drifting zero does not touch.
+    The amplitude is read from the velocity, which a drifting zero does not touch: its peaks are w (A - mu_0/k).
     """
-    amplitude = np.hypot(motion.acceleration / frequency**2, motion.velocity / frequency)
+    amplitude = np.abs(motion.velocity) / frequency
     floors = [noise["displacement"]] if "displacement" in noise else []
     floors += [noise["velocity"] / frequency] if "velocity" in noise else []
     floors += [noise["acceleration"] / frequency**2] if "acceleration" in noise else []
-    limit = 3.0 * stuck + 8.0 * min(floors)
+    limit = 2.0 * stuck + 8.0 * min(floors)
     above = np.flatnonzero(amplitude > limit)
     return int(above[-1]) + 1 if len(above) else 0
 
