@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 from station.exits import Problem
@@ -19,9 +20,16 @@ def has_screen() -> bool:
 
 
 def executable() -> str:
-    """Return the path of the viewer that came with the SDK."""
-    beside = Path(sys.executable).with_name("rerun.exe" if sys.platform == "win32" else "rerun")
-    found = str(beside) if beside.exists() else shutil.which("rerun")
+    """Return the path of the viewer that came with the SDK: the program itself, which ends when it is told to.
+
+    The script `rerun` beside the interpreter would start it as a child and leave it behind.
+    """
+    package = find_spec("rerun_cli")
+    if package is not None and package.origin is not None:
+        program = Path(package.origin).with_name("rerun.exe" if sys.platform == "win32" else "rerun")
+        if program.exists():
+            return str(program)
+    found = shutil.which("rerun")
     if found is None:
         raise Problem("the Rerun viewer is not installed; `pip install rerun-sdk` brings it")
     return found
