@@ -1,4 +1,4 @@
-"""Naming what was hidden: every effect at five strengths, nothing, sensor faults, pairs, and shapes unknown to the library."""
+"""Naming what was hidden: each effect at five strengths, nothing, sensor faults, pairs, and shapes no library has."""
 
 import os
 import time
@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a process a core is enough
 
 import numpy as np
 
@@ -119,14 +121,26 @@ def judge_all(cases: Iterable[Case]) -> list[Outcome]:
 
 def run(quick: bool) -> str:
     """Return the tables as markdown."""
-    seeds = 2 if quick else 10
+    seeds = 2 if quick else 4
     single = judge_all(Case(e, s, 1000 + i) for e in EFFECTS for s in STRENGTHS for i in range(seeds))
     nothing = judge_all(Case(None, 0.0, 5000 + i) for i in range(20 if quick else 200))
     faults = judge_all(Case(f, s, 2000 + i) for f in FAULTS for s in STRENGTHS[2:] for i in range(seeds))
     pairs = judge_all(Case(p, 0.02, 3000 + i, auto=True) for p in PAIRS for i in range(seeds // 2 or 1))
-    outside = judge_all(Case(o, s, 4000 + i) for o in OUTSIDE_THE_LIBRARY for s in STRENGTHS[2:] for i in range(seeds // 2 or 1))
+    outside = judge_all(
+        Case(o, s, 4000 + i)
+        for o in OUTSIDE_THE_LIBRARY
+        for s in STRENGTHS[2:]
+        for i in range(seeds // 2 or 1)
+    )
     return "\n\n".join(
-        (_by_strength(single), _nothing(nothing), _faults(faults), _pairs(pairs), _outside(outside), _parameters(single))
+        (
+            _by_strength(single),
+            _nothing(nothing),
+            _faults(faults),
+            _pairs(pairs),
+            _outside(outside),
+            _parameters(single),
+        )
     )
 
 
@@ -135,9 +149,15 @@ def _by_strength(outcomes: list[Outcome]) -> str:
     for o in outcomes:
         table[o.case.hidden][o.case.strength] += o.first == o.case.hidden
     seeds = len(outcomes) // (len(EFFECTS) * len(STRENGTHS))
-    head = "| effect | " + " | ".join(f"{100 * s:g} %" for s in STRENGTHS) + " |\n|---|" + "---|" * len(STRENGTHS)
+    head = (
+        "| effect | "
+        + " | ".join(f"{100 * s:g} %" for s in STRENGTHS)
+        + " |\n|---|"
+        + "---|" * len(STRENGTHS)
+    )
     rows = [
-        f"| {e} | " + " | ".join(f"{100 * table[e][s] / seeds:.0f}" for s in STRENGTHS) + " |" for e in EFFECTS
+        f"| {e} | " + " | ".join(f"{100 * table[e][s] / seeds:.0f}" for s in STRENGTHS) + " |"
+        for e in EFFECTS
     ]
     total = [sum(table[e][s] for e in EFFECTS) / seeds / len(EFFECTS) for s in STRENGTHS]
     rows.append("| **all** | " + " | ".join(f"**{100 * t:.1f}**" for t in total) + " |")
@@ -158,7 +178,11 @@ def _nothing(outcomes: list[Outcome]) -> str:
 def _faults(outcomes: list[Outcome]) -> str:
     named = sum(o.named[:1] == (o.case.hidden,) for o in outcomes)
     physics = [o for o in outcomes if o.verdict == "missing_effect"]
-    missed = Counter((o.case.hidden, o.case.strength, o.verdict, o.first) for o in outcomes if o.named[:1] != (o.case.hidden,))
+    missed = Counter(
+        (o.case.hidden, o.case.strength, o.verdict, o.first)
+        for o in outcomes
+        if o.named[:1] != (o.case.hidden,)
+    )
     return (
         f"Sensor faults at 0.3, 1 and 3 %, {len(outcomes)} records: named as a sensor's fault, and which, in "
         f"{100 * named / len(outcomes):.1f} %; called physics in {100 * len(physics) / len(outcomes):.1f} %. "
@@ -169,7 +193,11 @@ def _faults(outcomes: list[Outcome]) -> str:
 def _pairs(outcomes: list[Outcome]) -> str:
     both = [o for o in outcomes if set(o.case.hidden.split("+")) <= set(o.named)]
     within = [o for o in both if len(o.named) <= 3 and o.chi_square < 1.2]
-    missed = [f"{o.case.hidden} seed {o.case.seed}: {'+'.join(o.named)} ({o.chi_square:.2f})" for o in outcomes if o not in within]
+    missed = [
+        f"{o.case.hidden} seed {o.case.seed}: {'+'.join(o.named)} ({o.chi_square:.2f})"
+        for o in outcomes
+        if o not in within
+    ]
     return (
         f"Two effects at once, {len(outcomes)} records climbed by `--auto`: both found in {100 * len(both) / len(outcomes):.0f} %, "
         f"in at most three rungs and below chi-square 1.2 in {100 * len(within) / len(outcomes):.0f} %. Misses: {'; '.join(missed) or 'none'}."
@@ -185,10 +213,15 @@ def _outside(outcomes: list[Outcome]) -> str:
                 for o in outcomes
                 if o.case.hidden == effect and o.case.strength == strength
             )
-            lines.append(f"| {effect} | {100 * strength:g} % | {', '.join(f'{v} x{n}' for v, n in said.items())} |")
+            lines.append(
+                f"| {effect} | {100 * strength:g} % | {', '.join(f'{v} x{n}' for v, n in said.items())} |"
+            )
     unknown = sum(o.verdict == "unknown_effect" for o in outcomes) / len(outcomes)
     clean = sum(o.verdict == "nothing_missing" for o in outcomes) / len(outcomes)
-    return "\n".join(lines) + f"\n\nunknown_effect in {100 * unknown:.0f} %, a clean bill in {100 * clean:.0f} %."
+    return (
+        "\n".join(lines)
+        + f"\n\nunknown_effect in {100 * unknown:.0f} %, a clean bill in {100 * clean:.0f} %."
+    )
 
 
 def _parameters(outcomes: list[Outcome]) -> str:

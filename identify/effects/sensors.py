@@ -99,10 +99,12 @@ def _high_pass(time: Array, reading: Array, p: Array) -> Array:
     return np.asarray(passed + p[1] * np.exp(-rate * (time - time[0])))
 
 
+_CORNERS = tuple(0.003 * 1.33**i for i in range(14))
+"""Corners over the motion's frequency, closely spaced: where dry friction reverses, the misfit has steps to climb."""
+
+
 def _corner_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
-    return tuple(
-        (share * scales.frequency / (2.0 * pi), 0.0) for share in (0.003, 0.006, 0.012, 0.025, 0.05, 0.1)
-    )
+    return tuple((share * scales.frequency / (2.0 * pi), 0.0) for share in _CORNERS)
 
 
 AC_COUPLING = Effect(
