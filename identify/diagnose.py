@@ -176,7 +176,8 @@ def _rank(
     for candidate in tried:
         drop = candidate.gain / dispersion
         evidence = chance.surprise(candidate.name, drop) + at_rest(start.settings, candidate)
-        ranked.append(_Ranked(candidate, evidence, chance.p_value(candidate.name, drop)))
+        p_value = chance.p_value(candidate.name, drop) if evidence > 0.0 else 1.0
+        ranked.append(_Ranked(candidate, evidence, p_value))
     return tuple(sorted(ranked, key=_order))
 
 

@@ -14,7 +14,6 @@ UNSTATED_GAIN_UNCERTAINTY = 2e-4
 """Relative uncertainty allowed to a pair of channels whose calibration says nothing."""
 
 _FEWEST_LOST = 3
-_FAR_LOST = 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +63,7 @@ def _gain(settings: tuple[Setting, ...], fit: Fit) -> Fault | None:
 def _lost(settings: tuple[Setting, ...], fit: Fit) -> list[Fault]:
     faults = []
     for channel in fit.spans[0].channels:
-        drop, count, total, farthest = 0.0, 0, 0, 0.0
+        drop, count, total = 0.0, 0, 0
         for i, (setting, span) in enumerate(zip(settings, fit.spans, strict=True)):
             lost = setting.lost.get(channel)
             if lost is None or channel not in span.readings:
@@ -72,10 +71,9 @@ def _lost(settings: tuple[Setting, ...], fit: Fit) -> list[Fault]:
             off = fit.residual(channel, i)[lost[: len(span)]] / span.sigma[channel]
             off = off[np.isfinite(off)]
             drop += float(np.sum(off**2))
-            farthest = max(farthest, float(np.max(np.abs(off), initial=0.0)))
             count += len(off)
             total += len(span)
-        if count >= _FEWEST_LOST or farthest > _FAR_LOST:
+        if count >= _FEWEST_LOST:
             share = Estimate(count / total, float(np.sqrt(count)) / total, "1")
             faults.append(Fault(Term(DROPOUTS, {"channel": channel}), drop, count, {"share": share}))
     return faults

@@ -257,7 +257,8 @@ class Problem:
             predicted[channel] = values
         for at, channel, observe, places in self._sensors:
             if at == i:
-                predicted[channel] = observe(span.clock, predicted[channel], theta[places])
+                with np.errstate(all="ignore"):  # a motion that ran away is inf, and stays so
+                    predicted[channel] = observe(span.clock, predicted[channel], theta[places])
         for channel, place in self._offsets[i].items():
             predicted[channel] = predicted[channel] + theta[place]
         return predicted

@@ -23,6 +23,7 @@ DOUBT = 0.5
 
 _BEAM = 3
 _LOOKED_AT = 6
+_POLISHED_SECONDS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +106,8 @@ def pairs(
     """Return the most promising pairs of effects, best first; the search ends at a plausible one that is adequate."""
     found = []
     for first in _distinct(tried):
-        seconds = singles(Start(start.settings, first.fit, start.floors), library)
+        terms = candidate_terms(first.fit.model, library, first.fit.spans[0])
+        seconds = try_terms(start.settings, first.fit, terms, polished=_POLISHED_SECONDS)
         if seconds:
             found.append(Pair(first, seconds[0]))
             if start.adequate(seconds[0].fit) and found[-1].plausible:

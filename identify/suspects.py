@@ -73,11 +73,13 @@ def candidate_terms(model: Model, library: Iterable[Effect], span: Span) -> tupl
     return tuple(terms)
 
 
-def try_terms(settings: tuple[Setting, ...], base: Fit, terms: tuple[Term, ...]) -> tuple[Candidate, ...]:
+def try_terms(
+    settings: tuple[Setting, ...], base: Fit, terms: tuple[Term, ...], *, polished: int = _POLISHED
+) -> tuple[Candidate, ...]:
     """Refit the model with each term added; return the best variant of each effect, best first.
 
     From each start the term's inner parameters are held at first, so that all others can make room for it. The most
-    promising terms are then fitted freely.
+    promising ones, `polished` of them, are then fitted freely.
     """
     scales = scales_of(settings[0], residual_lines(base))
     with ThreadPoolExecutor() as pool:
@@ -85,8 +87,8 @@ def try_terms(settings: tuple[Setting, ...], base: Fit, terms: tuple[Term, ...])
             b for b in pool.map(lambda term: _begin(settings, base, term, scales), terms) if b is not None
         ]
         begun.sort(key=lambda beginning: beginning.cost)
-        tried = list(pool.map(lambda beginning: _finish(base, beginning, scales), begun[:_POLISHED]))
-        tried += [_leave(base, beginning, scales) for beginning in begun[_POLISHED:]]
+        tried = list(pool.map(lambda beginning: _finish(base, beginning, scales), begun[:polished]))
+        tried += [_leave(base, beginning, scales) for beginning in begun[polished:]]
     best: dict[str, Candidate] = {}
     for candidate in tried:
         if candidate.name not in best or candidate.score < best[candidate.name].score:
