@@ -89,7 +89,7 @@ def whole_library(file: Path | None) -> tuple[Effect, ...]:
     """Return the library with the user's own effects from a Python file after it."""
     if file is None:
         return LIBRARY
-    from identify.effects.user import load_effects
+    from station.own_effects import load_effects
 
     try:
         own = load_effects(file)

@@ -19,17 +19,17 @@ _FORCE = signature(_SCALAR, *_ARGUMENTS)
 _RATES = signature(STATE_TUPLE, *_ARGUMENTS)
 
 
-def force_function(function: Callable[..., float]) -> Any:
+def force_function(function: Callable[..., float], *, cache: bool = True) -> Any:
     """Compile `function(t, u, v, z, p)` to a force, or a friction level, per unit mass (m/s^2).
 
     `z` is a tuple of two internal states, `p` of six parameters.
     """
-    return njit(_FORCE, cache=True, error_model="numpy")(function)
+    return njit(_FORCE, cache=cache, error_model="numpy")(function)
 
 
-def rate_function(function: Callable[..., tuple[float, float]]) -> Any:
+def rate_function(function: Callable[..., tuple[float, float]], *, cache: bool = True) -> Any:
     """Compile `function(t, u, v, z, p)` to the rates of the two internal states."""
-    return njit(_RATES, cache=True, error_model="numpy")(function)
+    return njit(_RATES, cache=cache, error_model="numpy")(function)
 
 
 def address_of_force(function: Any) -> int:
