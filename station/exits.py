@@ -25,7 +25,7 @@ MEANING = {
 }
 
 
-class Problem(Exception):  # noqa: N818
+class Problem(Exception):
     """A failure with words for the operator: what happened, what was kept, what to do."""
 
     exit_code = UNEXPECTED

@@ -78,14 +78,18 @@ def layout(channels: tuple[Channel, ...]) -> rrb.Blueprint:
         log.curves(channel.name.capitalize(), [f"{ROOT}/{channel.name}"]) for channel in channels
     ]
     return rrb.Blueprint(
-        rrb.Horizontal(
-            rrb.Vertical(
-                *views,
-                rrb.StateTimelineView(origin=f"{ROOT}/station", name="Station"),
-                row_shares=[4.0] * len(views) + [1.2],
+        rrb.Tabs(
+            rrb.Horizontal(
+                rrb.Vertical(
+                    *views,
+                    rrb.StateTimelineView(origin=f"{ROOT}/station", name="Station"),
+                    row_shares=[4.0] * len(views) + [1.2],
+                ),
+                rrb.TextLogView(origin=f"{ROOT}/told", name="What happened"),
+                column_shares=[2, 1],
+                name="Live",
             ),
-            rrb.TextLogView(origin=f"{ROOT}/told", name="What happened"),
-            column_shares=[3, 1],
+            active_tab=0,
         ),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),

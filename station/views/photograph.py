@@ -40,9 +40,10 @@ def _tabs(layout: dict[str, Any]) -> dict[str, str]:
     for part in layout.values():
         container = part.get("ContainerBlueprint", {})
         if container.get("container_kind") == "Tabs":
+            contents = container["contents"]
             return {
                 path: layout[f"/{path}"]["ContainerBlueprint"].get("display_name", f"tab {number}")
-                for number, path in enumerate(container["contents"])
+                for number, path in enumerate([contents] if isinstance(contents, str) else contents)
             }
     raise Problem("the recording has no tabs to take pictures of")
 
