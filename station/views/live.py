@@ -13,9 +13,9 @@ from daq.capture import CaptureObserver
 from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
 from station.views import log, palette
-from station.views.show import APPLICATION
 from station.views.viewer import HOST, start
 
+APPLICATION = "free-decay-station-live"  # of its own: the viewer keeps one layout for each application
 ROOT = "/live"
 SCALE = {"m": (1e3, "mm")}
 START_S = 20.0
