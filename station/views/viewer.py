@@ -20,16 +20,19 @@ def has_screen() -> bool:
 
 
 def executable() -> str:
-    """Return the path of the viewer that came with the SDK: the program itself, which ends when it is told to.
+    """Return the path of the viewer that came with the SDK.
 
-    The script `rerun` beside the interpreter would start it as a child and leave it behind.
+    The program itself where it is found, not its launcher in `bin/`: ending the launcher would leave the viewer behind.
     """
+    suffix = ".exe" if sys.platform == "win32" else ""
     package = find_spec("rerun_cli")
-    if package is not None and package.origin is not None:
-        program = Path(package.origin).with_name("rerun.exe" if sys.platform == "win32" else "rerun")
-        if program.exists():
-            return str(program)
-    found = shutil.which("rerun")
+    places = (
+        []
+        if package is None or package.origin is None
+        else [Path(package.origin).with_name(f"rerun{suffix}")]
+    )
+    places.append(Path(sys.executable).with_name(f"rerun{suffix}"))
+    found = next((str(place) for place in places if place.is_file()), None) or shutil.which("rerun")
     if found is None:
         raise Problem("the Rerun viewer is not installed; `pip install rerun-sdk` brings it")
     return found
