@@ -72,11 +72,8 @@ def _allowed(node: ast.expr, depth: int) -> ast.expr:
         return ast.UnaryOp(type(node.op)(), _allowed(node.operand, depth + 1))
     if isinstance(node, ast.BinOp) and isinstance(node.op, _OPERATORS):
         left, right = _allowed(node.left, depth + 1), _allowed(node.right, depth + 1)
-        if (
-            isinstance(node.op, ast.Pow)
-            and isinstance(right, ast.Constant)
-            and abs(float(right.value)) > _LARGEST_POWER
-        ):
+        power = right.value if isinstance(node.op, ast.Pow) and isinstance(right, ast.Constant) else 0.0
+        if isinstance(power, float) and abs(power) > _LARGEST_POWER:
             raise ValueError(f"{where}: a power above {_LARGEST_POWER:g} is not a force anyone has met")
         return ast.BinOp(left, type(node.op)(), right)
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:

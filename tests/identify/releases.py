@@ -1,0 +1,37 @@
+"""Releases of the testbed's double, made ready for the diagnosis, and their truth."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from identify.free_decay import FreeDecay
+from identify.release import find_release
+from identify.setting import Setting, prepare
+from mocks.generate import draw
+
+HIDDEN = Path(__file__).resolve().parents[1] / "data" / "hidden"
+
+
+def drawn(effect: str | None, strength: float, seed: int, **fixed: Any) -> tuple[Setting, dict[str, Any]]:
+    sample = draw(effect, strength, seed, **fixed)
+    return ready(sample.rate, sample.displacement, sample.acceleration), sample.truth
+
+
+def ready(rate: float, displacement: np.ndarray, acceleration: np.ndarray | None) -> Setting:
+    release = find_release(rate, displacement, None, acceleration)
+    decay = FreeDecay(
+        rate,
+        displacement=displacement,
+        acceleration=acceleration,
+        release=release.index,
+        rest=release.rest,
+    )
+    return prepare(decay, release)
+
+
+def hidden(name: str) -> tuple[Setting, dict[str, Any]]:
+    rows = np.loadtxt(HIDDEN / f"{name}.csv", delimiter=",", skiprows=1)
+    truth = next(t for t in json.loads((HIDDEN / "truth.json").read_text()) if t["file"] == f"{name}.csv")
+    return ready(256.0, rows[:, 1], rows[:, 2]), truth
