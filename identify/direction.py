@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from identify.arrays import Array
+from identify.arrays import Array, Mask
 from identify.weak_form import Windows
 
 _QUIET_CYCLES = 0.12  # to either side of a reversal, over which the velocity is a sine
@@ -20,30 +21,32 @@ class Direction:
 
 def direction_of(velocity: Array) -> Direction:
     """Return the direction of motion, with each reversal placed between two samples by the straight line."""
-    before, after = velocity[:-1], velocity[1:]
-    turns = before * after < 0
+    moving = np.where(velocity == 0, 1e-12 * np.max(np.abs(velocity)) + 1e-300, velocity)
+    before, after = moving[:-1], moving[1:]
+    turns = np.sign(before) != np.sign(after)
     at = np.where(turns, before / np.where(turns, before - after, 1.0), 1.0)
-    return Direction(np.where(before != 0, np.sign(before), np.sign(after)), at)
+    return Direction(np.sign(before), np.minimum(at, np.where(turns, 1 - 1e-9, 1.0)))
 
 
 def refine_reversals(
-    velocity: Array, direction: Direction, dry: float, rate: float, angular_frequency: float
+    velocity: Array, direction: Direction, dry: float, rate: float, angular_frequency: float, blur: int = 0
 ) -> Direction:
     """Return the direction with its reversals placed by the samples an eighth of a cycle to either side.
 
     Between reversals the velocity is a sine, of two amplitudes: before and after they differ by dry friction
     `dry` (m/s^2). That difference is given back, and one sine with an offset is fitted across the reversal.
+    `blur` samples next to the reversal are left out, where smoothing has rounded its kink.
     """
-    reach = int(_QUIET_CYCLES * 2 * np.pi * rate / angular_frequency)
+    reach = max(3, int(_QUIET_CYCLES * 2 * np.pi * rate / angular_frequency)) + blur
     turns = np.flatnonzero(direction.at < 1)
     inside = (turns >= reach) & (turns + 1 + reach < len(velocity))
     alone = np.diff(turns, prepend=-len(velocity)) > reach
     alone &= np.diff(turns, append=2 * len(velocity)) > reach
     turns = turns[inside & alone]
-    if reach < 3 or not len(turns):
+    if reach > 0.3 * 2 * np.pi * rate / angular_frequency or not len(turns):
         return direction
     at = direction.at.copy()
-    offsets = np.arange(-reach, reach + 2)
+    offsets = np.concatenate([np.arange(-reach, 1 - blur), np.arange(1 + blur, reach + 2)])
     nearby = velocity[turns[:, None] + offsets]
     for _ in range(2):
         angle = (offsets - at[turns][:, None]) * (angular_frequency / rate)
@@ -68,29 +71,45 @@ def band_of_reversals(
     """
     turns = np.flatnonzero(direction.at < 1)
     late = noise / np.maximum(np.abs(velocity[turns + 1] - velocity[turns]), noise)
-    place = turns[:, None] - windows.first
-    seen = (place >= 0) & (place < len(windows.kernel))
-    share = np.where(seen, windows.kernel[np.where(seen, place, 0)], 0) * (jump * late)[:, None]
-    parts = np.stack([share.real, share.imag], axis=2).reshape(len(turns), -1)
-    band = np.zeros((width, parts.shape[1]))
+    at, place, seen = _windows_over(windows, turns.astype(np.float64))
+    place = np.clip(place.astype(int), 0, len(windows.kernel) - 1)
+    share = np.where(seen, windows.kernel[place], 0) * (jump * late)[:, None]
+    parts = np.stack([share.real, share.imag], axis=2).reshape(len(turns), 2 * at.shape[1])
+    rows = (2 * at[:, :, None] + np.arange(2)).reshape(parts.shape)
+    band = np.zeros((width, 2 * len(windows.first)))
     for offset in range(min(width, parts.shape[1])):
-        band[offset, : parts.shape[1] - offset] = np.einsum(
-            "ki,ki->i", parts[:, offset:], parts[:, : parts.shape[1] - offset]
-        )
+        products = parts[:, offset:] * parts[:, : parts.shape[1] - offset]
+        used = products != 0
+        np.add.at(band[offset], rows[:, : parts.shape[1] - offset][used], products[used])
     return band
 
 
-def averaged_sign(direction: Direction) -> Array:
-    """Return sgn v averaged under the hat of two sampling intervals around each sample, shape (n,).
+def rows_of_sign(windows: Windows, direction: Direction) -> Array:
+    """Return the integral of phi sgn(v) over each window, real and imaginary parts in turn, shape (2w,).
 
-    So the friction's jump is summed where it fell and not where the next sample is. The second difference makes up for what
-    a straight line between the samples of a window misses of it.
+    Exact for the reversals as they are placed, whatever the rate: the window's integral is evaluated there.
     """
-    sign, at = direction.before, direction.at
-    out = np.zeros(len(sign) + 1)
-    out[:-1] += sign * (2 * (at - 0.5 * at**2) - 0.5)
-    out[1:] += sign * (at**2 - 0.5)
-    out[0] *= 2
-    out[-1] *= 2
-    out[1:-1] -= (out[2:] - 2 * out[1:-1] + out[:-2]) / 12
-    return out
+    turns = np.flatnonzero(direction.at < 1)
+    at, place, seen = _windows_over(windows, turns + direction.at[turns])
+    steps = np.where(seen, 2 * direction.before[turns][:, None] * windows.integral(place), 0)
+    length = len(windows.kernel)
+    last = np.minimum(windows.first + length - 1, len(direction.before) - 1)
+    turned = direction.at[last] < np.minimum(windows.first + length - 0.5 - last, 1.0)
+    end = np.where(turned, -1, 1) * direction.before[last]
+    total = end * windows.integral(np.array(length - 0.5))
+    np.add.at(total, np.clip(at, 0, len(total) - 1), steps)
+    return np.stack([total.real, total.imag], axis=1).ravel()
+
+
+def _windows_over(windows: Windows, moments: Array) -> tuple[NDArray[np.int_], Array, Mask]:
+    """Windows that may hold each of the `moments` (k,), in samples.
+
+    Their numbers, the moment's place in each, and whether it is inside, shape (k, m) each.
+    """
+    length = len(windows.kernel)
+    earliest = np.searchsorted(windows.first, moments - length + 0.5)
+    number = earliest[:, None] + np.arange(length // windows.step + 1)
+    known = np.minimum(number, len(windows.first) - 1)
+    place = moments[:, None] - windows.first[known]
+    seen = (number < len(windows.first)) & (place > -0.5) & (place < length - 0.5)
+    return known, place, seen

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
-from identify.direction import averaged_sign, band_of_reversals, direction_of, refine_reversals
+from identify.direction import Direction, band_of_reversals, direction_of, refine_reversals, rows_of_sign
 from identify.force_span import Span, noise_velocity
 from identify.free_decay import FreeDecay
 from identify.spread import correlated_covariance, misfit_covariance
@@ -16,6 +16,7 @@ from identify.weak_form import (
     Windows,
     band_of,
     factor_of,
+    is_positive,
     rows_of,
     solve,
     whiten,
@@ -56,9 +57,10 @@ def fit_orders(
     powers = [np.abs(v) ** i * np.sign(v) for i in range(1, max(max_order, 1) + 1)]
     consistent = span.noise[0][0] == "consistent"
 
-    def rows(sign: Array) -> Array:
+    def rows(direction: Direction) -> Array:
         pull = np.zeros_like(u) if force is None or unknown_mass else force
-        sums = rows_of(windows, windows.kernel, np.stack([sign, *powers, *others, pull - a]))
+        sums = rows_of(windows, windows.kernel, np.stack([v, *powers, *others, pull - a]))
+        sums[:, 0] = rows_of_sign(windows, direction)
         if consistent:  # phi vanishes at its ends, so derivatives may pass from the motion to the window
             centred = (u - np.mean(u))[None]
             sums[:, -1:] = rows_of(windows, windows.kernel, pull[None])
@@ -68,20 +70,25 @@ def fit_orders(
 
     direction = direction_of(v)
     factor = factor_of(_covariance(span, windows, 0.0, w**2))
-    first = _solved(rows(averaged_sign(direction)), factor, 1, len(others))
+    first = _solved(rows(direction), factor, 1, len(others))
     mu_0, mu_1, k_1 = first.values[0], first.values[1], first.values[2] if 1 in stiffness_orders else w**2
 
-    direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w)
+    direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w, span.blur)
     band = _covariance(span, windows, mu_1, k_1)
     band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, noise_velocity(span))
-    found = rows(averaged_sign(direction))
+    found = rows(direction)
     best = _solved(found, factor_of(band), max(max_order, 1), len(others))
     misfit = best.chi_square > _MISFIT
     if misfit:
         band = band + _equation_error(span, windows, found, band, max(max_order, 1), len(others))
     factor = factor_of(band)
     solutions = [_solved(found, factor, order, len(others)) for order in range(max_order + 1)]
-    return [_fit(solution, stiffness_orders, unknown_mass, misfit) for solution in solutions]
+    # all reversals too late by one time: small, but no number of cycles averages it out
+    late = Direction(
+        direction.before, np.where(direction.at < 1, direction.at - span.late * motion.rate, 1.0)
+    )
+    common = whiten(factor, mu_0 * (rows_of_sign(windows, late) - found[:, 0])[:, None])
+    return [_fit(solution, common, stiffness_orders, unknown_mass, misfit) for solution in solutions]
 
 
 def _equation_error(span: Span, windows: Windows, rows: Array, band: Array, order: int, others: int) -> Array:
@@ -99,10 +106,6 @@ def _equation_error(span: Span, windows: Windows, rows: Array, band: Array, orde
         this = len(rows) * np.log(left) + 2 * float(np.sum(np.log(factor[0])))
         if this < unlikely:
             best, unlikely = share, this
-    import os
-
-    if os.environ.get("DBG"):
-        print("   share", best)
     return np.asarray(best * unit * white)
 
 
@@ -112,7 +115,9 @@ def _solved(rows: Array, factor: Array, order: int, others: int) -> LeastSquares
     return solve(white[:, :-1], white[:, -1])
 
 
-def _fit(solution: LeastSquares, stiffness_orders: tuple[int, ...], unknown_mass: bool, misfit: bool) -> Fit:
+def _fit(
+    solution: LeastSquares, common: Array, stiffness_orders: tuple[int, ...], unknown_mass: bool, misfit: bool
+) -> Fit:
     order = len(solution.values) - len(stiffness_orders) - 2 - unknown_mass
     residual = solution.white.reshape(-1, 2).T.ravel()
     gain = solution.gain.reshape(len(solution.gain), -1, 2).swapaxes(1, 2).reshape(len(solution.gain), -1)
@@ -120,6 +125,8 @@ def _fit(solution: LeastSquares, stiffness_orders: tuple[int, ...], unknown_mass
         covariance = correlated_covariance(residual, gain, len(residual), len(gain))
     else:
         covariance = solution.covariance + misfit_covariance(residual, gain, len(residual), len(gain))
+    shift = solution.gain @ common
+    covariance = covariance + shift @ shift.T
     clear = abs(float(solution.values[order])) / float(np.sqrt(covariance[order, order]))
     if misfit:
         covariance = widened(covariance, solution)
@@ -143,8 +150,15 @@ def _covariance(span: Span, windows: Windows, mu_1: float, k_1: float) -> Array:
     elastic = k_1 * windows.kernel - mu_1 * windows.slope
     kernels = {"consistent": windows.curvature + elastic, "elastic": elastic, "inertial": windows.kernel}
     w = span.angular_frequency
+    rate = span.motion.rate
+    bands = [band_of(windows, kernels[name], rate, _above(level, w)) for name, level in span.noise]
+    total = np.asarray(np.sum(bands, axis=0))
+    if is_positive(total):
+        return total
+    # a steep spectrum reaches further than the band that is kept: take it as white, at its level at the resonance
     bands = [
-        band_of(windows, kernels[name], span.motion.rate, _above(level, w)) for name, level in span.noise
+        float(level(np.array([w]))[0]) * band_of(windows, kernels[name], rate, np.ones_like)
+        for name, level in span.noise
     ]
     return np.asarray(np.sum(bands, axis=0))
 

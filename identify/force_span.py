@@ -11,16 +11,20 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.motion import Motion
 from identify.noise import noise_of
-from identify.oscillation import dominant_frequency
 from identify.smoothing import slope, smooth
+from identify.thinning import flat_frequency
 from identify.usable import CHANNELS, first_free_sample, last_large_sample, require_cycles
 
 _FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
+_FEWEST_SAMPLES = 8.0  # a cycle, where one channel must give the others
 _STOP_AT_DRY_ZONE = 2.5  # fit down to this many times mu_0 / w0^2, as the wavelet identification does
 _STOP_AT_NOISE = 6.0
 _REACH = 2  # samples from a reversal over which the friction's jump is smeared
 _CALM_HARMONICS = 8.0  # kept of a coarse displacement, times the natural frequency
 _ROUGH = 0.2  # of the acceleration, beyond which it is mostly noise
+_BLUR_CYCLES = 0.03  # by which the smoothing of a lone displacement rounds a kink
+_LATE = 1e-5  # of a cycle, by which all reversals may be misplaced alike
+_LATE_ALONE = 4e-5  # where smoothing has rounded them
 _SURE_SIGN = 3.0  # standard errors of the velocity below which its sign is noise
 
 Noises = tuple[tuple[str, Callable[[Array], Array]], ...]
@@ -39,6 +43,19 @@ class Span:
     force: Array | None
     noise: Noises
 
+    @property
+    def blur(self) -> int:
+        """Samples to either side of a reversal over which smoothing has rounded the velocity."""
+        if self.motion.source != "displacement":
+            return 0
+        return int(_BLUR_CYCLES * 2 * np.pi * self.motion.rate / self.angular_frequency)
+
+    @property
+    def late(self) -> float:
+        """Time (s) by which all reversals may be placed too late alike: the least of it stays after all care."""
+        share = _LATE_ALONE if self.blur else _LATE
+        return share * 2 * np.pi / self.angular_frequency
+
     def cut(self, values: Array) -> Array:
         """Return the span's part of `values`, which are as long as the motion."""
         return values[self.first : self.stop]
@@ -46,7 +63,7 @@ class Span:
 
 def calmed(motion: Motion) -> Motion:
     """Smooth a motion whose acceleration is mostly noise, as two differentiations of a coarse displacement leave it."""
-    frequency = dominant_frequency(motion.velocity, motion.rate)
+    frequency = flat_frequency(motion.velocity, motion.rate)
     corner = _CALM_HARMONICS * frequency / motion.rate
     if motion.source != "displacement" or not 0 < corner < 0.3:
         return motion
@@ -97,7 +114,7 @@ def span_of(decay: FreeDecay, motion: Motion, noise: Noises) -> Span:
         np.isfinite(motion.displacement) & np.isfinite(motion.velocity) & np.isfinite(motion.acceleration)
     )
     valid = motion.valid & finite
-    frequency = dominant_frequency(motion.velocity, motion.rate)
+    frequency = flat_frequency(motion.displacement, motion.rate)
     if frequency <= 0:
         raise NotIdentifiable("no oscillation stands out of the motion; release from a larger amplitude")
     w = 2 * np.pi * frequency
@@ -105,6 +122,11 @@ def span_of(decay: FreeDecay, motion: Motion, noise: Noises) -> Span:
     first = 0 if force is not None else max(0, first_free_sample(decay, frequency) - motion.start)
     stop = len(valid)
     require_cycles(stop - first, motion.rate, frequency, _FEWEST_CYCLES)
+    if motion.rate < _FEWEST_SAMPLES * frequency and "and" not in motion.source:
+        raise NotIdentifiable(
+            f"{motion.rate / frequency:.1f} samples a cycle are too few to tell the velocity from the "
+            f"{motion.source} alone; record at {2 * _FEWEST_SAMPLES * frequency:.3g} Hz or faster"
+        )
     span = Span(motion, first, stop, valid[first:stop], w, force, noise)
     if force is not None:
         return span

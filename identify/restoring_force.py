@@ -1,6 +1,6 @@
 """The restoring force surface, eqs. (13)-(19)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from identify.orders import choose_order
 from identify.smoothing import slope
 from identify.spikes import without_spikes
 from identify.surface import Section, grid_of, sections_of
+from identify.thinning import thinned
 from identify.units import damping_unit, stiffness_unit, with_mass
 from identify.usable import valid_samples
 from identify.weak_form import place_windows
@@ -80,9 +81,10 @@ def identify_restoring_force(
     the lag's standard error adds nothing here; see `identify_restoring_force_as_recorded` for what it does
     otherwise. Raises NotIdentifiable when there is too little to identify.
     """
-    decay = without_spikes(decay)
+    decay, begins = thinned(without_spikes(decay))
     motion = calmed(reconstruct(decay))
-    return _identify(decay, motion, noise_of_agreeing(decay), max_order, stiffness_orders)
+    result = _identify(decay, motion, noise_of_agreeing(decay), max_order, stiffness_orders)
+    return replace(result, time=frozen(result.time + begins))
 
 
 def identify_restoring_force_as_recorded(
@@ -128,19 +130,8 @@ def _identify(
     points = points_of(span)
     fits = fit_orders(span, windows, max_order, stiffness_orders, decay)
     clear = [fit.clear for fit in fits]
-    import os
-
-    if os.environ.get("DBG"):
-        print(
-            "   clear",
-            np.round(clear, 1),
-            "chi",
-            [round(f.solution.chi_square, 3) for f in fits],
-            [np.round(f.polynomial.damping, 5) for f in fits],
-        )
     misfits = [fit.solution.chi_square for fit in fits]
-    worth = [_FALL] * len(fits)
-    order, reason = choose_order(range(max_order + 1), misfits, clear, worth, "damping")
+    order, reason = choose_order(range(max_order + 1), misfits, clear, [_FALL] * len(fits), "damping")
     return _result(decay, span, fits, fits[order], reason, points)
 
 

@@ -8,9 +8,8 @@ from identify.errors import NotIdentifiable
 from identify.fractional_delay import bridge
 from identify.free_decay import FreeDecay
 from identify.noise import noise_of
-from identify.oscillation import dominant_frequency
 from identify.ridge_fit import Observed, envelope_and_phase, first_fit, observe
-from identify.spikes import without_spikes
+from identify.thinning import flat_frequency
 from identify.usable import CHANNELS, first_free_sample, last_large_sample, require_cycles, valid_samples
 
 _FEWEST_CYCLES = 3.0
@@ -25,7 +24,6 @@ def observe_span(decay: FreeDecay) -> tuple[int, Observed]:
 
     Raises NotIdentifiable when the record is driven, holds no oscillation, or too little of it.
     """
-    decay = without_spikes(decay)
     derivatives = next(i for i, name in enumerate(CHANNELS) if getattr(decay, name) is not None)
     samples = getattr(decay, CHANNELS[derivatives])
     valid = valid_samples(decay)
@@ -33,7 +31,7 @@ def observe_span(decay: FreeDecay) -> tuple[int, Observed]:
         raise NotIdentifiable(f"not a single sample of the {CHANNELS[derivatives]} is valid")
     whole = bridge(samples, valid)
     start = first_free_sample(decay)
-    frequency = dominant_frequency(whole[start:], decay.rate)
+    frequency = flat_frequency(whole[start:], decay.rate)
     if frequency <= 0:
         raise NotIdentifiable(f"no oscillation stands out of the {CHANNELS[derivatives]} after the release")
     start = first_free_sample(decay, frequency)

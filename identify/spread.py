@@ -1,6 +1,7 @@
 """The spread of parameters: what noise does to them, and what a misfit adds."""
 
 import numpy as np
+from scipy.signal import lfilter
 
 from identify.arrays import Array
 
@@ -37,5 +38,8 @@ def correlated_covariance(residual: Array, gain: Array, independent: float, para
     length = float(max(short[0] if len(short) else m, m / independent / 3.5))
     stretches = max(m / (2 * length), parameters + 1.0)
     variance = float(np.mean(residual**2)) * stretches / (stretches - parameters)
-    distance = np.abs(np.subtract.outer(np.arange(m), np.arange(m)))
-    return np.asarray(gain @ (variance * np.exp(-distance / length)) @ gain.T)
+    # the exponential's product with a row is one recursion forwards and one backwards
+    fade = float(np.exp(-1 / length))
+    forwards = lfilter([1.0], [1.0, -fade], gain, axis=1)
+    backwards = lfilter([1.0], [1.0, -fade], gain[:, ::-1], axis=1)[:, ::-1]
+    return np.asarray(variance * (forwards + backwards - gain) @ gain.T)

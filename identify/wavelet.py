@@ -31,6 +31,8 @@ from identify.ridge_spread import (
     clearances_of_phases,
     spreads_of,
 )
+from identify.spikes import without_spikes
+from identify.thinning import thinned
 from identify.units import damping_unit, stiffness_unit, with_mass
 from identify.usable import CHANNELS
 
@@ -89,6 +91,7 @@ def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
     Standard errors come from the channel's noise (`noise_*`; measured on the span where unknown) carried
     through the transform, and grow with what the model leaves unexplained.
     """
+    decay, begins = thinned(without_spikes(decay))
     start, observed = observe_span(decay)
     fit = settle(observed, first_fit(observed, min(1, max_order), (1,)))
     for _ in range(_CHANGES_OF_MODEL):
@@ -102,7 +105,8 @@ def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
         fit = replace(fit, envelope_fit=trials[order], phase_fit=backbones[best], stiffness_orders=orders)
         fit = settle(observed, fit)
     misfits = tuple(trial.mse_percent for trial in trials)
-    return _result(decay, start, observed, fit, misfits, (reason, stiffness_reason))
+    begins += start / decay.rate
+    return _result(decay, begins, observed, fit, misfits, (reason, stiffness_reason))
 
 
 def _choose_damping(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> tuple[int, str]:
@@ -128,7 +132,7 @@ def _worth(misfits: list[float], noise: float) -> list[float]:
 
 def _result(
     decay: FreeDecay,
-    start: int,
+    begins: float,
     observed: Observed,
     fit: RidgeFit,
     misfits: tuple[float, ...],
@@ -142,7 +146,7 @@ def _result(
     computed = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
     reconstruction = channel_of(computed, observed.derivatives)
     level = np.mean(observed.samples[observed.valid] - reconstruction[observed.valid])
-    time = (start + np.arange(len(observed.samples))) / decay.rate
+    time = begins + np.arange(len(observed.samples)) / decay.rate
     ridge = _curves(observed, fit, reconstruction)
     modulus, ladder, columns = _scalogram(observed)
     trusted = ridge["support"] > _TRUSTED

@@ -30,7 +30,8 @@ _TAIL = 4  # steps over which coloured noise of two windows that no longer overl
 class Windows:
     """Windows of one length that start at samples `first` (w,), multiples of `step`.
 
-    `kernel`, `slope`, `curvature` are phi and its derivatives, complex, shape (l,).
+    `kernel`, `slope`, `curvature` are phi and its derivatives, complex, shape (l,); `turn` is the angular
+    frequency in rad/sample.
     """
 
     first: NDArray[np.int_]
@@ -38,6 +39,20 @@ class Windows:
     kernel: Complex
     slope: Complex
     curvature: Complex
+    turn: float
+
+    def integral(self, place: Array) -> Complex:
+        """Return the integral of phi from its start to `place` (samples from the window's first), any shape.
+
+        sin^4 is five exponentials, and so is its product with the wave.
+        """
+        length = len(self.kernel)
+        run = place + 0.5
+        total = np.zeros(np.shape(place), dtype=np.complex128)
+        for wave, share in ((0, 3 / 8), (1, -1 / 4), (-1, -1 / 4), (2, 1 / 16), (-2, 1 / 16)):
+            beta = 2 * np.pi * wave / length - self.turn
+            total += share * run * np.exp(0.5j * beta * run) * np.sinc(beta * run / (2 * np.pi))
+        return np.asarray(total * np.exp(0.5j * self.turn * length))
 
 
 def place_windows(valid: Mask, rate: float, angular_frequency: float) -> Windows:
@@ -61,6 +76,7 @@ def place_windows(valid: Mask, rate: float, angular_frequency: float) -> Windows
         window * wave,
         (slope - 1j * w * window) * wave,
         (curvature - 2j * w * slope - w**2 * window) * wave,
+        w / rate,
     )
 
 
@@ -123,6 +139,15 @@ def factor_of(band: Array) -> Array:
     raised = band.copy()
     raised[0] += _JITTER * np.max(band[0])
     return np.asarray(cholesky_banded(raised, lower=True, check_finite=False))
+
+
+def is_positive(band: Array) -> bool:
+    """Return whether a banded covariance has a Cholesky factor."""
+    try:
+        factor_of(band)
+    except np.linalg.LinAlgError:
+        return False
+    return True
 
 
 def solve(white: Array, right: Array) -> LeastSquares:
