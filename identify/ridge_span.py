@@ -46,6 +46,11 @@ def observe_span(decay: FreeDecay) -> tuple[int, Observed]:
     quiet = _STOP_AT_NOISE * noise / rough.angular_frequency**derivatives
     few = min(int(_FEWEST_CYCLES * decay.rate / frequency) + 1, len(whole) - start)
     large = last_large_sample(envelope, max(quiet, _STOP_AT_FIRST * float(np.max(envelope))))
+    still = NotIdentifiable(
+        f"the {CHANNELS[derivatives]} moves no more than its noise; release from a larger amplitude"
+    )
+    if large < 1:
+        raise still
     stop = max(min(large * int(rough.points[1]), len(whole) - start), few)
     angular_frequency = float(np.median(angular[:large]))
     for _ in range(2):
@@ -62,10 +67,8 @@ def observe_span(decay: FreeDecay) -> tuple[int, Observed]:
     else:
         part = slice(start, start + stop)
         span = observe(whole[part], valid[part], decay.rate, derivatives, angular_frequency, noise)
-    if float(np.median(envelope[: max(large, 1)])) < quiet:
-        raise NotIdentifiable(
-            f"the {CHANNELS[derivatives]} moves no more than its noise; release from a larger amplitude"
-        )
+    if float(np.median(envelope[:large])) < quiet:
+        raise still
     return start, span
 
 

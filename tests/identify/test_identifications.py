@@ -1,0 +1,152 @@
+"""The wavelet and the restoring force surface, against releases whose truth is known."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from identify.alignment import align, correct
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+from identify.noise import estimate_noise
+from identify.release import find_release
+from identify.restoring_force import identify_restoring_force, identify_restoring_force_as_recorded
+from identify.wavelet import identify_wavelet
+from mocks.generate import draw
+
+MASS = 21.36
+TRUTH = {"K": 614.0 * MASS, "mu_0": 0.13, "mu_1": 0.277}
+METHODS = (identify_wavelet, identify_restoring_force)
+
+
+def decay_of(sample, **changes) -> FreeDecay:
+    release = find_release(sample.rate, sample.displacement, None, sample.acceleration)
+    decay = FreeDecay(
+        sample.rate,
+        displacement=sample.displacement,
+        acceleration=sample.acceleration,
+        release=release.index,
+        rest=release.rest,
+        mass=MASS,
+    )
+    return estimate_noise(decay.with_(**changes))
+
+
+@cache
+def release(seed: int, **fixed) -> FreeDecay:
+    sample = draw(
+        None,
+        0.0,
+        seed,
+        stiffness=614.0,
+        mu_0=0.13,
+        mu_1=0.277,
+        noise_displacement=5e-6,
+        noise_acceleration=0.01,
+        **fixed,
+    )
+    decay = decay_of(sample)
+    return correct(decay, align(decay))
+
+
+def estimates(found) -> dict[str, tuple[float, float]]:
+    values = {"K": found.stiffness, "mu_0": found.damping[0], "mu_1": found.damping[1]}
+    return {name: (e.value, e.std) for name, e in values.items()}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("seed", "amplitude"), [(1, 0.02), (2, -0.025), (3, -0.015)])
+def test_the_papers_release_is_identified_within_the_issue_s_bounds(method, seed, amplitude):
+    found = method(release(seed, amplitude=amplitude))
+    bounds = {"K": 1e-4 if method is identify_restoring_force else 4e-4, "mu_0": 6e-3, "mu_1": 1.2e-2}
+    for name, (value, _) in estimates(found).items():
+        assert value == pytest.approx(TRUTH[name], rel=bounds[name])
+    assert found.order == 1
+    assert found.reason
+    assert found.stiffness.unit == "N/m"
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_stated_errors_cover_the_truth(method):
+    scores = []
+    for seed in range(60, 72):
+        for name, (value, std) in estimates(method(release(seed, amplitude=0.02))).items():
+            scores.append((value - TRUTH[name]) / std)
+    # 36 correlated scores of unit variance: their rms lies within 0.6 and 1.5 in more than 99 % of cases.
+    assert 0.6 < np.sqrt(np.mean(np.square(scores))) < 1.5
+
+
+def test_without_alignment_mu_1_is_off_by_w0_squared_times_the_lag():
+    lag = 1.3e-3
+    sample = draw(None, 0.0, 5, stiffness=614.0, mu_0=0.13, mu_1=0.277, amplitude=0.02, lag=lag)
+    decay = decay_of(sample)
+    raw = identify_restoring_force_as_recorded(decay, 1).damping[1].value
+    aligned = identify_restoring_force(correct(decay, align(decay)), 1).damping[1].value
+    assert raw - aligned == pytest.approx(614.0 * lag, rel=0.03)  # first order in w0 lag
+    assert aligned == pytest.approx(0.277, rel=0.02)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("channel", ["displacement", "acceleration"])
+def test_one_channel_is_enough(method, channel):
+    other = "acceleration" if channel == "displacement" else "displacement"
+    found = method(release(8, amplitude=0.02).with_(**{other: None}))
+    assert found.stiffness.value == pytest.approx(TRUTH["K"], rel=2e-3)
+    assert found.damping[0].value == pytest.approx(TRUTH["mu_0"], rel=0.1)
+
+
+def test_the_order_of_the_damping_rises_with_drag():
+    sample = draw("quadratic_damping", 0.03, 9, amplitude=0.025)
+    decay = decay_of(sample)
+    aligned = correct(decay, align(decay))
+    c2 = sample.truth["parameters"]["c2"]
+    for method in METHODS:
+        found = method(aligned)
+        assert found.order == 2
+        assert found.mse_percent_by_order[2] < found.mse_percent_by_order[1] < found.mse_percent_by_order[0]
+        assert found.damping[2].value == pytest.approx(c2, rel=0.15)
+
+
+def test_the_backbone_shows_a_hardening_spring():
+    sample = draw("cubic_stiffness", 0.03, 10, amplitude=0.025)
+    decay = decay_of(sample)
+    found = identify_wavelet(correct(decay, align(decay)))
+    k3 = sample.truth["parameters"]["k3"] * MASS
+    assert found.stiffness_by_order[3].value == pytest.approx(k3, rel=0.1)
+
+
+def test_units_follow_the_mass_and_the_angle():
+    decay = release(11, amplitude=0.02).with_(mass=None, unit="rad")
+    for method in METHODS:
+        found = method(decay)
+        assert found.stiffness.unit == "1/s^2"
+        assert found.damping[0].unit == "rad/s^2"
+        assert found.stiffness.value == pytest.approx(614.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_noise_alone_is_refused_in_words(method):
+    random = np.random.default_rng(3)
+    noise = FreeDecay(
+        256.0,
+        displacement=1e-6 * random.standard_normal(2048),
+        acceleration=0.01 * random.standard_normal(2048),
+    )
+    with pytest.raises(NotIdentifiable, match=r"[a-z]{3,}"):
+        method(estimate_noise(noise))
+
+
+def test_an_external_force_enters_the_surface():
+    rate, n = 500.0, 8000
+    t = np.arange(n) / rate
+    u = 0.01 * np.sin(2 * np.pi * 3.0 * t) + 0.006 * np.sin(2 * np.pi * 4.7 * t)
+    v = np.gradient(u, 1 / rate)
+    a = -0.01 * (6 * np.pi) ** 2 * np.sin(6 * np.pi * t) - 0.006 * (9.4 * np.pi) ** 2 * np.sin(
+        9.4 * np.pi * t
+    )
+    decay = FreeDecay(rate, displacement=u, acceleration=a, force=a + 2.0 * v + 600.0 * u)
+    found = identify_restoring_force(decay)
+    assert found.stiffness.value == pytest.approx(600.0, rel=2e-3)
+    assert found.damping[1].value == pytest.approx(
+        2.0, rel=0.05
+    )  # the test's own velocity is a central difference
