@@ -51,19 +51,19 @@ class SettingsError(OperatorError):
     """A setting is out of its range or contradicts another."""
 
 
-class UnreadableFile(OperatorError):  # noqa: N818
+class UnreadableFile(OperatorError):
     """A file is not what it was said to be; the message says where."""
 
 
-class SessionExists(OperatorError):  # noqa: N818
+class SessionExists(OperatorError):
     """The folder holds something already; nothing was overwritten."""
 
 
-class NotASession(OperatorError):  # noqa: N818
+class NotASession(OperatorError):
     """The folder is not a session."""
 
 
-class NoRelease(OperatorError):  # noqa: N818
+class NoRelease(OperatorError):
     """The station was armed (or waited for rest) and nothing came within the time set."""
 
 
@@ -73,19 +73,19 @@ class PortError(StationError):
     exit_code = 3
 
 
-class NoBoard(PortError):  # noqa: N818
+class NoBoard(PortError):
     """Nothing is there, or nothing that answers as a board."""
 
 
-class SeveralBoards(PortError):  # noqa: N818
+class SeveralBoards(PortError):
     """More than one board answers and none was named."""
 
 
-class PortBusy(PortError):  # noqa: N818
+class PortBusy(PortError):
     """Another program has the port."""
 
 
-class PortForbidden(PortError):  # noqa: N818
+class PortForbidden(PortError):
     """The port is there but this user may not open it."""
 
 
@@ -95,11 +95,11 @@ class BoardError(StationError):
     exit_code = 4
 
 
-class VersionRefused(BoardError):  # noqa: N818
+class VersionRefused(BoardError):
     """The board speaks another major version of the protocol."""
 
 
-class BoardRefused(BoardError):  # noqa: N818
+class BoardRefused(BoardError):
     """The board answered NACK."""
 
 
@@ -107,13 +107,13 @@ class ProtocolError(BoardError):
     """The board's messages contradict the protocol or each other."""
 
 
-class DataLost(StationError):  # noqa: N818
+class DataLost(StationError):
     """More samples stayed lost than the settings allow; the session is kept."""
 
     exit_code = 5
 
 
-class LinkLost(StationError):  # noqa: N818
+class LinkLost(StationError):
     """The connection ended before the recording did; what was received is kept."""
 
     exit_code = 6
@@ -137,9 +137,9 @@ class StorageError(StationError):
     exit_code = 7
 
 
-class SessionLocked(StorageError):  # noqa: N818
+class SessionLocked(StorageError):
     """Another process is writing this session."""
 
 
-class SessionDamaged(StorageError):  # noqa: N818
+class SessionDamaged(StorageError):
     """A checksum does not match."""
