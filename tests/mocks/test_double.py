@@ -269,10 +269,10 @@ def test_a_reboot_in_mid_capture_shows_in_the_boot_id(host):
 
 
 def test_a_slow_line_makes_the_board_drop_and_count(host):
-    with running_double("--pty", "--speed", "4", "--fault", "slow:1000") as address:
+    with running_double("--pty", "--speed", "4", "--fault", "slow:2500") as address:
         connected = host(address)
         _, describe = connected.hello()
-        data = connected.sample(256 * 14, seconds=20.0)
+        data = connected.sample(256 * 20, seconds=60.0)
         index, _ = values(data, describe)
         dropped = sum(d.dropped_before for d in data)
         assert dropped > 0

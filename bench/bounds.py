@@ -1,0 +1,92 @@
+"""How weak an effect can be seen at all, and how near the parameters come to the Cramer-Rao bound."""
+
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+
+from bench.diagnosis import EFFECTS, Case, setting_of
+from identify.errors import NotIdentifiable
+from identify.fit import fit
+from identify.free_decay import FreeDecay
+from identify.model import base_model
+from identify.release import find_release
+from identify.search import begin
+from identify.setting import prepare, starting_values
+from mocks.generate import draw
+
+TITLE = "Bounds"
+_NOISE = {"displacement": 5e-6, "acceleration": 0.01}
+_SEEN = 25.0
+"""Drop of chi-square at which an effect is named in about half of the cases, after the search over the library."""
+
+
+def expected_drop(job: tuple[str, float, int]) -> float:
+    """Return the chi-square that the best base model leaves of a noise-free record, in units of the working noise."""
+    effect, strength, seed = job
+    try:
+        sample = draw(
+            effect,
+            strength,
+            seed,
+            noise_displacement=1e-7,
+            noise_acceleration=2e-4,
+            bits=22,
+            amplitude=0.02,
+            hand=0.0,
+        )
+        release = find_release(sample.rate, sample.displacement, None, sample.acceleration)
+        decay = FreeDecay(
+            sample.rate,
+            displacement=sample.displacement,
+            acceleration=sample.acceleration,
+            release=release.index,
+            rest=release.rest,
+        )
+        setting = prepare(decay, release)
+        span = setting.span.with_(sigma=dict(_NOISE))
+        setting = replace(setting, span=span)
+        return fit(
+            base_model(), (span,), starting_values((setting,), base_model(), {}), setting.frequency
+        ).chi_square
+    except (NotIdentifiable, ValueError):
+        return float("nan")
+
+
+def scores(seed: int) -> list[float]:
+    """Return the errors of K, mu_0, mu_1 and lag over their Cramer-Rao bounds, on a record with nothing hidden."""
+    setting, truth = setting_of(Case(None, 0.0, 7000 + seed))
+    values = begin((setting,), base_model()).fit.values
+    known = {
+        "linear_stiffness.k": truth["stiffness_per_mass"],
+        "coulomb_friction.mu_0": truth["mu_0"],
+        "viscous_damping.mu_1": truth["mu_1"],
+        "lag": truth["displacement_late_s"],
+    }
+    return [(values[name].value - true) / values[name].std for name, true in known.items()]
+
+
+def run(quick: bool) -> str:
+    """Return the tables as markdown."""
+    seeds = 2 if quick else 6
+    strength = 0.002
+    with ProcessPoolExecutor() as pool:
+        jobs = [(e, strength, 600 + i) for e in EFFECTS for i in range(seeds)]
+        drops = np.array(list(pool.map(expected_drop, jobs, chunksize=4))).reshape(len(EFFECTS), seeds)
+        z = np.array(list(pool.map(scores, range(16 if quick else 80), chunksize=4)))
+    lines = [
+        "| effect | drop of chi-square at 0.2 % | strength at which half would be named |",
+        "|---|---|---|",
+    ]
+    for effect, row in zip(EFFECTS, drops, strict=True):
+        drop = float(np.nanmedian(row))
+        lines.append(f"| {effect} | {drop:.3g} | {100 * strength * np.sqrt(_SEEN / max(drop, 1e-9)):.2g} % |")
+    ratio = np.sqrt(np.mean(z**2, axis=0))
+    words = ", ".join(f"{n} {r:.2f}" for n, r in zip(("K", "mu_0", "mu_1", "lag"), ratio, strict=True))
+    return (
+        "What the best model of stiffness, dry and viscous friction leaves of a record with a fiftieth of the noise, in units of the noise of "
+        f"the working point (20 mm, median of {seeds} seeds): the most that any method can go by, since the drop of chi-square is "
+        f"twice the logarithm of the likelihood ratio. Half are named where it reaches {_SEEN:.0f}.\n\n"
+        + "\n".join(lines)
+        + f"\n\nRms errors over the Cramer-Rao bound, {len(z)} records with nothing hidden: {words} (wanted at most 1.2)."
+    )
