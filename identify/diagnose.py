@@ -108,7 +108,7 @@ def diagnose(
     chance = chances(start, library)
     dispersion = _dispersion(start, tried)
     faults = tuple(
-        f for f in corrected_faults(settings, start.fit) if f.term.effect.name not in start.fit.model
+        f for f in corrected_faults(start.settings, start.fit) if f.term.effect.name not in start.fit.model
     )
     ranked = _rank(start, tried, chance, dispersion)
     judgement = _judge(start, ranked, faults, library)

@@ -18,9 +18,7 @@ def find_dropouts(readings: Array, sigma: float) -> Mask:
     """
     n = len(readings)
     lost = np.zeros(n, dtype=np.bool_)
-    repeats = np.zeros(n, dtype=np.bool_)
-    repeats[1:] = readings[1:] == readings[:-1]
-    suspicious = repeats | (readings == 0.0)
+    suspicious = stale(readings)
     start = 2
     edges = np.flatnonzero(np.diff(np.concatenate([[0], suspicious.astype(np.int8), [0]])))
     for first, stop in edges.reshape(-1, 2):
@@ -32,6 +30,13 @@ def find_dropouts(readings: Array, sigma: float) -> Mask:
         if off.max() > _FAR * sigma:
             lost[inside] = True
     return lost | _spikes(readings, sigma, lost)
+
+
+def stale(readings: Array) -> Mask:
+    """Return which readings repeat the one before exactly, or are exactly zero, shape (n,)."""
+    mask = np.asarray(readings == 0.0)
+    mask[1:] |= readings[1:] == readings[:-1]
+    return mask
 
 
 def _cubic(at: Array, values: Array, where: Array) -> Array:

@@ -13,7 +13,7 @@ from identify.setting import Setting
 UNSTATED_GAIN_UNCERTAINTY = 2e-4
 """Relative uncertainty allowed to a pair of channels whose calibration says nothing."""
 
-_FEWEST_LOST = 3
+FEWEST_LOST = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ def _lost(settings: tuple[Setting, ...], fit: Fit) -> list[Fault]:
             drop += float(np.sum(off**2))
             count += len(off)
             total += len(span)
-        if count >= _FEWEST_LOST:
+        if count >= FEWEST_LOST:
             share = Estimate(count / total, float(np.sqrt(count)) / total, "1")
             faults.append(Fault(Term(DROPOUTS, {"channel": channel}), drop, count, {"share": share}))
     return faults

@@ -1,14 +1,15 @@
 """The search for what is missing: one effect, or two together."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from identify.arrays import Array
 from identify.chance import Chance, chance_of
+from identify.dropouts import stale
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
-from identify.faults import allowance
+from identify.faults import FEWEST_LOST, allowance
 from identify.fit import Fit, fit
 from identify.floor import Floor, refine_floor
 from identify.model import Model
@@ -20,6 +21,9 @@ ADEQUATE = 3.0
 
 DOUBT = 0.5
 """Excess of the reduced chi-square that is left to the noise where its floor could only be guessed."""
+
+_STALE_OFF = 3.5
+"""Noise standard deviations off the fit at which a stale reading counts as lost."""
 
 _BEAM = 3
 _LOOKED_AT = 6
@@ -64,7 +68,27 @@ def begin(settings: tuple[Setting, ...], model: Model, known: dict[str, float] |
     frequency = settings[0].frequency
     start = known if known is not None else starting_values(settings, model, {})
     found = fit(model, spans, start, frequency)
-    return settle(settings, found)
+    mended = tuple(_without_stale(setting, found, i) for i, setting in enumerate(settings))
+    if any(new is not old for new, old in zip(mended, settings, strict=True)):
+        values = dict(zip(found.names, found.theta.tolist(), strict=True))
+        found = fit(model, tuple(setting.span for setting in mended), values, frequency)
+    return settle(mended, found)
+
+
+def _without_stale(setting: Setting, found: Fit, i: int) -> Setting:
+    """Leave out the stale readings that only a fit can tell, in channels that are known to lose readings."""
+    lost, used = dict(setting.lost), dict(setting.span.used)
+    for channel, mask in setting.lost.items():
+        if int(mask.sum()) < FEWEST_LOST:
+            continue
+        off = np.abs(found.residual(channel, i)) > _STALE_OFF * setting.span.sigma[channel]
+        further = stale(setting.span.readings[channel]) & off & used[channel]
+        if further.any():
+            lost[channel] = mask | further
+            used[channel] = used[channel] & ~further
+    if all(lost[channel] is setting.lost[channel] for channel in lost):
+        return setting
+    return replace(setting, lost=lost, span=setting.span.with_(used=used))
 
 
 def settle(settings: tuple[Setting, ...], found: Fit) -> Start:
