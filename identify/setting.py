@@ -24,6 +24,7 @@ _MOST_LOST = 0.2
 _SHORTEST_REST = 24
 _PRELUDE_SAMPLES = 4
 _PRELUDE_MARGIN = 16
+_STILL_DRIVEN = 0.05
 _REVERSAL_MARGIN = 0.02
 _DENSEST = 24.0
 """Samples a cycle to which a long record is thinned; short ones keep every sample."""
@@ -73,8 +74,13 @@ class Setting:
 def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0) -> Setting:
     """Make one release ready: align, reconstruct the motion, cut the record where friction takes over.
 
-    Raises NotIdentifiable when fewer than four cycles remain.
+    Raises NotIdentifiable when fewer than four cycles remain, or a recorded force drives the motion on.
     """
+    if decay.force is not None and _is_driven(decay.force, release):
+        raise NotIdentifiable(
+            "A recorded force drives this motion to its end, and the diagnosis needs a free decay; "
+            "the restoring force surface (`station identify`) takes the force into account."
+        )
     known = noise_of(decay)
     noise = {name: max(found.std, 1e-300) for name, found in known.items()}
     decay = decay.with_(**{f"noise_{name}": std for name, std in noise.items()})
@@ -117,6 +123,11 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
         {name: mask[::thin] for name, mask in lost.items()},
         _rest_of(record, release),
     )
+
+
+def _is_driven(force: Array, release: Release) -> bool:
+    late = force[release.settle + (len(force) - release.settle) // 2 :]
+    return bool(np.std(late) > _STILL_DRIVEN * np.std(force))
 
 
 def _rest_of(decay: FreeDecay, release: Release) -> Rest | None:
