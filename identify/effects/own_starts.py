@@ -1,0 +1,115 @@
+"""Where a fit of a user's own effect may begin: its parameters' units, and the sizes that the data show."""
+
+import re
+from itertools import product
+from math import inf, isfinite, pi, prod
+
+import numpy as np
+
+from identify.effects.effect import Parameter, Scales
+
+_MOST = 48
+_LEADING = 25
+_FACTOR = re.compile(r"(m|s|rad|Hz|1)(?:\^(-?\d))?")
+_SPREAD = (0.3, 1.0, 3.0)
+_PHASES = (0.8, 2.4, 3.9, 5.5)
+_LENGTHS = (0.1, 0.3, 0.6)
+_OF_THE_DURATION = (0.3, 1.0)
+_NUMBERS = (0.5, 1.0, 2.0)
+_FREQUENCIES = (0.5, 2.0, 3.0)
+_AGNOSTIC = ("m", "m/s", "s", "1")
+
+
+def dimensions_of(unit: str) -> tuple[int, int, str]:
+    """Return the powers of length and of time in a unit such as "1/(m^2 s^2)", and its kind: "", "rad" or "Hz".
+
+    Lengths are "m" whatever the displacement is measured in. ValueError when the unit is made of anything else.
+    """
+    above, *below = unit.replace("(", " ").replace(")", " ").replace("*", " ").split("/")
+    length = time = 0
+    kinds = set()
+    for sign, part in [(1, above), *((-1, b) for b in below)]:
+        for factor in part.split():
+            found = _FACTOR.fullmatch(factor)
+            if found is None:
+                raise ValueError(
+                    f"the unit '{unit}' is not made of m, s, rad, Hz and 1 (forces are per unit mass)"
+                )
+            power = sign * int(found[2] or 1)
+            length += power if found[1] == "m" else 0
+            time += power if found[1] == "s" else -power if found[1] == "Hz" else 0
+            kinds.add(found[1])
+    if not above.split():
+        raise ValueError(f"the unit '{unit}' has nothing above the stroke; write 1{unit}")
+    return length, time, "rad" if "rad" in kinds else "Hz" if "Hz" in kinds else ""
+
+
+def combinations(choices: list[tuple[float, ...]]) -> tuple[tuple[float, ...], ...]:
+    """Return combinations of one value from each choice; of too many, those of the first values, and others drawn evenly."""
+    total = prod(len(c) for c in choices)
+    if total <= _MOST:
+        return tuple(_combination(choices, place) for place in range(total))
+    leading = max(1, int(_LEADING ** (1.0 / len(choices)) + 1e-9))
+    first = tuple(product(*(choice[:leading] for choice in choices)))
+    drawn = np.random.default_rng(0).choice(total, _MOST, replace=False)
+    others = (_combination(choices, int(place)) for place in np.sort(drawn))
+    return tuple(dict.fromkeys((*first, *others)))[:_MOST]
+
+
+def _combination(choices: list[tuple[float, ...]], place: int) -> tuple[float, ...]:
+    values = []
+    for choice in reversed(choices):
+        place, at = divmod(place, len(choice))
+        values.append(choice[at])
+    return tuple(reversed(values))
+
+
+def starts_of(
+    parameter: Parameter, given: tuple[float, ...], scales: Scales, *, even: bool
+) -> tuple[float, ...]:
+    """Return starting values of one inner parameter: those given, or its unit's on the data's scales.
+
+    A length that the force is not `even` in is tried on both sides.
+    """
+    if given:
+        return given
+    unit = parameter.unit or _AGNOSTIC[0]
+    values = _by_unit(unit, scales)
+    if unit == "m" and not even and parameter.low < 0.0:
+        values = (*values[1:], *(-value for value in values[1:]), values[0])
+    if not parameter.unit:
+        values += tuple(value for other in _AGNOSTIC[1:] for value in _by_unit(other, scales))
+    return tuple(v for v in values if parameter.low <= v <= parameter.high) or _between(parameter)
+
+
+def _by_unit(unit: str, scales: Scales) -> tuple[float, ...]:
+    length, time, kind = dimensions_of(unit)
+    period = 2.0 * pi / scales.frequency
+    if (length, time) == (0, 0):
+        return _PHASES if kind == "rad" else _NUMBERS
+    if (length, time) == (0, -1) and kind:
+        hertz = [*scales.line_frequencies, *(share / period for share in _FREQUENCIES)]
+        return tuple((2.0 * pi if kind == "rad" else 1.0) * f for f in hertz)
+    if (length, time) == (1, 0):
+        return tuple(share * scales.amplitude for share in _LENGTHS)
+    if (length, time) == (1, -1):
+        return tuple(share * scales.speed for share in _LENGTHS)
+    if (length, time) == (0, 1):
+        return (
+            *(share * period for share in _SPREAD),
+            *(share * scales.duration for share in _OF_THE_DURATION),
+        )
+    size = scales.amplitude**length * (1.0 / scales.frequency) ** time
+    return tuple(share * size for share in _SPREAD)
+
+
+def _between(parameter: Parameter) -> tuple[float, ...]:
+    """Return values inside the bounds, where those of the scales all lie outside."""
+    low, high = parameter.low, parameter.high
+    if isfinite(low) and isfinite(high):
+        if low > 0.0 and high > 10.0 * low:
+            return tuple(float(x) for x in np.geomspace(low, high, 5)[1:-1])
+        return tuple(low + share * (high - low) for share in (0.2, 0.5, 0.8))
+    if low > -inf:
+        return (2.0 * low, 10.0 * low) if low > 0.0 else (0.5 * low, 1.0 + low)
+    return (0.5 * high, high - 1.0) if high > 0.0 else (2.0 * high, 10.0 * high)
