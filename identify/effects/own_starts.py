@@ -1,6 +1,7 @@
 """Where a fit of a user's own effect may begin: its parameters' units, and the sizes that the data show."""
 
 import re
+from dataclasses import dataclass
 from itertools import product
 from math import inf, isfinite, pi, prod
 
@@ -9,15 +10,22 @@ import numpy as np
 from identify.effects.effect import Parameter, Scales
 
 _MOST = 48
-_LEADING = 25
 _FACTOR = re.compile(r"(m|s|rad|Hz|1)(?:\^(-?\d))?")
 _SPREAD = (0.3, 1.0, 3.0)
 _PHASES = (0.8, 2.4, 3.9, 5.5)
 _LENGTHS = (0.1, 0.3, 0.6)
+_PLACES = (0.15, 0.3, 0.45, 0.6, 0.8)
 _OF_THE_DURATION = (0.3, 1.0)
 _NUMBERS = (0.5, 1.0, 2.0)
 _FREQUENCIES = (0.5, 2.0, 3.0)
-_AGNOSTIC = ("m", "m/s", "s", "1")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Starting values of one parameter; `likely` ones are combined first. Without a unit a length is likely."""
+
+    likely: tuple[float, ...]
+    others: tuple[float, ...] = ()
 
 
 def dimensions_of(unit: str) -> tuple[int, int, str]:
@@ -44,16 +52,20 @@ def dimensions_of(unit: str) -> tuple[int, int, str]:
     return length, time, "rad" if "rad" in kinds else "Hz" if "Hz" in kinds else ""
 
 
-def combinations(choices: list[tuple[float, ...]]) -> tuple[tuple[float, ...], ...]:
-    """Return combinations of one value from each choice; of too many, those of the first values, and others drawn evenly."""
+def combinations(choices: list[Choice]) -> tuple[tuple[float, ...], ...]:
+    """Return combinations of one value from each choice: first the likely values, then others as room allows."""
+    likely = _drawn([choice.likely for choice in choices], _MOST)
+    both = _drawn([choice.likely + choice.others for choice in choices], _MOST)
+    return tuple(dict.fromkeys((*likely, *both)))[:_MOST]
+
+
+def _drawn(choices: list[tuple[float, ...]], most: int) -> tuple[tuple[float, ...], ...]:
+    """Return all combinations of one value from each, or, of too many, some drawn evenly."""
     total = prod(len(c) for c in choices)
-    if total <= _MOST:
-        return tuple(_combination(choices, place) for place in range(total))
-    leading = max(1, int(_LEADING ** (1.0 / len(choices)) + 1e-9))
-    first = tuple(product(*(choice[:leading] for choice in choices)))
-    drawn = np.random.default_rng(0).choice(total, _MOST, replace=False)
-    others = (_combination(choices, int(place)) for place in np.sort(drawn))
-    return tuple(dict.fromkeys((*first, *others)))[:_MOST]
+    if total <= most:
+        return tuple(product(*choices))
+    places = np.random.default_rng(0).choice(total, most, replace=False)
+    return tuple(_combination(choices, int(place)) for place in np.sort(places))
 
 
 def _combination(choices: list[tuple[float, ...]], place: int) -> tuple[float, ...]:
@@ -64,22 +76,23 @@ def _combination(choices: list[tuple[float, ...]], place: int) -> tuple[float, .
     return tuple(reversed(values))
 
 
-def starts_of(
-    parameter: Parameter, given: tuple[float, ...], scales: Scales, *, even: bool
-) -> tuple[float, ...]:
+def starts_of(parameter: Parameter, given: tuple[float, ...], scales: Scales, *, even: bool) -> Choice:
     """Return starting values of one inner parameter: those given, or its unit's on the data's scales.
 
-    A length that the force is not `even` in is tried on both sides.
+    A length that the force is not `even` in is a place, and tried on both sides.
     """
     if given:
-        return given
-    unit = parameter.unit or _AGNOSTIC[0]
-    values = _by_unit(unit, scales)
-    if unit == "m" and not even and parameter.low < 0.0:
-        values = (*values[1:], *(-value for value in values[1:]), values[0])
+        return Choice(given)
+    likely = _by_unit(parameter.unit or "m", scales)
+    if parameter.unit in ("m", "") and not even:
+        likely = tuple(side * share * scales.amplitude for share in _PLACES for side in (1.0, -1.0))
+    others: tuple[float, ...] = ()
     if not parameter.unit:
-        values += tuple(value for other in _AGNOSTIC[1:] for value in _by_unit(other, scales))
-    return tuple(v for v in values if parameter.low <= v <= parameter.high) or _between(parameter)
+        others = tuple(value for unit in ("m/s", "s", "1") for value in _by_unit(unit, scales))
+    likely, others = (
+        tuple(v for v in values if parameter.low <= v <= parameter.high) for values in (likely, others)
+    )
+    return Choice(likely or others or _between(parameter), others if likely else ())
 
 
 def _by_unit(unit: str, scales: Scales) -> tuple[float, ...]:

@@ -102,7 +102,7 @@ def check_values(name: str, values: Values, draw: Callable[[np.random.Generator]
         fault = fault or _told(points, int(wrong[-1]))
     else:
         raise ValueError(f"{name}: {fault}")
-    found = [values(p, _with_points_near(random, p)) for p in (draw(random) for _ in range(_DRAWS))]
+    found = [values(p, points_near(random, p)) for p in (draw(random) for _ in range(_DRAWS))]
     forces = [np.where(np.isfinite(force), force, 0.0) for force, *_ in found]
     dry = any(np.nan_to_num(level).any() for _, level, *_ in found)
     if not dry and not any(force.any() for force in forces):
@@ -111,7 +111,7 @@ def check_values(name: str, values: Values, draw: Callable[[np.random.Generator]
         raise ValueError(f"{name}: a constant force only moves the spring's zero, and cannot be told from it")
 
 
-def _with_points_near(random: np.random.Generator, p: dict[str, float]) -> dict[str, Array]:
+def points_near(random: np.random.Generator, p: dict[str, float]) -> dict[str, Array]:
     """Return drawn points, half of them at displacements and speeds of the parameters' own sizes."""
     points = drawn_points(random, 10.0)
     sizes = np.abs(list(p.values()))
@@ -140,7 +140,7 @@ def acting_together(
     least = -1.0
     for _ in range(_DRAWS):
         p = draw(random)
-        points = _with_points_near(random, p)
+        points = points_near(random, p)
         columns = np.array([_column(values, p, points, name) for name in p])
         columns = columns[:, np.isfinite(columns).all(axis=0)]
         sizes = np.linalg.norm(columns, axis=1)

@@ -34,7 +34,14 @@ from identify.effects.own_function import along, compiled, parameters_of, placed
 from identify.effects.own_memory import comes_to_rest, rest_function
 from identify.effects.own_settings import OwnSetting, read_setting
 from identify.effects.own_starts import combinations, dimensions_of, starts_of
-from identify.effects.proportion import Values, acting_together, check_values, drawn_points, strength_in
+from identify.effects.proportion import (
+    Values,
+    acting_together,
+    check_values,
+    drawn_points,
+    points_near,
+    strength_in,
+)
 
 _VARIABLES = ("t", "u", "v", "z0", "z1")
 _NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
@@ -408,16 +415,24 @@ def _check_together(draft: _Draft, draw: Draw) -> None:
 def _even(draft: _Draft, draw: Draw) -> frozenset[str]:
     """Return the inner parameters whose sign does not matter, but perhaps for the sign of the whole force."""
     random = np.random.default_rng(5)
-    p, points = draw(random), drawn_points(random, 1.0)
-    once = draft.values(p, points)
-    even = set()
-    for name in draft.names[1:]:
-        other = draft.values(p | {name: -p[name]}, points)
-        alike = [np.allclose(a, b, equal_nan=True) for a, b in zip(once, other, strict=True)]
-        turned = [np.allclose(a, -b, equal_nan=True) for a, b in zip(once[:2], other[:2], strict=True)]
-        if all(alike) or (all(turned) and all(alike[2:])):
-            even.add(name)
+    even = set(draft.names[1:])
+    for _ in range(4):
+        p = draw(random)
+        points = points_near(random, p)
+        once = draft.values(p, points)
+        for name in tuple(even):
+            other = draft.values(p | {name: -p[name]}, points)
+            alike, turned = (
+                [_same(a, sign * b) for a, b in zip(once, other, strict=True)] for sign in (1.0, -1.0)
+            )
+            if not all(alike) and not all((*turned[:2], *alike[2:])):
+                even.discard(name)
     return frozenset(even)
+
+
+def _same(first: Array, second: Array) -> bool:
+    size = float(np.max(np.abs(np.nan_to_num(first)), initial=0.0))
+    return bool(np.allclose(first, second, rtol=1e-9, atol=1e-12 * size, equal_nan=True))
 
 
 def _starts_function(
