@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from identify.arrays import Array
+from identify.effects.compiled import PARAMETERS
 from identify.effects.expression import Node
 from identify.effects.expression_code import over_arrays
 
@@ -42,7 +43,7 @@ def rest_function(rates: Any, states: int) -> Callable[[float, Array], tuple[flo
     """Return the function (u, p) of the states at which compiled rates vanish, by Newton's method from (u, 0)."""
 
     def rest(u: float, p: Array) -> tuple[float, float]:
-        given = tuple(float(x) for x in p)
+        given = (*(float(x) for x in p), *[0.0] * (PARAMETERS - len(p)))
         z = np.array([u, 0.0])
         for _ in range(_NEWTON_STEPS):
             here = np.array(rates(0.0, u, 0.0, tuple(z), given))[:states]
