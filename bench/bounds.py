@@ -12,7 +12,8 @@ from identify.free_decay import FreeDecay
 from identify.model import base_model
 from identify.release import find_release
 from identify.search import begin
-from identify.setting import prepare, starting_values
+from identify.setting import prepare
+from identify.starting import starting_values
 from mocks.generate import draw
 
 TITLE = "Bounds"

@@ -22,7 +22,8 @@ from identify.effects.library import LIBRARY
 from identify.equation_error import force_along, moving
 from identify.errors import NotIdentifiable
 from identify.model import Term
-from identify.setting import Setting, scales_of, term_starts
+from identify.setting import Setting
+from identify.starting import scales_of, term_starts
 
 TITLE = "Peers on the same records"
 NO_COLUMN = ("hysteresis", "maxwell_element", "second_mass", "harmonic_forcing")

@@ -18,7 +18,8 @@ from identify.equation_error import force_along
 from identify.fit import Fit
 from identify.model import Term
 from identify.problem import Problem
-from identify.setting import Setting, rest_states, scales_of, term_starts
+from identify.setting import Setting
+from identify.starting import rest_states, scales_of, term_starts
 
 _DRAWS = 400
 _PROBE = 1e-3

@@ -135,7 +135,9 @@ def _force_error(setting: Setting, fit: Fit) -> tuple[float, float, Array]:
     span, motion = fit.spans[0], setting.motion
     values = {name: found.value for name, found in fit.values.items()}
     u = motion.displacement + setting.zero - values.get("displacement_offset", setting.zero)
-    measured = -motion.acceleration if span.force is None else span.force - motion.acceleration
+    measured = setting.restoring
+    if span.weighs and span.force is not None:
+        measured = measured + (values["force_gain"] - 1.0) * span.force
     residual = measured - model_force(fit.model, values, span.clock, u, motion.velocity)
     used = moving(motion)
     scale = 100.0 / float(np.var(measured[used]))

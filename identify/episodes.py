@@ -17,10 +17,13 @@ _MOST = 6
 
 
 def episodes(setting: Setting) -> tuple[Setting, ...]:
-    """Return a long release as up to six episodes spread evenly over it; a short one as it is."""
+    """Return a long release as up to six episodes spread evenly over it; a short one as it is.
+
+    A driven motion is kept in step by its force, and stays whole.
+    """
     span, n = setting.span, len(setting.span)
     cycle = 2.0 * np.pi / setting.frequency * span.rate
-    if n / cycle < _LONG_CYCLES:
+    if span.force is not None or n / cycle < _LONG_CYCLES:
         return (setting,)
     length = int(_EPISODE_CYCLES * cycle)
     starts = np.linspace(0, n - length, _MOST).astype(int)
@@ -36,7 +39,6 @@ def _episode(setting: Setting, first: int, length: int) -> Setting:
             time=span.time + first / span.rate,
             readings={c: r[part] for c, r in span.readings.items()},
             used={c: _with_lead(m[part], span.lead) for c, m in span.used.items()},
-            force=None if span.force is None else span.force[part],
             prelude=span.prelude if first == 0 else None,
             episode=True,
         ),

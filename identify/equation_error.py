@@ -1,7 +1,8 @@
 """Equation error: forces regressed on the measured motion. Quick, and good enough to start a fit from.
 
-At every sample a = -(sum of forces at the measured displacement and velocity). Internal states are driven along
-the measured motion. Samples of small speed are left out: the sign of a noisy velocity is noise.
+At every sample the restoring force, less any recorded one, is the sum of the forces at the measured displacement and
+velocity. Internal states are driven along the measured motion. Samples of small speed are left out: the sign of a noisy
+velocity is noise.
 """
 
 from dataclasses import dataclass
@@ -27,7 +28,7 @@ _DRIVE_STEPS = 8
 class Regression:
     """Linear strengths by effect name, in the order of the terms, and what they leave.
 
-    `strengths` (terms,), `constant` (m/s^2), `residual` (n,) of the acceleration at the samples used, `rss` its
+    `strengths` (terms,), `constant` (m/s^2), `residual` (n,) of the restoring force at every sample, `rss` its
     sum of squares over the samples used, `count` how many they are.
     """
 
@@ -128,13 +129,14 @@ def moving(motion: Motion, *, sigmas: float = 3.0) -> Mask:
     return motion.valid & steady
 
 
-def regress(motion: Motion, columns: Array, used: Mask, noise: float = 1.0) -> Regression:
-    """Least squares of the acceleration on force columns (n, terms) and a constant."""
+def regress(restoring: Array, columns: Array, used: Mask, noise: float = 1.0) -> Regression:
+    """Least squares of the measured restoring force per unit mass (n,) on force columns (n, terms) and a constant."""
     design = np.column_stack([columns, np.ones(len(columns))])
+    if not np.isfinite(design[used]).all():  # a state that ran away
+        return Regression(np.zeros(columns.shape[1]), 0.0, restoring, np.inf, int(used.sum()))
     size = np.linalg.norm(design[used], axis=0)
     size[size == 0.0] = 1.0
-    target = -motion.acceleration
-    solution = np.linalg.lstsq(design[used] / size, target[used], rcond=1e-12)[0] / size
-    residual = target - design @ solution
+    solution = np.linalg.lstsq(design[used] / size, restoring[used], rcond=1e-12)[0] / size
+    residual = restoring - design @ solution
     rss = float(np.sum(residual[used] ** 2)) / noise**2
     return Regression(solution[:-1], float(solution[-1]), residual, rss, int(used.sum()))

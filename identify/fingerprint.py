@@ -40,7 +40,7 @@ class Fingerprint:
 
 def force_left(setting: Setting, base: Fit) -> Array:
     """Return the force per unit mass that a model leaves along the measured motion, shape (n,)."""
-    return -setting.motion.acceleration - force_along_motion(setting, base)
+    return setting.restoring - force_along_motion(setting, base)
 
 
 def force_added(setting: Setting, base: Fit, found: Fit, term: Term, index: int = 0) -> Array:

@@ -7,6 +7,8 @@ import numpy as np
 
 from identify.arrays import Array, Mask, frozen, frozen_mask
 
+_STILL_DRIVEN = 0.05
+
 
 @dataclass(frozen=True, eq=False)
 class FreeDecay:
@@ -61,6 +63,13 @@ class FreeDecay:
             if values is not None:
                 return len(values)
         return 0
+
+    @property
+    def driven(self) -> bool:
+        """Whether a recorded force acts to the end; one that dies away, as a hammer's, leaves a free decay."""
+        if self.force is None:
+            return False
+        return bool(np.std(self.force[len(self) // 2 :]) > _STILL_DRIVEN * np.std(self.force))
 
     @property
     def time(self) -> Array:

@@ -66,7 +66,7 @@ def free_form(setting: Setting, force: Array) -> FreeForm:
     """
     motion = setting.motion
     used = moving(motion, sigmas=4.0)
-    misfit = -(motion.acceleration + force)
+    misfit = setting.restoring - force
     noise = max(motion.noise_acceleration or 0.0, 1e-300)
     cycle = np.floor(setting.time * setting.frequency / (2.0 * np.pi)).astype(int)
     folds = [used & (cycle % 2 == parity) for parity in (0, 1)]

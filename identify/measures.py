@@ -29,7 +29,7 @@ def errors_of(start: Start) -> Error:
     force, motion, horizon = [], [], 0.0
     for i, (setting, span) in enumerate(zip(start.settings, start.fit.spans, strict=True)):
         used = moving(setting.motion)
-        measured = -setting.motion.acceleration[used]
+        measured = setting.restoring[used]
         model = force_along_motion(setting, start.fit)[used]
         force.append(100.0 * float(np.mean((measured - model) ** 2) / np.var(measured)))
         channel = span.channels[0]

@@ -111,6 +111,11 @@ class Problem:
                 for offset, borrowed in enumerate(effect.borrows):
                     self._borrowed.append((row, len(effect.parameters) + offset, borrowed))
                 row += 1
+        self._weight = (
+            self._add("force_gain", "1", 0.2, 5.0, 1e-2, -1, True)
+            if any(s.weighs for s in self.spans)
+            else -1
+        )
         self._place_at = {name: (r, j) for name, r, j in self._places}
         self._starts: list[tuple[int, int]] = []
         self._states: list[list[tuple[int, int, int]]] = []
@@ -233,7 +238,7 @@ class Problem:
             substeps=substeps_for(self._fastest(theta), span.rate, kinked=self.system.kinked),
             time=span.time,
             lag=float(lag),
-            external=span.force,
+            external=span.force if not span.weighs else theta[self._weight] * span.force,
         )
 
     def _fastest(self, theta: Array) -> float:

@@ -13,7 +13,8 @@ from identify.faults import FEWEST_LOST, allowance
 from identify.fit import Fit, fit
 from identify.floor import Floor, refine_floor
 from identify.model import Model
-from identify.setting import Setting, regress_model, starting_values
+from identify.setting import Setting
+from identify.starting import regress_model, starting_values
 from identify.suspects import Candidate, candidate_terms, try_terms
 
 ADEQUATE = 3.0
@@ -149,4 +150,4 @@ def force_along_motion(setting: Setting, found: Fit) -> Array:
     inner = {
         n: float(t) for n, t in zip(found.names, found.theta, strict=True) if "." in n and ".state" not in n
     }
-    return -setting.motion.acceleration - regress_model(setting, found.model, inner).residual
+    return setting.restoring - regress_model(setting, found.model, inner).residual

@@ -1,4 +1,4 @@
-"""The setting of a fit: the spans that are compared, the motion they show, and where to begin."""
+"""The setting of a fit: the span that is compared, and the motion that it shows."""
 
 from dataclasses import dataclass, replace
 
@@ -7,14 +7,11 @@ import numpy as np
 from identify.alignment import Alignment, align, correct
 from identify.arrays import Array, Mask
 from identify.dropouts import find_dropouts
-from identify.effects.effect import Scales
-from identify.equation_error import Regression, force_along, moving, regress
+from identify.equation_error import moving, regress
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.model import Model, Term
 from identify.motion import Motion, reconstruct
 from identify.noise import Noise, noise_of
-from identify.problem import LINEAR
 from identify.release import Release
 from identify.span import CHANNELS, Prelude, Span
 
@@ -24,7 +21,6 @@ _MOST_LOST = 0.2
 _SHORTEST_REST = 24
 _PRELUDE_SAMPLES = 4
 _PRELUDE_MARGIN = 16
-_STILL_DRIVEN = 0.05
 _REVERSAL_MARGIN = 0.02
 _DENSEST = 24.0
 """Samples a cycle to which a long record is thinned; short ones keep every sample."""
@@ -66,6 +62,12 @@ class Setting:
         return self.span.time + np.arange(len(self.motion.displacement)) / self.span.rate
 
     @property
+    def restoring(self) -> Array:
+        """Measured restoring force per unit mass along the motion: the external force, if any, less inertia's, (n,)."""
+        external = 0.0 if self.span.force is None else self.span.force
+        return np.asarray(external - self.motion.acceleration)
+
+    @property
     def amplitude(self) -> float:
         """Largest displacement from zero, in the unit of the displacement."""
         return float(np.max(np.abs(self.motion.displacement)))
@@ -74,13 +76,11 @@ class Setting:
 def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0) -> Setting:
     """Make one release ready: align, reconstruct the motion, cut the record where friction takes over.
 
-    Raises NotIdentifiable when fewer than four cycles remain, or a recorded force drives the motion on.
+    Where a recorded force drives the motion on, it is taken into account, and the mass is estimated unless it is
+    known. Raises NotIdentifiable when fewer than four cycles remain.
     """
-    if decay.force is not None and _is_driven(decay.force, release):
-        raise NotIdentifiable(
-            "A recorded force drives this motion to its end, and the diagnosis needs a free decay; "
-            "the restoring force surface (`station identify`) takes the force into account."
-        )
+    if decay.driven:
+        release = _liveliest(decay, release)
     known = noise_of(decay)
     noise = {name: max(found.std, 1e-300) for name, found in known.items()}
     decay = decay.with_(**{f"noise_{name}": std for name, std in noise.items()})
@@ -96,7 +96,9 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
     motion = _cut(motion, max(release.end - release.settle, 0))
     if len(motion.displacement) < 16:
         raise NotIdentifiable("The motion after the release is too short; record at least four cycles.")
-    base = regress(motion, _base_columns(motion), moving(motion))
+    force = _force(decay, release, motion)
+    restoring = -motion.acceleration if force is None else force - motion.acceleration
+    base = regress(restoring, _base_columns(motion), moving(motion))
     k, _, mu_0 = base.strengths
     if not k > 0.0:
         raise NotIdentifiable("The motion shows no restoring force: is the displacement's sign reversed?")
@@ -111,7 +113,9 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
     motion = _cut(motion, length)
     motion = _shifted(motion, zero)
     lost = {name: mask[release.settle :][: len(motion.displacement)] for name, mask in lost.items()}
-    span = _span(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty)
+    span = _span(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty).with_(
+        force=None if force is None else force[:length], force_known=decay.mass is not None
+    )
     thin = _thinning(len(span), decay.rate, frequency)
     return Setting(
         _thinned(span.with_(prelude=_prelude(corrected, release, zero)), thin),
@@ -125,9 +129,25 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
     )
 
 
-def _is_driven(force: Array, release: Release) -> bool:
-    late = force[release.settle + (len(force) - release.settle) // 2 :]
-    return bool(np.std(late) > _STILL_DRIVEN * np.std(force))
+def _liveliest(decay: FreeDecay, release: Release) -> Release:
+    """Return the stretch of the largest motion in a driven record, which has no decay to be followed from its start."""
+    reading = next(r for c in CHANNELS if (r := getattr(decay, c)) is not None)
+    if len(reading) <= _LONG:
+        return release
+    power = np.cumsum(np.square(reading - np.mean(reading)))
+    first = int(np.argmax(power[_LONG:] - power[:-_LONG]))
+    return replace(release, settle=first, end=first + _LONG)
+
+
+def _force(decay: FreeDecay, release: Release, motion: Motion) -> Array | None:
+    """Return the external force per unit mass along the motion (n,), the mass by equation error unless it is known."""
+    if decay.force is None or not decay.driven:
+        return None
+    force = decay.force[release.settle :][: len(motion.displacement)]
+    if decay.mass is not None:
+        return force
+    columns = np.column_stack([_base_columns(motion), -force])
+    return np.asarray(regress(-motion.acceleration, columns, moving(motion)).strengths[-1] * force)
 
 
 def _rest_of(decay: FreeDecay, release: Release) -> Rest | None:
@@ -170,112 +190,6 @@ def _thinned_motion(motion: Motion, thin: int) -> Motion:
         velocity=motion.velocity[part],
         acceleration=motion.acceleration[part],
         valid=motion.valid[part],
-    )
-
-
-def starting_values(settings: tuple[Setting, ...], model: Model, inner: dict[str, float]) -> dict[str, float]:
-    """Return where a fit may begin, by unknown's name: strengths by equation error, the states from the motions.
-
-    `inner` gives inner parameters by "effect.parameter". The strengths come from the release of the largest amplitude.
-    """
-    largest = max(settings, key=lambda setting: setting.amplitude)
-    terms = [t for t in model.terms if t.effect.kind == "physics"]
-    values = dict(inner)
-    for term, strength in zip(terms, regress_model(largest, model, inner).strengths, strict=True):
-        parameter = term.effect.strength
-        values[f"{term.effect.name}.{parameter.name}"] = float(
-            np.clip(strength, parameter.low, parameter.high)
-        )
-    for i, setting in enumerate(settings):
-        tag = f"[{i}]" if len(settings) > 1 else ""
-        values |= {f"{name}{tag}": value for name, value in _nuisances(setting, terms, inner).items()}
-    return values
-
-
-def rest_states(
-    term: Term, displacement: float, velocity: float, inner: dict[str, float]
-) -> dict[str, float]:
-    """Return the internal states of an effect with memory soon after the release, by unknown's name without tag."""
-    effect = term.effect
-    if effect.rest is None:
-        return {}
-    p = np.array([0.0] + [_inner_value(term, q.name, inner) for q in effect.parameters[1:]])
-    first, second = effect.rest(displacement, p)
-    states = {f"{effect.name}.state0": first}
-    if effect.states > 1:
-        states[f"{effect.name}.state1"] = second or velocity
-    return states
-
-
-def _inner_value(term: Term, name: str, inner: dict[str, float]) -> float:
-    held = term.held.get(name)
-    return float(held) if held is not None else inner[f"{term.effect.name}.{name}"]
-
-
-def _nuisances(setting: Setting, terms: list[Term], inner: dict[str, float]) -> dict[str, float]:
-    motion, span = setting.motion, setting.span
-    u, v = float(motion.displacement[0]), float(motion.velocity[0])
-    gain = setting.alignment.gain.value if setting.alignment is not None else 1.0
-    values = {"displacement": u, "velocity": v, "lag": span.lag, "gain": gain}
-    for term in terms:
-        values |= rest_states(term, u, v, inner)
-    if "displacement" in span.readings:
-        values["displacement_offset"] = setting.zero
-    if "acceleration" in span.readings:
-        used = span.used["acceleration"]
-        values["acceleration_offset"] = float(
-            np.median((span.readings["acceleration"] - gain * motion.acceleration)[used])
-        )
-    return values
-
-
-def regress_model(setting: Setting, model: Model, inner: dict[str, float]) -> Regression:
-    """Regress the measured acceleration on the forces of a model at given inner parameters."""
-    motion = setting.motion
-    borrowed = {"linear_stiffness.k": setting.frequency**2}
-    columns = []
-    for term in model.terms:
-        effect = term.effect
-        if effect.kind != "physics":
-            continue
-        values = {
-            p.name: inner[f"{effect.name}.{p.name}"]
-            for p in effect.parameters[1:]
-            if p.name not in term.held and effect.name not in LINEAR
-        }
-        columns.append(
-            force_along(term, values, setting.time, motion.displacement, motion.velocity, borrowed)
-        )
-    return regress(motion, np.column_stack(columns), moving(motion), motion.noise_acceleration or 1.0)
-
-
-def scales_of(setting: Setting, lines: dict[str, tuple[tuple[float, float, float], ...]]) -> Scales:
-    """Return the sizes from which effects take their starting values."""
-    span = setting.span
-    return Scales(
-        amplitude=setting.amplitude,
-        frequency=setting.frequency,
-        duration=len(span) / span.rate,
-        rate=span.rate,
-        peaks={c: float(np.max(np.abs(span.readings[c][span.used[c]]))) for c in span.channels},
-        lines=lines,
-    )
-
-
-def term_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
-    """Return the starting values of a term's inner parameters, by "effect.parameter"."""
-    effect = term.effect
-    if effect.kind == "sensor":
-        if term.channel not in scales.peaks:
-            return ()
-        starts = effect.sensor_starts(scales, term.channel)
-        return tuple(
-            {f"{effect.name}.{p.name}": v for p, v in zip(effect.parameters, s, strict=True)} for s in starts
-        )
-    inner = [p for p in effect.parameters[1:] if p.name not in term.held]
-    return tuple(
-        {f"{effect.name}.{p.name}": v for p, v in zip(inner, start, strict=True)}
-        for start in effect.starts(scales)
     )
 
 
@@ -380,6 +294,5 @@ def _span(
         lag=lag,
         lag_reach=reach,
         gain_uncertainty=gain_uncertainty,
-        force=None if decay.force is None else decay.force[part],
         unit=decay.unit,
     )

@@ -30,7 +30,9 @@ class Span:
     the noise of each channel; `lead` samples at the start are simulated but not compared, so that a late channel has a past.
     `lag` is where the search for the lag begins (s) and `lag_reach` how far it may go. `gain_uncertainty` is what the
     calibration certificates leave open, and enters as a prior when the gain is judged. `prelude` is None where the rest
-    before the release was not seen. An `episode` is one of several pieces of a long release.
+    before the release was not seen. `force` is an external force per unit mass (m/s^2), None where none acts;
+    where the mass was only estimated, `force_known` is False and its scale is fitted. An `episode` is one of several
+    pieces of a long release.
     """
 
     rate: float
@@ -44,6 +46,7 @@ class Span:
     gain_uncertainty: float = 0.0
     prelude: Prelude | None = None
     force: Array | None = None
+    force_known: bool = True
     episode: bool = False
     unit: str = "m"
 
@@ -59,6 +62,11 @@ class Span:
     def paired(self) -> bool:
         """Whether the acceleration stands beside a lower channel, so that lag and gain can be known."""
         return "acceleration" in self.readings and len(self.readings) > 1
+
+    @property
+    def weighs(self) -> bool:
+        """Whether a force of unknown scale acts, so that the mass is one of the unknowns."""
+        return self.force is not None and not self.force_known
 
     @property
     def clock(self) -> Array:

@@ -12,9 +12,10 @@ from identify.equation_error import force_along
 from identify.fit import Fit, descend, fit, fit_at
 from identify.model import Model, Term
 from identify.problem import Problem
-from identify.setting import Setting, regress_model, rest_states, scales_of, starting_values, term_starts
+from identify.setting import Setting
 from identify.span import Span
 from identify.spectrum import strongest_lines
+from identify.starting import regress_model, rest_states, scales_of, starting_values, term_starts
 
 JUDGED_APART = ("channel_lag", "channel_gain", "dropouts")
 """Faults that are always fitted or taken out beforehand, and are judged from what was found then."""

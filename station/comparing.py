@@ -8,14 +8,13 @@ from typing import Any
 from daq.session import Session
 from identify.compare import Comparison, compare
 from identify.effects.library import LIBRARY
-from identify.release import find_release
 from identify.search import begin
 from identify.setting import Setting, prepare
 from station.compared import Compared
 from station.diagnosing import chosen_model
 from station.document import estimate
 from station.output import finite
-from station.pipeline import Options, free_decay
+from station.pipeline import Options, find_motion, free_decay
 
 RESULT = "comparison.json"
 VIEW = "comparison.rrd"
@@ -24,7 +23,7 @@ VIEW = "comparison.rrd"
 def setting_of(session: Session, options: Options) -> Setting:
     """Make the release of a session ready to be fitted; raises NotIdentifiable where there is too little of it."""
     decay = free_decay(session.recording(), options)
-    release = find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)
+    release = find_motion(decay)
     return prepare(decay.with_(release=release.index, rest=release.rest), release)
 
 

@@ -10,7 +10,8 @@ from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from identify.model import Model, base_model
-from identify.setting import Setting, prepare, starting_values
+from identify.setting import Setting, prepare
+from identify.starting import starting_values
 from station.exits import UsageProblem
 from station.identifying import options_for
 from station.models import KnownModel, read_model

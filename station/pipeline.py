@@ -8,8 +8,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
-import numpy as np
-
 from daq.recording import Recording
 from identify.alignment import align, correct
 from identify.errors import NotIdentifiable
@@ -22,7 +20,6 @@ from station.identification import Identification
 
 Value = TypeVar("Value")
 
-STILL_DRIVEN = 0.05
 MOTION = ("displacement", "velocity", "acceleration")
 
 
@@ -58,7 +55,7 @@ def identify(recording: Recording, options: Options) -> Identification:
     aligned = decay if alignment is None else correct(decay, alignment)
 
     wavelet = None
-    if is_driven(decay):
+    if decay.driven:
         refusals["wavelet"] = (
             "a force drives the motion to the end of the record; this method needs a free decay"
         )
@@ -111,17 +108,8 @@ def _displacement_unit(recording: Recording) -> str:
     return units[0].split("/")[0] if units else "m"
 
 
-def is_driven(decay: FreeDecay) -> bool:
-    """Return whether a recorded force goes on to the end, so that there is no free decay in the record."""
-    if decay.force is None:
-        return False
-    force = decay.force - np.median(decay.force)
-    later = force[len(force) // 2 :]
-    return bool(np.mean(later**2) > STILL_DRIVEN**2 * np.mean(force**2))
-
-
 def find_motion(decay: FreeDecay) -> Release:
     """Return the release; for a driven motion the whole record."""
-    if is_driven(decay):
+    if decay.driven:
         return Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0))
     return find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)

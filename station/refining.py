@@ -70,7 +70,7 @@ def floor_of(setting: Setting, rung: Rung) -> Errors:
     channel = span.channels[0]
     noise = motion.noise_acceleration or 0.0
     return Errors(
-        force_mse_percent=float(100.0 * noise**2 / np.var(motion.acceleration[used])),
+        force_mse_percent=float(100.0 * noise**2 / np.var(setting.restoring[used])),
         motion_percent=float(
             100.0 * span.sigma[channel] / np.std(span.readings[channel][span.used[channel]])
         ),

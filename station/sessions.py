@@ -16,7 +16,7 @@ from identify.errors import NotIdentifiable
 from identify.release import Release, find_releases
 from station.exits import UsageProblem
 from station.output import progress
-from station.pipeline import Options, free_decay, is_driven
+from station.pipeline import Options, free_decay
 
 MOST_RELEASES = 100
 
@@ -121,7 +121,7 @@ def _stem(file: Path) -> str:
 def split(recording: Recording) -> tuple[list[Recording], tuple[str, ...]]:
     """Cut a recording into one for each release; the notes say what was found."""
     decay = free_decay(recording, Options())
-    if is_driven(decay):
+    if decay.driven:
         return [recording], ("a force drives the motion to the end: no free decay, and so one session",)
     try:
         releases = find_releases(

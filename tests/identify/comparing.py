@@ -9,7 +9,8 @@ from identify.free_decay import FreeDecay
 from identify.model import base_model
 from identify.noise import noise_of
 from identify.release import find_release
-from identify.setting import Setting, prepare, starting_values
+from identify.setting import Setting, prepare
+from identify.starting import starting_values
 from mocks.generate import draw
 
 MASS = 21.36

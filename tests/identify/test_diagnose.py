@@ -9,7 +9,7 @@ from identify.fit import fit
 from identify.model import base_model
 from identify.refine import add_effect, climb, first_rung, remove_effect
 from identify.search import begin
-from identify.setting import starting_values
+from identify.starting import starting_values
 
 BASE = 3
 

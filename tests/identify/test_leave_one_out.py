@@ -10,7 +10,8 @@ from identify.leave_one_out import leave_one_out
 from identify.model import Term, base_model
 from identify.release import find_release
 from identify.search import begin
-from identify.setting import prepare, starting_values
+from identify.setting import prepare
+from identify.starting import starting_values
 from mocks.generate import draw
 
 

@@ -10,7 +10,7 @@ from identify.errors import NotIdentifiable
 from mocks import generate
 from station.document import as_document
 from station.output import finite
-from station.pipeline import Options, free_decay, identify, is_driven
+from station.pipeline import Options, free_decay, identify
 
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 
@@ -78,8 +78,8 @@ def test_a_force_that_goes_on_drives_and_a_hammer_does_not():
     hammer = np.where(time < 0.1, 100.0, 0.0)
     shaker = np.random.default_rng(2).standard_normal(2048)
     motion = np.exp(-time) * np.cos(25 * time)
-    assert not is_driven(free_decay(record(256.0, displacement=motion, force=hammer), Options()))
-    assert is_driven(free_decay(record(256.0, displacement=motion, force=shaker), Options()))
+    assert not free_decay(record(256.0, displacement=motion, force=hammer), Options()).driven
+    assert free_decay(record(256.0, displacement=motion, force=shaker), Options()).driven
 
 
 def test_a_force_is_divided_by_the_mass_where_that_is_known():
