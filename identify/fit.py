@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.arrays import Array, Mask
+from identify.arrays import Array
+from identify.descent import descend, descend_fully
 from identify.estimate import Estimate
 from identify.model import Model
 from identify.problem import Problem
 from identify.span import Span
 
-_MOST_STEPS = 40
 _GROWTH = (3.0, 8.0, 20.0, 50.0, 120.0)
 _FAR_OFF = 30.0
 
@@ -54,66 +54,6 @@ class Fit:
         return float(self.covariance[i, j] / np.sqrt(self.covariance[i, i] * self.covariance[j, j]))
 
 
-def descend(
-    problem: Problem,
-    theta: Array,
-    *,
-    steps: int = _MOST_STEPS,
-    patience: float = 0.02,
-    held: Mask | None = None,
-) -> tuple[Array, float, Array, bool]:
-    """Levenberg-Marquardt within bounds, until a step promises less than `patience` of chi-square.
-
-    Unknowns that are `held` stay where they are. Returns the unknowns, chi-square, the Jacobian there, and whether
-    it settled.
-    """
-    theta = np.clip(theta, problem.low, problem.high)
-    always = np.zeros(len(theta), dtype=bool) if held is None else held
-    residual, jacobian = problem.linearise(theta, skip=held)
-    cost = _sum_of_squares(residual)
-    damping = 1e-3
-    settled = False
-    for _ in range(steps):
-        if not np.isfinite(cost):
-            break
-        size = problem.sizes(theta)
-        scaled = jacobian * size
-        gradient = scaled.T @ residual
-        normal = scaled.T @ scaled
-        still = (
-            always | ((theta <= problem.low) & (gradient > 0)) | ((theta >= problem.high) & (gradient < 0))
-        )
-        normal[still] = 0.0
-        normal[:, still] = 0.0
-        diagonal = np.diag(normal).copy()
-        floor = 1e-12 * max(diagonal.max(), 1e-300)
-        improved = False
-        for _ in range(12):
-            matrix = normal + np.diag(damping * diagonal + floor)
-            step = -np.linalg.solve(matrix, np.where(still, 0.0, gradient))
-            candidate = np.clip(theta + step * size, problem.low, problem.high)
-            promise = -(2.0 * gradient @ step + step @ normal @ step)
-            trial = problem.residuals(candidate)
-            trial_cost = _sum_of_squares(trial)
-            if np.isfinite(trial_cost) and trial_cost < cost:
-                improved = True
-                break
-            if promise < patience:
-                break
-            damping = max(damping * 8.0, 1e-7)
-        if not improved:
-            settled = True
-            break
-        gained = cost - trial_cost
-        theta, cost = candidate, trial_cost
-        damping = max(damping / 10.0, 1e-9)
-        residual, jacobian = problem.linearise(theta, skip=held)
-        if gained < max(patience, 1e-6 * cost):
-            settled = True
-            break
-    return theta, cost, jacobian, settled
-
-
 def fit(
     model: Model,
     spans: tuple[Span, ...],
@@ -130,14 +70,9 @@ def fit(
     far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
     if far:
         theta = _grow(model, spans, theta, frequency)
-    theta, cost, jacobian, settled = descend(whole, theta, patience=patience)
-    return _result(whole, theta, cost, jacobian, settled=settled)
-
-
-def _sum_of_squares(residual: Array) -> float:
-    """Return the sum of squares; inf where the motion ran away."""
-    size = float(np.max(np.abs(residual), initial=0.0))
-    return float(residual @ residual) if size < 1e100 else np.inf
+    found = descend_fully(whole, theta, patience=patience)
+    jacobian = found.jacobian if found.exact else whole.linearise(found.theta)[1]
+    return _result(whole, found.theta, found.cost, jacobian, settled=found.settled)
 
 
 def fit_at(problem: Problem, theta: Array) -> Fit:
@@ -153,7 +88,7 @@ def _grow(model: Model, spans: tuple[Span, ...], theta: Array, frequency: float)
         if samples >= longest:
             break
         short = Problem(model, tuple(s.until(min(samples, len(s))) for s in spans), frequency)
-        theta = descend(short, theta, steps=8, patience=1.0)[0]
+        theta = descend(short, theta, steps=8, patience=1.0).theta
     return theta
 
 

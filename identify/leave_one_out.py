@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from identify.descent import descend_fully
 from identify.errors import NotIdentifiable
-from identify.fit import Fit, descend, fit, fit_at
+from identify.fit import Fit, fit, fit_at
 from identify.problem import Problem
 
 _TAG = re.compile(r"\[(\d+)\]$")
@@ -47,7 +48,7 @@ def _without(found: Fit, left: int) -> LeftOut:
     theta = np.array(
         [(physics if unknown.span < 0 else own).get(unknown.name, 0.0) for unknown in problem.unknowns]
     )
-    theta = descend(problem, theta, held=shared)[0]
+    theta = descend_fully(problem, theta, held=shared).theta
     alone = fit_at(problem, theta)
     span = alone.spans[0]
     channel = span.channels[0]

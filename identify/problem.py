@@ -200,6 +200,12 @@ class Problem:
                     )
                 self._sensors.append((i, term.channel, term.effect.observe, places))
 
+    def take_steps(self, other: "Problem") -> None:
+        """Begin with the steps of differentiation that another problem has found for unknowns of the same name."""
+        for at, unknown in enumerate(self.unknowns):
+            if unknown.name in other.index:
+                self._steps[at] = other._steps[other.index[unknown.name]]
+
     def sizes(self, theta: Array) -> Array:
         """Return the natural size of each unknown; inner parameters are as large as they are."""
         tiny = 1e-3 * np.abs(theta)

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.arrays import Array
+from identify.arrays import Array, Mask
+from identify.descent import descend
 from identify.effects.effect import Effect, Scales
 from identify.equation_error import force_along
-from identify.fit import Fit, descend, fit, fit_at
+from identify.fit import Fit, fit, fit_at
 from identify.model import Model, Term
 from identify.problem import Problem
 from identify.setting import Setting
@@ -83,9 +84,12 @@ def try_terms(
     promising ones, `polished` of them, are then fitted freely.
     """
     scales = scales_of(settings[0], residual_lines(base))
+    slope = _slope(base)
     with ThreadPoolExecutor() as pool:
         begun = [
-            b for b in pool.map(lambda term: _begin(settings, base, term, scales), terms) if b is not None
+            b
+            for b in pool.map(lambda term: _begin(settings, base, slope, term, scales), terms)
+            if b is not None
         ]
         begun.sort(key=lambda beginning: beginning.cost)
         tried = list(pool.map(lambda beginning: _finish(base, beginning, scales), begun[:polished]))
@@ -100,7 +104,7 @@ def try_terms(
 def try_term(settings: tuple[Setting, ...], base: Fit, term: Term) -> Candidate | None:
     """Refit the model with one term added; None when it has nowhere to start."""
     scales = scales_of(settings[0], residual_lines(base))
-    begun = _begin(settings, base, term, scales)
+    begun = _begin(settings, base, _slope(base), term, scales)
     return None if begun is None else _finish(base, begun, scales)
 
 
@@ -114,15 +118,45 @@ class _Beginning:
     cost: float
 
 
-def _begin(settings: tuple[Setting, ...], base: Fit, term: Term, scales: Scales) -> _Beginning | None:
+@dataclass(frozen=True, eq=False)
+class _Slope:
+    """How a model's misfit depends on its unknowns, from which the search for one more effect sets out."""
+
+    problem: Problem
+    jacobian: Array
+
+    def begin(self, problem: Problem, theta: Array, held: Mask) -> tuple[Array, Array]:
+        """Return the misfit of the model with one more effect, and its Jacobian, only the new columns taken anew."""
+        problem.take_steps(self.problem)
+        known = np.array([unknown.name in self.problem.index for unknown in problem.unknowns])
+        residual, jacobian = problem.linearise(theta, skip=known | held)
+        for at, unknown in enumerate(problem.unknowns):
+            if known[at]:
+                jacobian[:, at] = self.jacobian[:, self.problem.index[unknown.name]]
+        return residual, jacobian
+
+
+def _slope(base: Fit) -> _Slope | None:
+    """Return the slope of a fitted model; None where it is so far off that another place is searched."""
+    if base.reduced >= _FAR_OFF:
+        return None
+    problem = Problem(base.model, base.spans, base.frequency)
+    return _Slope(problem, problem.linearise(base.theta)[1])
+
+
+def _begin(
+    settings: tuple[Setting, ...], base: Fit, slope: _Slope | None, term: Term, scales: Scales
+) -> _Beginning | None:
     problem = Problem(base.model.plus(term), base.spans, base.frequency)
     inner = np.array([u.name.split("[")[0] in _inner_names(term) for u in problem.unknowns])
     best: _Beginning | None = None
     for start in _promising(settings, base, problem.model, term, term_starts(term, scales)):
         theta = np.array([start.get(u.name, 0.0) for u in problem.unknowns])
-        theta, cost, _, _ = descend(problem, theta, steps=_FIRST_STEPS, patience=1.0, held=inner)
-        if best is None or cost < best.cost:
-            best = _Beginning(term, problem, theta, cost)
+        theta = np.clip(theta, problem.low, problem.high)
+        begun = None if slope is None else slope.begin(problem, theta, inner)
+        found = descend(problem, theta, steps=_FIRST_STEPS, patience=1.0, held=inner, begun=begun)
+        if best is None or found.cost < best.cost:
+            best = _Beginning(term, problem, found.theta, found.cost)
     return best
 
 
