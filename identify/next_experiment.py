@@ -15,11 +15,16 @@ from identify.span import Span
 if TYPE_CHECKING:
     from identify.diagnose import Suspect
 
-_OPTIONS = (
-    (0.25, "from a quarter of the amplitude"),
-    (0.5, "from half the amplitude"),
-    (-1.0, "from the same amplitude on the opposite side"),
-    (1.5, "from one and a half times the amplitude"),
+_RELEASES = (
+    (0.25, "a release from a quarter of the amplitude"),
+    (0.5, "a release from half the amplitude"),
+    (-1.0, "a release from the same amplitude on the opposite side"),
+    (1.5, "a release from one and a half times the amplitude"),
+)
+_DRIVES = (
+    (0.25, "the motion under the same force at a quarter of its level"),
+    (0.5, "the motion under the same force at half its level"),
+    (1.5, "the motion under the same force at one and a half times its level"),
 )
 _WORTH = 25.0
 
@@ -28,6 +33,9 @@ def next_experiment(start: Start, verdict: str, suspects: tuple[Suspect, ...]) -
     """Return what to record next, in a sentence; simulated where two suspects compete."""
     rivals = [s for s in suspects if s.kind == "physics" and s.fit is not None and s.fit is not start.fit]
     amplitude, unit = _amplitude(start)
+    driven = start.settings[0].span.force is not None
+    if verdict == "nothing_missing" and driven:
+        return "The same force at half and at one and a half times its level would show effects that hide at this one."
     if verdict == "nothing_missing":
         return (
             f"A release from {1.5 * amplitude:.3g} {unit} would show effects that grow with amplitude; "
@@ -42,19 +50,21 @@ def next_experiment(start: Start, verdict: str, suspects: tuple[Suspect, ...]) -
         if verdict == "missing_effect":
             proof = suspects[0].effect.proof
             return f"To prove it: {proof}."
+        if driven:
+            return "Drive it at half and at twice the level: the shape of the missing force must be the same in each."
         return (
             f"Release from {0.5 * amplitude:.3g} {unit} and from {-amplitude:.3g} {unit}, and diagnose all three together: "
             "the shape of the missing force must be the same in each."
         )
     first, second = rivals[0], rivals[1]
     best, words = 0.0, ""
-    for factor, description in _OPTIONS:
+    for factor, description in _DRIVES if driven else _RELEASES:
         apart = _apart(first.fit, second.fit, factor)
         if apart > best:
-            best, words = apart, f"a release {description} ({factor * amplitude:.3g} {unit})"
+            best, words = apart, description if driven else f"{description} ({factor * amplitude:.3g} {unit})"
     if best < _WORTH:
         return (
-            f"No other release would separate {first.effect.name} from {second.effect.name} "
+            f"No other {'level' if driven else 'release'} would separate {first.effect.name} from {second.effect.name} "
             f"on this bench; instead: {first.effect.proof}."
         )
     return (
@@ -71,6 +81,10 @@ def _amplitude(start: Start) -> tuple[float, str]:
     return scale * side * setting.amplitude, name
 
 
+def _shared(name: str) -> bool:
+    return name == "force_gain" or ("." in name and ".state" not in name)
+
+
 def _apart(first: Fit | None, second: Fit | None, factor: float) -> float:
     """Return by how much chi-square would favour `first`, were it true, over `second` on one more release."""
     if first is None or second is None:
@@ -81,13 +95,15 @@ def _apart(first: Fit | None, second: Fit | None, factor: float) -> float:
     for i, name in enumerate(names):
         if name in ("displacement", "velocity") or ".state" in name:
             moved[i] *= factor
-    problem = Problem(first.model, first.spans, first.frequency)
+    if span.force is not None:
+        span = span.with_(force=factor * span.force)
+    problem = Problem(first.model, (span,), first.frequency)
     predicted = problem.read(moved, 0, problem.respond(moved, 0))
     if not all(np.isfinite(values).all() for values in predicted.values()):
         return 0.0
     record: Span = replace(span, readings=predicted)
     known = dict(zip(second.names, second.theta.tolist(), strict=True))
-    start = {name: value for name, value in known.items() if "." in name and ".state" not in name}
+    start = {name: value for name, value in known.items() if _shared(name)}
     for name in (
         "displacement",
         "velocity",
