@@ -89,7 +89,7 @@ def test_the_force_error_of_a_driven_record_counts_the_force_in():
 
 def test_a_long_driven_record_is_judged_by_its_liveliest_stretch():
     time, lines = clock(40.0), Lines(7)
-    swell = np.exp(-(((time - 25.0) / 12.0) ** 2))  # slow beside the motion, so that it stays a solution nearly
+    swell = np.exp(-(((time - 25.0) / 12.0) ** 2))  # slow beside the motion
     setting = recorded(swell * lines.steady_motion(time), swell * lines.force(time))
     assert 10.0 < setting.span.clock[0] < 25.0 < setting.span.clock[-1] < 40.0
     assert len(setting.span) < len(time)
