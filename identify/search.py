@@ -1,5 +1,6 @@
 """The search for what is missing: one effect, or two together."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,10 +13,11 @@ from identify.effects.library import LIBRARY
 from identify.faults import FEWEST_LOST, allowance
 from identify.fit import Fit, fit
 from identify.floor import Floor, refine_floor
-from identify.model import Model
+from identify.model import Model, Term
+from identify.screening import promising_pairs
 from identify.setting import Setting
-from identify.starting import regress_model, starting_values
-from identify.suspects import Candidate, candidate_terms, try_terms
+from identify.starting import regress_model, scales_of, starting_values
+from identify.suspects import Candidate, candidate_terms, residual_lines, try_terms
 
 ADEQUATE = 3.0
 """Standard errors by which a reduced chi-square may exceed 1 and still count as at the floor."""
@@ -29,6 +31,7 @@ _STALE_OFF = 3.5
 _BEAM = 3
 _LOOKED_AT = 6
 _POLISHED_SECONDS = 3
+_SCREENED = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,16 +131,43 @@ class Pair:
 def pairs(
     start: Start, tried: tuple[Candidate, ...], library: tuple[Effect, ...] = LIBRARY
 ) -> tuple[Pair, ...]:
-    """Return the most promising pairs of effects, best first; the search ends at a plausible one that is adequate."""
-    found = []
-    for first in _distinct(tried):
-        terms = candidate_terms(first.fit.model, library, first.fit.spans[0])
+    """Return the most promising pairs of effects, best first; the search ends at a plausible one that is adequate.
+
+    Forces that explain most together, by equation error, are fitted first; then what goes best with the best single
+    candidates, faults of sensors among them.
+    """
+    found: list[Pair] = []
+    for first, terms in (*_screened(start, tried, library), *_greedy(start, tried, library)):
         seconds = try_terms(start.settings, first.fit, terms, polished=_POLISHED_SECONDS)
         if seconds:
             found.append(Pair(first, seconds[0]))
             if start.adequate(seconds[0].fit) and found[-1].plausible:
                 break
     return tuple(sorted(found, key=lambda pair: (not pair.plausible, pair.second.score)))
+
+
+def _screened(
+    start: Start, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
+) -> Iterator[tuple[Candidate, tuple[Term, ...]]]:
+    """Yield the first of each screened pair, the one that is better alone, with the terms of its second."""
+    ranks = {candidate.name: rank for rank, candidate in enumerate(tried)}
+    largest = max(start.settings, key=lambda setting: setting.amplitude)
+    terms = candidate_terms(start.fit.model, library, start.fit.spans[0])
+    scales = scales_of(largest, residual_lines(start.fit))
+    for pair in promising_pairs(largest, start.fit.model, terms, scales)[:_SCREENED]:
+        if all(name in ranks for name in pair):
+            first, second = sorted(pair, key=lambda name: ranks[name])
+            yield tried[ranks[first]], tuple(term for term in terms if term.effect.name == second)
+
+
+def _greedy(
+    start: Start, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
+) -> Iterator[tuple[Candidate, tuple[Term, ...]]]:
+    """Yield the best single candidates with what may go with them; two forces are left to the screening but once."""
+    for rank, first in enumerate(_distinct(tried)):
+        terms = candidate_terms(first.fit.model, library, first.fit.spans[0])
+        whole = rank == 0 or first.term.effect.kind == "sensor"
+        yield first, terms if whole else tuple(term for term in terms if term.effect.kind == "sensor")
 
 
 def _distinct(tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
