@@ -6,6 +6,8 @@ from identify.arrays import Array, Mask
 
 _LONGEST = 12
 _FAR = 8.0
+_USUAL = 0.75
+_UNUSUAL = 6.0
 _SPIKE = 14.0
 _SPIKE_SHARE = 0.08
 
@@ -14,21 +16,25 @@ def find_dropouts(readings: Array, sigma: float) -> Mask:
     """Return which readings of a channel cannot be its sensor's answer to a smooth motion, shape (n,).
 
     A reading is lost when it repeats the one before it exactly, or is exactly zero, and lies more than eight noise
-    standard deviations from the cubic through its neighbours; or when it stands alone, far off both neighbours.
+    standard deviations from the cubic through its neighbours, and farther than readings usually do where the motion is
+    quick for the rate; or when it stands alone, far off both neighbours.
     """
     n = len(readings)
     lost = np.zeros(n, dtype=np.bool_)
     suspicious = stale(readings)
     start = 2
+    usual: dict[int, float] = {}
     edges = np.flatnonzero(np.diff(np.concatenate([[0], suspicious.astype(np.int8), [0]])))
     for first, stop in edges.reshape(-1, 2):
         if first < start or stop + 2 > n or stop - first > _LONGEST:
             continue
-        around = np.array([first - 2, first - 1, stop, stop + 1])
-        inside = np.arange(first, stop)
-        off = np.abs(readings[inside] - _cubic(around, readings[around], inside))
-        if off.max() > _FAR * sigma:
-            lost[inside] = True
+        length = stop - first
+        if length not in usual:
+            usual[length] = float(np.quantile(_off_cubic(readings, length), _USUAL))
+        if _off_cubic(readings[first - 2 : stop + 2], length)[0] > max(
+            _FAR * sigma, _UNUSUAL * usual[length]
+        ):
+            lost[first:stop] = True
     return lost | _spikes(readings, sigma, lost)
 
 
@@ -39,22 +45,33 @@ def stale(readings: Array) -> Mask:
     return mask
 
 
-def _cubic(at: Array, values: Array, where: Array) -> Array:
-    result = np.zeros(len(where))
-    for i in range(len(at)):
-        others = np.delete(at, i)
-        result += values[i] * np.prod((where[:, None] - others) / (at[i] - others), axis=1)
-    return result
+def _off_cubic(readings: Array, length: int) -> Array:
+    """Return how far each run of readings strays at most from the cubic through two on either side, (n - length - 3,)."""
+    at = np.array([-2.0, -1.0, length, length + 1.0])
+    windows = np.lib.stride_tricks.sliding_window_view(readings, length + 4)
+    around = windows[:, [0, 1, -2, -1]]
+    weights = np.stack(
+        [
+            np.prod((np.arange(length)[:, None] - np.delete(at, i)) / (at[i] - np.delete(at, i)), axis=1)
+            for i in range(4)
+        ]
+    )
+    return np.asarray(np.abs(windows[:, 2:-2] - around @ weights).max(axis=1))
 
 
 def _spikes(readings: Array, sigma: float, lost: Mask) -> Mask:
-    """Return single readings that the cubic through their four neighbours misses by far."""
+    """Return single readings that the cubic through their four neighbours misses by far.
+
+    The cubics of the neighbours, which lean on such a reading, miss them on the other side; a quick motion does not.
+    """
     off = np.zeros(len(readings))
     off[2:-2] = (
         readings[2:-2] - (-readings[:-4] + 4.0 * (readings[1:-3] + readings[3:-1]) - readings[4:]) / 6.0
     )
-    limit = max(_SPIKE * sigma, _SPIKE_SHARE * float(np.ptp(readings)) / 2.0)
     size = np.abs(off)
+    usual = float(np.quantile(size, _USUAL))
+    limit = max(_SPIKE * sigma, _UNUSUAL * usual, _SPIKE_SHARE * float(np.ptp(readings)) / 2.0)
     alone = np.zeros(len(readings), dtype=np.bool_)
     alone[1:-1] = (size[1:-1] > limit) & (size[1:-1] > 1.2 * np.maximum(size[:-2], size[2:]))
+    alone[1:-1] &= (off[1:-1] * off[:-2] < 0.0) & (off[1:-1] * off[2:] < 0.0)
     return alone & ~lost

@@ -50,6 +50,8 @@ def _gain(settings: tuple[Setting, ...], fit: Fit) -> Fault | None:
         gain = fit.values[name]
         allowed = setting.span.gain_uncertainty or UNSTATED_GAIN_UNCERTAINTY
         inflated = gain.std**2 * max(fit.reduced, 1.0) + allowed**2
+        if not np.isfinite(inflated):  # the motion ran away
+            continue
         drop += (gain.value - 1.0) ** 2 / inflated
         weights.append(1.0 / inflated)
         values.append(gain.value - 1.0)
