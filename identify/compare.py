@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.along import model_force
 from identify.arrays import Array, frozen
 from identify.compare_cycles import CycleErrors, compare_cycles
 from identify.equation_error import moving
 from identify.fit import Fit
 from identify.harmonics import Harmonics, compare_harmonics
 from identify.kinematic_check import KinematicCheck, check_kinematics
+from identify.measures import force_misfit, force_mse_percent
 from identify.noise import Noise
 from identify.phase_plane import PhasePlane, compare_phase_plane
 from identify.place_words import Words
@@ -132,17 +132,11 @@ def _floor(fit: Fit, floor: Mapping[str, Noise] | None) -> dict[str, Noise]:
 
 def _force_error(setting: Setting, fit: Fit) -> tuple[float, float, Array]:
     """Eq. (18) and its floor in %, and measured less model force per unit mass (n,) along the measured motion."""
-    span, motion = fit.spans[0], setting.motion
-    values = {name: found.value for name, found in fit.values.items()}
-    u = motion.displacement + setting.zero - values.get("displacement_offset", setting.zero)
-    measured = setting.restoring
-    if span.weighs and span.force is not None:
-        measured = measured + (values["force_gain"] - 1.0) * span.force
-    residual = measured - model_force(fit.model, values, span.clock, u, motion.velocity)
-    used = moving(motion)
+    measured, residual = force_misfit(setting, fit)
+    used = moving(setting.motion)
     scale = 100.0 / float(np.var(measured[used]))
-    noise = motion.noise_acceleration or 0.0
-    return float(scale * np.mean(residual[used] ** 2)), scale * noise**2, residual
+    noise = setting.motion.noise_acceleration or 0.0
+    return force_mse_percent(setting, measured, residual), scale * noise**2, residual
 
 
 def _misfit_by_cycle(fit: Fit, tracking: Tracking) -> Array:

@@ -4,8 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from identify.along import model_force
+from identify.arrays import Array
 from identify.equation_error import moving
-from identify.search import Start, force_along_motion
+from identify.fit import Fit
+from identify.problem import Problem
+from identify.search import Start
+from identify.setting import Setting
 
 
 @dataclass(frozen=True)
@@ -24,14 +29,30 @@ class Error:
     floor_std: float
 
 
+def force_misfit(setting: Setting, fit: Fit, i: int = 0) -> tuple[Array, Array]:
+    """Return the measured restoring force per unit mass along the motion, and what a model leaves of it, (n,)."""
+    span, motion = fit.spans[i], setting.motion
+    tag = f"[{i}]" if len(fit.spans) > 1 else ""
+    values = {name.removesuffix(tag): found.value for name, found in fit.values.items()}
+    values |= Problem(fit.model, fit.spans, fit.frequency).states_at_start(fit.theta, i)
+    u = motion.displacement + setting.zero - values.get("displacement_offset", setting.zero)
+    measured = setting.restoring
+    if span.weighs and span.force is not None:
+        measured = measured + (values["force_gain"] - 1.0) * span.force
+    return measured, measured - model_force(fit.model, values, span.clock, u, motion.velocity)
+
+
+def force_mse_percent(setting: Setting, measured: Array, residual: Array) -> float:
+    """Return eq. (18) in % over the samples that move: 100/(n var f) sum (f - f')^2."""
+    used = moving(setting.motion)
+    return float(100.0 * np.mean(residual[used] ** 2) / np.var(measured[used]))
+
+
 def errors_of(start: Start) -> Error:
     """Return the errors of a fitted model, over all its releases."""
     force, motion, horizon = [], [], 0.0
     for i, (setting, span) in enumerate(zip(start.settings, start.fit.spans, strict=True)):
-        used = moving(setting.motion)
-        measured = setting.restoring[used]
-        model = force_along_motion(setting, start.fit)[used]
-        force.append(100.0 * float(np.mean((measured - model) ** 2) / np.var(measured)))
+        force.append(force_mse_percent(setting, *force_misfit(setting, start.fit, i)))
         channel = span.channels[0]
         kept = span.used[channel]
         reading = span.readings[channel][kept]

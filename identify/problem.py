@@ -219,18 +219,8 @@ class Problem:
         for place, at in enumerate(self._linear_at):
             if at >= 0:
                 linear[place] = theta[at]
-        table = self._table.copy()
-        for name, row, j in self._places:
-            table[row, j] = theta[self.index[name]]
-        for row, j, borrowed in self._borrowed:
-            table[row, j] = theta[self.index[borrowed]]
-        states = np.zeros((len(self.physics), STATES))
-        for at, row, j in self._states[i]:
-            states[row, j] = theta[at]
-        if span.prelude is not None:
-            for row, term in enumerate(self.physics):
-                if term.effect.rates is not None and term.effect.forgets:
-                    states[row] = _driven(term, table[row], span.prelude, int(self.system.addresses[row, 2]))
+        table = self._parameters(theta)
+        states = self._states_at_start(theta, table, i)
         at_u, at_v = self._starts[i]
         lag = theta[self._lags[i]] if self._lags[i] >= 0 else 0.0
         return simulate(
@@ -246,6 +236,34 @@ class Problem:
             lag=float(lag),
             external=span.force if not span.weighs else theta[self._weight] * span.force,
         )
+
+    def states_at_start(self, theta: Array, i: int) -> dict[str, float]:
+        """Return the internal states at the start of span i, by "effect.state0"."""
+        states = self._states_at_start(theta, self._parameters(theta), i)
+        return {
+            f"{term.effect.name}.state{j}": float(states[row, j])
+            for row, term in enumerate(self.physics)
+            for j in range(term.effect.states)
+        }
+
+    def _parameters(self, theta: Array) -> Array:
+        table = self._table.copy()
+        for name, row, j in self._places:
+            table[row, j] = theta[self.index[name]]
+        for row, j, borrowed in self._borrowed:
+            table[row, j] = theta[self.index[borrowed]]
+        return table
+
+    def _states_at_start(self, theta: Array, table: Array, i: int) -> Array:
+        prelude = self.spans[i].prelude
+        states = np.zeros((len(self.physics), STATES))
+        for at, row, j in self._states[i]:
+            states[row, j] = theta[at]
+        if prelude is not None:
+            for row, term in enumerate(self.physics):
+                if term.effect.rates is not None and term.effect.forgets:
+                    states[row] = _driven(term, table[row], prelude, int(self.system.addresses[row, 2]))
+        return states
 
     def _fastest(self, theta: Array) -> float:
         fastest = self.frequency
