@@ -31,9 +31,8 @@ def find_dropouts(readings: Array, sigma: float) -> Mask:
         length = stop - first
         if length not in usual:
             usual[length] = float(np.quantile(_off_cubic(readings, length), _USUAL))
-        if _off_cubic(readings[first - 2 : stop + 2], length)[0] > max(
-            _FAR * sigma, _UNUSUAL * usual[length]
-        ):
+        limit = _FAR * sigma if usual[length] < _FAR * sigma else _UNUSUAL * usual[length]
+        if _off_cubic(readings[first - 2 : stop + 2], length)[0] > limit:
             lost[first:stop] = True
     return lost | _spikes(readings, sigma, lost)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -179,7 +179,8 @@ def judged(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
     score = found.chi_square + extra * float(np.log(found.degrees))
     by_name = {name.split("[")[0]: estimate.value for name, estimate in found.values.items()}
     values = {p.name: by_name[f"{term.effect.name}.{p.name}"] for p in term.free}
-    plausible = term.effect.plausible(values, scales)
+    at_fault = replace(scales, peaks={term.channel: scales.peaks[term.channel]}) if term.channel else scales
+    plausible = term.effect.plausible(values, at_fault)
     if not plausible:
         score += _IMPLAUSIBLE
     return Candidate(term, found, score, base.chi_square - found.chi_square, plausible)

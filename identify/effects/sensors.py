@@ -99,6 +99,9 @@ def _high_pass(time: Array, reading: Array, p: Array) -> Array:
     return np.asarray(passed + p[1] * np.exp(-rate * (time - time[0])))
 
 
+_MEMORY = 5.0
+"""Times what a cycle of the largest motion leaves in a coupling: it cannot remember more, from rest or from motion."""
+
 _CORNERS = tuple(0.003 * 1.33**i for i in range(14))
 """Corners over the motion's frequency, closely spaced: where dry friction reverses, the misfit has steps to climb."""
 
@@ -119,6 +122,10 @@ AC_COUPLING = Effect(
     observe=_high_pass,
     sensor_starts=_corner_starts,
     held_at_first=("fc",),
+    plausible=lambda values, scales: (
+        abs(values["transient"])
+        < _MEMORY * 2.0 * pi * values["fc"] / scales.frequency * max(scales.peaks.values())
+    ),
     seems_lag=lambda start, scales: 2.0 * pi * start[0] / scales.frequency**2,
     variants=_BOTH,
     tell="one channel leads in phase, the more the slower the motion, and forgets its mean",
