@@ -34,6 +34,9 @@ _ALPHA_GUESSED = 2e-4
 _APART = 4.6
 """Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
 
+_DECISIVE = 12.0
+"""Nats of evidence below which a force is not claimed while a sensor is known to be faulty: mend that first."""
+
 _FREE_FORM_EXPLAINS = 0.3
 _FEWEST_CYCLES = 5.0
 _HELD_OUT = 3
@@ -210,6 +213,12 @@ def _judge(
         faulty = any(_significant(f) for f in faults)
         return _Judgement("sensor_fault" if faulty else "nothing_missing", ranked, (), start.fit, None)
     best = top.candidate
+    if (
+        best.term.effect.kind == "physics"
+        and top.evidence < _DECISIVE
+        and any(_significant(f) for f in faults)
+    ):
+        return _Judgement("sensor_fault", ranked, (), start.fit, None)
     if start.adequate(best.fit):
         if not best.plausible:
             return _Judgement("unknown_effect", ranked, (), best.fit, _free(start, start.fit))
@@ -290,7 +299,8 @@ def _suspects(
                 start.fit,
             )
         )
-    if verdict == "sensor_fault" and sensors and not any(e.p_value < ALPHA for e in entries):
+    sensors.sort(key=lambda suspect: -suspect.evidence)
+    if verdict == "sensor_fault" and sensors and (not entries or entries[0].kind == "physics"):
         return tuple(sensors + entries)
     claimed = [e for e in entries if e.p_value < ALPHA]
     rest = [e for e in entries if e.p_value >= ALPHA]

@@ -31,6 +31,7 @@ _STALE_OFF = 3.5
 _BEAM = 3
 _LOOKED_AT = 6
 _POLISHED_SECONDS = 3
+_POLISHED_BESIDE_BEST = 10
 _SCREENED = 6
 
 
@@ -137,8 +138,10 @@ def pairs(
     candidates, faults of sensors among them.
     """
     found: list[Pair] = []
+    best = _distinct(tried)[0] if tried else None
     for first, terms in (*_screened(start, tried, library), *_greedy(start, tried, library)):
-        seconds = try_terms(start.settings, first.fit, terms, polished=_POLISHED_SECONDS)
+        polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
+        seconds = try_terms(start.settings, first.fit, terms, polished=polished)
         if seconds:
             found.append(Pair(first, seconds[0]))
             if start.adequate(seconds[0].fit) and found[-1].plausible:
