@@ -18,7 +18,7 @@ from mocks.generate import draw
 
 TITLE = "Bounds"
 _NOISE = {"displacement": 5e-6, "acceleration": 0.01}
-_SEEN = 25.0
+SEEN = 25.0
 """Drop of chi-square at which an effect is named in about half of the cases, after the search over the library."""
 
 
@@ -67,13 +67,19 @@ def scores(seed: int) -> list[float]:
     return [(values[name].value - true) / values[name].std for name, true in known.items()]
 
 
+def expected_drops(strength: float, seeds: int) -> np.ndarray:
+    """Return the expected drop of chi-square, (effects, seeds)."""
+    with ProcessPoolExecutor() as pool:
+        jobs = [(e, strength, 600 + i) for e in EFFECTS for i in range(seeds)]
+        return np.array(list(pool.map(expected_drop, jobs, chunksize=4))).reshape(len(EFFECTS), seeds)
+
+
 def run(quick: bool) -> str:
     """Return the tables as markdown."""
     seeds = 2 if quick else 6
     strength = 0.002
+    drops = expected_drops(strength, seeds)
     with ProcessPoolExecutor() as pool:
-        jobs = [(e, strength, 600 + i) for e in EFFECTS for i in range(seeds)]
-        drops = np.array(list(pool.map(expected_drop, jobs, chunksize=4))).reshape(len(EFFECTS), seeds)
         z = np.array(list(pool.map(scores, range(16 if quick else 80), chunksize=4)))
     lines = [
         "| effect | drop of chi-square at 0.2 % | strength at which half would be named |",
@@ -81,13 +87,13 @@ def run(quick: bool) -> str:
     ]
     for effect, row in zip(EFFECTS, drops, strict=True):
         drop = float(np.nanmedian(row))
-        lines.append(f"| {effect} | {drop:.3g} | {100 * strength * np.sqrt(_SEEN / max(drop, 1e-9)):.2g} % |")
+        lines.append(f"| {effect} | {drop:.3g} | {100 * strength * np.sqrt(SEEN / max(drop, 1e-9)):.2g} % |")
     ratio = np.sqrt(np.mean(z**2, axis=0))
     words = ", ".join(f"{n} {r:.2f}" for n, r in zip(("K", "mu_0", "mu_1", "lag"), ratio, strict=True))
     return (
         "What the best model of stiffness, dry and viscous friction leaves of a record with a fiftieth of the noise, in units of the noise of "
         f"the working point (20 mm, median of {seeds} seeds): the most that any method can go by, since the drop of chi-square is "
-        f"twice the logarithm of the likelihood ratio. Half are named where it reaches {_SEEN:.0f}.\n\n"
+        f"twice the logarithm of the likelihood ratio. Half are named where it reaches {SEEN:.0f}.\n\n"
         + "\n".join(lines)
         + f"\n\nRms errors over the Cramer-Rao bound, {len(z)} records with nothing hidden: {words} (wanted at most 1.2)."
     )

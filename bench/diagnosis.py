@@ -128,7 +128,7 @@ def run(quick: bool) -> str:
     single = judge_all(Case(e, s, 1000 + i) for e in EFFECTS for s in STRENGTHS for i in range(seeds))
     nothing = judge_all(Case(None, 0.0, 5000 + i) for i in range(20 if quick else 200))
     faults = judge_all(Case(f, s, 2000 + i) for f in FAULTS for s in STRENGTHS[2:] for i in range(seeds))
-    pairs = judge_all(Case(p, 0.02, 3000 + i, auto=True) for p in PAIRS for i in range(seeds // 2 or 1))
+    pairs = judge_all(Case(p, 0.02, 3000 + i, auto=True) for p in PAIRS for i in range(seeds))
     outside = judge_all(
         Case(o, s, 4000 + i)
         for o in OUTSIDE_THE_LIBRARY

@@ -16,6 +16,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a proc
 
 import numpy as np
 
+from bench.bounds import SEEN, expected_drops
+from bench.detection import draw, visible
 from bench.diagnosis import BASE, EFFECTS, STRENGTHS, Case, judge_all, setting_of
 from identify.diagnose import ALPHA
 from identify.effects.library import LIBRARY
@@ -27,6 +29,10 @@ from identify.starting import scales_of, term_starts
 
 TITLE = "Peers on the same records"
 NO_COLUMN = ("hysteresis", "maxwell_element", "second_mass", "harmonic_forcing")
+CURVE = (3e-5, 1e-4, *STRENGTHS)
+"""Strengths of the records that are scored, down to where nobody can see anything."""
+
+_PROBE = 0.002
 SCORED, TUNED, NOTHING_SCORED, NOTHING_TUNED = 1000, 8000, 5000, 9000
 """First seeds of the records."""
 
@@ -199,7 +205,7 @@ def run(quick: bool) -> str:
     def hidden(first: int, count: int, strengths: Iterable[float]) -> list[Case]:
         return [Case(e, s, first + i) for e in EFFECTS for s in strengths for i in range(count)]
 
-    scored = hidden(SCORED, seeds, STRENGTHS)
+    scored = hidden(SCORED, seeds, CURVE)
     tuning = hidden(TUNED, tuned, STRENGTHS)
     quiet = [Case(None, 0.0, NOTHING_SCORED + i) for i in range(40)]
     with ProcessPoolExecutor(os.cpu_count()) as pool:
@@ -209,11 +215,11 @@ def run(quick: bool) -> str:
         )
     lines = [
         "| named first, % | "
-        + " | ".join(f"{100 * s:g} %" for s in STRENGTHS)
+        + " | ".join(f"{100 * s:g} %" for s in CURVE)
         + f" | 0.3-3 % | claimed with nothing hidden, of {len(quiet)} |",
-        "|---|" + "---|" * (len(STRENGTHS) + 2),
+        "|---|" + "---|" * (len(CURVE) + 2),
     ]
-    played = []
+    played, curves = [], {}
     for peer in on_scored[0]:
         setting, least = tune(
             peer, list(zip(tuning, on_tuning, strict=True)), [picks for picks in on_nothing if picks]
@@ -224,15 +230,21 @@ def run(quick: bool) -> str:
         )
         alarms = sum(bool(p) and p[peer][setting].evidence > least for p in on_quiet)
         lines.append(_row(peer, scored, first, claimed, alarms))
+        curves[peer] = _curve(scored, first)
         played.append(_words(peer, setting, least))
     ours = judge_all([*scored, *quiet])
     first = [o.first == o.case.hidden for o in ours[: len(scored)]]
     claims = [o.verdict not in ("nothing_missing", "not_enough_data") for o in ours]
     claimed = [f and c for f, c in zip(first, claims, strict=False)]
+    curves["the station"] = _curve(scored, first)
+    faint = np.geomspace(CURVE[0], CURVE[-1], 200)
+    seen = visible(expected_drops(_PROBE, seeds).ravel(), _PROBE, faint, SEEN)
+    draw(CURVE, curves, (faint, seen))
     lines.append(_row("**the station**", scored, first, claimed, sum(claims[len(scored) :])))
     return (
         f"{len(EFFECTS) * seeds} records a strength: {len(EFFECTS)} effects, {seeds} seeds, from the section on naming. "
         "In brackets the share that was named first and claimed.\n\n"
+        "![Detection against strength](pictures/detection.png)\n\n"
         + "\n".join(lines)
         + "\n\nThe peers get the station's own aligned motion with small speeds masked. PySINDy gets a column for each of the "
         f"{len(EFFECTS) - len(NO_COLUMN)} effects that can be one (gaps, speeds and sides at each of the station's starting values), the known terms pinned; "
@@ -243,9 +255,16 @@ def run(quick: bool) -> str:
     )
 
 
+def _curve(cases: list[Case], told: list[bool]) -> list[float]:
+    return [
+        100.0 * float(np.mean([t for c, t in zip(cases, told, strict=True) if c.strength == s]))
+        for s in CURVE
+    ]
+
+
 def _row(name: str, cases: list[Case], first: list[bool], claimed: list[bool], alarms: int) -> str:
     cells = []
-    for strengths in [*((s,) for s in STRENGTHS), STRENGTHS[2:]]:
+    for strengths in [*((s,) for s in CURVE), STRENGTHS[2:]]:
         these = [i for i, case in enumerate(cases) if case.strength in strengths]
         shares = [100 * np.mean([told[i] for i in these]) for told in (first, claimed)]
         cells.append(f"{shares[0]:.0f} ({shares[1]:.0f})")
