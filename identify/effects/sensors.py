@@ -52,6 +52,7 @@ OFFSET_DRIFT = Effect(
     parameters=(Parameter("rate", "reading/s", "drift of the zero"),),
     observe=_drift,
     sensor_starts=lambda scales, channel: ((1e-4 * scales.peaks[channel] / scales.duration,),),
+    shows_at_rest=True,
     variants=_BOTH,
     tell="the mean of one channel moves steadily, and the other does not follow",
     proof="record ten seconds without motion: the zero still moves",

@@ -51,6 +51,14 @@ def test_a_faulty_sensor_is_not_called_physics(fault):
     assert found.named[0] == fault
 
 
+def test_a_drift_that_a_creeping_force_would_explain_as_well_is_told_by_the_rest_before_the_release():
+    # A held mass does not creep, a drifting sensor drifts on: of this draw the motion alone cannot tell the two.
+    setting, truth = drawn("offset_drift", 0.01, seed=9105)
+    found = diagnose((setting,))
+    assert found.named == ("offset_drift",)
+    assert found.suspects[0].term.channel == truth["parameters"]["channel"]
+
+
 def test_nothing_is_claimed_where_nothing_is_hidden():
     verdicts = [diagnose((drawn(None, 0.0, seed)[0],)).verdict for seed in range(300, 306)]
     # At most 5 % false claims are promised: one in six draws would happen once in four runs of other seeds.

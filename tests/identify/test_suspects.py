@@ -1,0 +1,74 @@
+from functools import cache
+
+import pytest
+from releases import drawn
+
+from identify.effects.library import LIBRARY, find_effect
+from identify.model import Term, base_model
+from identify.search import begin
+from identify.suspects import JUDGED_APART, candidate_terms, residual_lines, try_term, try_terms
+
+
+@cache
+def hummed():
+    setting, truth = drawn("mains_hum", 0.01, 7301)
+    return begin((setting,), base_model()), truth
+
+
+@cache
+def hardened():
+    setting, truth = drawn("cubic_stiffness", 0.01, 7301)
+    return begin((setting,), base_model()), truth
+
+
+def test_the_strongest_line_of_the_misfit_is_the_doubles_hum():
+    start, truth = hummed()
+    hum = truth["parameters"]
+    f, amplitude, _ = residual_lines(start.fit)[hum["channel"]][0]
+    assert f == pytest.approx(hum["f"], abs=0.02)  # a fifth of a bin of a span of 5 to 8 s
+    assert amplitude == pytest.approx(
+        hum["amp"], rel=0.1
+    )  # noise of 0.01 over some 1500 readings, and the taper
+
+
+def test_every_effect_that_the_model_lacks_is_a_suspect_and_no_other():
+    start, _ = hummed()
+    terms = candidate_terms(base_model(), LIBRARY, start.fit.spans[0])
+    names = {t.effect.name for t in terms}
+    assert names == {e.name for e in LIBRARY} - set(base_model().names) - set(JUDGED_APART)
+
+
+def test_a_fault_is_suspected_in_the_channels_there_are():
+    start, _ = hummed()
+    span = start.fit.spans[0]
+    alone = span.with_(readings={"displacement": span.readings["displacement"]})
+    terms = candidate_terms(base_model(), LIBRARY, alone)
+    assert {t.channel for t in terms if t.effect.kind == "sensor"} == {"displacement"}
+
+
+def test_slow_faults_are_no_suspects_where_every_episode_has_offsets_of_its_own():
+    span = hummed()[0].fit.spans[0].with_(episode=True)
+    assert all(t.effect.kind == "physics" for t in candidate_terms(base_model(), LIBRARY, span))
+
+
+def test_the_hidden_effect_gains_most_and_its_strength_is_found():
+    start, truth = hardened()
+    terms = tuple(
+        Term(find_effect(n)) for n in ("cubic_stiffness", "quadratic_damping", "quadratic_stiffness")
+    )
+    tried = try_terms(start.settings, start.fit, terms)
+    assert tried[0].name == "cubic_stiffness"
+    assert [c.score for c in tried] == sorted(c.score for c in tried)
+    found = tried[0].fit.values["cubic_stiffness.k3"]
+    assert abs(found.value - truth["parameters"]["k3"]) < 4.0 * found.std
+    assert tried[0].gain == pytest.approx(start.fit.chi_square - tried[0].fit.chi_square)
+
+
+def test_one_term_alone_comes_to_what_it_came_to_among_others():
+    start, _ = hardened()
+    term = Term(find_effect("cubic_stiffness"))
+    alone = try_term(start.settings, start.fit, term)
+    (among,) = try_terms(start.settings, start.fit, (term,))
+    assert alone.fit.chi_square == pytest.approx(
+        among.fit.chi_square, abs=0.05
+    )  # where a descent stops: 0.02
