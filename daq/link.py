@@ -5,6 +5,7 @@ Everything that understands happens in the caller's thread, in `take`, `request`
 No wait is unbounded.
 """
 
+import itertools
 import queue
 import threading
 import time
@@ -33,7 +34,6 @@ from firmware_protocol import (
     Data,
     Decoder,
     Describe,
-    End,
     Frame,
     Hello,
     HelloRequest,
@@ -238,17 +238,37 @@ class Link:
         self.last_frame = time.monotonic()
 
     def stop(self) -> None:
-        """End sampling and wait for END; asked for again when it was lost."""
+        """End sampling and wait for END; asked for again when it was lost.
+
+        A slow line may first have to carry what the board had sampled: while samples come there is patience,
+        up to END_S. BoardRefused, Stalled and ProtocolError as in `request`.
+        """
         until = time.monotonic() + END_S
-        for _ in ANSWER_S:
-            self.request(Stop(), also=lambda message: isinstance(message, End))
-            while self.assembly.end is None and self.silence() < WARN_S and time.monotonic() < until:
-                self.take(0.05)
-            if self.assembly.end is not None:
+        sent: set[int] = set()
+        for patience in itertools.chain(ANSWER_S, itertools.repeat(ANSWER_S[-1])):
+            before = self.assembly.expected
+            sent.add(self.send(Stop()))
+            if self._ended(sent, patience):
                 return
-        raise ProtocolError(
-            f"{self.port.name}: the board stopped without END; its firmware needs a correction"
-        )
+            still = self.assembly.expected == before
+            if self.silence() > GIVE_UP_S or time.monotonic() > until:
+                break
+            if still and len(sent) >= len(ANSWER_S):
+                break
+        raise self._unanswered(Stop())
+
+    def _ended(self, sent: set[int], seconds: float) -> bool:
+        """Take frames until END has come; False after that many seconds."""
+        until = time.monotonic() + seconds
+        while time.monotonic() < until and self.assembly.end is None:
+            frame = self.take(0.05)
+            if (
+                frame is not None
+                and isinstance(frame.message, Nack)
+                and _answers(frame.message, Stop(), sent)
+            ):
+                raise _refused(Stop(), frame.message)
+        return self.assembly.end is not None
 
     def resend(self, first: int, count: int) -> bool:
         """Ask for samples again, after END; tell whether the board holds them all.

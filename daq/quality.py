@@ -214,6 +214,8 @@ def _kinematics(findings: _Findings, recording: Recording) -> None:
     if len(good) < 32:
         return
     x, a = displacement[good], acceleration[good]
+    if not (np.ptp(x) and np.ptp(a)):
+        return  # A dead channel is told as such.
     x, a = x - x[-len(x) // 8 :].mean(), a - a.mean()
     power = float(np.sqrt((x @ x) * (a @ a)))
     correlation = float(x @ a) / power if power > 0 else 0.0

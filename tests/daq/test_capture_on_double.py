@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +14,10 @@ import pytest
 from bench_double import LINES, ROOT, double
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
-from daq.errors import Disconnected, ProtocolError, Rebooted, Stalled, StationError, VersionRefused
+from daq.errors import StationError
 from daq.port import PortDescription
 from daq.ports import probe
-from daq.session import Session, State, recover, verify
+from daq.session import recover, verify
 
 FAST = ("--speed", "8", "--seed", "5")
 SETTINGS = CaptureSettings(check_clock=False)
@@ -57,64 +56,6 @@ def test_a_double_is_found_by_probing(tmp_path: Path) -> None:
         found = probe(PortDescription(bench.port))
     assert found.answers
     assert [channel.quantity for channel in found.channels] == ["displacement", "acceleration"]
-
-
-@dataclass(frozen=True)
-class Promise:
-    """A fault of the double, the error it ends in (None: a sealed session), verdict and a word of why."""
-
-    fault: str
-    error: type[StationError] | None
-    verdict: str
-    reason: str = ""
-
-
-PROMISES = (
-    Promise("lost", None, "OK|USABLE WITH GAPS"),
-    Promise("flipped", None, "OK|USABLE WITH GAPS"),
-    Promise("inserted", None, "OK|USABLE WITH GAPS"),
-    Promise("duplicated", None, "OK|USABLE WITH GAPS"),
-    Promise("reordered", None, "OK|USABLE WITH GAPS"),
-    Promise("cut", None, "OK|USABLE WITH GAPS"),
-    Promise("missing", None, "OK|USABLE WITH GAPS"),
-    Promise("repeated", None, "OK"),
-    Promise("delayed", None, "OK"),
-    Promise("stall:1", None, "OK"),
-    Promise("stall:30", Stalled, "REJECT|USABLE WITH GAPS", "early"),
-    Promise("reboot", Rebooted, "REJECT", "reboot"),
-    Promise("unplug", Disconnected, "REJECT|USABLE WITH GAPS", "early"),
-    Promise("wrong-version", VersionRefused, ""),
-    Promise("describe-lie", ProtocolError, "REJECT", "no sample"),
-    Promise("counter-lie", None, "REJECT", "checksum"),
-    Promise("rate-lie", None, "REJECT", "its own clock says"),
-    Promise("saturation", None, "REJECT", "range"),
-    Promise("dead-channel:0", None, "REJECT", "displacement does not move"),
-    Promise("dead-channel:1", None, "REJECT", "acceleration does not move"),
-    Promise("swapped", None, "REJECT", "swapped"),
-    Promise("reversed", None, "REJECT", "reversed"),
-    Promise("bump", None, "OK"),
-)
-
-
-@pytest.mark.parametrize("line", LINES)
-@pytest.mark.parametrize("promise", PROMISES, ids=lambda p: p.fault)
-def test_each_fault_ends_as_promised(tmp_path: Path, line: str, promise: Promise) -> None:
-    with double(tmp_path, line, *FAST, "--fault", promise.fault) as bench:
-        if promise.error is None:
-            capture(bench.port, SETTINGS, tmp_path / "s")
-        else:
-            with pytest.raises(promise.error):
-                capture(bench.port, SETTINGS, tmp_path / "s")
-        if not promise.verdict:
-            assert not (tmp_path / "s").exists()
-            return
-    session = Session.open(tmp_path / "s")
-    verdict = session.verdict
-    assert verdict is not None
-    assert verdict.word.value in promise.verdict.split("|")
-    assert promise.reason in " ".join(verdict.reasons)
-    assert session.info.state is (State.SEALED if promise.error is None else State.ABORTED)
-    assert verify(session.folder).ok
 
 
 WATCHER = """

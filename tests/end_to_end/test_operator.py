@@ -147,28 +147,6 @@ def test_no_board_ends_with_3_and_words(tmp_path):
     assert not (tmp_path / "sessions").exists()
 
 
-def test_another_version_of_the_protocol_ends_with_4(tmp_path):
-    with board("--tcp", "0", "--fault", "wrong-version") as port:
-        done = station("capture", "--port", port, "--no-viewer", cwd=tmp_path, code=exits.PROTOCOL)
-    assert "version" in done.stderr
-
-
-def test_an_unplugged_board_ends_with_6_and_keeps_what_came(tmp_path):
-    with board("--tcp", "0", "--speed", "4", "--fault", "unplug@5") as port:
-        done = station(
-            "capture",
-            "--port",
-            port,
-            "--session",
-            "cut",
-            "--no-viewer",
-            cwd=tmp_path,
-            code=exits.DISCONNECTED,
-        )
-    assert "cut" in done.stderr
-    assert Session.open(tmp_path / "cut").recording().samples.shape[1] > 256
-
-
 def test_a_record_of_nothing_ends_with_8_and_one_sentence(tmp_path):
     file = tmp_path / "still.csv"
     file.write_text(

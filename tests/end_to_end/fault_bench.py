@@ -1,0 +1,231 @@
+"""One fault of docs/faults.md: the page's table as data, the double on a real line, `station capture` upon it."""
+
+import contextlib
+import dataclasses
+import io
+import os
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from unittest import mock
+
+from daq import port as port_module
+from daq.errors import DataLost
+from daq.port import Port
+from daq.session import Session, verify
+from mocks.cli import parser
+from mocks.link import Link, PtyLink, TcpLink
+from mocks.rig import Rig
+from mocks.serve import serve
+from station import cli
+from station.commands import capture as capture_command
+
+PAGE = Path(__file__).parents[2] / "docs" / "faults.md"
+COLUMNS = ["fault", "injected", "lines", "exit", "words", "gaps", "verdict", "reason"]
+NOBODY = 65534
+
+
+@dataclasses.dataclass(frozen=True)
+class Promise:
+    """A row of the table: what is done to the board, and how `station capture` must end."""
+
+    fault: str
+    injected: str
+    lines: tuple[str, ...]
+    code: int
+    words: str
+    gaps: str
+    verdict: str
+    reason: str
+
+
+@dataclasses.dataclass(frozen=True)
+class Outcome:
+    """How a capture ended: exit code, what it said on stderr, its session if it left one, seconds it took."""
+
+    code: int
+    said: str
+    session: Session | None
+    seconds: float
+
+
+def promises(page: Path = PAGE) -> tuple[Promise, ...]:
+    """Return the rows of the page's table; AssertionError when the table is not what this file reads."""
+    rows = [
+        [cell.strip() for cell in line.strip().strip("|").split("|")]
+        for line in page.read_text(encoding="utf-8").splitlines()
+        if line.startswith("|")
+    ]
+    assert rows[0] == COLUMNS, rows[0]
+    return tuple(
+        Promise(f, _plain(i), tuple(lines.split(", ")), int(code), _plain(w), g, v, _plain(r))
+        for f, i, lines, code, w, g, v, r in rows[2:]
+    )
+
+
+def _plain(cell: str) -> str:
+    return "" if cell == "-" else cell.strip("`")
+
+
+@contextlib.contextmanager
+def board(line: str, *arguments: str) -> Iterator[str]:
+    """Serve the double from a thread, on a real pty or socket; yield the name of its port."""
+    options = parser().parse_args([*(["--pty"] if line == "pty" else ["--tcp", "0"]), *arguments])
+    rig = Rig(options)
+    link: Link = PtyLink() if line == "pty" else TcpLink(0)
+    over = threading.Event()
+    served = threading.Thread(
+        target=serve, args=(link, rig.board, rig.line, options.speed, False, over.is_set), daemon=True
+    )
+    served.start()
+    try:
+        yield link.address
+    finally:
+        over.set()
+        served.join(timeout=5)
+        link.close()
+
+
+def station_capture(port: str, folder: Path, *arguments: str, check_clock: bool = False) -> Outcome:
+    """Call the command as an operator does; a sped-up double keeps another time than this computer."""
+    honest = capture_command.capture_settings
+
+    def settings(*given: object, **timing: object) -> object:
+        return dataclasses.replace(honest(*given, **timing), check_clock=check_clock)  # type: ignore[arg-type]
+
+    told, said, began = io.StringIO(), io.StringIO(), time.monotonic()
+    words = ["capture", "--port", port, "--session", str(folder), "--no-viewer", *arguments]
+    with (
+        mock.patch.object(capture_command, "capture_settings", settings),
+        contextlib.redirect_stdout(told),
+        contextlib.redirect_stderr(said),
+    ):
+        code = cli.run(words)
+    seconds = time.monotonic() - began
+    session = Session.open(folder) if (folder / "session.json").exists() else None
+    return Outcome(code, said.getvalue(), session, seconds)
+
+
+def inject(promise: Promise, line: str, folder: Path, speed: float, seed: int, *timing: str) -> Outcome:
+    """Do to the board what the table says, and capture from it."""
+    double = ("--speed", str(speed), "--seed", str(seed))
+    if promise.injected in SPECIAL:
+        return SPECIAL[promise.injected](line, folder, double, timing)
+    faults = [
+        w for part in promise.injected.split() for w in ([part] if part[0] == "-" else ["--fault", part])
+    ]
+    with board(line, *double, *faults) as port:
+        return station_capture(port, folder / "s", *timing)
+
+
+def _busy(line: str, folder: Path, double: tuple[str, ...], timing: tuple[str, ...]) -> Outcome:
+    with board(line, *double) as port, _held(port):
+        return station_capture(port, folder / "s", *timing)
+
+
+@contextlib.contextmanager
+def _held(port: str) -> Iterator[None]:
+    """Hold the port as another program does."""
+    if port.startswith("socket://"):
+        host, _, number = port.removeprefix("socket://").partition(":")
+        with socket.create_connection((host, int(number)), timeout=5):
+            time.sleep(0.2)
+            yield
+        return
+    import fcntl
+
+    descriptor = os.open(port, os.O_RDWR | os.O_NOCTTY)
+    fcntl.flock(descriptor, fcntl.LOCK_EX)
+    try:
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _forbidden(line: str, folder: Path, double: tuple[str, ...], timing: tuple[str, ...]) -> Outcome:
+    """Permissions do not bind root, who therefore steps down for as long as the port is opened."""
+    honest = port_module.open_port
+
+    def step_down(name: str) -> Port:
+        is_root = os.geteuid() == 0
+        if is_root:
+            os.seteuid(NOBODY)
+        try:
+            return honest(name)
+        finally:
+            if is_root:
+                os.seteuid(0)
+
+    with board(line, *double) as port, mock.patch("daq.capture.open_port", step_down):
+        os.chmod(port, 0)
+        return station_capture(port, folder / "s", *timing)
+
+
+def _replugged(line: str, folder: Path, double: tuple[str, ...], timing: tuple[str, ...]) -> Outcome:
+    """Pull the cable in mid-capture, plug it in again: the next capture from the same name is whole."""
+    name = folder / "port"
+    with board(line, *double, "--fault", "unplug@5") as port:
+        first = station_capture(_named(name, port), folder / "cut", *timing)
+        assert first.code == 6, first.said
+        if line == "tcp":
+            return station_capture(port, folder / "s", *timing)
+    with board(line, *double) as port:
+        return station_capture(_named(name, port), folder / "s", *timing)
+
+
+def _named(name: Path, port: str) -> str:
+    """Give a pty a lasting name, as /dev/serial/by-id does."""
+    if port.startswith("socket://"):
+        return port
+    name.unlink(missing_ok=True)
+    name.symlink_to(port)
+    return str(name)
+
+
+Special = Callable[[str, Path, tuple[str, ...], tuple[str, ...]], Outcome]
+SPECIAL: dict[str, Special] = {
+    "port held": _busy,
+    "chmod 0": _forbidden,
+    "unplug@5, plugged in again": _replugged,
+}
+
+
+def broken_promises(promise: Promise, outcome: Outcome) -> list[str]:
+    """Return where the outcome is not what was promised; empty when it is."""
+    found = []
+    if outcome.code != promise.code:
+        found.append(f"exit code {outcome.code}, not {promise.code}")
+    if promise.words not in " ".join(outcome.said.split()):
+        found.append(f"not said: {promise.words!r}")
+    if "Traceback" in outcome.said or "fault of this program" in outcome.said:
+        found.append("a traceback")
+    if promise.verdict == "-":
+        return found + (["a session was left"] if outcome.session else [])
+    return found + _of_session(promise, outcome.session)
+
+
+def _of_session(promise: Promise, session: Session | None) -> list[str]:
+    if session is None:
+        return ["no session was left"]
+    found = []
+    verdict = session.verdict
+    reasons = " ".join(verdict.reasons) if verdict else ""
+    if verdict is None or verdict.word.value not in promise.verdict.split(" or "):
+        found.append(f"verdict {verdict}, not {promise.verdict}")
+    if promise.reason not in reasons:
+        found.append(f"no reason {promise.reason!r} among {reasons!r}")
+    gaps = _gaps(session)
+    if not gaps <= set(promise.gaps.split(" or ")):
+        found.append(f"gaps by {', '.join(sorted(gaps))}, not {promise.gaps}")
+    if not verify(session.folder).ok:
+        found.append("station verify refuses the session")
+    return found
+
+
+def _gaps(session: Session) -> set[str]:
+    try:
+        return {gap.reason for gap in session.recording().gaps} or {"none"}
+    except DataLost:
+        return {"-"}
