@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict
 
 from daq.decode import Assembly
 from daq.recording import Array, Channel, Gap, Mask, Recording
+from daq.wiring import suspicions
 from firmware_protocol import NO_CHANNEL, EventKind
 
 LOST_LIMIT = 0.02
@@ -22,7 +23,6 @@ BLOW_S = 0.05
 CLOCK_LIMIT = 0.005
 SHORTEST_CLOCK_S = 2.0
 MOTION_TO_NOISE = 20.0
-SCALE_LIMIT = 1.75
 
 
 class Word(StrEnum):
@@ -200,57 +200,15 @@ def _start(findings: _Findings, recording: Recording) -> None:
 
 
 def _kinematics(findings: _Findings, recording: Recording) -> None:
-    """About a spring's rest the acceleration opposes the displacement: a sign that does not is reversed.
-
-    Only asked when both channels are there; a correlation between the two that is near zero means that
-    the channels measure different things.
-    """
+    """Hold the two channels of a free oscillation against each other."""
     displacement, acceleration = recording.channel("displacement"), recording.channel("acceleration")
     if displacement is None or acceleration is None:
         return
-    start = recording.trigger or 0
     good = np.flatnonzero(recording.valid)
-    good = good[good >= start]
-    if len(good) < 32:
-        return
-    x, a = displacement[good], acceleration[good]
-    if not (np.ptp(x) and np.ptp(a)):
-        return  # A dead channel is told as such.
-    x, a = x - x[-len(x) // 8 :].mean(), a - a.mean()
-    power = float(np.sqrt((x @ x) * (a @ a)))
-    correlation = float(x @ a) / power if power > 0 else 0.0
-    if correlation > 0.5:
-        findings.reject(
-            "displacement and acceleration have the same sign: one of them is reversed",
-            "turn one sensor round, or change the sign of its scale",
-        )
-    elif correlation > -0.5:
-        findings.usable(
-            f"displacement and acceleration hardly agree (correlation {correlation:.2f}, near -1 expected):"
-            " swapped, or on different masses",
-            "check which sensor is on which channel",
-        )
-    else:
-        _scales(findings, x, a, recording.rate)
-
-
-def _scales(findings: _Findings, x: Array, a: Array, rate: float) -> None:
-    """Compare a/x with the square of the frequency at which x crosses its middle."""
-    threshold = 0.2 * np.abs(x).max()
-    side = np.where(x > threshold, 1, np.where(x < -threshold, -1, 0))
-    side = side[side != 0]
-    crossings = int((side[1:] != side[:-1]).sum())
-    big = np.flatnonzero(np.abs(x) > threshold)
-    if crossings < 4 or len(big) < 16:
-        return
-    omega = np.pi * crossings / ((big[-1] - big[0]) / rate)
-    ratio = float(np.sqrt((a @ a) / (x @ x))) / omega**2
-    if not 1 / SCALE_LIMIT < ratio < SCALE_LIMIT:
-        findings.reject(
-            f"the acceleration is {ratio:.3g} times what displacement and frequency mean:"
-            " channels swapped, or a scale wrong",
-            "check which sensor is on which channel, and the scales",
-        )
+    good = good[good >= (recording.trigger or 0)]
+    for suspicion in suspicions(displacement[good], acceleration[good], recording.rate):
+        say = findings.reject if suspicion.certain else findings.usable
+        say(suspicion.reason, suspicion.advice)
 
 
 def _told_by_board(findings: _Findings, assembly: Assembly) -> None:

@@ -25,6 +25,7 @@ class Entry(NamedTuple):
 
 COMMANDS = (
     Entry("demo", "demo", "Run the whole job on a simulated board."),
+    Entry("doctor", "doctor", "Check computer, port and board before a capture."),
     Entry("ports", "ports", "List the ports on which a board may be."),
     Entry("capture", "capture", "Record one release from a board, then identify it."),
     Entry("replay", "replay", "Send a session's raw bytes through the decoder again."),

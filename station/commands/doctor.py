@@ -1,0 +1,107 @@
+"""`station doctor`: is everything ready for a capture, and if not, what to do."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from station import exits
+from station.output import json_option, print_json, screen
+
+if TYPE_CHECKING:
+    from station.checkup import Finding
+
+
+@click.command("doctor")
+@click.option(
+    "--port", metavar="URL", help="Port of the board (default: the settings', or each that answers)."
+)
+@click.option(
+    "--seconds",
+    type=click.FloatRange(min=1, max=60),
+    default=2.0,
+    show_default=True,
+    help="How long to sample; swing the mass meanwhile to have the wiring checked.",
+)
+@json_option
+@click.pass_obj
+def command(settings_file: str | None, port: str | None, seconds: float, as_json: bool) -> int:
+    """Check the computer, the port and the board: PASS, WARN or FAIL, and the remedy.
+
+    Ends with 0 unless a check FAILs, with 3 then.
+    """
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    findings = list(
+        _examine(port or settings.capture.port, settings.sessions, settings.capture.rate, seconds)
+    )
+    failed = any(finding.grade == "FAIL" for finding in findings)
+    if as_json:
+        entries = [
+            {"grade": f.grade.value, "check": f.check, "found": f.found, "remedy": f.remedy} for f in findings
+        ]
+        print_json({"ok": not failed, "findings": entries})
+    else:
+        _print(findings)
+    return exits.NO_BOARD if failed else exits.DONE
+
+
+def _examine(port: str | None, sessions: Path, rate: float, seconds: float) -> Iterator["Finding"]:
+    from station import checkup
+
+    yield from checkup.versions()
+    yield from checkup.disk(sessions)
+    if port:
+        yield from _port(port, rate, seconds)
+        return
+    from daq.ports import list_ports
+
+    found = list_ports()
+    if not found:
+        yield checkup.Finding(
+            checkup.Grade.WARN,
+            "ports",
+            "this computer has no serial port",
+            "plug the board in, or name --port",
+        )
+    for candidate in found:
+        if candidate.answers:
+            yield from _port(candidate.port.name, rate, seconds)
+        else:
+            yield checkup.Finding(
+                checkup.Grade.WARN, "port", candidate.problem, "not the board? then nothing to do"
+            )
+
+
+def _port(name: str, rate: float, seconds: float) -> Iterator["Finding"]:
+    from daq.board_sample import sample_board
+    from daq.errors import StationError
+    from daq.port_facts import port_facts
+    from station import checkup
+
+    facts = port_facts(name)
+    yield from checkup.port(name, facts)
+    if not facts.exists or not facts.permitted:
+        return
+    try:
+        yield from checkup.board(sample_board(name, seconds, rate))
+    except StationError as error:
+        what, _, remedy = str(error).rpartition("; ")
+        yield checkup.Finding(checkup.Grade.FAIL, "board", what or remedy, remedy if what else "")
+
+
+def _print(findings: list["Finding"]) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    colours = {"PASS": "green", "WARN": "yellow", "FAIL": "red"}
+    table = Table.grid(padding=(0, 1))
+    for finding in findings:
+        told = finding.found
+        if finding.remedy and finding.grade != "PASS":
+            told += f"\n-> {finding.remedy}"
+        grade = Text(finding.grade.value, style=colours[finding.grade.value])
+        table.add_row(grade, Text(finding.check), Text(told))
+    screen().print(table)
