@@ -35,6 +35,7 @@ COMMANDS = (
     Entry("refine", "refine", "Add an effect and watch the error fall."),
     Entry("compare", "compare", "Say by how much a model fails on a session, and where."),
     Entry("effects", "effects", "List the effects a model may lack, or tell all of one."),
+    Entry("workbench", "workbench", "Open the page on which all of this is done by mouse."),
     Entry("view", "view", "Open a session in the Rerun viewer."),
     Entry("table", "table", "Print the paper's tables for any number of sessions."),
     Entry("list", "list_", "List the sessions in a folder."),

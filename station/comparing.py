@@ -31,10 +31,16 @@ def compare_session(
     session: Session, options: Options, model: Path | None = None
 ) -> tuple[Compared, dict[str, Any]]:
     """Fit a model to a session, compare, write results/comparison.json; return both forms."""
-    setting = setting_of(session, options)
+    return compare_ready(session, setting_of(session, options), options.mass, model)
+
+
+def compare_ready(
+    session: Session, setting: Setting, mass: float | None, model: Path | None = None
+) -> tuple[Compared, dict[str, Any]]:
+    """Do the same with a session that was made ready by `setting_of` before."""
     chosen, known, _ = chosen_model(model, (setting,), LIBRARY)
     start = begin((setting,), chosen, known)
-    found = compare(setting, start.fit, start.floors[0].channels, mass=options.mass)
+    found = compare(setting, start.fit, start.floors[0].channels, mass=mass)
     compared = Compared(session.folder.name, setting, start, found)
     document = as_document(compared)
     session.write_result(RESULT, json.dumps(finite(document), indent=2, ensure_ascii=False) + "\n")

@@ -1,0 +1,40 @@
+"""`station workbench`: one page on which the loop is closed with a mouse."""
+
+from pathlib import Path
+
+import click
+
+from station.output import progress
+
+
+@click.command("workbench")
+@click.argument("sessions", nargs=-1, metavar="[SESSION]...")
+@click.option(
+    "--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port (default: a free one)."
+)
+@click.option(
+    "--host",
+    default="127.0.0.1",
+    metavar="ADDRESS",
+    help="Let other computers in; whoever reaches this address can use the page.",
+)
+@click.option("--no-browser", is_flag=True, help="Do not open the browser.")
+@click.pass_obj
+def command(
+    settings_file: str | None, sessions: tuple[str, ...], port: int, host: str, no_browser: bool
+) -> None:
+    """Serve a page on which sessions are captured, compared, diagnosed and refined.
+
+    SESSION is a session or a data file; without one the page offers those in
+    ./sessions. The page answers on 127.0.0.1 only.
+    """
+    from station.sessions import open_session
+    from station.settings import load_settings
+    from station.workbench.server import serve
+
+    settings = load_settings(settings_file)
+    settings = settings.model_copy(update={"sessions": settings.sessions.resolve()})
+    named: tuple[Path, ...] = tuple(open_session(name, settings.sessions).folder for name in sessions)
+    if host != "127.0.0.1":
+        progress(f"whoever reaches {host} can use this page: it has no password")
+    serve(settings, named, host, port, not no_browser, progress)

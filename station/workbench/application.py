@@ -1,0 +1,51 @@
+"""The web application: NiceGUI behind the guard, with the page, its style and its script."""
+
+from pathlib import Path
+
+from fastapi import FastAPI
+from nicegui import app as nicegui_app
+from nicegui import background_tasks, ui
+
+from station.settings import Settings
+from station.workbench.desk import Desks
+from station.workbench.guard import Guard
+from station.workbench.page import Page
+from station.workbench.room import Room
+from station.workbench.shelf import Shelf
+from station.workbench.worker import Crew
+
+STATIC = Path(__file__).parent / "static"
+ICON = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><rect width="32" height="32" rx="6" fill="#00659e"/>'
+    '<path d="M3 16C6 2 8 2 11 16s4 9 6 0 3-5 5 0 3 2 7 0" fill="none" stroke="#fff" stroke-width="2"/></svg>'
+)
+
+
+def make(
+    settings: Settings, named: tuple[Path, ...], names: frozenset[str], any_address: bool
+) -> tuple[FastAPI, Room]:
+    """Return the application and the room behind it; `names` are the hosts by which it may be called."""
+    crew = Crew(settings)
+    room = Room(settings, crew, Shelf(settings.sessions, named, crew), Desks(crew))
+    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    app.add_middleware(Guard, names=names, any_address=any_address)
+    nicegui_app.add_static_files("/static/bench", STATIC)
+    nicegui_app.on_startup(lambda: background_tasks.create(crew.warm()))
+
+    @ui.page("/")
+    def page(session: str | None = None) -> None:
+        ui.add_head_html('<link rel="stylesheet" href="/static/bench/bench.css">')
+        ui.add_head_html('<script src="/static/bench/bench.js"></script>')
+        ui.colors(primary="#00659e")
+        Page(room, session).build()
+
+    ui.run_with(
+        app,
+        title="workbench",
+        favicon=ICON,
+        dark=None,
+        show_welcome_message=False,
+        tailwind=False,
+        reconnect_timeout=10.0,
+    )
+    return app, room

@@ -1,0 +1,304 @@
+"""The charts of the middle as ECharts options: every axis with its unit, one colour for one thing."""
+
+from typing import Any
+
+from station.workbench import told
+from station.workbench.theme import Theme, diverging
+
+Options = dict[str, Any]
+
+FONT = 11
+
+
+def overlay(picture: told.Picture, trace: told.Trace, colours: Theme) -> Options:
+    """Return measurement and model over time, with the band of the noise (2 std) about the model."""
+    band = 2.0 * trace.sigma / trace.fine
+    low = [None if value is None else round(value - band, 7) for value in trace.model]
+    width = [None if value is None else round(2 * band, 7) for value in trace.model]
+    hidden: Options = {"type": "line", "symbol": "none", "silent": True, "lineStyle": {"opacity": 0}}
+    return _base(colours) | {
+        "grid": _grid(),
+        "xAxis": _time_axis(picture, colours, labelled=False),
+        "yAxis": _value_axis(f"{trace.channel} [{trace.unit}]", colours),
+        "dataZoom": [_inside(), _slider(colours)],
+        "series": [
+            hidden | {"data": _pairs(picture.time, low), "stack": "band", "stackStrategy": "all"},
+            hidden
+            | {
+                "name": "noise (2 std)",
+                "data": _pairs(picture.time, width),
+                "stack": "band",
+                "stackStrategy": "all",
+                "areaStyle": {"color": colours.noise, "opacity": 1},
+                "itemStyle": {"color": colours.floor},
+            },
+            _line("measured", picture.time, trace.measured, colours.measured, 2.6),
+            _line("model, run freely", picture.time, trace.model, colours.model, 1.2),
+        ],
+        "legend": _legend(colours, ["measured", "model, run freely", "noise (2 std)"]),
+    }
+
+
+def residual(picture: told.Picture, trace: told.Trace, colours: Theme) -> Options:
+    """Return measurement less model over time, with the band of the noise."""
+    band = 2.0 * trace.sigma
+    line = _line("measured less model", picture.time, trace.left, colours.left, 1.0)
+    line["markArea"] = {
+        "silent": True,
+        "itemStyle": {"color": colours.noise},
+        "data": [[{"yAxis": -band}, {"yAxis": band}]],
+    }
+    return _base(colours) | {
+        "grid": _grid(bottom=34),
+        "xAxis": _time_axis(picture, colours, labelled=True),
+        "yAxis": _value_axis(f"left over [{trace.fine_unit}]", colours),
+        "dataZoom": [_inside()],
+        "series": [line],
+    }
+
+
+def plane(picture: told.Picture, colours: Theme) -> Options:
+    """Return the phase plane: the trajectory, and the missing force as colour where it is known."""
+    forces = sorted(abs(one[4]) for one in picture.plane.bins)
+    reach = forces[int(0.95 * (len(forces) - 1))] if forces else 1.0
+    bins = [
+        {"value": one, "itemStyle": {"color": diverging(one[4], reach, colours)}}
+        for one in picture.plane.bins
+    ]
+    path = _pairs(picture.displacement, picture.velocity)
+    return _base(colours) | {
+        "grid": _grid(left=58, bottom=34, right=64),
+        "xAxis": _value_axis(f"displacement [{picture.displacement_unit}]", colours, below=True),
+        "yAxis": _value_axis(f"velocity [{picture.velocity_unit}]", colours),
+        "tooltip": {"trigger": "item", "confine": True, "textStyle": {"fontSize": FONT}},
+        "visualMap": {
+            "show": True,
+            "type": "continuous",
+            "seriesIndex": [],
+            "min": -_round(reach),
+            "max": _round(reach),
+            "calculable": False,
+            "right": 0,
+            "top": 22,
+            "itemHeight": 90,
+            "itemWidth": 10,
+            "text": [f"+{_round(reach):g}", f"-{_round(reach):g} {picture.force_unit}"],
+            "textStyle": {"color": colours.faint, "fontSize": 10},
+            "inRange": {"color": [diverging(x, 1.0, colours) for x in (-1.0, -0.5, 0.0, 0.5, 1.0)]},
+        },
+        "series": [
+            {
+                "type": "custom",
+                "name": "missing force",
+                "data": bins,
+                "encode": {"x": [0, 1], "y": [2, 3]},
+                "clip": True,
+                ":renderItem": _RECTANGLE,
+                "tooltip": {":formatter": _bin_words(picture.force_unit)},
+            },
+            {
+                "type": "line",
+                "data": path,
+                "symbol": "none",
+                "silent": True,
+                "lineStyle": {"width": 0.5, "color": colours.faint, "opacity": 0.55},
+            },
+        ],
+    }
+
+
+_RECTANGLE = """(params, api) => {
+  const a = api.coord([api.value(0), api.value(2)]), b = api.coord([api.value(1), api.value(3)]);
+  return {type: 'rect', shape: {x: a[0], y: b[1], width: b[0] - a[0], height: a[1] - b[1]},
+          style: {fill: api.visual('color')}};
+}"""
+
+
+def _bin_words(unit: str) -> str:
+    return (
+        f"p => 'missing force: ' + p.value[4].toPrecision(3) + ' ± ' + p.value[5].toPrecision(2) + ' {unit}'"
+    )
+
+
+def sections(picture: told.Picture, colours: Theme) -> tuple[Options, Options]:
+    """Return the cuts of the missing force: against velocity at u = 0, against displacement at v = 0."""
+    found = picture.plane
+    force = f"missing force [{picture.force_unit}]"
+    at_middle = _section_chart(
+        (found.middle,), f"velocity at u = 0 [{picture.velocity_unit}]", force, colours
+    )
+    at_rest = _section_chart(
+        found.reversal, f"displacement at v = 0 [{picture.displacement_unit}]", force, colours
+    )
+    return at_middle, at_rest
+
+
+def _section_chart(cuts: tuple[told.Section, ...], across: str, up: str, colours: Theme) -> Options:
+    tints = (colours.left, colours.other)
+    series: list[Options] = []
+    for cut, tint in zip(cuts, tints, strict=False):
+        series += _with_bars(cut.name, cut.position, cut.force, cut.std, tint)
+    legend = {"legend": _legend(colours, [cut.name for cut in cuts])} if len(cuts) > 1 else {}
+    return (
+        _base(colours)
+        | legend
+        | {
+            "grid": _grid(left=58, bottom=34),
+            "xAxis": _value_axis(across, colours, below=True),
+            "yAxis": _value_axis(up, colours),
+            "series": series,
+        }
+    )
+
+
+def cycles(picture: told.Picture, colours: Theme) -> tuple[Options, Options]:
+    """Return the errors of frequency and of energy, cycle by cycle."""
+    found = picture.cycles
+    frequency = _cycle_chart(
+        picture, found.frequency, found.frequency_std, "frequency error [%]", colours.left, colours
+    )
+    energy = _cycle_chart(
+        picture, found.energy, found.energy_std, f"energy error [{found.energy_unit}]", colours.other, colours
+    )
+    return frequency, energy
+
+
+def _cycle_chart(
+    picture: told.Picture, values: told.Numbers, std: told.Numbers, name: str, tint: str, colours: Theme
+) -> Options:
+    return _base(colours) | {
+        "grid": _grid(left=58, bottom=34),
+        "xAxis": _time_axis(picture, colours, labelled=True),
+        "yAxis": _value_axis(name, colours),
+        "series": _with_bars(name, picture.cycles.time, values, std, tint),
+    }
+
+
+def _with_bars(
+    name: str, across: told.Numbers, values: told.Numbers, std: told.Numbers, tint: str
+) -> list[Options]:
+    """Return points with bars of two standard errors."""
+    known = [(x, y, s) for x, y, s in zip(across, values, std, strict=True) if None not in (x, y, s)]
+    bars = [
+        [x, y - 2 * s, y + 2 * s] for x, y, s in known if x is not None and y is not None and s is not None
+    ]
+    return [
+        {
+            "type": "custom",
+            "data": bars,
+            "encode": {"x": 0, "y": [1, 2]},
+            "silent": True,
+            "itemStyle": {"color": tint},
+            ":renderItem": _BAR,
+        },
+        {
+            "type": "line",
+            "name": name,
+            "data": [[x, y] for x, y, _ in known],
+            "symbol": "circle",
+            "symbolSize": 5,
+            "lineStyle": {"width": 1, "opacity": 0.5, "color": tint},
+            "itemStyle": {"color": tint},
+            "silent": True,
+        },
+    ]
+
+
+_BAR = """(params, api) => {
+  const a = api.coord([api.value(0), api.value(1)]), b = api.coord([api.value(0), api.value(2)]);
+  return {type: 'line', shape: {x1: a[0], y1: a[1], x2: b[0], y2: b[1]},
+          style: {stroke: api.visual('color'), lineWidth: 1.5, opacity: 0.7}};
+}"""
+
+
+def _base(colours: Theme) -> Options:
+    return {
+        "animation": False,
+        "backgroundColor": "transparent",
+        "textStyle": {"color": colours.ink, "fontFamily": "inherit"},
+    }
+
+
+def _grid(left: int = 58, right: int = 14, top: int = 24, bottom: int = 26) -> Options:
+    return {"left": left, "right": right, "top": top, "bottom": bottom}
+
+
+def _axis(colours: Theme) -> Options:
+    return {
+        "type": "value",
+        "axisLine": {"show": True, "onZero": False, "lineStyle": {"color": colours.faint}},
+        "axisLabel": {"color": colours.faint, "fontSize": FONT, "hideOverlap": True},
+        "splitLine": {"lineStyle": {"color": colours.grid}},
+        "nameTextStyle": {"color": colours.ink, "fontSize": FONT},
+    }
+
+
+def _time_axis(picture: told.Picture, colours: Theme, labelled: bool) -> Options:
+    last = next((t for t in reversed(picture.time) if t is not None), 1.0)
+    named = (
+        {"name": "time since the release [s]", "nameLocation": "middle", "nameGap": 20} if labelled else {}
+    )
+    return _axis(colours) | named | {"min": 0, "max": round(last, 3)}
+
+
+def _value_axis(name: str, colours: Theme, below: bool = False) -> Options:
+    place: Options = (
+        {"nameLocation": "middle", "nameGap": 20} if below else {"nameLocation": "end", "nameGap": 8}
+    )
+    if not below:
+        place["nameTextStyle"] = {
+            "color": colours.ink,
+            "fontSize": FONT,
+            "align": "left",
+            "padding": [0, 0, 0, -44],
+        }
+    return _axis(colours) | {"name": name, "splitNumber": 4, "scale": below} | place
+
+
+def _line(name: str, across: told.Numbers, values: told.Numbers, colour: str, width: float) -> Options:
+    return {
+        "name": name,
+        "type": "line",
+        "symbol": "none",
+        "silent": True,
+        "data": _pairs(across, values),
+        "lineStyle": {"width": width, "color": colour},
+        "itemStyle": {"color": colour},
+    }
+
+
+def _pairs(across: told.Numbers, values: told.Numbers) -> list[list[float | None]]:
+    return [[x, y] for x, y in zip(across, values, strict=True)]
+
+
+def _legend(colours: Theme, names: list[str]) -> Options:
+    return {
+        "data": names,
+        "right": 10,
+        "top": 0,
+        "itemWidth": 16,
+        "itemHeight": 8,
+        "textStyle": {"color": colours.ink, "fontSize": FONT},
+    }
+
+
+def _inside() -> Options:
+    return {"type": "inside", "zoomOnMouseWheel": "ctrl", "moveOnMouseMove": True, "filterMode": "none"}
+
+
+def _slider(colours: Theme) -> Options:
+    return {
+        "type": "slider",
+        "height": 12,
+        "bottom": 2,
+        "showDetail": False,
+        "showDataShadow": False,
+        "brushSelect": False,
+        "filterMode": "none",
+        "borderColor": colours.grid,
+        "textStyle": {"color": colours.faint},
+    }
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.2g}")

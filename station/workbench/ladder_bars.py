@@ -1,0 +1,19 @@
+"""Bars of the ladder: chi-square on a logarithmic scale, with the noise floor as a line."""
+
+import math
+
+from station.ladder import KeptLadder
+
+LEAST = 0.5
+"""Where the bars begin: half the floor, so that a model at the floor still has a bar."""
+
+
+def share(chi_square: float | None, ladder: KeptLadder) -> tuple[float, float]:
+    """Return the length of a bar and the place of the floor, in % of the track."""
+    largest = max([rung.error.chi2 or 1.0 for rung in ladder.rungs] + [2.0])
+    whole = math.log(largest / LEAST)
+
+    def place(value: float) -> float:
+        return 100.0 * min(1.0, max(0.0, math.log(max(value, LEAST) / LEAST) / whole))
+
+    return (100.0 if chi_square is None else place(chi_square)), place(1.0)

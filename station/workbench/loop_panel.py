@@ -1,0 +1,131 @@
+"""Right, the loop: the model, what it lacks, an effect of one's own, and the ladder of errors."""
+
+from nicegui import ui
+
+from station.diagnosis_words import number, size
+from station.ladder import KeptLadder
+from station.ladder_words import change, step
+from station.workbench import parts, told
+from station.workbench.desk import Desk
+from station.workbench.ladder_bars import share
+from station.workbench.own_panel import OwnPanel
+from station.workbench.suspects_panel import SuspectsPanel
+from station.workbench.theme import Theme
+
+
+class LoopPanel:
+    """Model, suspects, own effect and ladder of one session."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._suspects = SuspectsPanel(desk)
+        self._own = OwnPanel(desk)
+
+    def build(self) -> None:
+        """Make the panel; it is empty until something is shown."""
+        with parts.card():
+            parts.head("Model")
+            self._model = ui.element("div")
+        with parts.card():
+            self._suspects.build()
+        with parts.card():
+            parts.head("The error, rung by rung")
+            self._ladder = ui.element("div")
+        with parts.card():
+            self._own.build()
+
+    def show(self, view: told.View, colours: Theme) -> None:
+        """Show a session as it stands."""
+        self._model.clear()
+        with self._model:
+            self._show_model(view)
+        self._suspects.show(view, self._desk.prints, colours)
+        self._ladder.clear()
+        with self._ladder:
+            self._show_ladder(view.ladder)
+
+    def _show_model(self, view: told.View) -> None:
+        top = view.ladder.top
+        for entry in top.model.effects:
+            words = view.effects.get(entry.effect)
+            with ui.element("div").classes("effect"):
+                with parts.line():
+                    switch = ui.switch(value=True, on_change=lambda e, n=entry.effect: self._turn(n, e.value))
+                    switch.props("dense size=sm").props["aria-label"] = f"{entry.effect} in the model"
+                    parts.words(_called(entry.effect), "strong grow wrap")
+                    parts.words(words.equation if words else "", "mono faint")
+                for name, value in entry.parameters.items():
+                    with parts.line("small"):
+                        parts.words(name, "mono")
+                        parts.words(f"= {number(value.model_dump())}", "grow")
+        for name in _switched_off(view.ladder):
+            with ui.element("div").classes("effect off"), parts.line():
+                switch = ui.switch(value=False, on_change=lambda e, n=name: self._turn(n, e.value))
+                switch.props("dense size=sm").props["aria-label"] = f"{name} in the model"
+                parts.words(f"{_called(name)} (off)", "grow wrap")
+
+    def _turn(self, name: str, on: bool) -> None:
+        if on:
+            text = _expression(self._desk.view.ladder, name) if self._desk.view else ""
+            self._desk.start(f"Adding {_called(name)}", "add", text or name)
+        else:
+            self._desk.start(f"Taking {_called(name)} out", "remove", name)
+        self._desk.version += 1
+
+    def _show_ladder(self, ladder: KeptLadder) -> None:
+        before = None
+        for place, rung in enumerate(ladder.rungs):
+            kind = "present" if place == ladder.present else "above" if place > ladder.present else ""
+            row = ui.element("button").classes(f"rung {kind}").on("click", lambda n=place: self._go(n))
+            row.props["type"] = "button"
+            row.props["aria-label"] = f"go to rung {place}: {step(rung)}, chi2 {size(rung.error.chi2)}"
+            with row:
+                parts.words(str(place), "faint")
+                parts.words(step(rung), "what")
+                parts.words(size(rung.error.chi2), "value strong")
+                filled, floor = share(rung.error.chi2, ladder)
+                with ui.element("div").classes("track"):
+                    ui.element("div").classes("fill").style(f"width:{filled:.1f}%")
+                    ui.element("div").classes("floor").style(f"left:{floor:.1f}%")
+                fall = "" if before is None else change(before.error.chi2, rung.error.chi2)
+                parts.words("", "")
+                parts.words(
+                    f"motion {size(rung.error.motion_percent)} %, force {size(rung.error.force_mse_percent)} %",
+                    "small faint",
+                )
+                parts.words(fall, "small value")
+            before = rung
+        parts.words("chi2, logarithmic; the green line is the noise floor", "small faint")
+        if ladder.stopped_because:
+            parts.words(f"{ladder.stopped_because[0].upper()}{ladder.stopped_because[1:]}.", "small wrap")
+        with parts.line():
+            parts.button("Climb by itself", lambda: self._desk.start("Climbing", "climb", long=True))
+            if len(ladder.rungs) > 1:
+                parts.button("Begin again", lambda: self._desk.start("Beginning again", "again"))
+
+    def _go(self, number: int) -> None:
+        ladder = self._desk.view.ladder if self._desk.view else None
+        if ladder is not None and number != ladder.present:
+            self._desk.start(f"Going to rung {number}", "go", number)
+
+
+def _called(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _switched_off(ladder: KeptLadder) -> list[str]:
+    """Return effects that stood in the model on the way to the present rung, and do not now."""
+    here = set(ladder.top.effects)
+    found: dict[str, None] = {}
+    for rung in ladder.rungs[: ladder.present + 1]:
+        found |= {name: None for name in rung.effects if name not in here}
+    return list(found)
+
+
+def _expression(ladder: KeptLadder, name: str) -> str:
+    """Return the user's own text of an effect; "" where the library has it."""
+    for rung in ladder.rungs:
+        for text in rung.model.expressions:
+            if text.partition("=")[0].strip() == name:
+                return text
+    return ""

@@ -1,0 +1,157 @@
+"""Middle: what was measured and what the model says, in linked pictures."""
+
+import json
+from dataclasses import dataclass
+
+from nicegui import ui
+
+from station.diagnosis_words import size
+from station.workbench import charts, parts, told
+from station.workbench.theme import Theme
+
+HINT = "Move the pointer over a picture, or use the arrow keys in one: the same moment is marked in all."
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """A chart and what it draws."""
+
+    element: ui.echart
+    name: str
+
+
+class MiddlePanel:
+    """The pictures of one session; drawn again when the model changes."""
+
+    def __init__(self) -> None:
+        self._channel = ""
+        self._picture: told.Picture | None = None
+        self._colours: Theme | None = None
+        self._charts: dict[str, ui.echart] = {}
+
+    def build(self) -> None:
+        """Make the panel; it is empty until something is shown."""
+        with parts.card("tight"):
+            self._numbers = ui.element("div").classes("numbers").props("aria-live=polite")
+            self._summary = parts.words("", "wrap")
+            self._cause = parts.words("", "small faint wrap")
+        with parts.card("tight"):
+            with parts.line():
+                self._readout = parts.words(HINT, "small faint grow readout").props("id=readout")
+                self._choice = ui.element("div")
+            self._frame = ui.element("div").classes("pictures")
+
+    def show(self, picture: told.Picture, colours: Theme) -> None:
+        """Draw a comparison in some colours."""
+        fresh = self._colours is not colours or not self._charts
+        kinds = [trace.channel for trace in picture.traces]
+        if self._picture is None or [t.channel for t in self._picture.traces] != kinds:
+            self._channel = kinds[0]
+            self._choose(kinds)
+        self._picture, self._colours = picture, colours
+        self._tell(picture)
+        options = self._options()
+        if fresh:
+            self._make(options)
+        else:
+            for name, chart in self._charts.items():
+                chart.options.clear()
+                chart.options.update(options[name])
+                chart.update()
+        self._send_motion(picture)
+
+    def _choose(self, kinds: list[str]) -> None:
+        self._choice.clear()
+        if len(kinds) > 1:
+            with self._choice:
+                toggle = ui.toggle(kinds, value=self._channel, on_change=lambda e: self._switch(e.value))
+                toggle.props('dense no-caps size=12px padding="1px 9px" unelevated toggle-color=primary')
+
+    def _switch(self, channel: str) -> None:
+        self._channel = channel
+        if self._picture is not None and self._colours is not None:
+            self.show(self._picture, self._colours)
+
+    def _tell(self, picture: told.Picture) -> None:
+        errors = picture.errors
+        self._numbers.clear()
+        with self._numbers:
+            _number(
+                f"{size(errors['chi2'])} ×", f"what noise explains (floor 1.00 ± {errors['chi2_std']:.2f})"
+            )
+            _number(
+                f"{size(errors['motion_percent'])} %",
+                f"of the motion is left, over {errors['horizon_s']:.1f} s ({errors['cycles']:.0f} cycles)",
+            )
+            _number(
+                f"{size(errors['force_mse_percent'])} %",
+                f"of the force is left (MSE; noise alone {size(errors['force_floor_percent'])} %)",
+            )
+        self._summary.text = picture.summary
+        self._cause.text = picture.cause
+
+    def _options(self) -> dict[str, charts.Options]:
+        picture, colours = self._picture, self._colours
+        assert picture is not None
+        assert colours is not None
+        trace = next(t for t in picture.traces if t.channel == self._channel)
+        at_middle, at_reversal = charts.sections(picture, colours)
+        frequency, energy = charts.cycles(picture, colours)
+        return {
+            "overlay": charts.overlay(picture, trace, colours),
+            "residual": charts.residual(picture, trace, colours),
+            "plane": charts.plane(picture, colours),
+            "at-middle": at_middle,
+            "at-reversal": at_reversal,
+            "frequency": frequency,
+            "energy": energy,
+        }
+
+    def _make(self, options: dict[str, charts.Options]) -> None:
+        self._frame.clear()
+        self._charts.clear()
+        with self._frame:
+            for name, (kind, classes, label) in _PLACES.items():
+                chart = ui.echart(options[name]).classes(f"chart {classes}")
+                chart.props["data-kind"] = kind
+                chart.props["data-name"] = name
+                chart.props["tabindex"] = "0"
+                chart.props["role"] = "img"
+                chart.props["aria-label"] = label
+                self._charts[name] = chart
+        ui.run_javascript("bench.link()")
+
+    def _send_motion(self, picture: told.Picture) -> None:
+        reach = [max((abs(x) for x in values if x is not None), default=1.0) or 1.0
+                 for values in (picture.displacement, picture.velocity)]  # fmt: skip
+        motion = {
+            "t": picture.time,
+            "u": picture.displacement,
+            "v": picture.velocity,
+            "f": picture.force,
+            "su": reach[0],
+            "sv": reach[1],
+            "uu": picture.displacement_unit,
+            "vu": picture.velocity_unit,
+            "fu": picture.force_unit,
+            "hint": HINT,
+        }
+        ui.run_javascript(f"bench.setMotion({json.dumps(motion)})")
+
+
+_PLACES = {
+    "overlay": ("time", "wide", "Measurement and model over time"),
+    "residual": ("time", "wide flat", "Measurement less model over time, with the noise"),
+    "plane": ("plane", "tall", "Phase plane: the missing force over displacement and velocity"),
+    "at-middle": ("at-middle", "tall", "The missing force against velocity at zero displacement"),
+    "at-reversal": ("at-reversal", "tall", "The missing force against displacement at zero velocity"),
+    "frequency": ("time", "tall", "Frequency error cycle by cycle"),
+    "energy": ("time", "tall wide", "Energy error cycle by cycle"),
+}
+
+
+def _number(value: str, meaning: str) -> None:
+    with ui.element("div").classes("number"):
+        with ui.element("b"):
+            parts.words(value)
+        parts.words(meaning, "small faint")

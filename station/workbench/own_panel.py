@@ -1,0 +1,75 @@
+"""An effect of one's own, typed as an expression and checked as it is typed; parsed, never evaluated."""
+
+import asyncio
+
+from nicegui import ui
+
+from identify.effects.library import LIBRARY
+from station.models import name_of, parsed_effect
+from station.workbench import parts
+from station.workbench.desk import Desk
+
+EXAMPLE = "magnet = a*u/(1 + (u/b)**2)"
+PAUSE_S = 0.25
+
+
+class OwnPanel:
+    """A line to type in, what is wrong with it beneath, and Add."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._typed = ""
+
+    def build(self) -> None:
+        """Make the panel."""
+        parts.head("An effect of your own")
+        self._field = ui.input(placeholder=EXAMPLE, on_change=lambda e: self._changed(e.value or ""))
+        self._field.props(
+            'dense outlined clearable spellcheck=false autocomplete=off aria-label="Effect of your own"'
+        )
+        self._field.classes("mono").style("width:100%").on("keydown.enter", self._add)
+        with parts.line("top"):
+            self._said = parts.words("", "small grow wrap").props("aria-live=polite")
+            self._button = parts.button("Add", self._add, "Add the effect of your own")
+            self._button.disable()
+        self._tell("", _HELP)
+
+    async def _changed(self, text: str) -> None:
+        self._typed = text
+        self._button.disable()
+        if not text.strip():
+            self._tell("", _HELP)
+            return
+        await asyncio.sleep(PAUSE_S)
+        if text != self._typed:
+            return
+        fault, words = await asyncio.to_thread(check, text)
+        if text == self._typed:
+            self._tell("bad" if fault else "good", words)
+            self._button.set_enabled(not fault)
+
+    def _tell(self, kind: str, text: str) -> None:
+        self._said.classes(remove="bad good faint", add=kind or "faint")
+        self._said.text = text
+
+    def _add(self) -> None:
+        if self._button.enabled:
+            self._desk.start(f"Adding {name_of(self._typed)}", "add", self._typed)
+
+
+_HELP = "The force per unit mass on the left of u'' + ... = 0, from u, v, t and parameters of your own."
+
+
+def check(text: str) -> tuple[bool, str]:
+    """Return whether an expression is wrong, and a sentence: what is wrong, or what was understood."""
+    if "=" not in text:
+        return True, f"Give it a name first, as {EXAMPLE}"
+    try:
+        effect = parsed_effect(text)
+    except ValueError as error:
+        sentence = str(error)
+        return True, f"{sentence[0].upper()}{sentence[1:]}"
+    if any(effect.name == other.name for other in LIBRARY):
+        return True, f"{effect.name} is in the library already; choose another name for your own"
+    names = ", ".join(parameter.name for parameter in effect.parameters)
+    return False, f"Understood: the force {effect.equation}, to be fitted: {names}"

@@ -1,0 +1,154 @@
+"""The page: bench on the left, measurement and model in the middle, the loop on the right."""
+
+import time
+
+from nicegui import ui
+
+from station.workbench import parts
+from station.workbench.desk import Desk
+from station.workbench.loop_panel import LoopPanel
+from station.workbench.middle_panel import MiddlePanel
+from station.workbench.room import Room
+from station.workbench.sessions_panel import SessionsPanel
+from station.workbench.theme import theme
+
+TICK_S = 0.12
+
+
+class Page:
+    """One browser tab."""
+
+    def __init__(self, room: Room, key: str | None) -> None:
+        self._room, self._key = room, key
+        folder = room.shelf.folder_of(key) if key else None
+        self._desk: Desk | None = room.desks.at(folder) if folder else None
+        self._seen = -1
+        self._shown: object = None
+        self._dark = False
+
+    def build(self) -> None:
+        """Make the page."""
+        ui.page_title(f"{self._key} · workbench" if self._key else "workbench")
+        self._mode = ui.dark_mode(None)
+        self._header()
+        with ui.element("main").classes("bench-columns"):
+            with ui.element("aside").classes("bench-column").props('aria-label="The bench"'):
+                SessionsPanel(self._room.shelf, self._room.crew, self._key).build()
+            with ui.element("div").classes("bench-column").props('aria-label="Measurement and model"'):
+                self._build_middle()
+            with ui.element("aside").classes("bench-column").props('aria-label="The loop"'):
+                self._build_right()
+        ui.timer(0.05, self._begin, once=True)
+
+    def _header(self) -> None:
+        with ui.element("header").classes("bench-head"):
+            ui.link("Free-Decay Station", "/").classes("bench-title").style(
+                "color:inherit;text-decoration:none"
+            )
+            parts.words(self._key or "workbench", "bench-session")
+            self._theme_button = parts.button("Dark", self._turn_theme, "Switch between light and dark")
+
+    def _build_middle(self) -> None:
+        self._busy = ui.element("section").classes("card tight busybar").props("role=status aria-live=polite")
+        with self._busy, parts.line():
+            ui.spinner(size="18px")
+            self._busy_words = parts.words("", "grow")
+            parts.button("Cancel", lambda: self._desk.cancel() if self._desk else None)
+        self._busy.set_visibility(False)
+        self._notice = parts.card("tight notice")
+        with self._notice, parts.line():
+            self._notice_words = parts.words("", "grow wrap")
+            parts.button("Close", self._close_notice, "Close the message")
+        self._notice.set_visibility(False)
+        self._empty = ui.element("div").classes("empty grow")
+        self._pictures = ui.element("div").style("display:flex;flex-direction:column;gap:10px")
+        self._middle = MiddlePanel()
+        with self._pictures:
+            self._middle.build()
+        self._pictures.set_visibility(False)
+        self._say_empty()
+
+    def _say_empty(self) -> None:
+        self._empty.clear()
+        with self._empty:
+            if self._desk is not None and self._desk.problem:
+                parts.words("This recording does not allow an analysis", "strong")
+                parts.words(self._desk.problem, "wrap").style("max-width:520px")
+                parts.words("What was recorded is kept. Choose another session, or record again.", "small")
+            elif self._desk is not None:
+                ui.spinner(size="32px")
+                parts.words("The session is read, and the usual model fitted to it.")
+            elif self._key:
+                parts.words(f"There is no session called {self._key}", "strong wrap")
+                parts.words("Choose one on the left.")
+            else:
+                parts.words("Choose a session on the left,", "strong")
+                parts.words("drop a file there, or capture a release from a board.")
+
+    def _build_right(self) -> None:
+        self._loop: LoopPanel | None = None
+        self._right = ui.element("div").style("display:flex;flex-direction:column;gap:10px")
+        with self._right:
+            if self._desk is not None:
+                self._loop = LoopPanel(self._desk)
+                self._loop.build()
+            else:
+                with parts.card(), ui.element("div").classes("empty"):
+                    parts.words("Here the loop is closed:", "strong")
+                    parts.words("diagnose what the model lacks, add it, and watch the error fall.", "small")
+        if self._desk is not None:
+            self._right.set_visibility(False)
+
+    async def _begin(self) -> None:
+        self._dark = bool(await ui.run_javascript("bench.dark()", timeout=5.0))
+        self._set_theme()
+        if self._desk is not None:
+            self._desk.open()
+            ui.timer(TICK_S, self._tick)
+
+    def _turn_theme(self) -> None:
+        self._dark = not self._dark
+        ui.run_javascript(f"bench.keepTheme({'true' if self._dark else 'false'})")
+        self._set_theme()
+        self._shown = None
+        self._seen = -1
+
+    def _set_theme(self) -> None:
+        self._mode.value = self._dark
+        self._theme_button.text = "Light" if self._dark else "Dark"
+
+    def _close_notice(self) -> None:
+        if self._desk is not None:
+            self._desk.notice = ""
+            self._desk.version += 1
+
+    def _tick(self) -> None:
+        desk = self._desk
+        if desk is None:
+            return
+        running = desk.running
+        if running is not None:
+            seconds = time.monotonic() - running.since
+            self._busy_words.text = (
+                f"{running.title}: {desk.said or 'waiting for a free worker'} ({seconds:.0f} s)"
+            )
+            self._busy.set_visibility(running.long or seconds > 0.4)
+        else:
+            self._busy.set_visibility(False)
+        if desk.version == self._seen:
+            return
+        self._seen = desk.version
+        self._notice_words.text = desk.notice
+        self._notice.set_visibility(bool(desk.notice))
+        if desk.view is None:
+            self._say_empty()
+            return
+        self._empty.set_visibility(False)
+        self._pictures.set_visibility(True)
+        self._right.set_visibility(True)
+        colours = theme(self._dark)
+        if self._shown is not desk.view.picture:
+            self._middle.show(desk.view.picture, colours)
+            self._shown = desk.view.picture
+        if self._loop is not None:
+            self._loop.show(desk.view, colours)

@@ -1,0 +1,45 @@
+"""Small parts that every panel is made of."""
+
+from collections.abc import Callable
+from typing import Any
+
+from nicegui import ui
+
+
+def card(classes: str = "") -> ui.element:
+    """Return a box; used as a context."""
+    return ui.element("section").classes(f"card {classes}")
+
+
+def line(classes: str = "") -> ui.element:
+    """Return a row of things side by side; used as a context."""
+    return ui.element("div").classes(f"line {classes}")
+
+
+def head(text: str) -> None:
+    """Show a heading."""
+    with ui.element("h2").classes("head"):
+        words(text)
+
+
+def words(text: str, classes: str = "") -> ui.label:
+    """Show text; it is escaped, whatever is in it."""
+    return ui.label(text).classes(classes)
+
+
+def button(
+    text: str, does: Callable[[], Any], name: str = "", strong: bool = False, classes: str = ""
+) -> ui.button:
+    """Show a button; `name` says to those who do not see it what it does, where its text alone does not."""
+    made = ui.button(text, on_click=lambda: does(), color=None).classes(classes)
+    made.props("dense no-caps padding='3px 11px'" + (" unelevated" if strong else " outline"))
+    if strong:
+        made.style("background: var(--accent); color: var(--accent-ink)")
+    if name:
+        made.props["aria-label"] = name
+    return made
+
+
+def svg(markup: str) -> ui.html:
+    """Show a picture that was made here, of numbers only."""
+    return ui.html(markup, sanitize=False)

@@ -1,0 +1,89 @@
+"""The server: one process on 127.0.0.1 that serves the page until it is interrupted."""
+
+import asyncio
+import os
+import socket
+import tempfile
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+
+from station.exits import UsageProblem
+from station.settings import Settings
+
+HOST = "127.0.0.1"
+STATIC = Path(__file__).parent / "static"
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Return a socket that listens; port 0 takes a free one. UsageProblem where that is not possible."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    opened = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        if os.name == "posix":
+            opened.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        opened.bind((host, port))
+        opened.listen(64)
+    except OSError as error:
+        opened.close()
+        raise UsageProblem(
+            f"{host}:{port} cannot be used ({error.strerror or error}); leave --port out for a free one"
+        ) from error
+    return opened
+
+
+def serve(
+    settings: Settings,
+    named: tuple[Path, ...],
+    host: str,
+    port: int,
+    open_browser: bool,
+    say: Callable[[str], None],
+) -> None:
+    """Serve until interrupted. `named` are sessions of the command line; the first is opened."""
+    with listen(host, port) as opened, tempfile.TemporaryDirectory(prefix="workbench-") as aside:
+        os.environ.setdefault("NICEGUI_STORAGE_PATH", aside)
+        bound = opened.getsockname()[1]
+        shown = HOST if host in ("0.0.0.0", "::") else host
+        place = f"[{shown}]:{bound}" if ":" in shown else f"{shown}:{bound}"
+        _run(settings, named, opened, host, place, open_browser, say)
+
+
+def _run(
+    settings: Settings,
+    named: tuple[Path, ...],
+    opened: socket.socket,
+    host: str,
+    place: str,
+    open_browser: bool,
+    say: Callable[[str], None],
+) -> None:
+    import uvicorn
+
+    from station.workbench.application import make
+    from station.workbench.sessions_panel import address_of
+
+    port = opened.getsockname()[1]
+    names = (
+        {place, f"localhost:{port}", f"{socket.gethostname()}:{port}"}
+        if host != HOST
+        else {place, f"localhost:{port}"}
+    )
+    app, room = make(settings, named, frozenset(names), any_address=host in ("0.0.0.0", "::"))
+    address = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
+    config = uvicorn.Config(app, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2)
+    server = uvicorn.Server(config)
+
+    async def run() -> None:
+        say(f"workbench: {address}")
+        say("leave it with Ctrl-C")
+        if open_browser:
+            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, address)
+        await server.serve(sockets=[opened])
+
+    try:
+        asyncio.run(run())
+    except KeyboardInterrupt:
+        say("workbench closed; everything is kept in the sessions")
+    finally:
+        room.crew.end()

@@ -1,0 +1,132 @@
+"""Left, the sessions: name, date, verdict, amplitude and a sparkline of each; and a place to drop a file."""
+
+import tempfile
+from pathlib import Path
+from urllib.parse import quote
+
+from nicegui import events, ui
+
+from station.workbench import parts
+from station.workbench.shelf import Entry, Shelf
+from station.workbench.thumbnail import sparkline
+from station.workbench.uploads import plain_name
+from station.workbench.worker import Cancelled, Crew, Failed, Job
+
+LARGEST = 200 << 20
+GOOD = ("OK", "sealed")
+
+
+def address_of(key: str) -> str:
+    """Return the address of a session's page."""
+    return f"/?session={quote(key, safe='')}"
+
+
+class SessionsPanel:
+    """The list, and what imports a file into it."""
+
+    def __init__(self, shelf: Shelf, crew: Crew, chosen: str | None) -> None:
+        self._shelf, self._crew, self._chosen = shelf, crew, chosen
+        self._seen: tuple[Entry, ...] | None = None
+        self._job: Job | None = None
+
+    def build(self) -> None:
+        """Make the panel."""
+        with parts.card():
+            parts.head("Import a recording")
+            with ui.element("div").classes("drop"):
+                self._upload = ui.upload(
+                    label="Drop a file here: CSV, MATLAB .mat, UFF58",
+                    auto_upload=True,
+                    max_file_size=LARGEST,
+                    on_upload=self._dropped,
+                    on_rejected=lambda: self._say("that file is too large: at most 200 MB", "bad"),
+                ).props('aria-label="Import a recording"')
+            self._said = ui.element("div").props("aria-live=polite")
+        with parts.card("grow"):
+            parts.head("Sessions")
+            self._list = ui.element("nav").props('aria-label="Sessions"')
+        self.refresh()
+        ui.timer(2.0, self.refresh)
+        ui.timer(0.6, self._portraits, once=True)
+
+    def refresh(self) -> None:
+        """Show the list as the folder is now."""
+        entries = self._shelf.entries()
+        if entries == self._seen:
+            return
+        fresh = self._seen is not None and len(entries) > len(self._seen)
+        self._seen = entries
+        self._list.clear()
+        with self._list:
+            if self._shelf.problem:
+                parts.words(self._shelf.problem, "bad small wrap")
+            elif not entries:
+                with ui.element("div").classes("empty"):
+                    parts.words("No session yet.")
+                    parts.words("Drop a file above, or capture a release.", "small")
+            for entry in entries:
+                self._row(entry)
+        if fresh:
+            ui.timer(0.1, self._portraits, once=True)
+
+    def _row(self, entry: Entry) -> None:
+        link = ui.element("a").classes("session" + (" chosen" if entry.key == self._chosen else ""))
+        link.props["href"] = address_of(entry.key)
+        if entry.key == self._chosen:
+            link.props["aria-current"] = "page"
+        with link:
+            parts.words(entry.key, "name").tooltip(str(entry.folder))
+            portrait = entry.portrait
+            parts.svg(sparkline(portrait.line if portrait else []))
+            with parts.line("small faint"):
+                parts.words(entry.verdict, f"tag {'ok' if entry.verdict in GOOD else 'bad'}")
+                parts.words(portrait.amplitude if portrait else "")
+            parts.words(entry.date, "small faint")
+            problem = entry.problem or (portrait.problem if portrait else "")
+            if problem:
+                parts.words(problem, "small bad wrap").style("grid-column:1/-1")
+
+    async def _portraits(self) -> None:
+        if await self._shelf.make_portraits():
+            self.refresh()
+
+    async def _dropped(self, given: events.UploadEventArguments) -> None:
+        self._upload.reset()
+        if self._job is not None:
+            self._say("another import is under way; cancel it, or wait", "bad")
+            return
+        name = plain_name(given.file.name)
+        self._job = Job()
+        self._importing(name)
+        try:
+            with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
+                file = Path(folder) / name
+                await given.file.save(file)
+                made, notes = await self._crew.do(self._job, "imports", "import", file)
+        except Cancelled:
+            self._say(f"the import of {name} was cancelled", "faint")
+        except (Failed, OSError) as failure:
+            self._say(str(failure).replace(f"{folder}/", ""), "bad")
+        else:
+            self.refresh()
+            self._said.clear()
+            with self._said:
+                parts.words(f"{name}: {len(made)} session{'s' if len(made) > 1 else ''}", "good strong small")
+                for note in notes:
+                    parts.words(note, "small faint wrap")
+                for key in made:
+                    ui.link(f"open {key}", address_of(key)).classes("small")
+        finally:
+            self._job = None
+
+    def _importing(self, name: str) -> None:
+        self._said.clear()
+        with self._said, parts.line():
+            ui.spinner(size="16px")
+            parts.words(f"reading {name}", "small grow wrap")
+            parts.button("Cancel", lambda: self._job.cancel() if self._job else None)
+
+    def _say(self, text: str, kind: str) -> None:
+        self._said.clear()
+        with self._said:
+            parts.words(text, f"small wrap {kind}")

@@ -1,0 +1,144 @@
+"""The suspects: what the model may lack, in order, each with its fingerprint beside the residual's."""
+
+from typing import Any
+
+from nicegui import ui
+
+from station.diagnosis_words import (
+    evidence,
+    headline,
+    indistinguishable,
+    is_claimed,
+    number,
+    probability,
+    shown_suspects,
+    size,
+)
+from station.workbench import parts, told
+from station.workbench.desk import Desk
+from station.workbench.theme import Theme
+from station.workbench.thumbnail import disc, reach_of
+
+
+class SuspectsPanel:
+    """Diagnose, and what it found."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+
+    def build(self) -> None:
+        """Make the panel."""
+        with parts.line():
+            with ui.element("div").classes("grow"):
+                parts.head("What is missing?")
+            self._ask = parts.button("Diagnose", self._diagnose, strong=True)
+        self._body = ui.element("div").props("aria-live=polite")
+
+    def _diagnose(self) -> None:
+        self._desk.start("Trying every effect", "diagnose", long=True)
+
+    def show(self, view: told.View, prints: dict[str, told.Print], colours: Theme) -> None:
+        """Show the last diagnosis, or that there is none."""
+        self._body.clear()
+        document = view.diagnosis
+        with self._body:
+            if document is None:
+                parts.words(
+                    "Diagnose tries every effect it knows on this recording, and asks what chance alone would do.",
+                    "small faint",
+                )
+                return
+            asked, now = document["model"]["effects"], view.ladder.top.effects
+            if asked != now:
+                parts.words(
+                    f"Asked about {' + '.join(asked)}; the model has changed since. Diagnose again to ask about it.",
+                    "small faint wrap",
+                )
+            self._verdict(document)
+            self._discs(document, view, prints, colours)
+            self._next(document)
+
+    def _verdict(self, document: dict[str, Any]) -> None:
+        good = document["verdict"] == "nothing_missing"
+        with ui.element("div").classes(f"verdict {'good' if good else 'bad'}"):
+            parts.words(_plain(headline(document)), "strong wrap")
+            parts.words(document["explanation"], "small wrap")
+            rivals = indistinguishable(document)
+            if rivals:
+                parts.words(
+                    f"This record does not tell {_plain(document['named'][0])} from {_plain(', '.join(rivals))}.",
+                    "small wrap strong",
+                )
+            for finding in document["findings"]:
+                parts.words(f"Sensor: {finding['title']}; {finding['what_to_do']}", "small wrap bad")
+
+    def _discs(
+        self, document: dict[str, Any], view: told.View, prints: dict[str, told.Print], colours: Theme
+    ) -> None:
+        reach = reach_of(prints)
+        residual = prints.get("")
+        if residual is not None and document["suspects"]:
+            with ui.element("div").classes("suspect"):
+                parts.svg(disc(residual, reach, colours))
+                with ui.element("div"):
+                    parts.words("The missing force itself", "strong")
+                    parts.words(
+                        "over displacement (right) and velocity (up): orange pushes, blue pulls. The right suspect "
+                        "looks like it.",
+                        "small faint",
+                    )
+        for suspect in shown_suspects(document):
+            self._suspect(suspect, view, prints.get(suspect["effect"]), reach, colours)
+
+    def _suspect(
+        self,
+        suspect: dict[str, Any],
+        view: told.View,
+        found: told.Print | None,
+        reach: float,
+        colours: Theme,
+    ) -> None:
+        name = suspect["effect"]
+        known = view.effects.get(name)
+        with ui.element("div").classes("suspect" + ("" if is_claimed(suspect) else " weak")):
+            if found is None:
+                ui.element("div")
+            else:
+                parts.svg(disc(found, reach, colours))
+            with ui.element("div"):
+                parts.words(_plain(name), "strong wrap")
+                parts.words(known.equation if known else suspect["title"], "mono")
+                parts.words(f"chi2 would be {size(suspect['error_after'])}", "small")
+                parts.words(_sure(suspect), "small faint")
+                for parameter, value in suspect["parameters"].items():
+                    parts.words(f"{parameter} = {number(value)}", "small")
+                if suspect["confusable_with"]:
+                    parts.words(
+                        f"easily taken for {_plain(', '.join(suspect['confusable_with'][:4]))}",
+                        "small faint wrap",
+                    )
+            if name in view.ladder.top.effects:
+                parts.words("in the model", "small good")
+            else:
+                parts.button(
+                    "Add", lambda: self._add(name), f"Add {_plain(name)}", strong=is_claimed(suspect)
+                )
+
+    def _add(self, name: str) -> None:
+        self._desk.start(f"Adding {_plain(name)}", "add", name)
+
+    def _next(self, document: dict[str, Any]) -> None:
+        with ui.element("div").style("padding-top:6px"):
+            parts.words("Record next", "small strong")
+            parts.words(document["next_experiment"], "small wrap")
+
+
+def _sure(suspect: dict[str, Any]) -> str:
+    where = f"in the {suspect['channel']}; " if suspect["channel"] else ""
+    return (
+        f"{where}evidence {evidence(suspect['evidence'])}; by chance: p = {probability(suspect['p_value'])}"
+    )
+
+
+def _plain(name: str) -> str:
+    return name.replace("_", " ")

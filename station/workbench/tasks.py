@@ -1,0 +1,172 @@
+"""What a worker does for the page: each task calls what the commands call, and returns plain values."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from daq.session import Session
+from identify.setting import Setting
+from station.comparing import compare_ready, setting_of
+from station.diagnosing import Bench
+from station.diagnosis import diagnose_bench, keep
+from station.identifying import options_for
+from station.ladder import LADDER, MODEL, KeptLadder, read_ladder, write_ladder
+from station.refining import Refinement, add, climb_on, go_to, open_refinement, remove
+from station.settings import Settings
+from station.workbench import told
+from station.workbench.describing import effects_of, kept_diagnosis, picture_of, results_stamp
+from station.workbench.portraits import portrait_of
+from station.workbench.prints import prints_of, prints_of_kept
+from station.workbench.warming import warm_up
+
+Tell = Callable[[str], None]
+
+MOST_OPEN = 8
+
+
+@dataclass(frozen=True, eq=False)
+class _Opened:
+    """A session made ready, kept while the process lives; `stamp` tells whether it is still the same file."""
+
+    stamp: tuple[int, ...]
+    refinement: Refinement
+    setting: Setting
+
+
+_opened: dict[Path, _Opened] = {}
+
+
+def _open(settings: Settings, folder: Path) -> _Opened:
+    raw = (folder / "raw.log").stat()
+    session = Session.open(folder)
+    ladder = read_ladder(session)
+    stamp = (raw.st_mtime_ns, raw.st_size, hash(ladder.gain_percent if ladder else None))
+    known = _opened.get(folder)
+    if known is None or known.stamp != stamp:
+        refinement = open_refinement(session, settings)
+        known = _Opened(stamp, refinement, setting_of(session, options_for(session, settings)))
+        while len(_opened) >= MOST_OPEN:
+            _opened.pop(next(iter(_opened)))
+        _opened[folder] = known
+    if ladder is None:
+        return known
+    return replace(known, refinement=replace(known.refinement, ladder=ladder, session=session))
+
+
+def look(settings: Settings, tell: Tell, folder: Path) -> told.View:
+    """Return what the page shows of a session, as its results stand."""
+    tell("reading the session")
+    opened = _open(settings, folder)
+    return _view(settings, opened, opened.refinement.ladder)
+
+
+def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> told.View:
+    session = opened.refinement.session
+    is_kept = (session.results / LADDER).is_file()
+    model = session.results / MODEL if is_kept else None
+    mass = options_for(session, settings).mass
+    compared, document = compare_ready(session, opened.setting, mass, model)
+    diagnosis = kept_diagnosis(session)
+    return told.View(
+        session.folder.name,
+        ladder,
+        is_kept,
+        picture_of(compared, document),
+        diagnosis,
+        effects_of(ladder, diagnosis),
+        results_stamp(session.folder),
+    )
+
+
+def add_effect(settings: Settings, tell: Tell, folder: Path, wanted: str) -> told.View:
+    """Add an effect by name, or an expression as "magnet = a*u"."""
+    tell(f"adding {wanted.partition('=')[0].strip()}")
+    opened = _open(settings, folder)
+    return _view(settings, opened, add(opened.refinement, wanted))
+
+
+def remove_effect(settings: Settings, tell: Tell, folder: Path, name: str) -> told.View:
+    """Take an effect out of the model."""
+    tell(f"taking {name} out")
+    opened = _open(settings, folder)
+    return _view(settings, opened, remove(opened.refinement, name))
+
+
+def go_to_rung(settings: Settings, tell: Tell, folder: Path, number: int) -> told.View:
+    """Make a rung of the ladder the present model."""
+    tell(f"going to rung {number}")
+    opened = _open(settings, folder)
+    return _view(settings, opened, go_to(opened.refinement, number))
+
+
+def climb(settings: Settings, tell: Tell, folder: Path) -> told.View:
+    """Add what is missing until nothing is."""
+    tell("looking for what is missing")
+    opened = _open(settings, folder)
+    return _view(settings, opened, climb_on(opened.refinement, tell))
+
+
+def begin_again(settings: Settings, tell: Tell, folder: Path) -> told.View:
+    """Begin the ladder again with the base model."""
+    tell("beginning again")
+    opened = _open(settings, folder)
+    refinement = open_refinement(opened.refinement.session, settings, reset=True)
+    write_ladder(refinement.session, refinement.ladder)
+    return _view(settings, opened, refinement.ladder)
+
+
+def diagnose(settings: Settings, tell: Tell, folder: Path) -> tuple[told.View, dict[str, told.Print]]:
+    """Ask what the present model lacks, keep the answer, and return it with its fingerprints."""
+    opened = _open(settings, folder)
+    refinement = opened.refinement
+    session = refinement.session
+    bench = Bench((session,), (refinement.setting,))
+    model = session.results / MODEL if (session.results / LADDER).is_file() else None
+    found, document = diagnose_bench(bench, model, None, tell)
+    keep(bench, document)
+    return _view(settings, opened, refinement.ladder), prints_of(refinement.setting, found)
+
+
+def prints(settings: Settings, tell: Tell, folder: Path) -> dict[str, told.Print]:
+    """Return the fingerprints of the diagnosis that a session keeps."""
+    opened = _open(settings, folder)
+    document = kept_diagnosis(opened.refinement.session)
+    return {} if document is None else prints_of_kept(opened.refinement, document)
+
+
+def portrait(settings: Settings, tell: Tell, folder: Path) -> told.Portrait:
+    """Return a session's amplitude and sparkline."""
+    return portrait_of(folder)
+
+
+def import_file(settings: Settings, tell: Tell, file: Path) -> tuple[list[str], list[str]]:
+    """Import a data file; return the names of the sessions and what was understood."""
+    from daq.importing.options import ImportOptions
+    from station.commands.import_ import describe
+    from station.sessions import import_file as make
+
+    tell(f"reading {file.name}")
+    info = describe(settings, None, None, None, None)
+    imported = make(file, None, settings.sessions, ImportOptions(), info)
+    return [session.folder.name for session in imported.sessions], list(imported.notes)
+
+
+def warm(settings: Settings, tell: Tell) -> None:
+    """Compile what the other tasks need."""
+    warm_up()
+
+
+TASKS: dict[str, Callable[..., Any]] = {
+    "look": look,
+    "add": add_effect,
+    "remove": remove_effect,
+    "go": go_to_rung,
+    "climb": climb,
+    "again": begin_again,
+    "diagnose": diagnose,
+    "prints": prints,
+    "portrait": portrait,
+    "import": import_file,
+    "warm": warm,
+}
