@@ -56,7 +56,7 @@ class Board:
         now: float,
         speed: float = 1.0,
         lies: Lies | None = None,
-        memory_s: float = 8.0,
+        memory_s: float = 12.0,
     ) -> None:
         self._channels = channels
         self._source = source
@@ -140,7 +140,7 @@ class Board:
             else:
                 self._say(self._last_end)
         elif not isinstance(message, Config | Start | Resend):
-            self._nack(frame, NackCode.NOT_UNDERSTOOD, "this message is not for a board")
+            return  # What a board says, given back by a line that echoes.
         elif self._sampling:
             self._nack(frame, NackCode.BUSY, "the board is sampling; send STOP first")
         elif isinstance(message, Config):

@@ -71,7 +71,7 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument("--lag-ms", type=float, help="how late the displacement is; else drawn, +-3 ms")
     parser.add_argument("--hand-ms", type=float, help="how long the hand takes to let go; else drawn")
     parser.add_argument("--fault", action="append", default=[], metavar="NAME[:AMOUNT]", help="see below")
-    parser.add_argument("--memory-s", type=float, help="seconds of samples kept for RESEND; else 8")
+    parser.add_argument("--memory-s", type=float, help="seconds of samples kept for RESEND; else 12")
     parser.add_argument("--truth", type=Path, metavar="FILE", help="write what is simulated, JSON")
     parser.add_argument("--once", action="store_true", help="end when the first host has gone")
     return parser

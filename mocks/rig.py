@@ -63,7 +63,7 @@ class Rig:
                 (self.setting.range_displacement, self.setting.range_acceleration), CALIBRATION, strict=True
             )
         )
-        memory = options.memory_s or (8.0 * max(1.0, options.speed) if options.speed else 600.0)
+        memory = options.memory_s or (12.0 * max(1.0, options.speed) if options.speed else 600.0)
         self.board = Board(
             self._channels(), self._source, self._random, time.monotonic(), options.speed, self.lies, memory
         )

@@ -1,6 +1,6 @@
 /* The board's side of the protocol: the state machine of docs/protocol.md, for any microcontroller.
  *
- * RAM: the ring (BOARD_RING samples of 2 bytes a channel: 8 KB for two channels at 256 Hz) and about 1.4 KB.
+ * RAM: the ring (BOARD_RING samples of 2 bytes a channel: 16 KB for two channels at 256 Hz) and about 1.4 KB.
  */
 #ifndef BOARD_H
 #define BOARD_H
@@ -9,8 +9,8 @@
 #include "wire.h"
 
 #define BOARD_CHANNELS 2
-#define BOARD_RING 2048 /* samples that are kept, a power of two */
-#define BOARD_KEEP_S 8  /* seconds that the protocol asks to keep: the rate is at most BOARD_RING / 8 s */
+#define BOARD_RING 4096 /* samples that are kept, a power of two */
+#define BOARD_KEEP_S 12 /* seconds that the protocol asks to keep: the rate is at most BOARD_RING / 12 s */
 
 /* Called at each tick of the sampling timer, from its interrupt: one number of each channel, or NULL when
  * the sensors could not be read in time. */
