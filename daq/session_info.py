@@ -65,7 +65,7 @@ class SessionInfo(BaseModel):
     board: BoardInfo | None = None
     rate_hz: float | None = Field(default=None, gt=0, allow_inf_nan=False)
     rate_std_hz: float | None = Field(default=None, ge=0, allow_inf_nan=False)
-    planned_samples: int | None = Field(default=None, ge=0)
+    planned_samples: int | None = Field(default=None, ge=0, le=1 << 53)
     noise: dict[str, float] = Field(default_factory=dict, max_length=256)
     verdict: str = Field(default="", max_length=64)
     reason: str = Field(default="", max_length=2000)

@@ -142,7 +142,9 @@ def _failed(error: BaseException, code: int, sentence: str, arguments: list[str]
         print_json(
             {"error": {"message": sentence, "exit_code": code, "meaning": exits.MEANING.get(code, "")}}
         )
-    click.echo(f"station: {sentence}", err=True)
+    from station.output import progress
+
+    progress(f"station: {sentence}")
     return code
 
 

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 WIDTH = 80
+#: Control characters that JSON leaves as they are, and that a terminal would obey.
+ESCAPED = {code: f"\\u{code:04x}" for code in range(0x7F, 0xA0)}
 
 
 def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -21,7 +23,8 @@ def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def print_json(document: dict[str, Any]) -> None:
     """Print one JSON object on stdout; numbers that are not finite become null, as JSON has none."""
-    sys.stdout.write(json.dumps(finite(document), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    text = json.dumps(finite(document), indent=2, ensure_ascii=False, allow_nan=False)
+    sys.stdout.write(text.translate(ESCAPED) + "\n")
     sys.stdout.flush()
 
 
@@ -38,12 +41,14 @@ def finite(value: Any) -> Any:
 
 def progress(text: str) -> None:
     """Tell the operator on stderr what is going on."""
-    click.echo(text, err=True)
+    from station.safe_text import harmless
+
+    click.echo(harmless(text), err=True)
 
 
 def screen() -> "Console":
     """Return the console on stdout: 80 columns unless the terminal says otherwise."""
-    from rich.console import Console
+    from station.safe_text import SafeConsole
 
-    console = Console(highlight=False)
-    return console if console.is_terminal else Console(highlight=False, width=WIDTH)
+    console = SafeConsole(highlight=False)
+    return console if console.is_terminal else SafeConsole(highlight=False, width=WIDTH)

@@ -14,6 +14,7 @@ from rich.text import Text
 from daq.capture import CaptureObserver
 from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
+from station.safe_text import SafeConsole
 
 BAR = 28
 SCALE = {"m": (1e3, "mm")}
@@ -60,7 +61,7 @@ class Watch(CaptureObserver):
     """Live levels on stderr where it is a terminal; a line for each change of state where it is not."""
 
     def __init__(self, console: Console | None = None) -> None:
-        self._console = console or Console(stderr=True, highlight=False)
+        self._console = console or SafeConsole(stderr=True, highlight=False)
         self._live: Live | None = None
         self._channels: tuple[Channel, ...] = ()
         self._largest = np.zeros(0)
