@@ -23,6 +23,9 @@ BLOW_S = 0.05
 CLOCK_LIMIT = 0.005
 SHORTEST_CLOCK_S = 2.0
 MOTION_TO_NOISE = 20.0
+UNUSUAL_NOISE = 3.0
+EARLY_SHARE = 0.1
+EARLY_SWING = 0.25
 
 
 class Word(StrEnum):
@@ -73,16 +76,18 @@ def judge(
     planned: int | None = None,
     noise: Mapping[str, float] | None = None,
     check_clock: bool = True,
+    usual: Mapping[str, float] | None = None,
 ) -> Verdict:
     """Return the verdict on a recording.
 
     `assembly` adds what the board and the wire told, `planned` the number of samples wanted, `noise` the
-    standard deviation of each channel at rest by its name (channel's unit).
+    standard deviation of each channel at rest by its name (channel's unit), `usual` the same of other sessions.
     """
     findings = _Findings()
     _losses(findings, recording, planned)
     for channel, samples in zip(recording.channels, recording.samples, strict=True):
         _one_channel(findings, channel, samples[recording.valid], (noise or {}).get(channel.name))
+    _unusual_noise(findings, recording, noise or {}, usual or {})
     _saturation(findings, recording, assembly)
     _start(findings, recording)
     _kinematics(findings, recording)
@@ -145,6 +150,20 @@ def _one_channel(findings: _Findings, channel: Channel, samples: Array, noise: f
         )
 
 
+def _unusual_noise(
+    findings: _Findings, recording: Recording, noise: Mapping[str, float], usual: Mapping[str, float]
+) -> None:
+    """Noise far above what the same board had in other sessions tells of a loose cable or a neighbour's machine."""
+    for channel in recording.channels:
+        now, before = noise.get(channel.name, 0.0), usual.get(channel.name, 0.0)
+        if before > 0.0 and now > UNUSUAL_NOISE * before:
+            findings.usable(
+                f"{channel.name} is {now / before:.1f} times as noisy at rest as usual "
+                f"({now:.2g} {channel.unit}, usually {before:.2g})",
+                f"look for a loose cable of {channel.name}, or for what shakes the bench",
+            )
+
+
 def _saturation(findings: _Findings, recording: Recording, assembly: Assembly | None) -> None:
     """Saturation by the samples and by the board's word; a blow may saturate, what follows it may not."""
     blow = np.zeros(len(recording.valid), dtype=np.bool_)
@@ -191,10 +210,18 @@ def _told_saturated(assembly: Assembly, number: int, n: int) -> Mask:
 
 
 def _start(findings: _Findings, recording: Recording) -> None:
-    """A capture that begins in mid-motion has missed its release."""
+    """A capture that begins in mid-motion has missed its release; one that a touch has set off comes too early."""
     trigger = recording.trigger
     if trigger is None:
         return
+    moves = recording.samples[0, trigger:][recording.valid[trigger:]]
+    first = moves[: max(int(EARLY_SHARE * len(moves)), 8)]
+    if len(moves) > 80 and float(np.ptp(first)) < EARLY_SWING * float(np.ptp(moves)):
+        findings.usable(
+            f"triggered early, by a touch: in the {len(first) / recording.rate:.2g} s after the trigger the mass "
+            f"moved by only {100 * float(np.ptp(first) / np.ptp(moves)):.0f} % of its largest swing",
+            "do not touch the mass while the station is armed, or raise --level",
+        )
     if trigger < 0.25 * recording.rate:
         findings.usable(f"only {trigger / recording.rate:.2f} s were recorded before the release")
 

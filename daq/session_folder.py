@@ -25,6 +25,7 @@ from daq.raw_log import MAX_LOG, RawLog, Record, read
 from daq.recording import Channel, Recording
 from daq.session_info import SensorInfo, SessionInfo, State
 from daq.storage import Lock, make_folder, read_regular, refused, write_whole
+from daq.usual_noise import usual_noise
 
 INFO = "session.json"
 RAW = "raw.log"
@@ -210,7 +211,8 @@ class Session:
         except DataLost:
             nothing = Verdict(word=Word.REJECT, reasons=("no sample was received",))
             return nothing, (), Counts(planned=planned or 0)
-        verdict = judge(recording, assembly, planned, self.info.noise, check_clock)
+        usual = usual_noise(self.folder, self.info)
+        verdict = judge(recording, assembly, planned, self.info.noise, check_clock, usual)
         counts = Counts(
             samples=len(recording.valid),
             lost=int(len(recording.valid) - recording.valid.sum()),

@@ -1,0 +1,45 @@
+"""The usual noise: what the same board had at rest in the sessions beside this one."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import median
+
+from daq.session_info import SessionInfo
+
+FEWEST_SESSIONS = 3
+_MOST_SESSIONS = 50
+INFO = "session.json"
+_LARGEST = 1 << 20
+
+
+def usual_noise(folder: Path, info: SessionInfo) -> dict[str, float]:
+    """Return the median noise of each channel (channel's unit) over the latest sessions beside `folder`.
+
+    Only captures of the same board count, and only channels that three of them know; empty where there are
+    fewer. Folders that are no session are passed over.
+    """
+    if info.board is None or not info.board.unique_id:
+        return {}
+    seen: dict[str, list[float]] = {}
+    for other in _neighbours(folder):
+        if other.board is None or other.board.unique_id != info.board.unique_id:
+            continue
+        for channel, noise in other.noise.items():
+            if noise > 0.0:
+                seen.setdefault(channel, []).append(noise)
+    return {channel: median(values) for channel, values in seen.items() if len(values) >= FEWEST_SESSIONS}
+
+
+def _neighbours(folder: Path) -> Iterator[SessionInfo]:
+    """Yield the metadata of the newest sessions in the same folder."""
+    try:
+        files = [f for f in folder.absolute().parent.glob(f"*/{INFO}") if f.parent.name != folder.name]
+        files = sorted(files, key=lambda f: f.stat().st_mtime, reverse=True)[:_MOST_SESSIONS]
+    except OSError:  # the folder vanished, and with it what was usual
+        return
+    for file in files:
+        try:
+            if file.stat().st_size <= _LARGEST and not file.is_symlink():
+                yield SessionInfo.model_validate_json(file.read_bytes())
+        except (OSError, ValueError):  # not a session, or one being written
+            continue
