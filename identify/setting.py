@@ -116,6 +116,7 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
     span = _span(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty).with_(
         force=None if force is None else force[:length], force_known=decay.mass is not None
     )
+    span = _without_reversals(span, motion, max(mu_0, 0.0))
     thin = _thinning(len(span), decay.rate, frequency)
     return Setting(
         _thinned(span.with_(prelude=_prelude(corrected, release, zero)), thin),
@@ -217,12 +218,18 @@ def _shifted(motion: Motion, zero: float) -> Motion:
     return replace(motion, displacement=motion.displacement - zero)
 
 
-def _at_reversal(motion: Motion) -> Mask:
-    """Return the samples so near a reversal that which side of dry friction's jump they lie on is left to chance, (n,)."""
-    margin = np.abs(motion.acceleration) * _REVERSAL_MARGIN / motion.rate + 4.0 * (
-        motion.noise_velocity or 0.0
-    )
-    return np.asarray(np.abs(motion.velocity) < margin)
+def _without_reversals(span: Span, motion: Motion, friction: float) -> Span:
+    """Leave out acceleration readings of which it is left to chance on which side of dry friction's jump they lie.
+
+    `friction` is Coulomb's, per unit mass: the velocity between samples is wrong by up to a quarter of its jump times
+    the interval where the jump falls.
+    """
+    if "acceleration" not in span.used:
+        return span
+    timing = np.abs(motion.acceleration) * _REVERSAL_MARGIN / motion.rate
+    margin = timing + 4.0 * (motion.noise_velocity or 0.0) + 0.5 * friction / motion.rate
+    clear = np.abs(motion.velocity) >= margin
+    return span.with_(used=span.used | {"acceleration": span.used["acceleration"] & clear})
 
 
 def _prelude(decay: FreeDecay, release: Release, zero: float) -> Prelude | None:
@@ -281,8 +288,6 @@ def _span(
             mask[:lead] = False
             if channel in lost:
                 mask &= ~lost[channel]
-            if channel == "acceleration":
-                mask &= ~_at_reversal(motion)
             used[channel] = mask
     return Span(
         rate=decay.rate,
