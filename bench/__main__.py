@@ -10,7 +10,7 @@ import re
 import sys
 from pathlib import Path
 
-SECTIONS = ("wire", "alignment", "identification", "diagnosis", "bounds", "peers", "station")
+SECTIONS = ("wire", "trust", "alignment", "identification", "diagnosis", "bounds", "peers", "station")
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
 HEAD = """# Measured figures

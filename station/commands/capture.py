@@ -1,11 +1,14 @@
 """`station capture`: one release from a board, recorded, judged and identified."""
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from station.output import json_option, print_json, progress, screen
+
+MOST_TAKES = 3
 
 if TYPE_CHECKING:
     from daq.capture import CaptureSettings
@@ -38,6 +41,11 @@ if TYPE_CHECKING:
 @click.option("--specimen", help="What is tested.")
 @click.option("--operator", help="Who tests it.")
 @click.option("--no-viewer", is_flag=True, help="No live view.")
+@click.option(
+    "--again/--no-again",
+    default=None,
+    help="Take a rejected release again without asking, twice at most; or never ask (default: a terminal asks).",
+)
 @json_option
 @click.pass_obj
 def command(
@@ -50,6 +58,7 @@ def command(
     specimen: str | None,
     operator: str | None,
     no_viewer: bool,
+    again: bool | None,
     as_json: bool,
     **timing: Any,
 ) -> None:
@@ -67,7 +76,29 @@ def command(
     chosen = choose_port(port or settings.capture.port)
     wanted = capture_settings(settings, info, **timing)
     session, url = record(chosen, wanted, folder or new_folder(settings.sessions), not no_viewer)
+    for number in range(2, MOST_TAKES + 1):
+        if not take_again(session, again, as_json):
+            break
+        place = folder.with_name(f"{folder.name}_{number}") if folder else new_folder(settings.sessions)
+        session, url = record(chosen, wanted, place, not no_viewer)
     finish(session, url, settings, as_json)
+
+
+def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
+    """Tell whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
+    verdict = session.verdict
+    if verdict is None or verdict.word.value == "OK" or again is False:
+        return False
+    said = f"{verdict.word.value}: {verdict.reasons[0]}"
+    if again is None:
+        if as_json or not (sys.stdin.isatty() and sys.stderr.isatty()):
+            return False
+        progress(said)
+        return click.confirm("Take it again?", default=verdict.word.value == "REJECT", err=True)
+    if verdict.word.value != "REJECT":
+        return False
+    progress(f"{said}; taken again (kept: {session.folder})")
+    return True
 
 
 def capture_settings(settings: "Settings", info: Any, **timing: Any) -> "CaptureSettings":

@@ -56,7 +56,7 @@ def promises(page: Path = PAGE) -> tuple[Promise, ...]:
     rows = [
         [cell.strip() for cell in line.strip().strip("|").split("|")]
         for line in page.read_text(encoding="utf-8").splitlines()
-        if line.startswith("|")
+        if line.startswith("|") and line.count("|") == len(COLUMNS) + 1
     ]
     assert rows[0] == COLUMNS, rows[0]
     return tuple(
