@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from fastapi import FastAPI
+from fastapi import FastAPI, Request
 from nicegui import app as nicegui_app
 from nicegui import background_tasks, ui
 
@@ -12,6 +12,7 @@ from station.workbench.guard import Guard
 from station.workbench.page import Page
 from station.workbench.room import Room
 from station.workbench.shelf import Shelf
+from station.workbench.viewer_files import serve_viewer
 from station.workbench.worker import Crew
 
 STATIC = Path(__file__).parent / "static"
@@ -22,22 +23,23 @@ ICON = (
 
 
 def make(
-    settings: Settings, named: tuple[Path, ...], names: frozenset[str], any_address: bool
+    settings: Settings, named: tuple[Path, ...], names: frozenset[str], any_address: bool, aside: Path
 ) -> tuple[FastAPI, Room]:
     """Return the application and the room behind it; `names` are the hosts by which it may be called."""
     crew = Crew(settings)
-    room = Room(settings, crew, Shelf(settings.sessions, named, crew), Desks(crew))
+    room = Room(settings, crew, Shelf(settings.sessions, named, crew), Desks(crew), aside)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     app.add_middleware(Guard, names=names, any_address=any_address)
     nicegui_app.add_static_files("/static/bench", STATIC)
+    serve_viewer(app, aside, room.shelf)
     nicegui_app.on_startup(lambda: background_tasks.create(crew.warm()))
 
     @ui.page("/")
-    def page(session: str | None = None) -> None:
+    def page(request: Request, session: str | None = None) -> None:
         ui.add_head_html('<link rel="stylesheet" href="/static/bench/bench.css">')
         ui.add_head_html('<script src="/static/bench/bench.js"></script>')
         ui.colors(primary="#00659e")
-        Page(room, session).build()
+        Page(room, session, request.headers["host"]).build()
 
     ui.run_with(
         app,

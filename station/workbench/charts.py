@@ -17,10 +17,10 @@ def overlay(picture: told.Picture, trace: told.Trace, colours: Theme) -> Options
     width = [None if value is None else round(2 * band, 7) for value in trace.model]
     hidden: Options = {"type": "line", "symbol": "none", "silent": True, "lineStyle": {"opacity": 0}}
     return _base(colours) | {
-        "grid": _grid(),
+        "grid": _grid(bottom=20),
         "xAxis": _time_axis(picture, colours, labelled=False),
         "yAxis": _value_axis(f"{trace.channel} [{trace.unit}]", colours),
-        "dataZoom": [_inside(), _slider(colours)],
+        "dataZoom": [_inside()],
         "series": [
             hidden | {"data": _pairs(picture.time, low), "stack": "band", "stackStrategy": "all"},
             hidden
@@ -49,10 +49,10 @@ def residual(picture: told.Picture, trace: told.Trace, colours: Theme) -> Option
         "data": [[{"yAxis": -band}, {"yAxis": band}]],
     }
     return _base(colours) | {
-        "grid": _grid(bottom=34),
+        "grid": _grid(bottom=52),
         "xAxis": _time_axis(picture, colours, labelled=True),
         "yAxis": _value_axis(f"left over [{trace.fine_unit}]", colours),
-        "dataZoom": [_inside()],
+        "dataZoom": [_inside(), _slider(colours)],
         "series": [line],
     }
 
@@ -234,11 +234,12 @@ def _axis(colours: Theme) -> Options:
 
 
 def _time_axis(picture: told.Picture, colours: Theme, labelled: bool) -> Options:
+    label = _axis(colours)["axisLabel"] | {"showMaxLabel": False}
     last = next((t for t in reversed(picture.time) if t is not None), 1.0)
     named = (
         {"name": "time since the release [s]", "nameLocation": "middle", "nameGap": 20} if labelled else {}
     )
-    return _axis(colours) | named | {"min": 0, "max": round(last, 3)}
+    return _axis(colours) | named | {"min": 0, "max": round(last, 3), "axisLabel": label}
 
 
 def _value_axis(name: str, colours: Theme, below: bool = False) -> Options:

@@ -6,6 +6,7 @@ from station.diagnosis_words import number, size
 from station.ladder import KeptLadder
 from station.ladder_words import change, step
 from station.workbench import parts, told
+from station.workbench.describing import pretty
 from station.workbench.desk import Desk
 from station.workbench.ladder_bars import share
 from station.workbench.own_panel import OwnPanel
@@ -22,17 +23,17 @@ class LoopPanel:
         self._own = OwnPanel(desk)
 
     def build(self) -> None:
-        """Make the panel; it is empty until something is shown."""
-        with parts.card():
-            parts.head("Model")
-            self._model = ui.element("div")
-        with parts.card():
-            self._suspects.build()
-        with parts.card():
-            parts.head("The error, rung by rung")
+        """Make the panel; it is empty until something is shown. The ladder stays in sight below the rest."""
+        with ui.element("div").classes("loop-scroll"):
+            with parts.card():
+                self._suspects.build()
+            with parts.card():
+                parts.head("Model")
+                self._model = ui.element("div")
+            with parts.card():
+                self._own.build()
+        with ui.element("section").classes("loop-ladder").props('aria-label="Ladder of errors"'):
             self._ladder = ui.element("div")
-        with parts.card():
-            self._own.build()
 
     def show(self, view: told.View, colours: Theme) -> None:
         """Show a session as it stands."""
@@ -54,10 +55,9 @@ class LoopPanel:
                     switch.props("dense size=sm").props["aria-label"] = f"{entry.effect} in the model"
                     parts.words(_called(entry.effect), "strong grow wrap")
                     parts.words(words.equation if words else "", "mono faint")
-                for name, value in entry.parameters.items():
-                    with parts.line("small"):
-                        parts.words(name, "mono")
-                        parts.words(f"= {number(value.model_dump())}", "grow")
+                with ui.element("div").classes("values small"):
+                    for name, value in entry.parameters.items():
+                        parts.words(f"{name} = {pretty(number(value.model_dump()))}")
         for name in _switched_off(view.ladder):
             with ui.element("div").classes("effect off"), parts.line():
                 switch = ui.switch(value=False, on_change=lambda e, n=name: self._turn(n, e.value))
@@ -73,6 +73,10 @@ class LoopPanel:
         self._desk.version += 1
 
     def _show_ladder(self, ladder: KeptLadder) -> None:
+        with parts.line():
+            with ui.element("div").classes("grow"):
+                parts.head("The error, rung by rung")
+            parts.words("chi2; green: noise floor", "small faint")
         before = None
         for place, rung in enumerate(ladder.rungs):
             kind = "present" if place == ladder.present else "above" if place > ladder.present else ""
@@ -82,20 +86,15 @@ class LoopPanel:
             with row:
                 parts.words(str(place), "faint")
                 parts.words(step(rung), "what")
+                parts.words(
+                    "" if before is None else change(before.error.chi2, rung.error.chi2), "small faint"
+                )
                 parts.words(size(rung.error.chi2), "value strong")
                 filled, floor = share(rung.error.chi2, ladder)
                 with ui.element("div").classes("track"):
                     ui.element("div").classes("fill").style(f"width:{filled:.1f}%")
                     ui.element("div").classes("floor").style(f"left:{floor:.1f}%")
-                fall = "" if before is None else change(before.error.chi2, rung.error.chi2)
-                parts.words("", "")
-                parts.words(
-                    f"motion {size(rung.error.motion_percent)} %, force {size(rung.error.force_mse_percent)} %",
-                    "small faint",
-                )
-                parts.words(fall, "small value")
             before = rung
-        parts.words("chi2, logarithmic; the green line is the noise floor", "small faint")
         if ladder.stopped_because:
             parts.words(f"{ladder.stopped_because[0].upper()}{ladder.stopped_because[1:]}.", "small wrap")
         with parts.line():

@@ -5,9 +5,11 @@ import time
 from nicegui import ui
 
 from station.workbench import parts
+from station.workbench.capture_panel import CapturePanel
 from station.workbench.desk import Desk
 from station.workbench.loop_panel import LoopPanel
 from station.workbench.middle_panel import MiddlePanel
+from station.workbench.rerun_tab import RerunTab
 from station.workbench.room import Room
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.theme import theme
@@ -18,8 +20,8 @@ TICK_S = 0.12
 class Page:
     """One browser tab."""
 
-    def __init__(self, room: Room, key: str | None) -> None:
-        self._room, self._key = room, key
+    def __init__(self, room: Room, key: str | None, host: str) -> None:
+        self._room, self._key, self._host = room, key, host
         folder = room.shelf.folder_of(key) if key else None
         self._desk: Desk | None = room.desks.at(folder) if folder else None
         self._seen = -1
@@ -33,10 +35,11 @@ class Page:
         self._header()
         with ui.element("main").classes("bench-columns"):
             with ui.element("aside").classes("bench-column").props('aria-label="The bench"'):
+                CapturePanel(self._room).build()
                 SessionsPanel(self._room.shelf, self._room.crew, self._key).build()
             with ui.element("div").classes("bench-column").props('aria-label="Measurement and model"'):
                 self._build_middle()
-            with ui.element("aside").classes("bench-column").props('aria-label="The loop"'):
+            with ui.element("aside").classes("bench-column loop").props('aria-label="The loop"'):
                 self._build_right()
         ui.timer(0.05, self._begin, once=True)
 
@@ -61,12 +64,25 @@ class Page:
             parts.button("Close", self._close_notice, "Close the message")
         self._notice.set_visibility(False)
         self._empty = ui.element("div").classes("empty grow")
-        self._pictures = ui.element("div").style("display:flex;flex-direction:column;gap:10px")
+        self._pictures = ui.element("div").style("display:flex;flex-direction:column;gap:8px")
         self._middle = MiddlePanel()
         with self._pictures:
-            self._middle.build()
+            self._build_tabs()
         self._pictures.set_visibility(False)
         self._say_empty()
+
+    def _build_tabs(self) -> None:
+        with ui.tabs().props("dense align=left no-caps inline-label narrow-indicator") as tabs:
+            charts = ui.tab("Measurement and model")
+            rerun = ui.tab("3-D / Rerun")
+        with ui.tab_panels(tabs, value=charts, animated=False, keep_alive=True):
+            with ui.tab_panel(charts):
+                self._middle.build()
+            with ui.tab_panel(rerun):
+                if self._desk is not None and self._key is not None:
+                    viewer = RerunTab(self._room, self._desk, self._key, self._host)
+                    viewer.build()
+                    tabs.on_value_change(lambda e: viewer.open() if e.value == "3-D / Rerun" else None)
 
     def _say_empty(self) -> None:
         self._empty.clear()
@@ -87,7 +103,7 @@ class Page:
 
     def _build_right(self) -> None:
         self._loop: LoopPanel | None = None
-        self._right = ui.element("div").style("display:flex;flex-direction:column;gap:10px")
+        self._right = ui.element("div").style("display:flex;flex-direction:column;height:100%")
         with self._right:
             if self._desk is not None:
                 self._loop = LoopPanel(self._desk)

@@ -46,15 +46,15 @@ def serve(
         bound = opened.getsockname()[1]
         shown = HOST if host in ("0.0.0.0", "::") else host
         place = f"[{shown}]:{bound}" if ":" in shown else f"{shown}:{bound}"
-        _run(settings, named, opened, host, place, open_browser, say)
+        _run(settings, named, opened, place, Path(aside), open_browser, say)
 
 
 def _run(
     settings: Settings,
     named: tuple[Path, ...],
     opened: socket.socket,
-    host: str,
     place: str,
+    aside: Path,
     open_browser: bool,
     say: Callable[[str], None],
 ) -> None:
@@ -63,13 +63,12 @@ def _run(
     from station.workbench.application import make
     from station.workbench.sessions_panel import address_of
 
-    port = opened.getsockname()[1]
-    names = (
-        {place, f"localhost:{port}", f"{socket.gethostname()}:{port}"}
-        if host != HOST
-        else {place, f"localhost:{port}"}
-    )
-    app, room = make(settings, named, frozenset(names), any_address=host in ("0.0.0.0", "::"))
+    host, port = opened.getsockname()[:2]
+    everywhere = host in ("0.0.0.0", "::")
+    names = {place, f"localhost:{port}"}
+    if everywhere:
+        names.add(f"{socket.gethostname()}:{port}")
+    app, room = make(settings, named, frozenset(names), everywhere, aside)
     address = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
     config = uvicorn.Config(app, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2)
     server = uvicorn.Server(config)
@@ -86,4 +85,7 @@ def _run(
     except KeyboardInterrupt:
         say("workbench closed; everything is kept in the sessions")
     finally:
+        if room.capturing is not None:
+            room.capturing.cancel()
+            room.capturing.wait(3.0)
         room.crew.end()

@@ -54,7 +54,7 @@ class SessionsPanel:
         entries = self._shelf.entries()
         if entries == self._seen:
             return
-        fresh = self._seen is not None and len(entries) > len(self._seen)
+        fresh = self._seen is not None and any(e.portrait is None and not e.problem for e in entries)
         self._seen = entries
         self._list.clear()
         with self._list:
@@ -75,13 +75,13 @@ class SessionsPanel:
         if entry.key == self._chosen:
             link.props["aria-current"] = "page"
         with link:
-            parts.words(entry.key, "name").tooltip(str(entry.folder))
+            parts.words(entry.key, "name").style("grid-column:1/-1").tooltip(str(entry.folder))
             portrait = entry.portrait
-            parts.svg(sparkline(portrait.line if portrait else []))
             with parts.line("small faint"):
                 parts.words(entry.verdict, f"tag {'ok' if entry.verdict in GOOD else 'bad'}")
                 parts.words(portrait.amplitude if portrait else "")
-            parts.words(entry.date, "small faint")
+            parts.svg(sparkline(portrait.line if portrait else []))
+            parts.words(entry.date, "small faint date")
             problem = entry.problem or (portrait.problem if portrait else "")
             if problem:
                 parts.words(problem, "small bad wrap").style("grid-column:1/-1")

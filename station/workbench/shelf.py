@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from daq.errors import StationError
-from daq.session import SessionSummary, list_sessions
+from daq.session import SessionSummary, State, list_sessions
 from station.workbench import told
 from station.workbench.worker import Cancelled, Crew, Failed, Job
 
@@ -73,7 +73,7 @@ class Shelf:
         made = False
         try:
             for entry in self.entries():
-                if entry.portrait is None and not entry.problem:
+                if entry.portrait is None and not entry.problem and entry.verdict != State.RECORDING.value:
                     portrait = await self._portrait(entry.folder)
                     self._portraits[_stamp(entry.folder)] = portrait
                     made = True

@@ -15,6 +15,7 @@ from station.diagnosis_words import (
     size,
 )
 from station.workbench import parts, told
+from station.workbench.describing import pretty
 from station.workbench.desk import Desk
 from station.workbench.theme import Theme
 from station.workbench.thumbnail import disc, reach_of
@@ -62,7 +63,7 @@ class SuspectsPanel:
         good = document["verdict"] == "nothing_missing"
         with ui.element("div").classes(f"verdict {'good' if good else 'bad'}"):
             parts.words(_plain(headline(document)), "strong wrap")
-            parts.words(document["explanation"], "small wrap")
+            parts.words(pretty(document["explanation"]).replace("+-", "±"), "small wrap")
             rivals = indistinguishable(document)
             if rivals:
                 parts.words(
@@ -111,7 +112,7 @@ class SuspectsPanel:
                 parts.words(f"chi2 would be {size(suspect['error_after'])}", "small")
                 parts.words(_sure(suspect), "small faint")
                 for parameter, value in suspect["parameters"].items():
-                    parts.words(f"{parameter} = {number(value)}", "small")
+                    parts.words(f"{parameter} = {pretty(number(value))}", "small")
                 if suspect["confusable_with"]:
                     parts.words(
                         f"easily taken for {_plain(', '.join(suspect['confusable_with'][:4]))}",

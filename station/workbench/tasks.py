@@ -152,6 +152,22 @@ def import_file(settings: Settings, tell: Tell, file: Path) -> tuple[list[str], 
     return [session.folder.name for session in imported.sessions], list(imported.notes)
 
 
+def viewer(settings: Settings, tell: Tell, folder: Path, aside: Path) -> int:
+    """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
+    from station.identifying import identify_session, write_view
+    from station.showing import story_tabs
+    from station.views import web_viewer
+
+    session = Session.open(folder)
+    tell("identifying")
+    result, _ = identify_session(session, options_for(session, settings))
+    tell("writing the recording")
+    file = write_view(session, result, story_tabs(session, settings))
+    if not (aside / web_viewer.FILES[0]).is_file():
+        web_viewer.unpack(aside)
+    return file.stat().st_mtime_ns
+
+
 def warm(settings: Settings, tell: Tell) -> None:
     """Compile what the other tasks need."""
     warm_up()
@@ -168,5 +184,6 @@ TASKS: dict[str, Callable[..., Any]] = {
     "prints": prints,
     "portrait": portrait,
     "import": import_file,
+    "viewer": viewer,
     "warm": warm,
 }

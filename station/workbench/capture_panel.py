@@ -1,0 +1,175 @@
+"""Left, the capture: a port, a large Arm button, live levels, progress, and the verdict after it."""
+
+import asyncio
+
+from nicegui import ui
+
+from daq.errors import StationError
+from station.exits import Problem
+from station.workbench import parts
+from station.workbench.capture_run import CaptureRun, Level, Progress
+from station.workbench.room import Room
+from station.workbench.sessions_panel import address_of
+
+TICK_S = 0.1
+ENDED = ("", "sealed")
+
+
+class CapturePanel:
+    """What records a release."""
+
+    def __init__(self, room: Room) -> None:
+        self._room = room
+        self._shown: Progress | None = None
+        self._levels: list[tuple[ui.element, ui.label]] = []
+
+    def build(self) -> None:
+        """Make the panel."""
+        settings = self._room.settings
+        with parts.card():
+            parts.head("Capture a release")
+            with ui.element("div") as self._form:
+                with parts.line():
+                    self._port = ui.select(
+                        self._known(), value=settings.capture.port, label="Port", with_input=True,
+                        new_value_mode="add-unique", clearable=True,
+                    ).props('dense outlined options-dense aria-label="Port of the board"').classes("grow")  # fmt: skip
+                    parts.button("Find", self._find, "Ask every port whether a board answers there")
+                with parts.line().style("padding-top:6px"):
+                    self._mass = _field("Mass, kg", settings.specimen.mass_kg)
+                    self._duration = _field("Record, s", settings.capture.duration)
+                self._arm = parts.button("Arm", self._start, "Arm the capture", strong=True, classes="arm")
+                self._arm.style("width:100%; height:52px; margin-top:8px")
+            self._said = ui.element("div").props("aria-live=polite")
+        ui.timer(TICK_S, self._tick)
+
+    def _known(self) -> list[str]:
+        from daq.port import system_ports
+
+        known = [port.name for port in system_ports()]
+        wanted = self._room.settings.capture.port
+        return list(dict.fromkeys([*([wanted] if wanted else []), *known]))
+
+    async def _find(self) -> None:
+        from daq.ports import list_ports
+
+        self._say([("asking every port, at most 3 s", "faint")])
+        found = await asyncio.to_thread(list_ports, [self._port.value] if self._port.value else [])
+        answering = [one for one in found if one.answers and not one.problem]
+        if answering:
+            names = [one.port.name for one in answering]
+            self._port.set_options(list(dict.fromkeys([*names, *self._port.options])), value=names[0])
+        lines = [(f"{one.port.name}: {one.hello.board}", "good") for one in answering if one.hello]
+        lines += [(one.problem, "bad") for one in found if one.answers and one.problem]
+        self._say(lines or [("no board answers; plug it in, or type its port", "bad")])
+
+    def _start(self) -> None:
+        if self._room.capturing is not None and not self._room.capturing.now.finished:
+            return
+        port = str(self._port.value or "").strip()
+        if not port:
+            self._say([("choose the port of the board, or let Find look for it", "bad")])
+            return
+        from station.commands.capture import capture_settings
+        from station.commands.import_ import describe
+
+        settings = self._room.settings
+        try:
+            info = describe(settings, self._mass.value or None, None, None, None)
+            wanted = capture_settings(settings, info, duration=self._duration.value)
+        except (StationError, Problem, ValueError) as error:
+            self._say([(str(error).splitlines()[0], "bad")])
+            return
+        self._room.capturing = CaptureRun(port, wanted, settings.sessions)
+
+    def _cancel(self) -> None:
+        if self._room.capturing is not None:
+            self._room.capturing.cancel()
+
+    def _tick(self) -> None:
+        run = self._room.capturing
+        if run is None or run.now is self._shown:
+            return
+        now, before = run.now, self._shown
+        self._shown = now
+        self._form.set_visibility(now.finished)
+        if now.finished:
+            self._finished(now)
+            return
+        if (
+            before is None
+            or _words(before) != _words(now)
+            or len(before.levels) != len(now.levels)
+            or before.finished
+        ):
+            self._under_way(now)
+        self._move(now.levels)
+        self._bar.value = now.recorded
+
+    def _under_way(self, now: Progress) -> None:
+        self._said.clear()
+        self._levels = []
+        with self._said:
+            parts.words(now.said, f"strong wrap {'good' if now.state == 'armed' else ''}").style(
+                "font-size:17px"
+            )
+            silent = now.detail.startswith("nothing came")
+            parts.words(now.detail, f"small wrap {'bad strong' if silent else 'faint'}")
+            if now.lost:
+                parts.words(f"{now.lost} samples lost so far; they are asked for again", "small bad")
+            for level in now.levels:
+                with parts.line("small"):
+                    parts.words(level.channel, "grow")
+                    number = parts.words("", "mono")
+                with ui.element("div").classes("level"):
+                    bar = ui.element("i")
+                self._levels.append((bar, number))
+            self._bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded")
+            parts.button("Cancel", self._cancel, "Cancel the capture").style("width:100%; margin-top:6px")
+
+    def _move(self, levels: tuple[Level, ...]) -> None:
+        for (bar, number), level in zip(self._levels, levels, strict=False):
+            number.text = f"{level.value:.4g} {level.unit}"
+            half = 50.0 * min(abs(level.share), 1.0)
+            start = 50.0 if level.share >= 0 else 50.0 - half
+            bar.style(f"left:{start:.1f}%; width:{half:.1f}%")
+
+    def _finished(self, now: Progress) -> None:
+        self._said.clear()
+        with self._said:
+            if now.problem:
+                parts.words(_sentence(now.problem), "bad small wrap")
+                if now.kept is not None:
+                    parts.words("What was received is in the list below.", "small faint wrap")
+                return
+            good = now.verdict == "OK"
+            parts.words(now.verdict or "recorded", f"strong {'good' if good else 'bad'}").style(
+                "font-size:17px"
+            )
+            for reason in now.reasons:
+                parts.words(reason, "small wrap")
+            for advice in now.advice:
+                parts.words(f"To take it again: {advice}", "small wrap")
+            if now.session is not None:
+                key = now.session.name
+                parts.button(f"Open {key}", lambda: ui.navigate.to(address_of(key)), strong=True)
+
+    def _say(self, lines: list[tuple[str, str]]) -> None:
+        self._said.clear()
+        with self._said:
+            for text, kind in lines:
+                parts.words(text, f"small wrap {kind}")
+
+
+def _field(label: str, value: float | None) -> ui.number:
+    made = ui.number(label, value=value, min=0, format="%g")
+    made.props(f'dense outlined aria-label="{label}"').style("flex:1; min-width:0")
+    return made
+
+
+def _words(now: Progress) -> tuple[str, str, int]:
+    return now.state, now.detail, now.lost
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}." if text else text

@@ -1,0 +1,140 @@
+"""One capture under way: in a thread of its own, watched by every tab, and ended by a word."""
+
+import threading
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from daq.capture import CaptureObserver, CaptureSettings, capture
+from daq.errors import StationError
+from daq.recording import Array, Channel, Gap
+from daq.session import Session
+from firmware_protocol import Hello
+from station.capturing import new_folder
+from station.quantities import shown
+from station.watching import STATES
+
+
+@dataclass(frozen=True)
+class Level:
+    """The newest value of a channel in the unit that is shown, and how large it is against the largest so far."""
+
+    channel: str
+    value: float
+    unit: str
+    share: float
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a capture stands. `state` as the observer is told, "" before the board has answered.
+
+    `finished` says that it has ended: with a `session` (its folder), or with a `problem` in words; `kept` is
+    what was received of a capture that failed.
+    """
+
+    state: str = ""
+    said: str = "asking the board"
+    detail: str = ""
+    board: str = ""
+    levels: tuple[Level, ...] = ()
+    lost: int = 0
+    recorded: float = 0.0
+    finished: bool = False
+    problem: str = ""
+    verdict: str = ""
+    reasons: tuple[str, ...] = ()
+    advice: tuple[str, ...] = ()
+    session: Path | None = None
+    kept: Path | None = None
+
+
+class CaptureRun(CaptureObserver):
+    """A capture that runs until it is sealed, fails, or is cancelled."""
+
+    def __init__(self, port: str, settings: CaptureSettings, sessions: Path) -> None:
+        self.now = Progress()
+        self._port, self._settings = port, settings
+        self._folder = new_folder(sessions)
+        self._channels: tuple[Channel, ...] = ()
+        self._largest = np.zeros(0)
+        self._recording_since = 0.0
+        self._ended = False
+        self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
+        self._thread.start()
+
+    def cancel(self) -> None:
+        """End the capture; what was received is kept."""
+        self._ended = True
+
+    def wait(self, seconds: float) -> None:
+        """Wait until it has ended, at most some seconds."""
+        self._thread.join(seconds)
+
+    def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
+        """Note which board it is."""
+        self._go_on()
+        self._channels = channels
+        self._largest = np.full(len(channels), 1e-300)
+        self.now = replace(self.now, board=hello.board)
+
+    def state(self, name: str, detail: str) -> None:
+        """Note where it stands."""
+        if name != "sealed":
+            self._go_on()
+        if name == "recording" and self.now.state != name:
+            self._recording_since = time.monotonic()
+        self.now = replace(self.now, state=name, said=STATES.get(name, name), detail=detail)
+
+    def block(self, first_index: int, samples: Array) -> None:
+        """Note the levels."""
+        self._go_on()
+        if not samples.shape[1]:
+            return
+        self._largest = np.maximum(self._largest, np.abs(samples).max(axis=1))
+        levels = []
+        for channel, value, largest in zip(self._channels, samples[:, -1], self._largest, strict=True):
+            factor, unit = shown(channel.quantity, channel.unit.split("/")[0])
+            levels.append(Level(channel.name, float(value) * factor, unit, float(value / largest)))
+        seconds = time.monotonic() - self._recording_since
+        share = min(seconds / self._settings.duration_s, 1.0) if self.now.state == "recording" else 0.0
+        self.now = replace(self.now, levels=tuple(levels), recorded=share)
+
+    def loss(self, gap: Gap) -> None:
+        """Note a loss."""
+        self._go_on()
+        self.now = replace(self.now, lost=self.now.lost + gap.count)
+
+    def _go_on(self) -> None:
+        """Leave the capture the way Ctrl-C does, so that the session is closed as aborted."""
+        if self._ended:
+            raise KeyboardInterrupt("cancelled on the workbench")
+
+    def _run(self) -> None:
+        try:
+            session = capture(self._port, self._settings, self._folder, self)
+        except KeyboardInterrupt:
+            kept = self._folder if self._folder.is_dir() else None
+            self.now = replace(self.now, finished=True, problem="cancelled", kept=kept)
+        except StationError as error:
+            self._failed(str(error), error.session)
+        except Exception as error:
+            self._failed(f"a fault of this program ({type(error).__name__}: {error})", None)
+        else:
+            self._done(session)
+
+    def _failed(self, sentence: str, kept: Path | None) -> None:
+        self.now = replace(self.now, finished=True, problem=sentence, kept=kept)
+
+    def _done(self, session: Session) -> None:
+        verdict = session.verdict
+        self.now = replace(
+            self.now,
+            finished=True,
+            session=session.folder,
+            verdict="" if verdict is None else verdict.word.value,
+            reasons=() if verdict is None else tuple(verdict.reasons),
+            advice=() if verdict is None else tuple(verdict.advice),
+        )

@@ -1,0 +1,59 @@
+"""The tab 3-D / Rerun: a session's recording in Rerun's own viewer."""
+
+from nicegui import ui
+
+from station.workbench import parts
+from station.workbench.desk import Desk
+from station.workbench.room import Room
+from station.workbench.viewer_files import address_of
+from station.workbench.worker import Cancelled, Failed, Job
+
+
+class RerunTab:
+    """Made when it is first looked at, and again on request: writing a recording takes some seconds."""
+
+    def __init__(self, room: Room, desk: Desk, key: str, host: str) -> None:
+        self._room, self._desk, self._key, self._host = room, desk, key, host
+        self._job: Job | None = None
+        self._made: object = None
+
+    def build(self) -> None:
+        """Make the tab; it is empty until it is opened."""
+        self._top = ui.element("div")
+        self._frame = ui.element("div")
+
+    async def open(self) -> None:
+        """Show the recording of the session as its results stand."""
+        view = self._desk.view
+        if view is None or self._job is not None or self._made == view.stamp:
+            return
+        self._job = Job()
+        self._frame.clear()
+        self._top.clear()
+        with self._top, parts.card("tight"), parts.line():
+            ui.spinner(size="18px")
+            parts.words("Writing the recording: surface, ridge, comparison, ladder", "grow")
+            parts.button("Cancel", lambda: self._job.cancel() if self._job else None)
+        try:
+            stamp = await self._room.crew.do(
+                self._job, str(self._desk.folder), "viewer", self._desk.folder, self._room.aside
+            )
+        except Cancelled:
+            self._say("Cancelled.")
+        except Failed as failure:
+            self._say(str(failure))
+        else:
+            self._made = view.stamp
+            self._top.clear()
+            with self._frame:
+                frame = ui.element("iframe").classes("rerun")
+                frame.props["src"] = address_of(self._key, stamp, self._host)
+                frame.props["title"] = "Rerun viewer"
+        finally:
+            self._job = None
+
+    def _say(self, text: str) -> None:
+        self._top.clear()
+        with self._top, parts.card("tight"), parts.line():
+            parts.words(text, "grow wrap")
+            parts.button("Try again", self.open)

@@ -1,0 +1,42 @@
+"""Rerun's viewer within the page: its files and a session's recording, served from here so that the guard's policy holds."""
+
+from pathlib import Path
+from urllib.parse import quote
+
+from fastapi import FastAPI
+from starlette.responses import FileResponse, PlainTextResponse, Response
+
+from station.identifying import VIEW
+from station.workbench.shelf import Shelf
+
+TYPES = {
+    "index.html": "text/html",
+    "re_viewer.js": "text/javascript",
+    "re_viewer_bg.wasm": "application/wasm",
+    "favicon.ico": "image/x-icon",
+}
+PLACE = "/viewer"
+
+
+def address_of(key: str, stamp: int, host: str) -> str:
+    """Return the address of the viewer with a session's recording open; `stamp` keeps browsers from an old one."""
+    recording = f"http://{host}{PLACE}/recording/{stamp}/{quote(key, safe='')}.rrd"
+    return f"{PLACE}/index.html?url={quote(recording, safe='')}&hide_welcome_screen=1&theme=dark"
+
+
+def serve_viewer(app: FastAPI, folder: Path, shelf: Shelf) -> None:
+    """Let the application serve the viewer's files out of `folder`, and the recordings of sessions on the shelf."""
+
+    @app.get(f"{PLACE}/recording/{{stamp}}/{{name}}")
+    def recording(stamp: int, name: str) -> Response:
+        session = shelf.folder_of(name.removesuffix(".rrd"))
+        file = None if session is None else session / "results" / VIEW
+        if file is None or not file.is_file() or file.is_symlink():
+            return PlainTextResponse("no such recording\n", 404)
+        return FileResponse(file, media_type="application/octet-stream")
+
+    @app.get(f"{PLACE}/{{name}}")
+    def part(name: str) -> Response:
+        if name not in TYPES or not (folder / name).is_file():
+            return PlainTextResponse("no such file\n", 404)
+        return FileResponse(folder / name, media_type=TYPES[name])
