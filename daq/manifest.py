@@ -165,5 +165,5 @@ def session_files(folder: Path) -> list[str]:
 
 def _first(error: ValidationError) -> str:
     first = error.errors(include_url=False, include_input=False)[0]
-    where = ".".join(str(part) for part in first["loc"])
+    where = ".".join(str(part) for part in first["loc"])[:200]
     return f"{where}: {first['msg']}" if where else str(first["msg"])

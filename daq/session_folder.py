@@ -271,7 +271,7 @@ def read_info(folder: Path) -> SessionInfo:
         return SessionInfo.model_validate_json(data)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
-        where = ".".join(str(part) for part in first["loc"]) or "it"
+        where = ".".join(str(part) for part in first["loc"])[:200] or "it"
         raise SessionDamaged(f"{folder / INFO}: {where}: {first['msg']}; recover the session") from error
 
 

@@ -16,6 +16,7 @@ from identify.model import Model, Term
 from station.exits import UsageProblem
 
 LARGEST = 1 << 20
+LONGEST = 200
 
 ParseEffect = Callable[[str], Effect]
 
@@ -122,7 +123,13 @@ def first_fault(error: ValidationError) -> str:
     """Return where a document is wrong and how, in a sentence."""
     first = error.errors(include_url=False, include_input=False)[0]
     entry = ".".join(str(part) for part in first["loc"])
-    return f"{entry}: {first['msg']}" if entry else str(first["msg"])
+    return short(f"{entry}: {first['msg']}" if entry else str(first["msg"]))
+
+
+def short(text: str) -> str:
+    """Return a text in one line that fits a message, however much of a file it quotes."""
+    line = " ".join(text.split())
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
 
 
 def known_model(
@@ -153,7 +160,7 @@ def _expressions(model: ModelFile, where: str, parse: ParseEffect | None) -> dic
     try:
         return {effect.name: effect for effect in map(parse or parsed_effect, model.expressions)}
     except ValueError as error:
-        raise UsageProblem(f"{where}: {error}") from error
+        raise UsageProblem(f"{where}: {short(str(error))}") from error
 
 
 def parsed_effect(text: str) -> Effect:
@@ -169,7 +176,7 @@ def _held(entry: EffectEntry, effect: Effect, where: str) -> dict[str, float | s
         if dict(variant) == entry.held:
             return dict(variant)
     choices = " or ".join(str(dict(variant)) for variant in effect.variants)
-    raise UsageProblem(f"{where}: {entry.effect}: `held` is {entry.held}; it can be {choices}")
+    raise UsageProblem(f"{where}: {entry.effect}: `held` is {short(str(entry.held))}; it can be {choices}")
 
 
 def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
@@ -177,7 +184,7 @@ def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
     unknown = set(entry.parameters) - set(free)
     if unknown:
         raise UsageProblem(
-            f"{where}: {entry.effect} has no parameter {', '.join(sorted(unknown))}; it has {', '.join(free)}"
+            f"{where}: {entry.effect} has no parameter {short(', '.join(sorted(unknown)))}; it has {', '.join(free)}"
         )
     judged_apart = term.effect.kind == "sensor" and term.effect.observe is None
     missing = set() if judged_apart else set(free) - set(entry.parameters)

@@ -9,6 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from station.exits import UsageProblem
 
 DEFAULT_FILE = Path("station.toml")
+LARGEST = 1 << 20
+LONGEST = 200
 
 
 class _Section(BaseModel):
@@ -60,11 +62,16 @@ def load_settings(file: str | Path | None) -> Settings:
         return Settings()
     try:
         with path.open("rb") as stream:
-            content = tomllib.load(stream)
+            text = stream.read(LARGEST + 1)
+        if len(text) > LARGEST:
+            raise UsageProblem(f"the settings {path} are larger than any are; name another file")
+        content = tomllib.loads(text.decode())
     except OSError as error:
         raise UsageProblem(f"the settings {path} cannot be read: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise UsageProblem(f"the settings {path} are not TOML: {error}") from error
+    except ValueError as error:  # not TOML, not UTF-8, or a number of thousands of digits
+        raise UsageProblem(f"the settings {path} are not TOML: {str(error)[:LONGEST]}") from error
+    except RecursionError as error:
+        raise UsageProblem(f"the settings {path} are not TOML: they are nested too deeply") from error
     return _checked(content, path)
 
 
@@ -74,4 +81,4 @@ def _checked(content: dict[str, Any], path: Path) -> Settings:
     except ValidationError as error:
         first = error.errors()[0]
         entry = ".".join(str(part) for part in first["loc"])
-        raise UsageProblem(f"the settings {path}: {entry}: {first['msg']}") from error
+        raise UsageProblem(f"the settings {path}: {entry[:LONGEST]}: {first['msg']}") from error

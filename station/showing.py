@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from daq.session import Session
 from identify.diagnose import Diagnosis
+from identify.effects.effect import Effect
 from identify.fit import fit
 from identify.search import begin
 from station.comparing import RESULT as COMPARISON
@@ -16,7 +17,7 @@ from station.diagnosis import RESULT
 from station.exits import UsageProblem
 from station.identifying import options_for
 from station.ladder import LADDER
-from station.models import ModelFile, known_model
+from station.models import LARGEST, KnownModel, ModelFile, known_model
 from station.output import progress
 from station.refining import Refinement, open_refinement, rung_again
 from station.settings import Settings
@@ -43,24 +44,34 @@ def suspects_again(refinement: Refinement) -> "Tab | None":
     from station.views.tab import Tab
 
     file = refinement.session.results / RESULT
+    setting, library = refinement.setting, refinement.library
     if not file.is_file():
         return None
     try:
-        document = json.loads(file.read_text(encoding="utf-8"))
-        models = [ModelFile.model_validate_json(json.dumps(part)) for part in _models(document)]
-    except (ValueError, KeyError, TypeError, AttributeError):  # written by another version, or altered
-        progress(f"{file} cannot be read; diagnose again to see the suspects")
+        document, (known, *others) = kept_diagnosis(file, library)
+    except UsageProblem as error:
+        progress(f"{error} to see the suspects")
         return None
-    setting, library = refinement.setting, refinement.library
-    known = known_model(models[0], str(file), library)
     base = begin((setting,), known.model, begin_from(known, (setting,))).fit
     best = []
-    for model in models[1:]:
-        its = known_model(model, str(file), library)
+    for its in others:
         start = begin_from(its, (setting,))
         best.append((its.model.terms[-1], fit(its.model, base.spans, start, base.frequency)))
     told = suspects.Shown(document, setting, 0, base, tuple(best))
     return Tab(suspects.NAME, lambda stream: suspects.write(stream, told), lambda: suspects.tab(told))
+
+
+def kept_diagnosis(file: Path, library: tuple[Effect, ...]) -> tuple[dict[str, Any], list[KnownModel]]:
+    """Return a kept diagnosis with its model and those of the best suspects; UsageProblem when it cannot be read."""
+    try:
+        if file.stat().st_size > LARGEST:
+            raise ValueError("it is larger than any diagnosis is")
+        document = json.loads(file.read_text(encoding="utf-8"))
+        models = [ModelFile.model_validate_json(json.dumps(part)) for part in _models(document)]
+        return document, [known_model(model, str(file), library) for model in models]
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OSError, UsageProblem) as error:
+        # written by another version, or altered
+        raise UsageProblem(f"{file} cannot be read; diagnose again") from error
 
 
 def _models(document: dict[str, Any]) -> list[Any]:

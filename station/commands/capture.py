@@ -40,6 +40,12 @@ if TYPE_CHECKING:
 @click.option("--level", type=float, metavar="M", help="Smallest swing taken for a release.")
 @click.option("--specimen", help="What is tested.")
 @click.option("--operator", help="Who tests it.")
+@click.option(
+    "--spare",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Where the session goes when its own disk fails (default: asked at a terminal).",
+)
 @click.option("--no-viewer", is_flag=True, help="No live view.")
 @click.option(
     "--again/--no-again",
@@ -57,6 +63,7 @@ def command(
     mass_std: float | None,
     specimen: str | None,
     operator: str | None,
+    spare: Path | None,
     no_viewer: bool,
     again: bool | None,
     as_json: bool,
@@ -75,12 +82,12 @@ def command(
     info = describe(settings, mass, mass_std, specimen, operator)
     chosen = choose_port(port or settings.capture.port)
     wanted = capture_settings(settings, info, **timing)
-    session, url = record(chosen, wanted, folder or new_folder(settings.sessions), not no_viewer)
+    session, url = record(chosen, wanted, folder or new_folder(settings.sessions), not no_viewer, spare)
     for number in range(2, MOST_TAKES + 1):
         if not take_again(session, again, as_json):
             break
         place = folder.with_name(f"{folder.name}_{number}") if folder else new_folder(settings.sessions)
-        session, url = record(chosen, wanted, place, not no_viewer)
+        session, url = record(chosen, wanted, place, not no_viewer, spare)
     finish(session, url, settings, as_json)
 
 
