@@ -10,7 +10,22 @@ import re
 import sys
 from pathlib import Path
 
+<<<<<<< HEAD
 SECTIONS = ("wire", "trust", "alignment", "identification", "diagnosis", "bounds", "peers", "station")
+=======
+SECTIONS = (
+    "wire",
+    "alignment",
+    "identification",
+    "diagnosis",
+    "bounds",
+    "peers",
+    "station",
+    "storage",
+    "fuzz",
+    "soak",
+)
+>>>>>>> d9078b8 (Offer a spare place for a session; refuse nested, endless and over-long files in one short sentence)
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
 HEAD = """# Measured figures
@@ -28,6 +43,7 @@ def main(arguments: list[str]) -> int:
     )
     parser.add_argument("--quick", action="store_true", help="fewer repetitions; printed, not written")
     parser.add_argument("--write", action="store_true", help="write even a quick run")
+    parser.add_argument("--minutes", type=float, help="minutes of fuzzing in all (default: 2 a reader)")
     chosen = parser.parse_args(arguments)
     unknown = sorted(set(chosen.sections) - set(SECTIONS))
     if unknown:
@@ -37,7 +53,8 @@ def main(arguments: list[str]) -> int:
         print(f"measuring: {name}", file=sys.stderr, flush=True)
         try:
             module = importlib.import_module(f"bench.{name}")
-            body = str(module.run(chosen.quick)).strip()
+            more = {"minutes": chosen.minutes} if name == "fuzz" else {}
+            body = str(module.run(chosen.quick, **more)).strip()
         except Exception as error:  # the other sections are worth having
             print(f"failed: {name}: {type(error).__name__}: {error}", file=sys.stderr)
             failed.append(name)

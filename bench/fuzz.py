@@ -28,8 +28,17 @@ def fuzz(name: str, seconds: float, folder: Path) -> None:
     for i, seed in enumerate(reader.seeds):
         (corpus / f"seed{i}").write_bytes(seed)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    options = [f"-max_total_time={seconds:.0f}", f"-timeout={SLOW_S}", "-max_len=8192", "-rss_limit_mb=0", "-print_final_stats=1"]
-    atheris.Setup([sys.argv[0], *options, f"-artifact_prefix={folder}/", str(corpus)], lambda data: attempt(reader, data, folder) and None)
+    options = [
+        f"-max_total_time={seconds:.0f}",
+        f"-timeout={SLOW_S}",
+        "-max_len=8192",
+        "-rss_limit_mb=0",
+        "-print_final_stats=1",
+    ]
+    atheris.Setup(
+        [sys.argv[0], *options, f"-artifact_prefix={folder}/", str(corpus)],
+        lambda data: attempt(reader, data, folder) and None,
+    )
     atheris.Fuzz()
 
 
@@ -39,16 +48,30 @@ def run_one(name: str, seconds: float) -> tuple[int, int, int, str]:
         command = [sys.executable, "-m", "bench.fuzz", name, str(seconds), folder]
         environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
         try:
-            done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, errors="replace", timeout=seconds + 300, env=environment)
+            done = subprocess.run(
+                command,
+                cwd=ROOT,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                timeout=seconds + 300,
+                env=environment,
+            )
         except subprocess.TimeoutExpired:
             return 0, 0, 0, "it did not end"
     said = done.stderr + done.stdout
     cover = [int(n) for n in re.findall(r"\bcov: (\d+)", said)]
-    tried = re.findall(r"number_of_executed_units: (\d+)", said) or re.findall(r"^#(\d+)", said, re.M) or ["0"]
+    tried = (
+        re.findall(r"number_of_executed_units: (\d+)", said) or re.findall(r"^#(\d+)", said, re.M) or ["0"]
+    )
     escaped = ""
     if done.returncode:
         print(said[-3000:], file=sys.stderr)
-        found = re.findall(r"^(?:\w+\.)*\w+(?:Error|Exception|Warning|Exit)\b.*|^.*(?:timeout after|libFuzzer: ).*", said, re.M)
+        found = re.findall(
+            r"^(?:\w+\.)*\w+(?:Error|Exception|Warning|Exit)\b.*|^.*(?:timeout after|libFuzzer: ).*",
+            said,
+            re.M,
+        )
         escaped = (found or [f"exit {done.returncode}"])[0][:150]
     return int(tried[-1]), cover[0] if cover else 0, cover[-1] if cover else 0, escaped
 
@@ -66,7 +89,10 @@ def run(quick: bool, minutes: float | None = None) -> str:
         total += tried
         left += [f"{name}: {escaped}"] if escaped else []
         lines.append(f"| {name} | {tried} | {begin} to {end} | {1 if escaped else 0} |")
-    lines += ["", f"{total} inputs, {seconds:.0f} s a reader by atheris from valid files, each reader in a process with {MEMORY >> 30} GB; more than {SLOW_S} s for one input is a finding. A run ends at its first finding."]
+    lines += [
+        "",
+        f"{total} inputs, {seconds:.0f} s a reader by atheris from valid files, each reader in a process with {MEMORY >> 30} GB; more than {SLOW_S} s for one input is a finding. A run ends at its first finding.",
+    ]
     if left:
         lines += ["", *left]
     return "\n".join(lines)

@@ -67,7 +67,9 @@ def many(count: int) -> tuple[float, float]:
     channels = (Channel("u", "displacement", "m"), Channel("a", "acceleration", "m/s^2"))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name) / "sessions"
-        first = Session.create_imported(folder / "s00000", Recording(256.0, channels, samples, np.ones(2304, dtype=bool)), None)
+        first = Session.create_imported(
+            folder / "s00000", Recording(256.0, channels, samples, np.ones(2304, dtype=bool)), None
+        )
         for i in range(1, count):
             shutil.copytree(first.folder, folder / f"s{i:05d}")
         start = time.perf_counter()

@@ -28,8 +28,12 @@ def suspicions(displacement: Array, acceleration: Array, rate: float) -> tuple[S
     """
     if len(displacement) < SHORTEST or not (np.ptp(displacement) and np.ptp(acceleration)):
         return ()
-    x = displacement - displacement[-len(displacement) // 8 :].mean()
-    a = acceleration - acceleration.mean()
+    with np.errstate(over="ignore", invalid="ignore"):  # a stranger's file may hold numbers near the largest
+        x = displacement - displacement[-len(displacement) // 8 :].mean()
+        a = acceleration - acceleration.mean()
+        finite = np.isfinite((x @ x) * (a @ a))
+    if not finite:
+        return ()
     power = float(np.sqrt((x @ x) * (a @ a)))
     correlation = float(x @ a) / power if power > 0 else 0.0
     if correlation > 0.5:

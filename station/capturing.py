@@ -54,17 +54,14 @@ def another_place(spare: Path | None) -> Callable[[StorageError], Path | None] |
     None without either: a disk that fails before the capture is then refused at once. What no answer finds a place
     for goes among the system's temporary files.
     """
-    asks = sys.stdin is not None and sys.stdin.isatty()
+    asks = sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
     if spare is None and not asks:
         return None
     places = [] if spare is None else [spare]
 
     def offer(error: StorageError) -> Path | None:
         progress(str(error))
-        if places:
-            folder = new_folder(places.pop())
-        else:
-            folder = _asked() if asks else None
+        folder = new_folder(places.pop()) if places else _asked() if asks else None
         if folder is None:
             return elsewhere_in_temporary_folder(error)
         progress(f"the session goes to {folder}")

@@ -109,7 +109,9 @@ def read_ladder(session: Session) -> KeptLadder | None:
     except ValidationError as error:
         raise UsageProblem(f"{file}: {first_fault(error)}; begin again with --reset") from error
     if ladder.present >= len(ladder.rungs):
-        raise UsageProblem(f"{file}: there is no rung {ladder.present}; begin again with --reset")
+        raise UsageProblem(
+            f"{file}: the present rung is not among its {len(ladder.rungs)}; begin again with --reset"
+        )
     return ladder
 
 
