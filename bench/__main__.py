@@ -10,11 +10,9 @@ import re
 import sys
 from pathlib import Path
 
-<<<<<<< HEAD
-SECTIONS = ("wire", "trust", "alignment", "identification", "diagnosis", "bounds", "peers", "station")
-=======
 SECTIONS = (
     "wire",
+    "trust",
     "alignment",
     "identification",
     "diagnosis",
@@ -25,7 +23,6 @@ SECTIONS = (
     "fuzz",
     "soak",
 )
->>>>>>> d9078b8 (Offer a spare place for a session; refuse nested, endless and over-long files in one short sentence)
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
 HEAD = """# Measured figures
