@@ -132,34 +132,47 @@ class Pair:
 def pairs(
     start: Start, tried: tuple[Candidate, ...], library: tuple[Effect, ...] = LIBRARY
 ) -> tuple[Pair, ...]:
-    """Return the most promising pairs of effects, best first; the search ends at a plausible one that is adequate.
+    """Return the most promising pairs of effects, best first.
 
-    Forces that explain most together, by equation error, are fitted first; then what goes best with the best single
-    candidates, faults of sensors among them.
+    Forces that explain most together, by equation error, are fitted first; unless one of these pairs reaches the floor,
+    what goes best with the best single candidates follows, faults of sensors among them. Where the floor is sure, the
+    first plausible pair that reaches it ends the search.
     """
     found: list[Pair] = []
     best = _distinct(tried)[0] if tried else None
-    for first, terms in (*_screened(start, tried, library), *_greedy(start, tried, library)):
-        polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
-        seconds = try_terms(start.settings, first.fit, terms, polished=polished)
-        if seconds:
-            found.append(Pair(first, seconds[0]))
-            if start.adequate(seconds[0].fit) and found[-1].plausible:
+    for stage in (_screened, _greedy):
+        for first, terms in stage(start, tried, library):
+            polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
+            seconds = try_terms(start.settings, first.fit, terms, polished=polished)
+            if seconds:
+                found.append(Pair(first, seconds[0]))
+            if start.floor_is_sure and _reached(start, found):
                 break
+        if _reached(start, found):
+            break
     return tuple(sorted(found, key=lambda pair: (not pair.plausible, pair.second.score)))
+
+
+def _reached(start: Start, found: list[Pair]) -> bool:
+    return any(pair.plausible and start.adequate(pair.second.fit) for pair in found)
 
 
 def _screened(
     start: Start, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[tuple[Candidate, tuple[Term, ...]]]:
-    """Yield the first of each screened pair, the one that is better alone, with the terms of its second."""
+    """Yield the first of each screened pair with the terms of its second, which is begun from several starts.
+
+    So the one with more inner parameters is the second; of two alike the one that is worse alone.
+    """
     ranks = {candidate.name: rank for rank, candidate in enumerate(tried)}
     largest = max(start.settings, key=lambda setting: setting.amplitude)
     terms = candidate_terms(start.fit.model, library, start.fit.spans[0])
     scales = scales_of(largest, residual_lines(start.fit))
     for pair in promising_pairs(largest, start.fit.model, terms, scales)[:_SCREENED]:
         if all(name in ranks for name in pair):
-            first, second = sorted(pair, key=lambda name: ranks[name])
+            first, second = sorted(
+                pair, key=lambda name: (len(tried[ranks[name]].term.effect.inner), ranks[name])
+            )
             yield tried[ranks[first]], tuple(term for term in terms if term.effect.name == second)
 
 
