@@ -37,6 +37,7 @@ COMMANDS = (
     Entry("effects", "effects", "List the effects a model may lack, or tell all of one."),
     Entry("workbench", "workbench", "Open the page on which all of this is done by mouse."),
     Entry("view", "view", "Open a session in the Rerun viewer."),
+    Entry("report", "report", "Write all that is known of a session into one page."),
     Entry("table", "table", "Print the paper's tables for any number of sessions."),
     Entry("list", "list_", "List the sessions in a folder."),
     Entry("info", "info", "Tell what a session holds."),

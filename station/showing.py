@@ -23,6 +23,7 @@ from station.refining import Refinement, open_refinement, rung_again
 from station.settings import Settings
 
 if TYPE_CHECKING:
+    from station.views.suspects import Shown
     from station.views.tab import Tab
 
 VIEW = "model.rrd"
@@ -43,6 +44,16 @@ def suspects_again(refinement: Refinement) -> "Tab | None":
     from station.views import suspects
     from station.views.tab import Tab
 
+    told = told_again(refinement)
+    if told is None:
+        return None
+    return Tab(suspects.NAME, lambda stream: suspects.write(stream, told), lambda: suspects.tab(told))
+
+
+def told_again(refinement: Refinement) -> "Shown | None":
+    """Return the diagnosis that a session keeps with its fits found again; None when it keeps none that can be read."""
+    from station.views import suspects
+
     file = refinement.session.results / RESULT
     setting, library = refinement.setting, refinement.library
     if not file.is_file():
@@ -57,8 +68,7 @@ def suspects_again(refinement: Refinement) -> "Tab | None":
     for its in others:
         start = begin_from(its, (setting,))
         best.append((its.model.terms[-1], fit(its.model, base.spans, start, base.frequency)))
-    told = suspects.Shown(document, setting, 0, base, tuple(best))
-    return Tab(suspects.NAME, lambda stream: suspects.write(stream, told), lambda: suspects.tab(told))
+    return suspects.Shown(document, setting, 0, base, tuple(best))
 
 
 def kept_diagnosis(file: Path, library: tuple[Effect, ...]) -> tuple[dict[str, Any], list[KnownModel]]:

@@ -37,16 +37,25 @@ STYLE: dict[Any, Any] = {
 
 
 def figure(
-    width: float, height: float, rows: int = 1, columns: int = 1, sharey: bool = False
+    width: float,
+    height: float,
+    rows: int = 1,
+    columns: int = 1,
+    sharey: bool = False,
+    style: dict[Any, Any] = STYLE,
+    **grid: Any,
 ) -> tuple["Figure", list["Axes"]]:
-    """Return a figure of that size in inches and its axes in reading order."""
+    """Return a figure of that size in inches and its axes in reading order.
+
+    `style` is the viewer's unless another is given; `grid` goes to matplotlib's `subplots` (sharex, height_ratios ...).
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(style):
         made = Figure(figsize=(width, height), dpi=DOTS_PER_INCH, layout="constrained")
         FigureCanvasAgg(made)
-        axes = made.subplots(rows, columns, squeeze=False, sharey=sharey)
+        axes = made.subplots(rows, columns, squeeze=False, sharey=sharey, **grid)
     return made, list(axes.ravel())
 
 

@@ -1,0 +1,61 @@
+"""`station report`: one page about a session, to attach to a test report."""
+
+from pathlib import Path
+
+import click
+
+from station.output import json_option, print_json, progress
+
+
+@click.command("report")
+@click.argument("session")
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE",
+    help="Where to write it (default: results/report.html in the session).",
+)
+@click.option(
+    "--mass",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="KG",
+    help="Mass, instead of the session's.",
+)
+@click.option("--diagnose", is_flag=True, help="Diagnose first (takes some seconds).")
+@click.option("--open", "with_browser", is_flag=True, help="Open it in the browser.")
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    session: str,
+    output: Path | None,
+    mass: float | None,
+    diagnose: bool,
+    with_browser: bool,
+    as_json: bool,
+) -> None:
+    """Write all that is known of SESSION into one HTML page.
+
+    It needs nothing outside itself, prints to PDF through the browser, and
+    says what was left out and why. Identifies and compares on the way.
+    """
+    from station.report.write import make_report
+    from station.sessions import open_session
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    opened = open_session(session, settings.sessions)
+    report = make_report(opened, output, settings=settings, mass=mass, diagnose=diagnose, tell=progress)
+    if as_json:
+        print_json(
+            {"session": opened.folder.name, "report": str(report.path.resolve()), "left_out": report.left_out}
+        )
+    else:
+        click.echo(f"report: {report.path}")
+        for name, reason in sorted(report.left_out.items()):
+            click.echo(f"left out: {name.replace('_', ' ')}: {reason}")
+    if with_browser:
+        import webbrowser
+
+        if not webbrowser.open(report.path.resolve().as_uri()):
+            progress(f"no browser here: open {report.path} elsewhere")

@@ -1,0 +1,1 @@
+"""The report of a session: one page to attach to a test report."""

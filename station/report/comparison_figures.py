@@ -1,0 +1,144 @@
+"""Where a model fails, in figures for paper: measurement and model, the phase plane, cycle by cycle."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from identify.phase_plane import ForceSection
+from identify.place_words import Words
+from station.compared import Compared
+from station.quantities import shown
+from station.report.drawing import (
+    BAND,
+    GREY,
+    INK,
+    MODEL,
+    OTHER,
+    both,
+    curve,
+    embedded,
+    literal,
+    paper,
+    zero_lines,
+)
+from station.report.numbers import unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+NOISE = 2.0
+SURE = 3.0
+
+
+def overlay(compared: Compared) -> str:
+    """Draw measured and modelled channels, and under each what is left with the band of the noise."""
+    span, fit = compared.start.fit.spans[0], compared.start.fit
+    rows = 2 * len(span.channels)
+    drawn, axes = paper(1.3 * rows, rows, sharex=True, height_ratios=[1.5, 1.0] * len(span.channels))
+    for place, channel in enumerate(span.channels):
+        factor, name = shown(channel, span.unit)
+        measured = np.where(span.used[channel], span.readings[channel], np.nan)
+        axis = axes[2 * place]
+        both(axis, span.clock, measured * factor, fit.predicted[0][channel] * factor, ("measured", "model"))
+        axis.set_ylabel(literal(f"{channel}\n[{unit(name)}]"))
+        axis.legend(loc="upper right", ncols=2)
+        axis.margins(y=0.16)
+        left_over(axes[2 * place + 1], compared, channel)
+    axes[-1].set(xlabel="time since the release [s]", xlim=(span.clock[0], span.clock[-1]))
+    return embedded(drawn)
+
+
+def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
+    """Draw what a model leaves of one channel over the band of its noise."""
+    fit = compared.start.fit
+    span = fit.spans[0]
+    fine, name = shown(channel, span.unit, fine=True)
+    noise = NOISE * span.sigma[channel] * fine
+    axis.axhspan(-noise, noise, color=BAND, lw=0)
+    for level in (-noise, noise):
+        axis.axhline(level, color=GREY, lw=0.5, ls=":")
+    left = np.where(span.used[channel], fit.residual(channel), np.nan)
+    curve(axis, span.clock, left * fine, color=OTHER, lw=0.7)
+    axis.set_ylabel(literal(f"left [{unit(name)}]"))
+
+
+def closing_in(first: Compared, last: Compared) -> str:
+    """Draw what the first and the present model leave of the same channel, each with the band of the noise."""
+    channel = first.start.fit.spans[0].channels[0]
+    drawn, axes = paper(2.9, 2, sharex=True)
+    for axis, compared, title in zip(axes, (first, last), ("usual model", "present model"), strict=True):
+        left_over(axis, compared, channel)
+        axis.set_title(f"{title}: what is left of the {channel}")
+    axes[-1].set_xlabel("time since the release [s]")
+    return embedded(drawn)
+
+
+def phase_plane(compared: Compared) -> str:
+    """Draw the force that the model lacks over the phase plane, its sign written in each bin that stands out, and cuts."""
+    found = compared.comparison
+    plane, words = found.phase_plane, Words(found.unit, found.mass)
+    factor, length = shown("displacement", found.unit)
+    drawn, axes = paper(4.6, 2, 2)
+    wide, blank, at_reversal, at_middle = axes
+    blank.set_axis_off()
+    force = plane.force * words.force_scale
+    reach = float(np.nanmax(np.abs(force))) if np.isfinite(force).any() else 1.0
+    mesh = wide.pcolormesh(
+        plane.displacement_edges * factor, plane.velocity_edges, np.ma.masked_invalid(force),
+        cmap="PuOr", vmin=-reach, vmax=reach, edgecolors="white", linewidth=0.4,
+    )  # fmt: skip
+    for row, column in plane.bins:
+        if abs(plane.significance[row, column]) > SURE:
+            dark = abs(force[row, column]) > 0.7 * reach
+            wide.text(
+                plane.displacement[column] * factor, plane.velocity[row],
+                "+" if force[row, column] > 0 else "−", ha="center", va="center", fontsize=9,
+                color="white" if dark else INK,
+            )  # fmt: skip
+    wide.set(
+        xlabel=literal(f"displacement [{length}]"), ylabel=literal(f"velocity [{unit(f'{found.unit}/s')}]")
+    )
+    wide.set_title("measured less model force")
+    wide.grid(visible=False)
+    bar = drawn.colorbar(mesh, ax=wide, pad=0.02)
+    bar.set_label(literal(f"force [{unit(words.force_unit)}]"))
+    bar.outline.set_visible(False)
+    down, up = plane.sections_at_reversal
+    _section(at_reversal, up, factor, words, ("^-", INK, "moving to the positive side"))
+    _section(at_reversal, down, factor, words, ("v--", MODEL, "moving to the negative side"))
+    at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
+    at_reversal.legend(loc="best")
+    _section(at_middle, plane.section_at_middle, 1.0, words, ("o-", INK, ""))
+    at_middle.set(xlabel=literal(f"velocity [{unit(f'{found.unit}/s')}]"), title="at displacement 0: damping")
+    at_reversal.set_ylabel(literal(f"measured less\nmodel [{unit(words.force_unit)}]"))
+    return embedded(drawn)
+
+
+def _section(axis: "Axes", cut: ForceSection, factor: float, words: Words, how: tuple[str, str, str]) -> None:
+    form, colour, label = how
+    axis.errorbar(
+        cut.position * factor, cut.force * words.force_scale, yerr=2 * cut.std * words.force_scale,
+        fmt=form, ms=3.5, lw=0.9, capsize=2, color=colour, label=label or None,
+    )  # fmt: skip
+    zero_lines(axis)
+
+
+def cycles(compared: Compared) -> str:
+    """Draw the errors of frequency and energy and the misfit of the free run, cycle by cycle."""
+    found = compared.comparison
+    done, words = found.cycles, Words(found.unit, found.mass)
+    drawn, axes = paper(2.2, 1, 3)
+    fine = 1e3 if found.unit == "m" else 1.0
+    scale = fine * words.force_scale
+    energy = unit(f"{'m' if fine > 1 else ''}{words.energy_unit}")
+    rows = (
+        (done.frequency_error, 2 * done.frequency_error_std, "frequency error [%]"),
+        (done.energy_error * scale, 2 * done.energy_error_std * scale, f"energy error a cycle [{energy}]"),
+        (found.free_run_misfit, None, "free run: rms misfit / noise"),
+    )
+    for axis, (values, error, label) in zip(axes, rows, strict=True):
+        axis.errorbar(done.time, values, yerr=error, fmt="o-", ms=3, lw=0.8, capsize=1.5, color=INK)
+        axis.axhline(0 if error is not None else 1, color=GREY, lw=0.8, ls="--")
+        axis.set(xlabel="time since the release [s]", ylabel=literal(label))
+    axes[-1].set_ylim(bottom=0)
+    return embedded(drawn)

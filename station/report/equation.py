@@ -1,0 +1,117 @@
+"""The section of the final equation: with letters, with numbers, and every parameter with its error and unit."""
+
+import re
+
+from identify.effects.effect import Parameter
+from identify.fit import Fit
+from identify.model import Term
+from station.compared import Compared
+from station.models import parameters_of
+from station.report import comparison_figures as draw
+from station.report.content import Equation, Figure, Part, Section, Table, Words
+from station.report.failure import errors, places
+from station.report.findings import Findings
+from station.report.numbers import rounded, symbol, unit
+
+TITLE = "The equation of motion"
+FAR = 4.0
+TIMES_MASS = {"1/s^2": "N/m", "m/s^2": "N", "1/s": "N s/m", "1/m": "kg/m", "s/m^2": "kg s/m²"}
+TIMES_INERTIA = {"1/s^2": "N m/rad", "rad/s^2": "N m", "1/s": "N m s/rad"}
+
+
+def equation(found: Findings) -> Section:
+    """Show the present model: that of the ladder, else the usual one."""
+    compared = found.climb.compared if found.climb is not None else found.compared
+    if compared is None:
+        return Section("equation", TITLE, (Words(f"Left out: {found.left_out['comparison']}."),))
+    fit = compared.start.fit
+    parts: list[Part] = [
+        Equation((_letters(fit), _numbers(fit))),
+        Words(
+            "Displacement u from the spring's zero and velocity v in "
+            f"{compared.comparison.unit} and {compared.comparison.unit}/s; all forces per unit "
+            f"{'inertia' if compared.comparison.unit == 'rad' else 'mass'}.",
+        ),
+        _parameters(compared, found),
+    ]
+    doubt = caution(compared)
+    if doubt:
+        parts.append(Words(doubt, label="Caution", strong=True))
+    parts.append(errors(compared))
+    if found.climb is not None and found.climb.ladder.present > 0:
+        parts.append(places(compared))
+        if found.compared is not None:
+            caption = "What the usual and the present model leave (band: noise, 2 std.); mind the scales."
+            parts.append(Figure(caption, draw.closing_in(found.compared, compared)))
+    return Section("equation", TITLE, tuple(parts))
+
+
+def caution(compared: Compared) -> str:
+    """Return why the standard errors cannot be taken at their word, or ""."""
+    seen = compared.comparison
+    if seen.chi_square <= 1.0 + FAR * seen.chi_square_std:
+        return ""
+    return (
+        f"This model leaves {seen.chi_square:.3g} times what noise explains. The standard errors are those of noise "
+        "alone; what the model lacks may have moved its parameters by more."
+    )
+
+
+def _letters(fit: Fit) -> str:
+    return _typeset(fit.model.equation)
+
+
+def _numbers(fit: Fit) -> str:
+    """Return the equation with the values in place of the parameters, rounded to their errors."""
+    terms = []
+    for term in fit.model.terms:
+        if term.effect.kind != "physics":
+            continue
+        text = term.effect.equation
+        for name, value in parameters_of(fit, term).items():
+            number = rounded(value.value, value.std).replace("(error unknown)", "").strip()
+            number = re.sub(r" ± [^)]*", "", number).strip("()").replace("( ", "(").replace(") ×", " ×")
+            number = f"({number})" if "×" in number or number.startswith("-") else number
+            text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
+        terms.append(text)
+    return _typeset("u'' + " + " + ".join(terms) + " = 0")
+
+
+def _typeset(text: str) -> str:
+    raised = re.sub(r"mu_(\d)", lambda found: symbol(found.group(0)), unit(text))
+    return raised.replace("u''", "ü", 1)
+
+
+def _parameters(compared: Compared, found: Findings) -> Table:
+    fit, mass = compared.start.fit, found.options.mass
+    rows = []
+    for term in fit.model.terms:
+        for position, (name, value) in enumerate(parameters_of(fit, term).items()):
+            cells = (term.effect.name, symbol(name), _meaning(term, name).meaning)
+            row: tuple[str, ...] = (*cells, rounded(value.value, value.std), unit(value.unit) or "1")
+            if mass is not None:
+                strength = position == 0 and term.effect.kind == "physics"
+                row = (*row, _times(value.value, value.std, value.unit, found) if strength else "")
+            rows.append(row)
+    head: tuple[str, ...] = ("effect", "parameter", "meaning", "value", "unit")
+    if mass is not None:
+        head = (*head, f"times {'the inertia' if compared.comparison.unit == 'rad' else 'the mass'}")
+    return Table("Parameters (± one standard error)", head, tuple(rows), texts=3)
+
+
+def _meaning(term: Term, name: str) -> Parameter:
+    return next(parameter for parameter in term.effect.parameters if parameter.name == name)
+
+
+def _times(value: float, std: float, label: str, found: Findings) -> str:
+    """Return a strength times the mass, the error of the mass in it; "" where that has no unit of its own."""
+    mass, mass_std = found.options.mass or 1.0, found.options.mass_std or 0.0
+    name = (TIMES_INERTIA if "rad" in label else TIMES_MASS).get(label)
+    if found.compared is not None and found.compared.comparison.unit == "rad":
+        name = TIMES_INERTIA.get(label)
+    if name is None:
+        name = f"kg × {unit(label)}" if "rad" not in label else None
+    if name is None:
+        return ""
+    error = ((std * mass) ** 2 + (value * mass_std) ** 2) ** 0.5
+    return f"{rounded(value * mass, error)} {name}"

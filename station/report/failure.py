@@ -1,0 +1,102 @@
+"""The section of the comparison: how large the errors of the usual model are, what they mean, and where it fails."""
+
+import numpy as np
+
+from identify.place_words import Words as PlaceWords
+from station.compared import Compared
+from station.comparison_text import floor_text, harmonics_text
+from station.report import comparison_figures as draw
+from station.report.content import Facts, Figure, Part, Section, Table, Words
+from station.report.findings import Findings
+from station.report.numbers import rounded, three, unit
+
+TITLE = "The usual model compared with the measurement"
+MOST_CYCLES = 12
+
+
+def comparison(found: Findings) -> Section:
+    """Tell and draw where stiffness, dry and viscous friction fail."""
+    compared = found.compared
+    if compared is None:
+        return Section("comparison", TITLE, (Words(f"Left out: {found.left_out['comparison']}."),))
+    seen, fit = compared.comparison, compared.start.fit
+    parts: list[Part] = [
+        Words(f"{' + '.join(fit.model.names)}, fitted to the whole record and run freely.", label="Model"),
+        errors(compared),
+        Words(seen.cause, label="Sensor or physics", strong=True),
+    ]
+    if not fit.converged or fit.unknowable:
+        parts.append(Words(fit.outcome, label="Fit"))
+    parts.append(places(compared))
+    facts = (
+        ("noise floor", floor_text(compared)),
+        ("harmonics of the missing force", harmonics_text(compared)),
+    )
+    parts.append(Facts(tuple((label, unit(text)) for label, text in facts)))
+    parts += [
+        Figure(
+            "Measured (grey) and modelled motion, and what is left (band: noise, 2 std.).",
+            draw.overlay(compared),
+        ),
+        Figure(
+            "The force that the model lacks over the phase plane (+ and −: beyond 3 standard errors), and its "
+            "sections with 2 standard errors.",
+            draw.phase_plane(compared),
+        ),
+        Figure("Measured less model, cycle by cycle, with 2 standard errors.", draw.cycles(compared)),
+        cycle_table(compared),
+    ]
+    return Section("comparison", TITLE, tuple(parts))
+
+
+def errors(compared: Compared) -> Table:
+    """Return the three errors with what noise alone would leave and what each means."""
+    seen = compared.comparison
+    span, channel = compared.start.fit.spans[0], seen.motion_channel
+    rms = float(np.std(span.readings[channel][span.used[channel]]))
+    floor = 100.0 * seen.floor[channel].std / rms if rms > 0 else float("nan")
+    cycles = f"{seen.horizon:.3g} s ({seen.horizon_cycles:.0f} cycles)"
+    rows = (
+        ("force", f"{three(seen.force_error)} %", f"{three(seen.force_floor)} %",
+         "mean square, eq. (18), with the force taken at the measured motion"),
+        ("motion", f"{three(seen.motion_error)} %", f"{three(floor)} %",
+         f"rms of the free run over {cycles}, of the {channel}'s rms"),
+        ("chi²", three(seen.chi_square), f"1 ± {seen.chi_square_std:.2f}",
+         "reduced: misfit over noise; 1 when nothing is left to explain"),
+    )  # fmt: skip
+    return Table("Errors of the model", ("error", "value", "noise alone", "meaning"), rows)
+
+
+def places(compared: Compared) -> Part:
+    """Return the worst places in words, worst first, or the sentence that there are none."""
+    found = compared.comparison.places
+    if not found:
+        return Words(compared.comparison.summary, label="Where it fails")
+    rows = tuple((str(n), unit(p.text), f"{p.significance:.0f}") for n, p in enumerate(found, start=1))
+    return Table("Where it fails, worst first", ("", "place", "std. errors"), rows, texts=2)
+
+
+def cycle_table(compared: Compared) -> Table:
+    """Return the errors cycle by cycle, evenly taken where there are many."""
+    seen = compared.comparison
+    done, words = seen.cycles, PlaceWords(seen.unit, seen.mass)
+    fine = 1e3 if seen.unit == "m" else 1.0
+    scale = fine * words.force_scale
+    head = (
+        "time [s]", f"amplitude [{words.length_unit}]", "frequency error [%]",
+        f"energy error a cycle [{unit(('m' if fine > 1 else '') + words.energy_unit)}]", "free run: misfit / noise",
+    )  # fmt: skip
+    count = len(done.time)
+    chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_CYCLES)).round().astype(int))
+    rows = tuple(
+        (
+            f"{done.time[i]:.2f}",
+            words.length(float(done.amplitude[i])),
+            rounded(float(done.frequency_error[i]), float(done.frequency_error_std[i])),
+            rounded(float(done.energy_error[i]) * scale, float(done.energy_error_std[i]) * scale),
+            f"{seen.free_run_misfit[i]:.1f}",
+        )
+        for i in chosen
+    )
+    caption = "Cycle by cycle: measured less model (± one standard error)"
+    return Table(caption, head, rows, texts=0)

@@ -1,0 +1,164 @@
+"""What a report tells of: all that is known of a session, what is missing made on the way, and why the rest is left out."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from daq.errors import StationError
+from daq.manifest import Manifest
+from daq.recording import Recording
+from daq.session import Session
+from identify.compare import compare
+from identify.errors import NotIdentifiable
+from identify.refine import Rung
+from identify.search import begin
+from station.compared import Compared
+from station.comparing import RESULT as COMPARISON
+from station.comparing import as_document, compare_session, setting_of
+from station.diagnosing import Bench, make_ready
+from station.diagnosis import RESULT as DIAGNOSIS
+from station.diagnosis import diagnose_bench, keep
+from station.exits import Problem, UsageProblem
+from station.identification import Identification
+from station.identifying import identify_session
+from station.ladder import LADDER, KeptLadder
+from station.pipeline import Options
+from station.refining import Refinement, open_refinement, rung_again
+from station.settings import Settings
+from station.showing import told_again
+from station.views.suspects import Shown
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Climb:
+    """The ladder of a session, the fit of its present rung, and that model compared with the record."""
+
+    ladder: KeptLadder
+    top: Rung
+    compared: Compared
+
+
+@dataclass(eq=False)
+class Findings:
+    """All that is known of a session; what is None was left out, and `left_out` says why under its name."""
+
+    session: Session
+    recording: Recording
+    options: Options
+    manifest: Manifest | None = None
+    identification: Identification | None = None
+    document: dict[str, Any] = field(default_factory=dict)
+    compared: Compared | None = None
+    comparison: dict[str, Any] = field(default_factory=dict)
+    diagnosis: dict[str, Any] | None = None
+    suspects: Shown | None = None
+    climb: Climb | None = None
+    left_out: dict[str, str] = field(default_factory=dict)
+
+
+def gather(session: Session, settings: Settings, options: Options, *, diagnose: bool, tell: Tell) -> Findings:
+    """Return all that is known of a session; identifies and compares, and diagnoses on request.
+
+    Raises DataLost when the session holds no sample; what else cannot be done is left out and says why.
+    """
+    found = Findings(session, session.recording(), options)
+    try:
+        found.manifest = session.manifest()
+    except StationError as error:
+        found.left_out["checksums"] = str(error)
+    _identify(found)
+    _compare(found)
+    if diagnose:
+        _diagnose(found, settings, tell)
+    refinement = _refinement(found, settings)
+    if refinement is not None:
+        _suspects(found, refinement)
+        _climb(found, refinement)
+    return found
+
+
+def _identify(found: Findings) -> None:
+    try:
+        found.identification, found.document = identify_session(found.session, found.options)
+    except NotIdentifiable as refusal:
+        found.left_out["identification"] = str(refusal)
+
+
+def _compare(found: Findings) -> None:
+    """Compare with the usual model; kept in the session only where no comparison is kept yet."""
+    try:
+        if (found.session.results / COMPARISON).is_file():
+            setting = setting_of(found.session, found.options)
+            from identify.model import base_model
+
+            start = begin((setting,), base_model())
+            seen = compare(setting, start.fit, start.floors[0].channels, mass=found.options.mass)
+            found.compared = Compared(found.session.folder.name, setting, start, seen)
+            found.comparison = as_document(found.compared)
+        else:
+            found.compared, found.comparison = compare_session(found.session, found.options)
+    except NotIdentifiable as refusal:
+        found.left_out["comparison"] = str(refusal)
+
+
+def _diagnose(found: Findings, settings: Settings, tell: Tell) -> None:
+    try:
+        bench = Bench((found.session,), (make_ready(found.session, settings),))
+        _, document = diagnose_bench(bench, tell=tell)
+        keep(bench, document)
+    except NotIdentifiable as refusal:
+        found.left_out["suspects"] = str(refusal)
+
+
+def _refinement(found: Findings, settings: Settings) -> Refinement | None:
+    """Open what the session keeps of a model's story; None where it keeps nothing that can be read."""
+    results, left_out = found.session.results, found.left_out
+    kept = [(results / DIAGNOSIS).is_file(), (results / LADDER).is_file()]
+    if not kept[0]:
+        left_out.setdefault("suspects", "no diagnosis was made of this session; `station diagnose` makes one")
+    if not kept[1]:
+        left_out["ladder"] = "the model was not refined in this session; `station refine` does that"
+    if not any(kept):
+        return None
+    try:
+        return open_refinement(found.session, settings)
+    except (NotIdentifiable, UsageProblem) as refusal:
+        for name, there in zip(("suspects", "ladder"), kept, strict=True):
+            if there:
+                left_out[name] = str(refusal)
+        return None
+
+
+def _suspects(found: Findings, refinement: Refinement) -> None:
+    file = found.session.results / DIAGNOSIS
+    if not file.is_file():
+        return
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"))
+        found.suspects = told_again(refinement)
+        found.diagnosis = document if found.suspects is None else found.suspects.document
+    except UsageProblem as problem:  # an effect of a file that is not at hand
+        found.diagnosis = document
+        found.left_out["fingerprints"] = str(problem)
+    except ValueError:
+        found.diagnosis = None
+    if found.suspects is None and "fingerprints" not in found.left_out:
+        found.diagnosis = None
+        found.left_out["suspects"] = f"results/{DIAGNOSIS} cannot be read; diagnose again"
+
+
+def _climb(found: Findings, refinement: Refinement) -> None:
+    if not (found.session.results / LADDER).is_file():
+        return
+    try:
+        top = rung_again(refinement, refinement.ladder.top)
+    except (Problem, NotIdentifiable) as refusal:
+        found.left_out["ladder"] = str(refusal)
+        return
+    start = top.start
+    seen = compare(refinement.setting, start.fit, start.floors[0].channels, mass=found.options.mass)
+    compared = Compared(found.session.folder.name, refinement.setting, start, seen)
+    found.climb = Climb(refinement.ladder, top, compared)

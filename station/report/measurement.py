@@ -1,0 +1,166 @@
+"""The first three sections: the set-up with its calibration, the capture with its verdict, the alignment."""
+
+from datetime import UTC
+
+from daq.recording import Channel
+from station.quantities import shown
+from station.report import identification_figures as draw
+from station.report.content import Facts, Figure, Part, Section, Table, Words
+from station.report.findings import Findings
+from station.report.numbers import rounded, three, unit, with_unit
+from station.terminal import KINDS, uncorrected
+
+NOT_STATED = "not stated"
+
+
+def setup(found: Findings) -> Section:
+    """Say what was tested, by whom, with which sensors and calibrations."""
+    info, recording = found.session.info, found.recording
+    board = info.board
+    rows = [
+        ("specimen", info.specimen or NOT_STATED),
+        ("operator", info.operator or NOT_STATED),
+        ("recorded" if board else "imported", info.created.astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")),
+        ("source", info.source or NOT_STATED),
+        ("mass", _mass(found)),
+        ("sampling", _sampling(found)),
+        ("remarks", info.remarks),
+    ]
+    if board is not None:
+        rows.insert(4, ("board", f"{board.board}, firmware {board.firmware}, identity {board.unique_id}"))
+    facts = Facts(tuple((label, text) for label, text in rows if text))
+    table = Table(
+        "Channels and their calibration",
+        ("channel", "quantity", "unit", "sensor", "calibrated", "uncertainty", "resolution", "range"),
+        tuple(_channel(found, channel) for channel in recording.channels),
+        texts=5,
+    )
+    return Section("setup", "Set-up and calibration", (facts, table))
+
+
+def _mass(found: Findings) -> str:
+    mass, std = found.options.mass, found.options.mass_std
+    if mass is None:
+        return "not given: all results are per unit mass"
+    name = "kg m²" if _length(found) == "rad" else "kg"
+    return f"{rounded(mass, std)} {name}" if std else f"{mass:g} {name} (its error was not given)"
+
+
+def _length(found: Findings) -> str:
+    return "m" if found.identification is None else found.identification.decay.unit
+
+
+def _sampling(found: Findings) -> str:
+    recording = found.recording
+    n = recording.samples.shape[1]
+    error = "" if recording.rate_std is None else f" ± {recording.rate_std:.2g} Hz"
+    return f"{recording.rate:.8g} Hz{error}, {n} samples, {n / recording.rate:.4g} s"
+
+
+def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
+    known = next((s for s in found.session.info.sensors if s.channel == channel.name), None)
+    uncertainty, low, high = channel.calibration_uncertainty, channel.low, channel.high
+    return (
+        channel.name,
+        channel.quantity,
+        unit(channel.unit),
+        channel.sensor or NOT_STATED,
+        (known.calibrated if known else "") or NOT_STATED,
+        NOT_STATED if uncertainty is None else f"{100 * uncertainty:.2g} %",
+        "–" if channel.resolution is None else three(channel.resolution),
+        "–" if low is None or high is None else f"{low:.4g} to {high:.4g}",
+    )
+
+
+def capture(found: Findings) -> Section:
+    """Show the record, the verdict on it, what was lost, the noise and the release."""
+    parts: list[Part] = [_verdict(found)]
+    result = found.identification
+    rows = [("lost samples", _lost(found))]
+    if result is not None:
+        rows += _release(found)
+        decay = result.decay
+        for name in ("displacement", "velocity", "acceleration"):
+            noise = getattr(decay, f"noise_{name}")
+            if noise is not None:
+                factor, label = shown(name, decay.unit, fine=True)
+                rows.append((f"noise, {name}", f"{three(noise * factor)} {unit(label)} rms"))
+    rows += [("note", note) for note in found.recording.notes]
+    parts.append(Facts(tuple(rows)))
+    if result is None:
+        parts.append(_refused(found.left_out["identification"]))
+    else:
+        words = "The record." if result.decay.driven else "The record; dashed: the release."
+        parts.append(Figure(f"{words} Lost samples are left blank.", draw.record(result)))
+    return Section("capture", "Capture and verdict", tuple(parts))
+
+
+def _refused(reason: str) -> Words:
+    return Words(f"Nothing can be identified in this record: {reason}.", strong=True)
+
+
+def _verdict(found: Findings) -> Words:
+    verdict = found.session.verdict if found.manifest is not None else None
+    if verdict is None:
+        return Words("none; the session is not sealed", label="Verdict on the recording", strong=True)
+    reasons = "; ".join(verdict.reasons)
+    advice = f". Before taking it again: {'; '.join(verdict.advice)}" if verdict.advice else ""
+    text = f"{verdict.word.value}{f': {reasons}' if reasons else ''}{advice}"
+    return Words(text, label="Verdict on the recording", strong=True)
+
+
+def _lost(found: Findings) -> str:
+    lost = int((~found.recording.valid).sum())
+    if not lost:
+        return "none"
+    gaps = found.recording.gaps
+    longest = max((gap.count for gap in gaps), default=lost)
+    return f"{lost}, marked and never filled in; the longest gap {longest} samples"
+
+
+def _release(found: Findings) -> list[tuple[str, str]]:
+    assert found.identification is not None
+    decay, release = found.identification.decay, found.identification.release
+    if decay.driven:
+        return [("motion", "a recorded force drives it to the end: there is no free decay")]
+    rest = (release.rest[1] - release.rest[0]) / decay.rate
+    rows = [
+        (
+            "release",
+            f"at {rounded(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}",
+        ),
+        ("rest before", f"{rest:.2f} s"),
+    ]
+    amplitude = found.document["release"]["amplitude"]
+    if amplitude is not None:
+        factor, label = shown("displacement", decay.unit)
+        rows.append(("amplitude", f"{amplitude * factor:.4g} {unit(label)}"))
+    return rows
+
+
+def alignment(found: Findings) -> Section:
+    """Say by how much the channels were not simultaneous, and what that would have done."""
+    result = found.identification
+    parts: list[Part] = []
+    if result is None or result.alignment is None:
+        reason = found.left_out.get("alignment", "")
+        parts.append(Words(f"The channels were not aligned: {reason}."))
+        return Section("alignment", "Alignment of the channels", tuple(parts))
+    aligned = result.alignment
+    late = "late" if aligned.lag.value >= 0 else "early"
+    lag = rounded(abs(aligned.lag.value) * 1e6, aligned.lag.std * 1e6)
+    facts = [
+        ("lag", f"the displacement is {late} by {lag} µs; corrected"),
+        ("gain", f"{with_unit(aligned.gain)} (the acceleration's against the displacement's)"),
+        ("method", f"{aligned.method}; no law of force is used"),
+        ("caution", aligned.caution),
+    ]
+    warning = uncorrected(result)
+    if warning:
+        facts.append(("without it", f"without {warning}"))
+    parts.append(Facts(tuple((label, text) for label, text in facts if text)))
+    picture = draw.alignment(result)
+    if picture is not None:
+        caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
+        parts.append(Figure(caption, picture))
+    return Section("alignment", "Alignment of the channels", tuple(parts))

@@ -1,0 +1,120 @@
+"""Write the report of a session: a page that needs nothing outside itself."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.resources import files
+from pathlib import Path
+
+from daq.errors import StationError
+from daq.session import Session
+from daq.storage import write_whole
+from station.identifying import options_for
+from station.report.content import Section, Words
+from station.report.equation import equation
+from station.report.failure import comparison
+from station.report.findings import Findings, gather
+from station.report.loop import apart, ladder, suspects
+from station.report.measurement import alignment, capture, setup
+from station.report.methods import methods
+from station.report.provenance import provenance
+from station.report.summary import summary
+from station.settings import Settings
+
+NAME = "report.html"
+SECTIONS = (setup, capture, alignment, methods, comparison, suspects, ladder, equation, apart, provenance)
+
+
+@dataclass(frozen=True)
+class Report:
+    """A report as written: where it is, and the sections that were left out with the reason of each."""
+
+    path: Path
+    left_out: dict[str, str]
+
+
+def write_report(
+    session: Session,
+    output: Path | None = None,
+    *,
+    settings: Settings | None = None,
+    mass: float | None = None,
+    diagnose: bool = False,
+    tell: Callable[[str], None] = lambda text: None,
+) -> Path:
+    """Write the report of a session, to results/report.html unless `output` says otherwise; return the file.
+
+    Identifies and compares on the way; diagnoses (seconds) only on request. Raises DataLost when the session
+    holds no sample, StorageError when the disk refuses.
+    """
+    return make_report(session, output, settings=settings, mass=mass, diagnose=diagnose, tell=tell).path
+
+
+def make_report(
+    session: Session,
+    output: Path | None = None,
+    *,
+    settings: Settings | None = None,
+    mass: float | None = None,
+    diagnose: bool = False,
+    tell: Callable[[str], None] = lambda text: None,
+) -> Report:
+    """Do what `write_report` does, and tell what was left out."""
+    chosen = settings or Settings()
+    found = gather(session, chosen, options_for(session, chosen, mass), diagnose=diagnose, tell=tell)
+    page = rendered(found).encode()
+    if output is None:
+        return Report(session.write_result(NAME, page), found.left_out)
+    write_whole(output, page)
+    return Report(output, found.left_out)
+
+
+def rendered(found: Findings) -> str:
+    """Return the page; every text in it is escaped, whoever wrote it."""
+    from jinja2 import Environment, StrictUndefined
+
+    _reasons(found)
+    sections = tuple(_made(found, make) for make in SECTIONS)
+    try:
+        found.manifest = found.session.manifest()
+    except StationError:
+        found.manifest = None
+    template = files("station.report").joinpath("page.html").read_text(encoding="utf-8")
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.from_string(template).render(
+        session=found.session.folder.name,
+        info=found.session.info,
+        made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        summary=summary(found),
+        sections=sections,
+        left_out=sorted(found.left_out.items()),
+    )
+
+
+def _reasons(found: Findings) -> None:
+    """Note what the identification refused."""
+    if found.identification is None:
+        reason = found.left_out["identification"]
+        found.left_out["alignment"] = reason
+        return
+    names = {"alignment": "alignment", "wavelet": "wavelet", "restoring_force": "restoring_force"}
+    for step, reason in found.identification.refusals.items():
+        if step in names:
+            found.left_out[names[step]] = reason
+    if found.identification.alignment is None:
+        found.left_out.setdefault("alignment", "there is one channel only")
+
+
+def _made(found: Findings, make: Callable[[Findings], Section]) -> Section:
+    """Make a section; a kept result that was altered or is of another version leaves its section out."""
+    if make not in (suspects, apart):
+        return make(found)
+    try:
+        return make(found)
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError):
+        reason = "results/diagnosis.json cannot be read; diagnose again"
+        found.left_out["suspects"] = reason
+        found.diagnosis, found.suspects = None, None
+        return Section(make.__name__, "Suspects", (Words(f"Left out: {reason}."),))
