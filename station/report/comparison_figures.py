@@ -17,6 +17,7 @@ from station.report.drawing import (
     both,
     curve,
     embedded,
+    joined,
     literal,
     paper,
     zero_lines,
@@ -79,8 +80,8 @@ def phase_plane(compared: Compared) -> str:
     plane, words = found.phase_plane, Words(found.unit, found.mass)
     factor, length = shown("displacement", found.unit)
     drawn, axes = paper(4.6, 2, 2)
-    wide, blank, at_reversal, at_middle = axes
-    blank.set_axis_off()
+    at_reversal, at_middle = axes[2:]
+    wide = joined(drawn, axes[:2])
     force = plane.force * words.force_scale
     reach = float(np.nanmax(np.abs(force))) if np.isfinite(force).any() else 1.0
     mesh = wide.pcolormesh(

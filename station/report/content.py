@@ -24,12 +24,15 @@ class Words:
 
 @dataclass(frozen=True)
 class Table:
-    """A table with a repeated header; the first `texts` columns are words, the others numbers."""
+    """A table with a repeated header; the first `texts` columns are words, the others numbers but for
+    a `wordy` last one.
+    """
 
     caption: str
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     texts: int = 1
+    wordy: bool = False
     kind: ClassVar[str] = "table"
 
 

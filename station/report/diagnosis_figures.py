@@ -1,5 +1,6 @@
 """The suspects and the ladder in figures for paper."""
 
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -67,7 +68,7 @@ def fingerprints(told: Shown) -> str:
         axis.plot(degrees, found_print.large, color=INK, lw=1.3, label="large cycles")
         axis.plot(degrees, found_print.small, color=MODEL, lw=1.1, ls="--", label="small cycles")
         axis.set(xlabel="phase of the cycle [°]", xticks=range(0, 361, 90), xlim=(0, 360))
-        axis.set_title(literal(name))
+        axis.set_title(literal(fill(name.replace("_", " "), 20)), fontsize=8)
     reach = _reach(prints[0][1])
     axes[0].set_ylim(-1.5 * reach, 1.5 * reach)
     axes[0].set_ylabel(literal(f"force per unit\nmass [{unit(f'{setting.span.unit}/s^2')}]"))

@@ -57,13 +57,24 @@ def paper(
     return figure(width, height, rows, columns, style=PAPER, **how)
 
 
+def joined(drawn: "Figure", cells: list["Axes"]) -> "Axes":
+    """Return one pair of axes in place of several neighbouring ones."""
+    places = [cell.get_subplotspec() for cell in cells]
+    first, last = places[0], places[-1]
+    assert first is not None
+    assert last is not None
+    for cell in cells:
+        cell.remove()
+    rows = slice(first.rowspan.start, last.rowspan.stop)
+    columns = slice(first.colspan.start, last.colspan.stop)
+    made: Axes = drawn.add_subplot(first.get_gridspec()[rows, columns])
+    return made
+
+
 def embedded(drawn: "Figure") -> str:
     """Return a figure as a data URI of an SVG: nothing outside the page is needed to see it."""
-    import matplotlib
-
     buffer = BytesIO()
-    with matplotlib.rc_context(PAPER):
-        drawn.savefig(buffer, format="svg", metadata={"Date": None})
+    drawn.savefig(buffer, format="svg", metadata={"Date": None})
     return f"data:image/svg+xml;base64,{base64.b64encode(buffer.getvalue()).decode()}"
 
 

@@ -11,7 +11,7 @@ from station.report import comparison_figures as draw
 from station.report.content import Equation, Figure, Part, Section, Table, Words
 from station.report.failure import errors, places
 from station.report.findings import Findings
-from station.report.numbers import rounded, symbol, unit
+from station.report.numbers import SPACE, prose, rounded, symbol, unit
 
 TITLE = "The equation of motion"
 FAR = 4.0
@@ -70,7 +70,7 @@ def _numbers(fit: Fit) -> str:
         text = term.effect.equation
         for name, value in parameters_of(fit, term).items():
             number = rounded(value.value, value.std).replace("(error unknown)", "").strip()
-            number = re.sub(r" ± [^)]*", "", number).strip("()").replace("( ", "(").replace(") ×", " ×")
+            number = re.sub(rf" ±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
             number = f"({number})" if "×" in number or number.startswith("-") else number
             text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
         terms.append(text)
@@ -78,7 +78,7 @@ def _numbers(fit: Fit) -> str:
 
 
 def _typeset(text: str) -> str:
-    raised = re.sub(r"mu_(\d)", lambda found: symbol(found.group(0)), unit(text))
+    raised = re.sub(r"mu_(\d)", lambda found: symbol(found.group(0)), prose(text))
     return raised.replace("u''", "ü", 1)
 
 
@@ -114,4 +114,4 @@ def _times(value: float, std: float, label: str, found: Findings) -> str:
     if name is None:
         return ""
     error = ((std * mass) ** 2 + (value * mass_std) ** 2) ** 0.5
-    return f"{rounded(value * mass, error)} {name}"
+    return f"{rounded(value * mass, error)}{SPACE}{name}"

@@ -8,7 +8,7 @@ from station.comparison_text import floor_text, harmonics_text
 from station.report import comparison_figures as draw
 from station.report.content import Facts, Figure, Part, Section, Table, Words
 from station.report.findings import Findings
-from station.report.numbers import rounded, three, unit
+from station.report.numbers import prose, rounded, three, unit
 
 TITLE = "The usual model compared with the measurement"
 MOST_CYCLES = 12
@@ -32,7 +32,7 @@ def comparison(found: Findings) -> Section:
         ("noise floor", floor_text(compared)),
         ("harmonics of the missing force", harmonics_text(compared)),
     )
-    parts.append(Facts(tuple((label, unit(text)) for label, text in facts)))
+    parts.append(Facts(tuple((label, prose(text)) for label, text in facts)))
     parts += [
         Figure(
             "Measured (grey) and modelled motion, and what is left (band: noise, 2 std.).",
@@ -64,7 +64,7 @@ def errors(compared: Compared) -> Table:
         ("chi²", three(seen.chi_square), f"1 ± {seen.chi_square_std:.2f}",
          "reduced: misfit over noise; 1 when nothing is left to explain"),
     )  # fmt: skip
-    return Table("Errors of the model", ("error", "value", "noise alone", "meaning"), rows)
+    return Table("Errors of the model", ("error", "value", "noise alone", "meaning"), rows, wordy=True)
 
 
 def places(compared: Compared) -> Part:
@@ -72,7 +72,7 @@ def places(compared: Compared) -> Part:
     found = compared.comparison.places
     if not found:
         return Words(compared.comparison.summary, label="Where it fails")
-    rows = tuple((str(n), unit(p.text), f"{p.significance:.0f}") for n, p in enumerate(found, start=1))
+    rows = tuple((str(n), prose(p.text), f"{p.significance:.0f}") for n, p in enumerate(found, start=1))
     return Table("Where it fails, worst first", ("", "place", "std. errors"), rows, texts=2)
 
 

@@ -17,6 +17,7 @@ from station.report.drawing import (
     both,
     curve,
     embedded,
+    joined,
     literal,
     paper,
     zero_lines,
@@ -87,8 +88,8 @@ def envelope(found: WaveletResult, length: str) -> str:
     """Draw envelope with fit, instantaneous frequency and backbone: the paper's figure 4 and what it rests on."""
     factor, name = shown("displacement", length)
     drawn, axes = paper(3.9, 2, 2, width_ratios=[2.2, 1])
-    top, blank, below, backbone = axes
-    blank.set_axis_off()
+    top, _, below, _ = axes
+    backbone = joined(drawn, axes[1::2])
     curve(top, found.time, found.envelope * factor, color="#b5b5b5", lw=2.6, label="ridge of the transform")
     curve(top, found.time, found.envelope_fit * factor, color=MODEL, lw=1.0, label="fit, eq. (5)")
     top.set(xlabel="time [s]", ylabel=literal(f"envelope [{name}]"))
@@ -107,7 +108,7 @@ def envelope(found: WaveletResult, length: str) -> str:
     backbone.set(xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{name}]"), title="backbone")
     backbone.set_xlim(middle - half, middle + half)
     backbone.set_ylim(bottom=0)
-    backbone.legend(loc="lower left")
+    backbone.legend(loc="upper left")
     backbone.locator_params(axis="x", nbins=3)
     return embedded(drawn)
 
@@ -203,8 +204,9 @@ def surface(found: RestoringForceResult, length: str) -> str:
     axis.set_xlabel(literal(f"displacement [{name}]"))
     axis.set_ylabel(literal(f"velocity [{unit(f'{length}/s')}]"))
     axis.set_zlabel(literal(f"force per unit mass [{unit(f'{length}/s^2')}]"))
+    axis.locator_params(nbins=5)
     axis.view_init(22, -125)
-    axis.set_box_aspect((1.3, 1.3, 0.9), zoom=0.82)
+    axis.set_box_aspect((1.3, 1.3, 0.9), zoom=0.9)
     return embedded(drawn)
 
 

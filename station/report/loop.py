@@ -7,7 +7,7 @@ from station.ladder_words import change, step
 from station.report import diagnosis_figures as draw
 from station.report.content import Figure, Part, Section, Table, Words
 from station.report.findings import Findings
-from station.report.numbers import symbol, three, unit, with_unit
+from station.report.numbers import prose, symbol, three, with_unit
 
 SUSPECTS = "Suspects: which effect is missing"
 LADDER = "The ladder: the error, rung by rung"
@@ -19,7 +19,7 @@ def suspects(found: Findings) -> Section:
     document = found.diagnosis
     if document is None:
         return Section("suspects", SUSPECTS, (Words(f"Left out: {found.left_out['suspects']}."),))
-    parts: list[Part] = [Words(unit(document["explanation"]), label=headline(document), strong=True)]
+    parts: list[Part] = [Words(prose(document["explanation"]), label=headline(document), strong=True)]
     if len(document["sessions"]) > 1:
         parts.append(Words(", ".join(map(str, document["sessions"])), label="Diagnosed together"))
     if document["suspects"]:
@@ -35,7 +35,7 @@ def suspects(found: Findings) -> Section:
             for suspect in shown_suspects(document)
         )
         head = ("effect", "what it is", "chi² with it", "evidence (nats)", "p by chance", "parameters")
-        parts.append(Table("Suspects in order", head, rows, texts=2))
+        parts.append(Table("Suspects in order", head, rows, texts=2, wordy=True))
         picture = draw.errors(document)
         if picture is not None:
             parts.append(
@@ -127,7 +127,7 @@ def apart(found: Findings) -> Section:
                     f"{', '.join(known)}; a record of another kind separates them.", label="Easily confused"
                 )
             )
-        parts.append(Words(unit(document["next_experiment"]), label="Record next", strong=True))
+        parts.append(Words(prose(document["next_experiment"]), label="Record next", strong=True))
     else:
         parts.append(
             Words("No diagnosis was made, and so nothing is said about what else would explain this record.")

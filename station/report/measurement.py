@@ -7,7 +7,7 @@ from station.quantities import shown
 from station.report import identification_figures as draw
 from station.report.content import Facts, Figure, Part, Section, Table, Words
 from station.report.findings import Findings
-from station.report.numbers import rounded, three, unit, with_unit
+from station.report.numbers import prose, rounded, symbol, three, unit, with_unit
 from station.terminal import KINDS, uncorrected
 
 NOT_STATED = "not stated"
@@ -21,7 +21,7 @@ def setup(found: Findings) -> Section:
         ("specimen", info.specimen or NOT_STATED),
         ("operator", info.operator or NOT_STATED),
         ("recorded" if board else "imported", info.created.astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")),
-        ("source", info.source or NOT_STATED),
+        ("source", info.source_file or info.source or NOT_STATED),
         ("mass", _mass(found)),
         ("sampling", _sampling(found)),
         ("remarks", info.remarks),
@@ -53,7 +53,7 @@ def _length(found: Findings) -> str:
 def _sampling(found: Findings) -> str:
     recording = found.recording
     n = recording.samples.shape[1]
-    error = "" if recording.rate_std is None else f" ± {recording.rate_std:.2g} Hz"
+    error = "" if not recording.rate_std else f" ± {recording.rate_std:.2g} Hz"
     return f"{recording.rate:.8g} Hz{error}, {n} samples, {n / recording.rate:.4g} s"
 
 
@@ -85,7 +85,8 @@ def capture(found: Findings) -> Section:
             if noise is not None:
                 factor, label = shown(name, decay.unit, fine=True)
                 rows.append((f"noise, {name}", f"{three(noise * factor)} {unit(label)} rms"))
-    rows += [("note", note) for note in found.recording.notes]
+    if found.recording.notes:
+        rows.append(("how it was read", "; ".join(found.recording.notes)))
     parts.append(Facts(tuple(rows)))
     if result is None:
         parts.append(_refused(found.left_out["identification"]))
@@ -157,7 +158,7 @@ def alignment(found: Findings) -> Section:
     ]
     warning = uncorrected(result)
     if warning:
-        facts.append(("without it", f"without {warning}"))
+        facts.append(("without it", prose(f"without {warning}").replace("mu_1", symbol("mu_1"))))
     parts.append(Facts(tuple((label, text) for label, text in facts if text)))
     picture = draw.alignment(result)
     if picture is not None:

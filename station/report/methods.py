@@ -1,14 +1,20 @@
 """The section of both identifications, side by side: the paper's tables and figures."""
 
 from identify.estimate import Estimate
-from station.quantities import damping_name
+from station.quantities import damping_name, shown
 from station.report import identification_figures as draw
 from station.report.content import Figure, Part, Section, Table, Words
 from station.report.findings import Findings
-from station.report.numbers import rounded, symbol, three, unit
+from station.report.numbers import lowered, rounded, symbol, three, unit
 from station.table import Tables, make_tables
 
 TITLE = "Identification by two methods"
+NONE = "–"
+FAR_APART = 4.0
+DISAGREE = (
+    "The methods are farther apart than their errors allow. They weigh large and small cycles differently, so a force "
+    "that the model lacks, or a fault of a sensor, makes them disagree; see the comparison."
+)
 
 
 def methods(found: Findings) -> Section:
@@ -24,6 +30,8 @@ def methods(found: Findings) -> Section:
         return Section("methods", TITLE, tuple(parts))
     tables = make_tables([found.document])
     parts += [_table_1(tables), _table_2(found), _details(found)]
+    if _disagree(parts):
+        parts.append(Words(DISAGREE, label="Caution"))
     if result.wavelet is not None:
         parts.append(Words(f"{result.wavelet.reason}; {result.wavelet.stiffness_reason}.", label="Wavelet"))
     if result.restoring_force is not None:
@@ -32,16 +40,26 @@ def methods(found: Findings) -> Section:
     return Section("methods", TITLE, (*parts, *_figures(found)))
 
 
+def _disagree(parts: list[Part]) -> bool:
+    cells = [row[-1] for part in parts if isinstance(part, Table) and part.texts == 3 for row in part.rows]
+    return any(cell != NONE and float(cell) > FAR_APART for cell in cells)
+
+
 def _table_1(tables: Tables) -> Table:
     head = ["release", "amplitude"]
     for name, method, label in tables.columns:
         head.append(f"{symbol(name)} ({method}) [{unit(label)}]")
     rows = []
     for row in tables.rows:
-        amplitude = "–" if row.amplitude is None else f"{row.amplitude:.4g} {row.unit}"
-        cells = ["–" if c is None else rounded(c.value, c.std) for c in row.cells]
+        amplitude = NONE if row.amplitude is None else _length(row.amplitude, row.unit)
+        cells = [NONE if c is None else rounded(c.value, c.std) for c in row.cells]
         rows.append((row.session, amplitude, *cells))
     return Table("Table 1. Identified parameters (± one standard error)", tuple(head), tuple(rows))
+
+
+def _length(value: float, name: str) -> str:
+    factor, label = shown("displacement", name)
+    return f"{value * factor:.4g} {unit(label)}"
 
 
 def _table_2(found: Findings) -> Table:
@@ -56,7 +74,7 @@ def _table_2(found: Findings) -> Table:
         rows.append(_row(f"mu_{order}", damping_name(order).rsplit(" ", 1)[0], values))
     for order in sorted({n for m in both if m is not None for n in m.stiffness_by_order} - {1}):
         values = [None if m is None else m.stiffness_by_order.get(order) for m in both]
-        rows.append(_row(f"K of order {order}", "stiffness", values))
+        rows.append(_row(f"K{lowered(order)}", f"stiffness of order {order}", values))
     head = ("", "parameter", "unit", "WT", "RFS", "apart by (joint std. errors)")
     caption = "Table 2. Comparison of the results (this release; ± one standard error)"
     return Table(caption, head, tuple(rows), texts=3)
@@ -64,37 +82,37 @@ def _table_2(found: Findings) -> Table:
 
 def _row(name: str, meaning: str, values: list[Estimate | None]) -> tuple[str, ...]:
     label = next((value.unit for value in values if value is not None), "")
-    cells = ["–" if value is None else rounded(value.value, value.std) for value in values]
+    cells = [NONE if value is None else rounded(value.value, value.std) for value in values]
     return (symbol(name), meaning, unit(label), *cells, _apart(values))
 
 
 def _apart(values: list[Estimate | None]) -> str:
     first, second = values
     if first is None or second is None:
-        return "–"
+        return NONE
     joint = (first.std**2 + second.std**2) ** 0.5
-    return f"{abs(first.value - second.value) / joint:.1f}" if joint > 0 else "–"
+    return f"{abs(first.value - second.value) / joint:.1f}" if joint > 0 else NONE
 
 
 def _details(found: Findings) -> Table:
     assert found.identification is not None
     both = (found.identification.wavelet, found.identification.restoring_force)
     rows = [
-        ("order of damping", *("–" if m is None else str(m.order) for m in both)),
+        ("order of damping", *(NONE if m is None else str(m.order) for m in both)),
         (
             "error left, MSE [%]",
-            *("–" if m is None else three(m.mse_percent_by_order[m.order]) for m in both),
+            *(NONE if m is None else three(m.mse_percent_by_order[m.order]) for m in both),
         ),
     ]
     force = found.identification.restoring_force
     if force is not None:
         offset = f"{rounded(force.offset.value, force.offset.std)} {unit(force.offset.unit)}"
-        rows.append(("constant force per unit mass", "–", offset))
+        rows.append(("constant force per unit mass", NONE, offset))
         if force.mass is not None:
             rows.append(
                 (
                     "mass, by the force",
-                    "–",
+                    NONE,
                     f"{rounded(force.mass.value, force.mass.std)} {unit(force.mass.unit)}",
                 )
             )

@@ -9,19 +9,30 @@ from identify.estimate import Estimate
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _LARGE, _SMALL = 1e5, 1e-3
+SPACE = "\u00a0"  # keeps a number with its error and its unit on one line
 _GREEK = {"mu": "μ"}
 
 
 def unit(text: str) -> str:
     """Return a unit with raised powers: m/s^2 becomes m/s²; "1" (a pure number) becomes nothing."""
+    return "" if text == "1" else prose(text).replace(" ", SPACE)
+
+
+def prose(text: str) -> str:
+    """Return a sentence with raised powers and the signs that a terminal has no letters for."""
     raised = re.sub(r"\^(-?\d+)", lambda found: found.group(1).translate(_RAISED), text)
-    return "" if raised == "1" else re.sub(r"\bu(m|s|J|N)\b", r"µ\1", raised)
+    return re.sub(r"\bu(m|s|J|N)\b", r"µ\1", raised).replace("+-", "±")
 
 
 def symbol(name: str) -> str:
     """Return a parameter's name as it is printed: mu_0 becomes μ₀."""
     found = re.fullmatch(r"(mu)_(\d)", name)
     return name if found is None else _GREEK[found.group(1)] + found.group(2).translate(_LOWERED)
+
+
+def lowered(number: int) -> str:
+    """Return a number as an index."""
+    return str(number).translate(_LOWERED)
 
 
 def rounded(value: float | None, std: float | None) -> str:
@@ -40,8 +51,8 @@ def rounded(value: float | None, std: float | None) -> str:
     if last > 0 or exponent >= math.log10(_LARGE) or 10.0**exponent < _SMALL:
         decimals, scale = exponent - last, 10.0**exponent
         power = f"10{str(exponent).translate(_RAISED)}"
-        return f"({value / scale:.{decimals}f} ± {std / scale:.{decimals}f}) × {power}"
-    return f"{value:.{-last}f} ± {std:.{-last}f}"
+        return f"({value / scale:.{decimals}f} ±{SPACE}{std / scale:.{decimals}f}){SPACE}×{SPACE}{power}"
+    return f"{value:.{-last}f} ±{SPACE}{std:.{-last}f}"
 
 
 def _plain(value: float) -> str:
@@ -56,7 +67,7 @@ def with_unit(value: Estimate | dict[str, Any]) -> str:
     """Return a value with its error and its unit, from an estimate or from the dictionary kept of one."""
     if isinstance(value, Estimate):
         value = {"value": value.value, "std": value.std, "unit": value.unit}
-    return f"{rounded(value['value'], value['std'])} {unit(str(value['unit']))}".rstrip()
+    return f"{rounded(value['value'], value['std'])}{SPACE}{unit(str(value['unit']))}".rstrip()
 
 
 def three(value: float | None) -> str:

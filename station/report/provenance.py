@@ -22,7 +22,9 @@ def provenance(found: Findings) -> Section:
         table = tuple(
             (name, str(file.size), file.sha256) for name, file in files if not name.endswith(".html")
         )
-        parts.append(Table("Files of the session (SHA-256)", ("file", "bytes", "checksum"), table, texts=1))
+        parts.append(
+            Table("Files of the session (SHA-256)", ("file", "bytes", "checksum"), table, texts=1, wordy=True)
+        )
         parts.append(Words("raw.log holds every byte as it came; all results can be made again from it."))
     return Section("provenance", TITLE, tuple(parts))
 

@@ -3,7 +3,7 @@
 from station.diagnosis_words import headline
 from station.report.equation import caution
 from station.report.findings import Findings
-from station.report.numbers import rounded, symbol, three, unit
+from station.report.numbers import SPACE, rounded, symbol, three, unit
 
 
 def summary(found: Findings) -> tuple[tuple[str, str], ...]:
@@ -14,7 +14,9 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
                               ("restoring force", found.identification.restoring_force)):  # fmt: skip
             if method is not None:
                 values = [("K", method.stiffness), *((f"mu_{i}", v) for i, v in enumerate(method.damping))]
-                text = "; ".join(f"{symbol(n)} = {rounded(v.value, v.std)} {unit(v.unit)}" for n, v in values)
+                text = "; ".join(
+                    f"{symbol(n)} = {rounded(v.value, v.std)}{SPACE}{unit(v.unit)}" for n, v in values
+                )
                 rows.append((f"by the {label}", text))
     else:
         rows.append(("not identified", found.left_out["identification"]))

@@ -11,6 +11,7 @@ from daq.session import Session
 from daq.storage import write_whole
 from station.identifying import options_for
 from station.report.content import Section, Words
+from station.report.drawing import PAPER
 from station.report.equation import equation
 from station.report.failure import comparison
 from station.report.findings import Findings, gather
@@ -71,10 +72,12 @@ def make_report(
 
 def rendered(found: Findings) -> str:
     """Return the page; every text in it is escaped, whoever wrote it."""
+    import matplotlib
     from jinja2 import Environment, StrictUndefined
 
     _reasons(found)
-    sections = tuple(_made(found, make) for make in SECTIONS)
+    with matplotlib.rc_context(PAPER):
+        sections = tuple(_made(found, make) for make in SECTIONS)
     try:
         found.manifest = found.session.manifest()
     except StationError:
