@@ -53,6 +53,11 @@ class Equation:
     kind: ClassVar[str] = "equation"
 
 
+def left_out(reason: str) -> Words:
+    """Return the paragraph that stands in place of a section."""
+    return Words(f"Left out: {reason.rstrip('.')}.")
+
+
 Part = Facts | Words | Table | Figure | Equation
 
 

@@ -1,6 +1,7 @@
 """Pictures for paper: vector graphics in dark ink on white, curves told apart without colour, kept in the page itself."""
 
 import base64
+import re
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
 WIDTH = 6.9
 INK, GREY, BAND = "#111111", "#8c8c8c", "#d4d4d4"
 MEASURED, MODEL, OTHER = "#7d7d7d", "#00447c", "#a63603"
-MOST_POINTS = 1600
+MOST_POINTS = 1200
+_PATH = re.compile(rb'\bd="[^"]*"')
+_DECIMALS = re.compile(rb"(\.\d\d)\d+")  # a hundredth of a point is finer than any printer
 
 PAPER: dict[Any, Any] = {
     "figure.facecolor": "white",
@@ -75,7 +78,8 @@ def embedded(drawn: "Figure") -> str:
     """Return a figure as a data URI of an SVG: nothing outside the page is needed to see it."""
     buffer = BytesIO()
     drawn.savefig(buffer, format="svg", metadata={"Date": None})
-    return f"data:image/svg+xml;base64,{base64.b64encode(buffer.getvalue()).decode()}"
+    drawing = _PATH.sub(lambda path: _DECIMALS.sub(rb"\1", path.group()), buffer.getvalue())
+    return f"data:image/svg+xml;base64,{base64.b64encode(drawing).decode()}"
 
 
 def thinned(time: Array, values: Array) -> tuple[Array, Array]:

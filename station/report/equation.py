@@ -8,7 +8,7 @@ from identify.model import Term
 from station.compared import Compared
 from station.models import parameters_of
 from station.report import comparison_figures as draw
-from station.report.content import Equation, Figure, Part, Section, Table, Words
+from station.report.content import Equation, Figure, Part, Section, Table, Words, left_out
 from station.report.failure import errors, places
 from station.report.findings import Findings
 from station.report.numbers import SPACE, prose, rounded, symbol, unit
@@ -23,7 +23,7 @@ def equation(found: Findings) -> Section:
     """Show the present model: that of the ladder, else the usual one."""
     compared = found.climb.compared if found.climb is not None else found.compared
     if compared is None:
-        return Section("equation", TITLE, (Words(f"Left out: {found.left_out['comparison']}."),))
+        return Section("equation", TITLE, (left_out(found.left_out["comparison"]),))
     fit = compared.start.fit
     parts: list[Part] = [
         Equation((_letters(fit), _numbers(fit))),

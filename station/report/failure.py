@@ -6,7 +6,7 @@ from identify.place_words import Words as PlaceWords
 from station.compared import Compared
 from station.comparison_text import floor_text, harmonics_text
 from station.report import comparison_figures as draw
-from station.report.content import Facts, Figure, Part, Section, Table, Words
+from station.report.content import Facts, Figure, Part, Section, Table, Words, left_out
 from station.report.findings import Findings
 from station.report.numbers import prose, rounded, three, unit
 
@@ -18,7 +18,7 @@ def comparison(found: Findings) -> Section:
     """Tell and draw where stiffness, dry and viscous friction fail."""
     compared = found.compared
     if compared is None:
-        return Section("comparison", TITLE, (Words(f"Left out: {found.left_out['comparison']}."),))
+        return Section("comparison", TITLE, (left_out(found.left_out["comparison"]),))
     seen, fit = compared.comparison, compared.start.fit
     parts: list[Part] = [
         Words(f"{' + '.join(fit.model.names)}, fitted to the whole record and run freely.", label="Model"),

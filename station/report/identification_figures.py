@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from daq.recording import Recording
 from identify.restoring_force import RestoringForceResult, Section
 from identify.wavelet import WaveletResult
 from station.identification import Identification
@@ -30,29 +31,28 @@ from station.views.restoring_force import mesh
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-CHANNELS = ("displacement", "velocity", "acceleration", "force")
+MOST_CHANNELS = 8
+LONGEST = 24
 NEAR = 0.06
 MOST_DOTS = 500
 COARSE = 3
 
 
-def record(result: Identification) -> str:
-    """Draw the channels as recorded, lost samples as holes, the release as a line: the paper's figure 2."""
-    decay = result.decay
-    names = [name for name in CHANNELS if getattr(decay, name) is not None]
-    drawn, axes = paper(0.4 + 1.35 * len(names), len(names), sharex=True)
-    kept = np.ones(len(decay), dtype=bool) if decay.valid is None else decay.valid
-    for axis, name in zip(axes, names, strict=True):
-        if name == "force":
-            factor, label = 1.0, "N" if decay.mass is None else f"{decay.unit}/s^2"
-            label = label if decay.mass is not None else "as recorded"
-        else:
-            factor, label = shown(name, decay.unit)
-        curve(axis, decay.time, np.where(kept, getattr(decay, name), np.nan) * factor, color=INK, lw=0.7)
-        axis.set_ylabel(literal(f"{name} [{unit(label)}]"))
-        if not decay.driven:
-            axis.axvline(result.release.time_s, color=OTHER, lw=1.0, ls="--")
-    axes[-1].set(xlabel="time from the first sample [s]", xlim=(decay.time[0], decay.time[-1]))
+def record(recording: Recording, release: float | None) -> str:
+    """Draw the channels as recorded, lost samples as holes, the `release` (s) as a line: the paper's figure 2."""
+    channels = recording.channels[:MOST_CHANNELS]
+    drawn, axes = paper(0.4 + 1.35 * len(channels), len(channels), sharex=True)
+    time = np.arange(recording.samples.shape[1]) / recording.rate
+    for axis, channel, samples in zip(axes, channels, recording.samples, strict=False):
+        factor, label = 1.0, channel.unit
+        if channel.quantity == "displacement":
+            factor, label = shown("displacement", channel.unit)
+        curve(axis, time, np.where(recording.valid, samples, np.nan) * factor, color=INK, lw=0.7)
+        name = channel.name if channel.quantity == "other" else channel.quantity
+        axis.set_ylabel(literal(f"{name[:LONGEST]} [{unit(label)}]"))
+        if release is not None:
+            axis.axvline(release, color=OTHER, lw=1.0, ls="--")
+    axes[-1].set(xlabel="time from the first sample [s]", xlim=(0.0, time[-1] + 1.0 / recording.rate))
     return embedded(drawn)
 
 
@@ -103,8 +103,11 @@ def envelope(found: WaveletResult, length: str) -> str:
     below.set(xlabel="time [s]", ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
     below.set_xlim(top.get_xlim())
     amplitude = found.backbone_amplitude * factor
-    backbone.plot(found.backbone_frequency, amplitude, "o", color=GREY, ms=2.5, label="ridge")
-    backbone.plot(found.backbone_fit, amplitude, color=MODEL, lw=1.0, label="model")
+    every = max(1, len(amplitude) // MOST_DOTS)
+    backbone.plot(
+        found.backbone_frequency[::every], amplitude[::every], "o", color=GREY, ms=2.5, label="ridge"
+    )
+    backbone.plot(found.backbone_fit[::every], amplitude[::every], color=MODEL, lw=1.0, label="model")
     backbone.set(xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{name}]"), title="backbone")
     backbone.set_xlim(middle - half, middle + half)
     backbone.set_ylim(bottom=0)

@@ -5,7 +5,7 @@ from typing import Any
 from station.diagnosis_words import evidence, headline, indistinguishable, probability, shown_suspects
 from station.ladder_words import change, step
 from station.report import diagnosis_figures as draw
-from station.report.content import Figure, Part, Section, Table, Words
+from station.report.content import Figure, Part, Section, Table, Words, left_out
 from station.report.findings import Findings
 from station.report.numbers import prose, symbol, three, with_unit
 
@@ -18,7 +18,7 @@ def suspects(found: Findings) -> Section:
     """Show the verdict of the diagnosis, the suspects in order, and their fingerprints."""
     document = found.diagnosis
     if document is None:
-        return Section("suspects", SUSPECTS, (Words(f"Left out: {found.left_out['suspects']}."),))
+        return Section("suspects", SUSPECTS, (left_out(found.left_out["suspects"]),))
     parts: list[Part] = [Words(prose(document["explanation"]), label=headline(document), strong=True)]
     if len(document["sessions"]) > 1:
         parts.append(Words(", ".join(map(str, document["sessions"])), label="Diagnosed together"))
@@ -76,7 +76,7 @@ def _findings(document: dict[str, Any]) -> list[Part]:
 def ladder(found: Findings) -> Section:
     """Show the errors from the usual model to the present one, and the floor."""
     if found.climb is None:
-        return Section("ladder", LADDER, (Words(f"Left out: {found.left_out['ladder']}."),))
+        return Section("ladder", LADDER, (left_out(found.left_out["ladder"]),))
     kept = found.climb.ladder
     rows: list[tuple[str, ...]] = []
     for place, rung in enumerate(kept.rungs[: kept.present + 1]):

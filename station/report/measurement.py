@@ -90,14 +90,19 @@ def capture(found: Findings) -> Section:
     parts.append(Facts(tuple(rows)))
     if result is None:
         parts.append(_refused(found.left_out["identification"]))
-    else:
-        words = "The record." if result.decay.driven else "The record; dashed: the release."
-        parts.append(Figure(f"{words} Lost samples are left blank.", draw.record(result)))
+    free = result is not None and not result.decay.driven
+    words = "The record; dashed: the release." if free else "The record."
+    time = result.release.time_s if free and result is not None else None
+    parts.append(Figure(f"{words} Lost samples are left blank.", draw.record(found.recording, time)))
     return Section("capture", "Capture and verdict", tuple(parts))
 
 
 def _refused(reason: str) -> Words:
-    return Words(f"Nothing can be identified in this record: {reason}.", strong=True)
+    return Words(f"Nothing can be identified in this record: {_ended(reason)}", strong=True)
+
+
+def _ended(reason: str) -> str:
+    return f"{reason.rstrip('.')}."
 
 
 def _verdict(found: Findings) -> Words:
@@ -145,7 +150,7 @@ def alignment(found: Findings) -> Section:
     parts: list[Part] = []
     if result is None or result.alignment is None:
         reason = found.left_out.get("alignment", "")
-        parts.append(Words(f"The channels were not aligned: {reason}."))
+        parts.append(Words(f"The channels were not aligned: {_ended(reason)}"))
         return Section("alignment", "Alignment of the channels", tuple(parts))
     aligned = result.alignment
     late = "late" if aligned.lag.value >= 0 else "early"

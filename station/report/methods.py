@@ -3,7 +3,7 @@
 from identify.estimate import Estimate
 from station.quantities import damping_name, shown
 from station.report import identification_figures as draw
-from station.report.content import Figure, Part, Section, Table, Words
+from station.report.content import Figure, Part, Section, Table, Words, left_out
 from station.report.findings import Findings
 from station.report.numbers import lowered, rounded, symbol, three, unit
 from station.table import Tables, make_tables
@@ -21,11 +21,11 @@ def methods(found: Findings) -> Section:
     """Put both methods side by side; what was refused says why."""
     result = found.identification
     if result is None:
-        return Section("methods", TITLE, (Words(f"Left out: {found.left_out['identification']}."),))
+        return Section("methods", TITLE, (left_out(found.left_out["identification"]),))
     parts: list[Part] = []
     for name, label in (("wavelet", "Wavelet (WT)"), ("restoring_force", "Restoring force surface (RFS)")):
         if name in result.refusals:
-            parts.append(Words(f"not identified: {result.refusals[name]}.", label=label))
+            parts.append(Words(f"not identified: {result.refusals[name].rstrip('.')}.", label=label))
     if result.wavelet is None and result.restoring_force is None:
         return Section("methods", TITLE, tuple(parts))
     tables = make_tables([found.document])

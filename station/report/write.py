@@ -10,7 +10,7 @@ from daq.errors import StationError
 from daq.session import Session
 from daq.storage import write_whole
 from station.identifying import options_for
-from station.report.content import Section, Words
+from station.report.content import Section, left_out
 from station.report.drawing import PAPER
 from station.report.equation import equation
 from station.report.failure import comparison
@@ -120,4 +120,4 @@ def _made(found: Findings, make: Callable[[Findings], Section]) -> Section:
         reason = "results/diagnosis.json cannot be read; diagnose again"
         found.left_out["suspects"] = reason
         found.diagnosis, found.suspects = None, None
-        return Section(make.__name__, "Suspects", (Words(f"Left out: {reason}."),))
+        return Section(make.__name__, "Suspects", (left_out(reason),))
