@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 NOISE = 2.0
 SURE = 3.0
+COARSE = 5000.0
+MANY = 60
 
 
 def overlay(compared: Compared) -> str:
@@ -53,12 +55,14 @@ def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
     """Draw what a model leaves of one channel over the band of its noise."""
     fit = compared.start.fit
     span = fit.spans[0]
+    left = np.where(span.used[channel], fit.residual(channel), np.nan)
     fine, name = shown(channel, span.unit, fine=True)
+    if float(np.nanmax(np.abs(left))) * fine > COARSE:
+        fine, name = shown(channel, span.unit)
     noise = NOISE * span.sigma[channel] * fine
     axis.axhspan(-noise, noise, color=BAND, lw=0)
     for level in (-noise, noise):
         axis.axhline(level, color=GREY, lw=0.5, ls=":")
-    left = np.where(span.used[channel], fit.residual(channel), np.nan)
     curve(axis, span.clock, left * fine, color=OTHER, lw=0.7)
     axis.set_ylabel(literal(f"left [{unit(name)}]"))
 
@@ -138,7 +142,16 @@ def cycles(compared: Compared) -> str:
         (found.free_run_misfit, None, "free run: rms misfit / noise"),
     )
     for axis, (values, error, label) in zip(axes, rows, strict=True):
-        axis.errorbar(done.time, values, yerr=error, fmt="o-", ms=3, lw=0.8, capsize=1.5, color=INK)
+        axis.errorbar(
+            done.time,
+            values,
+            yerr=error,
+            fmt="o-" if len(values) < MANY else "-",
+            ms=3,
+            lw=0.8,
+            capsize=1.5,
+            color=INK,
+        )
         axis.axhline(0 if error is not None else 1, color=GREY, lw=0.8, ls="--")
         axis.set(xlabel="time since the release [s]", ylabel=literal(label))
     axes[-1].set_ylim(bottom=0)

@@ -19,7 +19,7 @@ LEAST = 0.5
 
 def errors(document: dict[str, Any]) -> str | None:
     """Draw the chi-square after adding each suspect against the floor; None where there is nothing to draw."""
-    rows = [("usual model", document["error"]["chi2"])]
+    rows = [("before", document["error"]["chi2"])]
     rows += [(s["effect"], s["error_after"]) for s in document["suspects"]]
     rows = [(name, float(value)) for name, value in rows if value is not None and np.isfinite(value)]
     return _bars(rows[: MOST_BARS + 1], document["noise_floor"]["chi2_std"], "chi² with it added")

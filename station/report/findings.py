@@ -65,10 +65,6 @@ def gather(session: Session, settings: Settings, options: Options, *, diagnose: 
     Raises DataLost when the session holds no sample; what else cannot be done is left out and says why.
     """
     found = Findings(session, session.recording(), options)
-    try:
-        found.manifest = session.manifest()
-    except StationError as error:
-        found.left_out["checksums"] = str(error)
     _identify(found)
     _compare(found)
     if diagnose:
@@ -77,6 +73,10 @@ def gather(session: Session, settings: Settings, options: Options, *, diagnose: 
     if refinement is not None:
         _suspects(found, refinement)
         _climb(found, refinement)
+    try:
+        found.manifest = session.manifest()  # last, as it knows the results that were just written
+    except StationError as error:
+        found.left_out["checksums"] = str(error)
     return found
 
 

@@ -23,7 +23,7 @@ from station.report.drawing import (
     paper,
     zero_lines,
 )
-from station.report.numbers import unit
+from station.report.numbers import prose, three, unit
 from station.views.alignment import overlay
 from station.views.log import Array
 from station.views.restoring_force import mesh
@@ -145,8 +145,8 @@ def _significance(axis: "Axes", found: RestoringForceResult) -> None:
     values = [max(value, 1e-6) for _, value in terms]
     axis.barh(range(len(terms)), values, color="#b5b5b5", edgecolor=INK, lw=0.6, height=0.6, log=True)
     for row, value in enumerate(values):
-        axis.annotate(f" {value:.3g} %", (value, row), va="center", fontsize=8)
-    axis.set_yticks(range(len(terms)), [literal(name) for name, _ in terms])
+        axis.annotate(f" {three(value)} %", (value, row), va="center", fontsize=8)
+    axis.set_yticks(range(len(terms)), [literal(prose(name)) for name, _ in terms])
     axis.invert_yaxis()
     axis.set_xlim(min(values, default=1.0) / 3, 2e4)
     axis.set(xlabel="share of the variance [%]", title="significance, eq. (19)")

@@ -6,7 +6,6 @@ from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
 
-from daq.errors import StationError
 from daq.session import Session
 from daq.storage import write_whole
 from station.identifying import options_for
@@ -78,10 +77,6 @@ def rendered(found: Findings) -> str:
     _reasons(found)
     with matplotlib.rc_context(PAPER):
         sections = tuple(_made(found, make) for make in SECTIONS)
-    try:
-        found.manifest = found.session.manifest()
-    except StationError:
-        found.manifest = None
     template = files("station.report").joinpath("page.html").read_text(encoding="utf-8")
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
