@@ -4,7 +4,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 
+from daq.errors import StorageError
 from daq.session_info import SessionInfo
+from daq.storage import read_regular
 
 FEWEST_SESSIONS = 3
 _MOST_SESSIONS = 50
@@ -39,7 +41,6 @@ def _neighbours(folder: Path) -> Iterator[SessionInfo]:
         return
     for file in files:
         try:
-            if file.stat().st_size <= _LARGEST and not file.is_symlink():
-                yield SessionInfo.model_validate_json(file.read_bytes())
-        except (OSError, ValueError):  # not a session, or one being written
+            yield SessionInfo.model_validate_json(read_regular(file, _LARGEST))
+        except (StorageError, ValueError):  # not a session, or one being written
             continue

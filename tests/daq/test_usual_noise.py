@@ -1,6 +1,8 @@
+import os
 from pathlib import Path
 
 import numpy as np
+import pytest
 from scripted_board import RATE, decay
 
 from daq.quality import Word, judge
@@ -26,6 +28,14 @@ def test_the_usual_noise_is_the_median_of_the_same_boards_sessions(tmp_path: Pat
     neighbours(tmp_path, [1.0, 1.0, 1.0], BoardInfo(board="b", unique_id="78"))
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "session.json").write_text("{")
+    assert usual_noise(tmp_path / "new", SessionInfo(board=BOARD)) == {"x": 5e-6}
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+def test_a_pipe_among_the_neighbours_is_not_waited_for(tmp_path: Path) -> None:
+    neighbours(tmp_path, [4e-6, 5e-6, 6e-6])
+    (tmp_path / "pipe").mkdir()
+    os.mkfifo(tmp_path / "pipe" / "session.json")
     assert usual_noise(tmp_path / "new", SessionInfo(board=BOARD)) == {"x": 5e-6}
 
 

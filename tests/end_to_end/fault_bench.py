@@ -12,7 +12,8 @@ from pathlib import Path
 from unittest import mock
 
 from daq import port as port_module
-from daq.errors import DataLost
+from daq.capture import CaptureObserver, CaptureSettings, capture
+from daq.errors import DataLost, Stalled
 from daq.port import Port
 from daq.session import Session, verify
 from mocks.cli import parser
@@ -118,6 +119,34 @@ def inject(promise: Promise, line: str, folder: Path, speed: float, seed: int, *
     ]
     with board(line, *double, *faults) as port:
         return station_capture(port, folder / "s", *timing)
+
+
+class Silence(CaptureObserver):
+    """When the last samples of a board came, and when its silence was told (s, this computer's clock)."""
+
+    def __init__(self) -> None:
+        self.last = self.told = 0.0
+
+    def block(self, first_index: int, samples: object) -> None:
+        self.last = time.monotonic()
+
+    def state(self, name: str, detail: str) -> None:
+        if "nothing came" in detail:
+            self.told = time.monotonic()
+
+
+def silence(line: str, folder: Path, at: float = 2.0) -> tuple[float, float]:
+    """Let a board fall silent `at` seconds into its stream, in real time.
+
+    Return how long after its last samples the operator was told, and the board given up (s).
+    """
+    watch = Silence()
+    with board(line, "--seed", "5", "--fault", f"stall:30@{at:g}") as port:
+        try:
+            capture(port, CaptureSettings(), folder / "s", watch)
+        except Stalled:
+            return watch.told - watch.last, time.monotonic() - watch.last
+    raise AssertionError("a board that had stalled was recorded to the end")
 
 
 def _busy(line: str, folder: Path, double: tuple[str, ...], timing: tuple[str, ...]) -> Outcome:

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from fault_bench import Promise, broken_promises, inject, promises
+from fault_bench import Promise, broken_promises, inject, promises, silence
 
 from mocks.faults import NAMES
 from mocks.lies import LIES
@@ -14,6 +14,7 @@ CASES = [pytest.param(row, line, id=f"{row.fault} on {line}") for row in ROWS fo
 # Sixteen times as fast as life a capture of 3 s takes half a second; what takes longer is the wait
 # of the fault itself.
 SPEED = 16.0
+NO_PTY = pytest.mark.skipif(os.name == "nt", reason="this system has no pty")
 
 
 @pytest.mark.parametrize(("promise", "line"), CASES)
@@ -35,3 +36,13 @@ def test_a_broken_promise_is_noticed(tmp_path: Path) -> None:
     reversed_sign = next(row for row in ROWS if row.fault == "sign reversed")
     outcome = inject(sound, "tcp", tmp_path, SPEED, 5, "--duration", "3")
     assert len(broken_promises(reversed_sign, outcome)) == 3
+
+
+@pytest.mark.parametrize("line", [pytest.param("pty", marks=NO_PTY), "tcp"])
+def test_in_real_time_a_stalled_board_is_told_within_two_seconds_and_given_up_soon_after(
+    tmp_path: Path, line: str
+) -> None:
+    told, given_up = silence(line, tmp_path)
+    assert 0.4 < told < 2.0
+    # Given up after 2 s; the rest is what a busy computer takes to close the session with its syncs.
+    assert given_up < 4.0
