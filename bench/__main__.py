@@ -22,6 +22,7 @@ SECTIONS = (
     "storage",
     "fuzz",
     "soak",
+    "workbench",
 )
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"

@@ -277,8 +277,9 @@ def _legend(colours: Theme, names: list[str]) -> Options:
         "data": names,
         "right": 10,
         "top": 0,
+        "icon": "roundRect",
         "itemWidth": 16,
-        "itemHeight": 8,
+        "itemHeight": 4,
         "textStyle": {"color": colours.ink, "fontSize": FONT},
     }
 

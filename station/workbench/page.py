@@ -15,6 +15,7 @@ from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.theme import theme
 
 TICK_S = 0.12
+SLOW_S = 0.4
 
 
 class Page:
@@ -138,6 +139,11 @@ class Page:
             self._desk.notice = ""
             self._desk.version += 1
 
+    def _hold_still(self, still: bool) -> None:
+        """Take no clicks on the loop while it computes; what it shows stays readable."""
+        if bool(self._right.props.get("inert")) != still:
+            self._right.props(add="inert") if still else self._right.props(remove="inert")
+
     def _tick(self) -> None:
         desk = self._desk
         if desk is None:
@@ -148,9 +154,12 @@ class Page:
             self._busy_words.text = (
                 f"{running.title}: {desk.said or 'waiting for a free worker'} ({seconds:.0f} s)"
             )
-            self._busy.set_visibility(running.long or seconds > 0.4)
+            slow = running.long or seconds > SLOW_S
+            self._busy.set_visibility(slow)
+            self._hold_still(slow)
         else:
             self._busy.set_visibility(False)
+            self._hold_still(False)
         if desk.version == self._seen:
             return
         self._seen = desk.version

@@ -62,7 +62,7 @@ class Shelf:
         if info is None:
             return Entry(folder.name, folder, "", "damaged", summary.problem, None)
         date = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
-        word = info.verdict or info.state.value
+        word = info.verdict if info.verdict and info.state is not State.ABORTED else info.state.value
         return Entry(folder.name, folder, date, word, "", self._portraits.get(_stamp(folder)))
 
     async def make_portraits(self) -> bool:

@@ -51,8 +51,9 @@ class SuspectsPanel:
                 return
             asked, now = document["model"]["effects"], view.ladder.top.effects
             if asked != now:
+                words = " + ".join(_plain(name) for name in asked)
                 parts.words(
-                    f"Asked about {' + '.join(asked)}; the model has changed since. Diagnose again to ask about it.",
+                    f"These were the suspects for {words}; Diagnose asks about the model below.",
                     "small faint wrap",
                 )
             self._verdict(document)

@@ -181,6 +181,6 @@ class Crew:
             job.worker = None
         async with self._free:
             worker.busy = False
-            if not worker.alive:
+            if job.cancelled or not worker.alive:
                 self._workers[self._workers.index(worker)] = Worker(self._settings)
             self._free.notify_all()

@@ -1,0 +1,68 @@
+"""`python -m bench.workbench_pictures`: the pictures of docs/workbench.md, taken of the page itself."""
+
+import sys
+from pathlib import Path
+
+from bench.workbench_server import ROOT, browser, workbench
+
+PICTURES = ROOT / "docs" / "pictures"
+SIZE = {"width": 1280, "height": 720}
+
+
+def main(folder: Path) -> None:
+    """Walk through a mystery, light, then look at the end of it, dark."""
+    with workbench() as address, browser() as started:
+        page = started.new_page(viewport=SIZE, color_scheme="light")
+        page.set_default_timeout(90_000)
+        page.goto(address)
+        page.wait_for_function("document.querySelectorAll('.session polyline').length == 3")
+        page.wait_for_timeout(2500)
+        _keep(page, folder / "workbench_empty.png")
+        page.goto(f"{address}/?session=mystery_7")
+        page.wait_for_selector("[data-name=energy] canvas")
+        page.get_by_role("button", name="Diagnose").click()
+        page.wait_for_timeout(700)
+        _keep(page, folder / "workbench_busy.png")
+        page.wait_for_selector(".suspect svg")
+        page.wait_for_function("!document.querySelector('[inert]')")
+        page.mouse.move(640, 5)
+        page.wait_for_timeout(800)
+        _keep(page, folder / "workbench_suspects.png")
+        page.get_by_role("button", name="Add stribeck friction").click()
+        page.wait_for_function("document.querySelectorAll('.rung').length == 2")
+        page.wait_for_timeout(800)
+        _keep(page, folder / "workbench_floor.png")
+        page.locator(".rung").first.click()
+        page.wait_for_selector(".rung.above")
+        page.locator(".bench-column").nth(1).evaluate("e => e.scrollTop = 470")
+        page.wait_for_timeout(600)
+        page.locator("[data-name=plane]").hover(position={"x": 150, "y": 90})
+        page.wait_for_timeout(400)
+        _keep(page, folder / "workbench_plane.png")
+        page.locator(".rung").nth(1).click()
+        page.wait_for_timeout(1200)
+        dark = started.new_page(viewport={"width": 1920, "height": 1080}, color_scheme="dark")
+        dark.goto(f"{address}/?session=mystery_7")
+        dark.wait_for_selector("[data-name=energy] canvas")
+        dark.wait_for_timeout(1500)
+        _keep(dark, folder / "workbench_dark.png")
+        page.get_by_role("tab", name="3-D / Rerun").click()
+        page.wait_for_selector("iframe.rerun")
+        page.wait_for_timeout(15_000)
+        page.mouse.click(640, 400)
+        page.wait_for_timeout(1500)
+        _keep(page, folder / "workbench_rerun.png")
+
+
+def _keep(page, file: Path) -> None:
+    """Write a picture with as few colours as keep it readable."""
+    from io import BytesIO
+
+    from PIL import Image
+
+    drawn = Image.open(BytesIO(page.screenshot())).convert("RGB")
+    drawn.quantize(128, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(file, optimize=True)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else PICTURES)

@@ -1,0 +1,128 @@
+"""A workbench as a process of its own on sessions with hidden effects, and a real browser to walk through it."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+
+from daq.capture import CaptureSettings, capture
+from daq.session_info import SessionInfo
+from station.commands.demo import double
+
+ROOT = Path(__file__).parents[2]
+
+
+def pytest_collection_modifyitems(items):
+    """Keep these tests on one core where two run: they share one workbench."""
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker(pytest.mark.xdist_group("workbench"))
+
+
+HIDDEN = {"mystery_7": "stribeck_friction", "mystery_12": "quadratic_damping"}
+"""What `mocks.mystery` hides under these numbers; read from its envelope when the sessions are made."""
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A running workbench: its address and its folder."""
+
+    address: str
+    folder: Path
+    mysteries: Path
+
+    def fresh(self, mystery: str, called: str) -> str:
+        """Put a copy of a mystery on the shelf, untouched by other tests; return its address."""
+        shutil.copytree(self.mysteries / mystery, self.folder / "sessions" / called)
+        return self.session(called)
+
+    def session(self, name: str) -> str:
+        return f"{self.address}/?session={name}"
+
+    def results(self, name: str) -> Path:
+        return self.folder / "sessions" / name / "results"
+
+
+@pytest.fixture(scope="session")
+def mysteries(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Record one release of each mystery from the double."""
+    made = tmp_path_factory.mktemp("mysteries")
+    with TemporaryDirectory() as aside:
+        for name, hidden in HIDDEN.items():
+            envelope = Path(aside) / f"{name}.json"
+            seed = int(name.rpartition("_")[2])
+            info = SessionInfo(name=name, mass_kg=21.36)
+            with double(seed, 0.0, False, "--truth", str(envelope), module="mocks.mystery") as port:
+                capture(port, CaptureSettings(check_clock=False, info=info), made / name)
+            assert f'"hidden": "{hidden}"' in envelope.read_text()
+    return made
+
+
+@pytest.fixture(scope="session")
+def bench(mysteries: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
+    """Start a workbench on an empty folder; it must end at Ctrl-C without a complaint."""
+    folder = tmp_path_factory.mktemp("bench")
+    (folder / "sessions").mkdir()
+    command = [sys.executable, "-m", "station", "workbench", "--no-browser"]
+    environment = os.environ | {"PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT)}
+    process = subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    said = process.stderr.readline()
+    assert said.startswith("workbench: http://127.0.0.1:"), said + process.stderr.read()
+    try:
+        yield Bench(said.split()[1].rstrip("/"), folder, mysteries)
+    finally:
+        process.send_signal(signal.SIGINT)
+        rest = process.communicate(timeout=20)[1]
+        assert "Traceback" not in rest, rest
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[object]:
+    """Start a browser that is installed here; skip where there is none."""
+    program = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    if program is None:
+        pytest.skip(f"no browser is installed here (looked for {', '.join(BROWSERS)})")
+    driver = pytest.importorskip("playwright.sync_api", reason="playwright is not installed here")
+    with driver.sync_playwright() as play:
+        started = play.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        yield started
+        started.close()
+
+
+class Visit:
+    """A tab, and everything that it asked for."""
+
+    def __init__(self, page, asked: list[str], complaints: list[str]) -> None:
+        self.page, self.asked, self.complaints = page, asked, complaints
+
+
+@pytest.fixture
+def visit(browser, bench: Bench) -> Iterator[Visit]:
+    """Open a tab whose requests are watched: none may leave this machine, and no script may fail."""
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    asked: list[str] = []
+    complaints: list[str] = []
+    context.on("request", lambda request: asked.append(request.url))
+    context.on("weberror", lambda error: complaints.append(str(error.error)))
+    context.on("dialog", lambda dialog: complaints.append(f"dialog: {dialog.message}"))
+    page = context.new_page()
+    page.set_default_timeout(30_000)
+    page.on("websocket", lambda socket: asked.append(socket.url))
+    yield Visit(page, asked, complaints)
+    context.close()
+    here = bench.address.removeprefix("http://")
+    outside = [
+        url for url in asked if not url.startswith((f"http://{here}/", f"ws://{here}/", "data:", "blob:"))
+    ]
+    assert not outside
+    assert not complaints

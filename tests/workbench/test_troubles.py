@@ -1,0 +1,73 @@
+"""What goes wrong at a bench: a wrong file, a stalled board, a session that strangers named."""
+
+import shutil
+import time
+
+from tests.workbench.stalling import stalling_board
+
+
+def test_a_file_that_is_no_recording_is_refused_in_words(visit, bench):
+    page = visit.page
+    page.goto(bench.address)
+    before = sorted(path.name for path in (bench.folder / "sessions").iterdir())
+    wrong = {"name": "holiday.csv", "mimeType": "text/csv", "buffer": b"dear diary,\nthe sea was calm\n" * 40}
+    page.locator(".drop input[type=file]").set_input_files(wrong)
+    page.locator("aside .bad.small").first.wait_for()
+    told = page.locator("aside .bad.small").first.inner_text()
+    assert "holiday.csv" in told
+    assert "/tmp" not in told
+    assert "fault of this program" not in told
+    assert sorted(path.name for path in (bench.folder / "sessions").iterdir()) == before
+
+
+def test_a_recording_that_is_dropped_becomes_a_session_within_the_folder(visit, bench):
+    import numpy as np
+
+    time_s = np.arange(1200) / 200.0
+    u = 0.02 * np.exp(-0.2 * time_s) * np.cos(25.0 * time_s) + 5e-6 * np.random.default_rng(1).normal(
+        size=1200
+    )
+    lines = ["time_s,displacement_m", *(f"{t:.4f},{x:.8f}" for t, x in zip(time_s, u, strict=True))]
+    page = visit.page
+    page.goto(bench.address)
+    named = {"name": "..\\..\\decay <b>.csv", "mimeType": "text/csv", "buffer": "\n".join(lines).encode()}
+    page.locator(".drop input[type=file]").set_input_files(named)
+    page.get_by_role("link", name="open decay_b").click()
+    page.wait_for_selector(".rung")
+    assert (bench.folder / "sessions" / "decay_b" / "session.json").is_file()
+
+
+def test_a_board_that_falls_silent_is_told_within_two_seconds_and_what_came_is_kept(visit, bench):
+    page = visit.page
+    page.goto(bench.address)
+    with stalling_board(at_s=1.5) as port:
+        field = page.get_by_label("Port of the board")
+        field.fill(port)
+        field.press("Enter")
+        page.get_by_role("button", name="Arm the capture").click()
+        page.get_by_text("nothing came for 0.5 s").wait_for()
+        warned = time.monotonic()
+        page.get_by_text("silent for 2 s").wait_for()
+        assert time.monotonic() - warned < 3.0  # 1.5 s by the link's clock, and what the page takes to say it
+    page.get_by_role("button", name="Arm the capture").wait_for()
+    page.locator(".session", has_text="aborted").first.wait_for()
+
+
+def test_a_session_that_a_stranger_named_is_only_text(visit, bench):
+    name = "<img src=x onerror=alert(1)>"
+    bench.fresh("mystery_7", name)
+    page = visit.page
+    try:
+        page.goto(bench.address)
+        page.locator(".session", has_text="<img").click()
+        page.wait_for_selector(".rung")
+        assert page.locator(".bench-session").inner_text() == name
+        assert page.locator("img").count() == 0
+    finally:
+        shutil.rmtree(bench.folder / "sessions" / name)
+
+
+def test_an_address_leads_nowhere_but_to_sessions_on_the_shelf(visit, bench):
+    page = visit.page
+    page.goto(f"{bench.address}/?session=..%2F..%2Fetc")
+    page.get_by_text("There is no session called ../../etc").wait_for()

@@ -1,0 +1,135 @@
+"""A newcomer's walk with the mouse: from opening the page to the right effect and the error at the floor."""
+
+import json
+import re
+import subprocess
+import sys
+import time
+
+CLICK_S = 4.0
+"""An Add shows within 1 s on a computer of its own (docs/benchmarks.md); the tests' two cores are shared."""
+
+
+def chi2_of_rungs(page):
+    return [float(text) for text in page.locator(".rung .value").all_inner_texts()]
+
+
+def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
+    page = visit.page
+    bench.fresh("mystery_7", "walk")
+    page.goto(bench.address)
+    page.get_by_role("link", name=re.compile("walk")).click()
+    page.wait_for_selector(".rung")
+    before = chi2_of_rungs(page)
+    assert len(before) == 1
+    assert before[0] > 10
+    page.get_by_role("button", name="Diagnose").click()
+    page.wait_for_selector(".suspect button")
+    assert "stribeck friction" in page.locator(".verdict").inner_text()
+    page.wait_for_function("document.querySelectorAll('.suspect svg').length >= 3")
+    clicked = time.monotonic()
+    page.locator(".suspect button").first.click()
+    page.wait_for_function("document.querySelectorAll('.rung').length == 2")
+    assert time.monotonic() - clicked < CLICK_S
+    assert abs(chi2_of_rungs(page)[1] - 1.0) < 0.3  # four standard errors of a floor that is known to 7 %
+    assert "floor" in page.locator(".loop-ladder").inner_text()
+    page.reload()
+    page.wait_for_function("document.querySelectorAll('.rung').length == 2")
+    page.wait_for_selector(".suspect")
+
+    told = subprocess.run(
+        [sys.executable, "-m", "station", "refine", "walk", "--json", "--no-viewer"],
+        cwd=bench.folder, capture_output=True, text=True, timeout=60, check=True,
+    )  # fmt: skip
+    rungs = json.loads(told.stdout)["rungs"]
+    assert [rung["added"] for rung in rungs] == [None, "stribeck_friction"]
+    assert abs(rungs[1]["error"]["chi2"] - chi2_of_rungs(page)[1]) < 0.001
+
+    page.locator(".rung").first.click()
+    page.wait_for_selector(".rung.above")
+    assert json.loads((bench.results("walk") / "ladder.json").read_text())["present"] == 0
+
+
+def test_every_axis_has_a_unit_and_the_same_moment_is_marked_in_all_pictures(visit, bench):
+    page = visit.page
+    page.goto(bench.fresh("mystery_12", "linked"))
+    page.wait_for_selector("[data-name=energy] canvas")
+    names = page.evaluate(
+        """[...document.querySelectorAll('[data-kind]')].flatMap(el => {
+             const o = getElement(Number(el.id.slice(1))).chart.getOption();
+             return [...o.xAxis, ...o.yAxis].map(a => a.name).filter(n => n) })"""
+    )
+    assert len(names) == 13  # seven pictures; the overlay shares the residual's time axis
+    assert all(re.search(r"\[.+\]$", name) for name in names)
+    page.wait_for_function("window.bench.motion !== null")
+    page.locator("[data-name=residual]").hover(position={"x": 300, "y": 60})
+    page.wait_for_function(
+        "[...document.querySelectorAll('.mark')].filter(m => m.style.display == 'block').length == 7"
+    )
+    assert re.match(r"t = \d\.\d{3} s", page.locator("#readout").inner_text())
+
+
+def test_an_effect_of_ones_own_is_checked_as_it_is_typed_and_can_be_switched_off_and_on(visit, bench):
+    page = visit.page
+    page.goto(bench.fresh("mystery_12", "own"))
+    page.wait_for_selector(".rung")
+    field = page.get_by_role("textbox", name="Effect of your own")
+    add = page.get_by_role("button", name="Add the effect of your own")
+    field.fill("drag = c*w(v)")
+    page.get_by_text("there is no function 'w'").wait_for()
+    assert add.is_disabled()
+    field.fill("drag = c*v*abs(v)")
+    page.get_by_text("Understood").wait_for()
+    add.click()
+    page.wait_for_function("document.querySelectorAll('.rung').length == 2")
+    assert abs(chi2_of_rungs(page)[1] - 1.0) < 0.3
+    page.get_by_role("switch", name="drag in the model").click()
+    page.wait_for_function("document.querySelectorAll('.rung').length == 3")
+    assert chi2_of_rungs(page)[2] > 10
+    page.get_by_role("switch", name="drag in the model").click()
+    page.wait_for_function("document.querySelectorAll('.rung').length == 4")
+    assert abs(chi2_of_rungs(page)[3] - 1.0) < 0.3
+
+
+def test_a_computation_is_cancelled_and_the_next_one_works(visit, bench):
+    page = visit.page
+    page.goto(bench.fresh("mystery_7", "cancelled"))
+    page.wait_for_selector(".rung")
+    kept = {path.name: path.read_bytes() for path in bench.results("cancelled").iterdir()}
+    rungs = page.locator(".rung").count()
+    page.get_by_role("button", name="Diagnose").click()
+    page.get_by_role("button", name="Cancel", exact=True).click()
+    page.get_by_text("cancelled; nothing was changed").wait_for()
+    assert {path.name: path.read_bytes() for path in bench.results("cancelled").iterdir()} == kept
+    page.get_by_role("textbox", name="Effect of your own").fill("extra = q*u**5")
+    page.get_by_role("button", name="Add the effect of your own").click()
+    page.wait_for_function("document.querySelector('.rung.present')?.innerText.includes('extra')")
+    assert page.locator(".rung").count() <= rungs + 1
+
+
+def test_two_tabs_on_two_sessions_do_not_disturb_each_other(visit, bench):
+    first, second = visit.page, visit.page.context.new_page()
+    first.goto(bench.fresh("mystery_7", "tab_one"))
+    second.goto(bench.fresh("mystery_12", "tab_two"))
+    for page in (first, second):
+        page.wait_for_selector(".rung")
+    rungs = second.locator(".rung").count()
+    first.get_by_role("button", name="Diagnose").click()
+    second.locator(".rung").first.click()
+    second.wait_for_selector(".rung.present:first-of-type")
+    assert second.locator(".rung").count() == rungs
+    first.get_by_role("button", name="Diagnose").click(timeout=60_000)
+    assert first.locator(".verdict").count() == 1
+
+
+def test_two_tabs_on_one_session_show_the_same(visit, bench):
+    first, second = visit.page, visit.page.context.new_page()
+    address = bench.fresh("mystery_12", "shared")
+    for page in (first, second):
+        page.goto(address)
+        page.wait_for_selector(".rung")
+    first.get_by_role("textbox", name="Effect of your own").fill("shared = c*v*abs(v)")
+    first.get_by_role("button", name="Add the effect of your own").click()
+    for page in (first, second):
+        page.wait_for_function("document.querySelectorAll('.rung').length == 2")
+    assert chi2_of_rungs(first) == chi2_of_rungs(second)
