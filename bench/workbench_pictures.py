@@ -61,7 +61,7 @@ def _keep(page, file: Path) -> None:
     from PIL import Image
 
     drawn = Image.open(BytesIO(page.screenshot())).convert("RGB")
-    drawn.quantize(128, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(file, optimize=True)
+    drawn.quantize(256, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(file, optimize=True)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from station.settings import Settings
 from station.workbench.desk import Desks
 from station.workbench.guard import Guard
 from station.workbench.page import Page
+from station.workbench.report_button import serve_reports
 from station.workbench.room import Room
 from station.workbench.shelf import Shelf
 from station.workbench.viewer_files import serve_viewer
@@ -32,6 +33,7 @@ def make(
     app.add_middleware(Guard, names=names, any_address=any_address)
     nicegui_app.add_static_files("/static/bench", STATIC)
     serve_viewer(app, aside, room.shelf)
+    serve_reports(app, room.shelf)
     nicegui_app.on_startup(lambda: background_tasks.create(crew.warm()))
 
     @ui.page("/")

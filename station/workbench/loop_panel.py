@@ -75,7 +75,7 @@ class LoopPanel:
     def _show_ladder(self, ladder: KeptLadder) -> None:
         with parts.line():
             with ui.element("div").classes("grow"):
-                parts.head("The error, rung by rung")
+                parts.head("Rung by rung")
             parts.words("chi2; green: noise floor", "small faint")
         before = None
         for place, rung in enumerate(ladder.rungs):

@@ -9,6 +9,7 @@ from station.workbench.capture_panel import CapturePanel
 from station.workbench.desk import Desk
 from station.workbench.loop_panel import LoopPanel
 from station.workbench.middle_panel import MiddlePanel
+from station.workbench.report_button import ReportButton
 from station.workbench.rerun_tab import RerunTab
 from station.workbench.room import Room
 from station.workbench.sessions_panel import SessionsPanel
@@ -50,6 +51,8 @@ class Page:
                 "color:inherit;text-decoration:none"
             )
             parts.words(self._key or "workbench", "bench-session")
+            if self._desk is not None and self._key is not None:
+                ReportButton(self._room, self._desk, self._key).build()
             self._theme_button = parts.button("Dark", self._turn_theme, "Switch between light and dark")
 
     def _build_middle(self) -> None:

@@ -85,8 +85,8 @@ class SuspectsPanel:
                 with ui.element("div"):
                     parts.words("The missing force itself", "strong")
                     parts.words(
-                        "over displacement (right) and velocity (up): orange pushes, blue pulls. The right suspect "
-                        "looks like it.",
+                        "over displacement (right) and velocity (up); orange and blue are its two directions. The "
+                        "right suspect looks like it.",
                         "small faint",
                     )
         for suspect in shown_suspects(document):
@@ -107,24 +107,23 @@ class SuspectsPanel:
                 ui.element("div")
             else:
                 parts.svg(disc(found, reach, colours))
-            with ui.element("div"):
-                parts.words(_plain(name), "strong wrap")
-                parts.words(known.equation if known else suspect["title"], "mono")
-                parts.words(f"chi2 would be {size(suspect['error_after'])}", "small")
-                parts.words(_sure(suspect), "small faint")
-                for parameter, value in suspect["parameters"].items():
-                    parts.words(f"{parameter} = {pretty(number(value))}", "small")
-                if suspect["confusable_with"]:
-                    parts.words(
-                        f"easily taken for {_plain(', '.join(suspect['confusable_with'][:4]))}",
-                        "small faint wrap",
-                    )
+            parts.words(_plain(name), "strong wrap")
             if name in view.ladder.top.effects:
                 parts.words("in the model", "small good")
             else:
                 parts.button(
                     "Add", lambda: self._add(name), f"Add {_plain(name)}", strong=is_claimed(suspect)
                 )
+            with ui.element("div").classes("details"):
+                parts.words(known.equation if known else suspect["title"], "mono")
+                values = [f"{p} = {pretty(number(value))}" for p, value in suspect["parameters"].items()]
+                parts.words(", ".join(values), "small wrap")
+                parts.words(
+                    f"chi2 would be {size(suspect['error_after'])}; {_sure(suspect)}", "small faint wrap"
+                )
+                if suspect["confusable_with"]:
+                    close = _plain(", ".join(suspect["confusable_with"][:4]))
+                    parts.words(f"easily taken for {close}", "small faint wrap")
 
     def _add(self, name: str) -> None:
         self._desk.start(f"Adding {_plain(name)}", "add", name)

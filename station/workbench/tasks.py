@@ -168,6 +168,14 @@ def viewer(settings: Settings, tell: Tell, folder: Path, aside: Path) -> int:
     return file.stat().st_mtime_ns
 
 
+def report(settings: Settings, tell: Tell, folder: Path) -> str:
+    """Write the report of a session; return its path."""
+    from station.report.write import write_report
+
+    tell("writing the report")
+    return str(write_report(Session.open(folder), settings=settings, tell=tell))
+
+
 def warm(settings: Settings, tell: Tell) -> None:
     """Compile what the other tasks need."""
     warm_up()
@@ -185,5 +193,6 @@ TASKS: dict[str, Callable[..., Any]] = {
     "portrait": portrait,
     "import": import_file,
     "viewer": viewer,
+    "report": report,
     "warm": warm,
 }

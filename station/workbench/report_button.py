@@ -1,0 +1,90 @@
+"""The report: one button writes the page that `station report` writes, and opens it in a tab of its own."""
+
+from urllib.parse import quote
+
+from fastapi import FastAPI
+from nicegui import ui
+from starlette.responses import FileResponse, PlainTextResponse, Response
+
+from station.report.write import NAME
+from station.workbench import parts
+from station.workbench.desk import Desk
+from station.workbench.room import Room
+from station.workbench.shelf import Shelf
+from station.workbench.worker import Cancelled, Failed, Job
+
+PLACE = "/report"
+POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:"
+"""A report runs no script and belongs to no origin, whoever wrote the file."""
+
+
+class ReportButton:
+    """Report, then the way to it; while it is written, how to cancel."""
+
+    def __init__(self, room: Room, desk: Desk, key: str) -> None:
+        self._room, self._desk, self._key = room, desk, key
+        self._job: Job | None = None
+        self._said = ""
+
+    def build(self) -> None:
+        """Make the button."""
+        self._place = parts.line().props("aria-live=polite")
+        self._offer()
+        ui.timer(0.3, self._tick)
+
+    def _offer(self, words: str = "", bad: bool = False) -> None:
+        self._place.clear()
+        with self._place:
+            if words and bad:
+                parts.words(words, "small bad wrap")
+            elif words:
+                link = ui.link(words, f"{PLACE}/{quote(self._key, safe='')}", new_tab=True).classes(
+                    "small strong"
+                )
+                link.style("color: var(--accent)")
+            parts.button("Report", self._write, "Write the report of this session")
+
+    async def _write(self) -> None:
+        if self._job is not None:
+            return
+        self._job, self._said = Job(), "gathering"
+        self._place.clear()
+        with self._place:
+            ui.spinner(size="16px")
+            self._words = parts.words(self._said, "small faint")
+            parts.button("Cancel", self._cancel, "Cancel the report")
+        try:
+            await self._room.crew.do(
+                self._job, str(self._desk.folder), "report", self._desk.folder, tell=self._tell
+            )
+        except Cancelled:
+            self._offer()
+        except Failed as failure:
+            self._offer(str(failure), bad=True)
+        else:
+            self._offer("Open the report")
+        finally:
+            self._job = None
+
+    def _cancel(self) -> None:
+        if self._job is not None:
+            self._job.cancel()
+
+    def _tell(self, text: str) -> None:
+        self._said = text
+
+    def _tick(self) -> None:
+        if self._job is not None:
+            self._words.text = self._said
+
+
+def serve_reports(app: FastAPI, shelf: Shelf) -> None:
+    """Let the application give the reports of the sessions on the shelf."""
+
+    @app.get(f"{PLACE}/{{key}}")
+    def report(key: str) -> Response:
+        session = shelf.folder_of(key)
+        file = None if session is None else session / "results" / NAME
+        if file is None or not file.is_file() or file.is_symlink():
+            return PlainTextResponse("there is no report of this session yet\n", 404)
+        return FileResponse(file, media_type="text/html", headers={"Content-Security-Policy": POLICY})
