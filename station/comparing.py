@@ -8,7 +8,7 @@ from typing import Any
 from daq.session import Session
 from identify.compare import Comparison, compare
 from identify.effects.library import LIBRARY
-from identify.search import begin
+from identify.search import Start, begin
 from identify.setting import Setting, prepare
 from station.compared import Compared
 from station.diagnosing import chosen_model
@@ -39,12 +39,17 @@ def compare_ready(
 ) -> tuple[Compared, dict[str, Any]]:
     """Do the same with a session that was made ready by `setting_of` before."""
     chosen, known, _ = chosen_model(model, (setting,), LIBRARY)
-    start = begin((setting,), chosen, known)
-    found = compare(setting, start.fit, start.floors[0].channels, mass=mass)
-    compared = Compared(session.folder.name, setting, start, found)
+    compared = compare_fitted(session.folder.name, begin((setting,), chosen, known), mass)
     document = as_document(compared)
     session.write_result(RESULT, json.dumps(finite(document), indent=2, ensure_ascii=False) + "\n")
     return compared, document
+
+
+def compare_fitted(name: str, start: Start, mass: float | None) -> Compared:
+    """Compare a model that was fitted already, on the setting as the fit has mended it."""
+    setting = start.settings[0]
+    found = compare(setting, start.fit, start.floors[0].channels, mass=mass)
+    return Compared(name, setting, start, found)
 
 
 def write_view(session: Session, compared: Compared) -> Path:

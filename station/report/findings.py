@@ -9,13 +9,13 @@ from daq.errors import StationError
 from daq.manifest import Manifest
 from daq.recording import Recording
 from daq.session import Session
-from identify.compare import compare
 from identify.errors import NotIdentifiable
+from identify.model import base_model
 from identify.refine import Rung
 from identify.search import begin
 from station.compared import Compared
 from station.comparing import RESULT as COMPARISON
-from station.comparing import as_document, compare_session, setting_of
+from station.comparing import as_document, compare_fitted, compare_session, setting_of
 from station.diagnosing import Bench, make_ready
 from station.diagnosis import RESULT as DIAGNOSIS
 from station.diagnosis import diagnose_bench, keep
@@ -92,11 +92,8 @@ def _compare(found: Findings) -> None:
     try:
         if (found.session.results / COMPARISON).is_file():
             setting = setting_of(found.session, found.options)
-            from identify.model import base_model
-
             start = begin((setting,), base_model())
-            seen = compare(setting, start.fit, start.floors[0].channels, mass=found.options.mass)
-            found.compared = Compared(found.session.folder.name, setting, start, seen)
+            found.compared = compare_fitted(found.session.folder.name, start, found.options.mass)
             found.comparison = as_document(found.compared)
         else:
             found.compared, found.comparison = compare_session(found.session, found.options)
@@ -158,7 +155,5 @@ def _climb(found: Findings, refinement: Refinement) -> None:
     except (Problem, NotIdentifiable) as refusal:
         found.left_out["ladder"] = str(refusal)
         return
-    start = top.start
-    seen = compare(refinement.setting, start.fit, start.floors[0].channels, mass=found.options.mass)
-    compared = Compared(found.session.folder.name, refinement.setting, start, seen)
+    compared = compare_fitted(found.session.folder.name, top.start, found.options.mass)
     found.climb = Climb(refinement.ladder, top, compared)
