@@ -18,6 +18,7 @@ SECTIONS = (
     "diagnosis",
     "bounds",
     "peers",
+    "recordings",
     "station",
     "storage",
     "fuzz",

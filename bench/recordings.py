@@ -1,0 +1,124 @@
+"""Recordings that others made: what the diagnosis says of each, and how far its error falls."""
+
+import json
+import os
+import tempfile
+import time
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: one thread is the fastest here
+
+TITLE = "Recordings that others made"
+DATA = Path(os.environ.get("STATION_DATA", Path(__file__).resolve().parents[1] / ".." / "shared" / "data"))
+ROLL = {"columns": {"displacement": "phi"}}
+SILVERBOX = {
+    "columns": {"force": "V1", "displacement": "V2"},
+    "units": {"force": "V", "displacement": "V"},
+    "rate": 610.35,
+}
+RECORDINGS = (
+    ("spring_disc/release_1.csv", {}, "drag"),
+    ("spring_disc/release_2.csv", {}, "drag"),
+    ("spring_disc/release_3_glitches.csv", {}, "drag, and a sonar that loses readings"),
+    ("spring_disc/release_4_small.csv", {}, "nothing strong"),
+    *((f"pohl_wheel/brake_{i:03d}mA.csv", {}, "dry friction") for i in (0, 100, 200, 400, 700)),
+    ("ship_roll/model_test_21337.csv", ROLL, "hardening and nonlinear damping"),
+    ("ship_roll/model_test_21338.csv", ROLL, "hardening and nonlinear damping"),
+    ("silverbox/SNLS80mV.mat", SILVERBOX, "a cubic spring, no friction"),
+)
+
+
+def _said(name: str, options: dict, folder: Path) -> list[str]:
+    from daq.importing.options import ImportOptions
+    from daq.session_info import SessionInfo
+    from station.diagnosing import open_bench
+    from station.diagnosis import diagnose_bench
+    from station.exits import code_of
+    from station.sessions import import_file
+    from station.settings import Settings
+
+    file = DATA / name
+    try:
+        session = import_file(
+            file, folder / Path(name).stem, folder, ImportOptions(**options), SessionInfo()
+        ).sessions[0]
+        bench = open_bench((str(session.folder),), Settings())
+        began = time.perf_counter()
+        found, document = diagnose_bench(bench)
+    except Exception as error:
+        if code_of(error) == 1:
+            raise
+        return [name, f"refused: {str(error).split(': ', 1)[-1]}", "", "", "", "", ""]
+    before, after = document["error"], document["error_with_named"] or document["error"]
+    friction = found.start.fit.values["coulomb_friction.mu_0"]
+    known = (
+        f"{friction.value:.2g} ± {friction.std:.1g}"
+        if friction.std < float("inf")
+        else f"{friction.value:.2g}"
+    )
+    return [
+        name,
+        f"{found.verdict} {' + '.join(found.named)}".strip(),
+        ", ".join(suspect.effect.name for suspect in found.suspects[:3]),
+        known,
+        f"{before['motion_percent']:.3g} → {after['motion_percent']:.3g}",
+        f"{before['chi2']:.3g} → {after['chi2']:.3g}",
+        f"{time.perf_counter() - began:.1f}",
+    ]  # fmt: skip
+
+
+def _hidden(folder: Path) -> str:
+    from daq.importing.options import ImportOptions
+    from daq.session_info import SessionInfo
+    from station.diagnosing import open_bench
+    from station.diagnosis import diagnose_bench
+    from station.sessions import import_file
+    from station.settings import Settings
+
+    truths = json.loads((DATA / "hidden" / "truth.json").read_text())
+    wrong = []
+    for truth in truths:
+        place = folder / truth["file"].removesuffix(".csv")
+        session = import_file(
+            DATA / "hidden" / truth["file"], place, folder, ImportOptions(), SessionInfo()
+        ).sessions[0]
+        found = diagnose_bench(open_bench((str(session.folder),), Settings()))[0]
+        told = f"{found.verdict} {' + '.join(found.named)}".strip()
+        if not _right(truth["hidden"], found.verdict, set(found.named)):
+            wrong.append(f"{truth['file']} ({truth['hidden']}): {told}")
+    return (
+        f"Releases with a hidden effect, by a program that is not ours: {len(truths) - len(wrong)} of {len(truths)} named rightly. "
+        f"Wrong: {'; '.join(wrong) or 'none'}."
+    )
+
+
+def _right(hidden: str | None, verdict: str, named: set[str]) -> bool:
+    from identify.effects.library import LIBRARY
+
+    if not hidden or hidden in ("nothing", "none"):
+        return verdict == "nothing_missing"
+    wanted = set(hidden.replace(" ", "").replace(",", "+").split("+"))
+    if not wanted <= {effect.name for effect in LIBRARY}:
+        return verdict == "unknown_effect"
+    return named == wanted
+
+
+def run(quick: bool) -> str:
+    """Return the tables as markdown; says so where the recordings are not there."""
+    if not DATA.is_dir():
+        return "The recordings are not here (`../shared/data`, or the folder named by `STATION_DATA`)."
+    lines = [
+        "| recording | expected | verdict | first suspects | dry friction of the usual model, per mass | motion error, % | chi-square | s |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    with tempfile.TemporaryDirectory() as made:
+        for name, options, expected in RECORDINGS:
+            first, *said = _said(name, options, Path(made))
+            lines.append(f"| {' | '.join([first, expected, *said])} |")
+        hidden = "" if quick else "\n\n" + _hidden(Path(made))
+    return (
+        "\n".join(lines)
+        + "\n\nMotion error: free run of a dozen cycles or of the whole decay, rms of the misfit over that of the reading. Floors of real "
+        "records are what the rest or the band above the motion shows; slow errors of a sensor lie above it, so that chi-square does not reach 1."
+        + hidden
+    )
