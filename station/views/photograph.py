@@ -42,10 +42,16 @@ def _tabs(layout: dict[str, Any]) -> dict[str, str]:
         if container.get("container_kind") == "Tabs":
             contents = container["contents"]
             return {
-                path: layout[f"/{path}"]["ContainerBlueprint"].get("display_name", f"tab {number}")
+                path: _name(layout.get(f"/{path}", {})) or f"tab {number}"
                 for number, path in enumerate([contents] if isinstance(contents, str) else contents)
             }
     raise Problem("the recording has no tabs to take pictures of")
+
+
+def _name(part: dict[str, Any]) -> str:
+    """Return what a tab is called: it is a container, or a single view."""
+    blueprint = part.get("ContainerBlueprint") or part.get("ViewBlueprint") or {}
+    return str(blueprint.get("display_name", ""))
 
 
 @contextlib.contextmanager
