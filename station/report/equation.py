@@ -15,6 +15,10 @@ from station.report.numbers import SPACE, prose, rounded, symbol, unit
 
 TITLE = "The equation of motion"
 FAR = 4.0
+EPISODES = (
+    "these are the values of the ladder, fitted in {} pieces that share the physics. The errors below are those of "
+    "the same model run over the whole record at once, in which a wandering phase counts as misfit."
+)
 TIMES_MASS = {"1/s^2": "N/m", "m/s^2": "N", "1/s": "N s/m", "1/m": "kg/m", "s/m^2": "kg s/m²"}
 TIMES_INERTIA = {"1/s^2": "N m/rad", "rad/s^2": "N m", "1/s": "N m s/rad"}
 
@@ -24,7 +28,7 @@ def equation(found: Findings) -> Section:
     compared = found.climb.compared if found.climb is not None else found.compared
     if compared is None:
         return Section("equation", TITLE, (left_out(found.left_out["comparison"]),))
-    fit = compared.start.fit
+    fit = compared.start.fit if found.climb is None else found.climb.top.fit
     parts: list[Part] = [
         Equation((_letters(fit), _numbers(fit))),
         Words(
@@ -32,8 +36,10 @@ def equation(found: Findings) -> Section:
             f"{compared.comparison.unit} and {compared.comparison.unit}/s; all forces per unit "
             f"{'inertia' if compared.comparison.unit == 'rad' else 'mass'}.",
         ),
-        _parameters(compared, found),
+        _parameters(fit, compared.comparison.unit, found),
     ]
+    if len(fit.spans) > 1:
+        parts.append(Words(EPISODES.format(len(fit.spans)), label="Long record"))
     doubt = caution(compared)
     if doubt:
         parts.append(Words(doubt, label="Caution", strong=True))
@@ -82,8 +88,8 @@ def _typeset(text: str) -> str:
     return raised.replace("u''", "ü", 1)
 
 
-def _parameters(compared: Compared, found: Findings) -> Table:
-    fit, mass = compared.start.fit, found.options.mass
+def _parameters(fit: Fit, length: str, found: Findings) -> Table:
+    mass = found.options.mass
     rows = []
     for term in fit.model.terms:
         for position, (name, value) in enumerate(parameters_of(fit, term).items()):
@@ -95,7 +101,7 @@ def _parameters(compared: Compared, found: Findings) -> Table:
             rows.append(row)
     head: tuple[str, ...] = ("effect", "parameter", "meaning", "value", "unit")
     if mass is not None:
-        head = (*head, f"times {'the inertia' if compared.comparison.unit == 'rad' else 'the mass'}")
+        head = (*head, f"times {'the inertia' if length == 'rad' else 'the mass'}")
     return Table("Parameters (± one standard error)", head, tuple(rows), texts=3)
 
 

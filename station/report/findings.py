@@ -16,13 +16,14 @@ from identify.search import begin
 from station.compared import Compared
 from station.comparing import RESULT as COMPARISON
 from station.comparing import as_document, compare_fitted, compare_session, setting_of
-from station.diagnosing import Bench, make_ready
+from station.diagnosing import Bench, begin_from, make_ready
 from station.diagnosis import RESULT as DIAGNOSIS
 from station.diagnosis import diagnose_bench, keep
 from station.exits import Problem, UsageProblem
 from station.identification import Identification
 from station.identifying import identify_session
 from station.ladder import LADDER, KeptLadder
+from station.models import known_model
 from station.pipeline import Options
 from station.refining import Refinement, open_refinement, rung_again
 from station.settings import Settings
@@ -155,5 +156,10 @@ def _climb(found: Findings, refinement: Refinement) -> None:
     except (Problem, NotIdentifiable) as refusal:
         found.left_out["ladder"] = str(refusal)
         return
-    compared = compare_fitted(found.session.folder.name, top.start, found.options.mass)
+    start = top.start
+    if len(start.settings) > 1:  # fitted in episodes, which start each for themselves; compared in one run
+        known = known_model(refinement.ladder.top.model, "the ladder", refinement.library)
+        setting = refinement.setting
+        start = begin((setting,), known.model, begin_from(known, (setting,)))
+    compared = compare_fitted(found.session.folder.name, start, found.options.mass)
     found.climb = Climb(refinement.ladder, top, compared)
