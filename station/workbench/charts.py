@@ -19,7 +19,7 @@ def overlay(picture: told.Picture, trace: told.Trace, colours: Theme) -> Options
     return _base(colours) | {
         "grid": _grid(bottom=20),
         "xAxis": _time_axis(picture, colours, labelled=False),
-        "yAxis": _value_axis(f"{trace.channel} [{trace.unit}]", colours),
+        "yAxis": _value_axis(f"{trace.channel} [{trace.unit}]", colours) | {"scale": True},
         "dataZoom": [_inside()],
         "series": [
             hidden | {"data": _pairs(picture.time, low), "stack": "band", "stackStrategy": "all"},
@@ -235,11 +235,20 @@ def _axis(colours: Theme) -> Options:
 
 def _time_axis(picture: told.Picture, colours: Theme, labelled: bool) -> Options:
     label = _axis(colours)["axisLabel"] | {"showMaxLabel": False}
-    last = next((t for t in reversed(picture.time) if t is not None), 1.0)
+    known = [t for t in picture.time if t is not None] or [0.0, 1.0]
+    first, last = known[0], known[-1]
     named = (
         {"name": "time since the release [s]", "nameLocation": "middle", "nameGap": 20} if labelled else {}
     )
-    return _axis(colours) | named | {"min": 0, "max": round(last, 3), "axisLabel": label}
+    return (
+        _axis(colours)
+        | named
+        | {
+            "min": 0 if first < 0.25 * (last - first) else round(first, 3),
+            "max": round(last, 3),
+            "axisLabel": label,
+        }
+    )
 
 
 def _value_axis(name: str, colours: Theme, below: bool = False) -> Options:

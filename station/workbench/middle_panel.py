@@ -9,6 +9,7 @@ from station.diagnosis_words import size
 from station.workbench import charts, parts, told
 from station.workbench.theme import Theme
 
+NOTICED = 0.15
 HINT = "Move the pointer over a picture, or use the arrow keys in one: the same moment is marked in all."
 
 
@@ -27,6 +28,7 @@ class MiddlePanel:
         self._channel = ""
         self._picture: told.Picture | None = None
         self._colours: Theme | None = None
+        self._of_ladder: float | None = None
         self._charts: dict[str, ui.echart] = {}
 
     def build(self) -> None:
@@ -41,14 +43,14 @@ class MiddlePanel:
                 self._choice = ui.element("div")
             self._frame = ui.element("div").classes("pictures")
 
-    def show(self, picture: told.Picture, colours: Theme) -> None:
-        """Draw a comparison in some colours."""
+    def show(self, picture: told.Picture, colours: Theme, of_ladder: float | None) -> None:
+        """Draw a comparison in some colours; `of_ladder` is the chi-square that the present rung has."""
         fresh = self._colours is not colours or not self._charts
         kinds = [trace.channel for trace in picture.traces]
         if self._picture is None or [t.channel for t in self._picture.traces] != kinds:
-            self._channel = kinds[0]
+            self._channel = max(picture.traces, key=_misfit).channel
             self._choose(kinds)
-        self._picture, self._colours = picture, colours
+        self._picture, self._colours, self._of_ladder = picture, colours, of_ladder
         self._tell(picture)
         options = self._options()
         if fresh:
@@ -70,7 +72,7 @@ class MiddlePanel:
     def _switch(self, channel: str) -> None:
         self._channel = channel
         if self._picture is not None and self._colours is not None:
-            self.show(self._picture, self._colours)
+            self.show(self._picture, self._colours, self._of_ladder)
 
     def _tell(self, picture: told.Picture) -> None:
         errors = picture.errors
@@ -88,7 +90,7 @@ class MiddlePanel:
                 f"of the force is left (MSE; noise alone {size(errors['force_floor_percent'])} %)",
             )
         self._summary.text = picture.summary
-        self._cause.text = picture.cause
+        self._cause.text = f"{picture.cause} {_apart(errors['chi2'], self._of_ladder)}".strip()
 
     def _options(self) -> dict[str, charts.Options]:
         picture, colours = self._picture, self._colours
@@ -148,6 +150,26 @@ _PLACES = {
     "frequency": ("time", "tall", "Frequency error cycle by cycle"),
     "energy": ("time", "tall wide", "Energy error cycle by cycle"),
 }
+
+
+def _apart(whole: float, of_ladder: float | None) -> str:
+    """Return why comparison and ladder differ, where they do: a long release is refined in pieces."""
+    if of_ladder is None or abs(whole - of_ladder) < NOTICED * max(whole, of_ladder):
+        return ""
+    return (
+        f"Here the model runs through the whole record without a new start; the ladder lets it begin anew in pieces "
+        f"of a long release, which leaves {size(of_ladder)} times the noise."
+    )
+
+
+def _misfit(trace: told.Trace) -> float:
+    """Return the mean square of what is left, in units of the noise: the channel that shows it comes first."""
+    left = [value for value in trace.left if value is not None]
+    return (
+        sum(value * value for value in left) / (len(left) * trace.sigma**2)
+        if left and trace.sigma > 0
+        else 0.0
+    )
 
 
 def _number(value: str, meaning: str) -> None:

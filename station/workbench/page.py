@@ -35,7 +35,7 @@ class Page:
         ui.page_title(f"{self._key} · workbench" if self._key else "workbench")
         self._mode = ui.dark_mode(None)
         self._header()
-        with ui.element("main").classes("bench-columns"):
+        with ui.element("div").classes("bench-columns"):
             with ui.element("aside").classes("bench-column").props('aria-label="The bench"'):
                 CapturePanel(self._room).build()
                 SessionsPanel(self._room.shelf, self._room.crew, self._key).build()
@@ -176,7 +176,7 @@ class Page:
         self._right.set_visibility(True)
         colours = theme(self._dark)
         if self._shown is not desk.view.picture:
-            self._middle.show(desk.view.picture, colours)
+            self._middle.show(desk.view.picture, colours, desk.view.ladder.top.error.chi2)
             self._shown = desk.view.picture
         if self._loop is not None:
             self._loop.show(desk.view, colours)

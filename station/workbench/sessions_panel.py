@@ -6,7 +6,9 @@ from urllib.parse import quote
 
 from nicegui import events, ui
 
+from station.exits import UsageProblem
 from station.workbench import parts
+from station.workbench.import_choices import ImportChoices, for_the_page
 from station.workbench.shelf import Entry, Shelf
 from station.workbench.thumbnail import sparkline
 from station.workbench.uploads import plain_name
@@ -28,6 +30,7 @@ class SessionsPanel:
         self._shelf, self._crew, self._chosen = shelf, crew, chosen
         self._seen: tuple[Entry, ...] | None = None
         self._job: Job | None = None
+        self._options = ImportChoices()
 
     def build(self) -> None:
         """Make the panel."""
@@ -41,6 +44,7 @@ class SessionsPanel:
                     on_upload=self._dropped,
                     on_rejected=lambda: self._say("that file is too large: at most 200 MB", "bad"),
                 ).props('aria-label="Import a recording"')
+            self._options.build()
             self._said = ui.element("div").props("aria-live=polite")
         with parts.card("grow"):
             parts.head("Sessions")
@@ -96,17 +100,22 @@ class SessionsPanel:
             self._say("another import is under way; cancel it, or wait", "bad")
             return
         name = plain_name(given.file.name)
+        try:
+            chosen = self._options.given()
+        except UsageProblem as problem:
+            self._say(str(problem), "bad")
+            return
         self._job = Job()
         self._importing(name)
         try:
             with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
                 file = Path(folder) / name
                 await given.file.save(file)
-                made, notes = await self._crew.do(self._job, "imports", "import", file)
+                made, notes = await self._crew.do(self._job, "imports", "import", file, *chosen)
         except Cancelled:
             self._say(f"the import of {name} was cancelled", "faint")
         except (Failed, OSError) as failure:
-            self._say(str(failure).replace(f"{folder}/", ""), "bad")
+            self._say(for_the_page(str(failure).replace(f"{folder}/", "")), "bad")
         else:
             self.refresh()
             self._said.clear()

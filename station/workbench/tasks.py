@@ -38,8 +38,8 @@ _opened: dict[Path, _Opened] = {}
 
 
 def _open(settings: Settings, folder: Path) -> _Opened:
-    raw = (folder / "raw.log").stat()
     session = Session.open(folder)
+    raw = (folder / "raw.log").stat()
     ladder = read_ladder(session)
     stamp = (raw.st_mtime_ns, raw.st_size, hash(ladder.gain_percent if ladder else None))
     known = _opened.get(folder)
@@ -140,15 +140,24 @@ def portrait(settings: Settings, tell: Tell, folder: Path) -> told.Portrait:
     return portrait_of(folder)
 
 
-def import_file(settings: Settings, tell: Tell, file: Path) -> tuple[list[str], list[str]]:
+def import_file(
+    settings: Settings,
+    tell: Tell,
+    file: Path,
+    columns: dict[str, str | int],
+    units: dict[str, str],
+    rate: float | None,
+    mass: float | None,
+) -> tuple[list[str], list[str]]:
     """Import a data file; return the names of the sessions and what was understood."""
     from daq.importing.options import ImportOptions
     from station.commands.import_ import describe
     from station.sessions import import_file as make
 
     tell(f"reading {file.name}")
-    info = describe(settings, None, None, None, None)
-    imported = make(file, None, settings.sessions, ImportOptions(), info)
+    info = describe(settings, mass, None, None, None)
+    options = ImportOptions(columns=columns, units=units, rate=rate)
+    imported = make(file, None, settings.sessions, options, info)
     return [session.folder.name for session in imported.sessions], list(imported.notes)
 
 

@@ -1,5 +1,6 @@
 """What goes wrong at a bench: a wrong file, a stalled board, a session that strangers named."""
 
+import math
 import shutil
 import time
 
@@ -35,6 +36,38 @@ def test_a_recording_that_is_dropped_becomes_a_session_within_the_folder(visit, 
     page.get_by_role("link", name="open decay_b").click()
     page.wait_for_selector(".rung")
     assert (bench.folder / "sessions" / "decay_b" / "session.json").is_file()
+
+
+def test_a_file_that_does_not_explain_itself_is_imported_once_its_column_is_named(visit, bench):
+    rows = [f"{i / 50},{0.1 * math.cos(2.4 * i / 50):.5f},{0.02 * math.sin(i / 50):.5f}" for i in range(1500)]
+    odd = {"name": "odd.csv", "mimeType": "text/csv", "buffer": "\n".join(["time,phi,theta", *rows]).encode()}
+    page = visit.page
+    page.goto(bench.address)
+    page.locator(".drop input[type=file]").set_input_files(odd)
+    page.get_by_text("Columns: displacement=").wait_for()
+    page.get_by_text("Options for odd files").click()
+    page.get_by_label("Columns").fill("displacement=phi")
+    page.get_by_label("Units").fill("displacement=rad")
+    page.locator(".drop input[type=file]").set_input_files(odd)
+    page.get_by_role("link", name="open odd").wait_for()
+
+
+def test_a_record_that_is_too_short_says_so_and_so_does_a_damaged_one(visit, bench):
+    short = bench.folder / "short.csv"
+    rows = [f"{i / 100},{0.01 * math.cos(6 * i / 100):.6f}" for i in range(100)]
+    short.write_text("\n".join(["time_s,displacement_m", *rows]))
+    page = visit.page
+    page.goto(bench.address)
+    page.locator(".drop input[type=file]").set_input_files(short)
+    page.get_by_role("link", name="open short").click()
+    page.get_by_text("This recording does not allow an analysis").wait_for()
+    page.get_by_text("at least three cycles").wait_for()
+    address = bench.fresh("mystery_7", "damaged")
+    (bench.folder / "sessions" / "damaged" / "session.json").write_text("{")
+    page.goto(address)
+    page.get_by_text("This recording does not allow an analysis").wait_for()
+    assert "Errno" not in page.locator(".bench-columns").inner_text()
+    assert "fault of this program" not in page.locator(".bench-columns").inner_text()
 
 
 def test_a_board_that_falls_silent_is_told_within_two_seconds_and_what_came_is_kept(visit, bench):

@@ -45,6 +45,13 @@ def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
     assert [rung["added"] for rung in rungs] == [None, "stribeck_friction"]
     assert abs(rungs[1]["error"]["chi2"] - chi2_of_rungs(page)[1]) < 0.001
 
+    page.get_by_role("button", name="Write the report of this session").click()
+    report = page.get_by_role("link", name="Open the report")
+    report.wait_for()
+    text = page.request.get(bench.address + report.get_attribute("href")).text()
+    assert "stribeck" in text.lower()
+    assert "http://" not in text.replace("http://www.w3.org", "")
+
     page.locator(".rung").first.click()
     page.wait_for_selector(".rung.above")
     assert json.loads((bench.results("walk") / "ladder.json").read_text())["present"] == 0
@@ -133,3 +140,15 @@ def test_two_tabs_on_one_session_show_the_same(visit, bench):
     for page in (first, second):
         page.wait_for_function("document.querySelectorAll('.rung').length == 2")
     assert chi2_of_rungs(first) == chi2_of_rungs(second)
+
+
+def test_reruns_viewer_opens_in_the_page_and_asks_nobody_else(visit, bench):
+    page = visit.page
+    page.goto(bench.fresh("mystery_12", "viewed"))
+    page.wait_for_selector(".rung")
+    with page.expect_response(lambda answer: answer.url.endswith("re_viewer_bg.wasm")) as got:
+        page.get_by_role("tab", name="3-D / Rerun").click()
+    assert got.value.status == 200
+    recording = next(url for url in visit.asked if "viewer/index.html" in url)
+    assert "viewed.rrd" in recording
+    assert (bench.results("viewed") / "identification.rrd").stat().st_size > 100_000
