@@ -47,7 +47,7 @@ def run(quick: bool) -> str:
         for what, found, wanted in rows
     ]
     lines.append(f"| Diagnose to the suspects | {diagnosis:.1f} s | | |")
-    lines += ["", f"{repetitions} clicks in Debian's Chromium on the machine that computes."]
+    lines += ["", f"{repetitions} clicks in Debian's Chromium on the two cores that compute."]
     return "\n".join(lines)
 
 

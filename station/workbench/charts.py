@@ -1,5 +1,6 @@
 """The charts of the middle as ECharts options: every axis with its unit, one colour for one thing."""
 
+import json
 from typing import Any
 
 from station.workbench import told
@@ -70,7 +71,12 @@ def plane(picture: told.Picture, colours: Theme) -> Options:
         "grid": _grid(left=58, bottom=34, right=64),
         "xAxis": _value_axis(f"displacement [{picture.displacement_unit}]", colours, below=True),
         "yAxis": _value_axis(f"velocity [{picture.velocity_unit}]", colours),
-        "tooltip": {"trigger": "item", "confine": True, "textStyle": {"fontSize": FONT}},
+        "tooltip": {
+            "trigger": "item",
+            "renderMode": "richText",
+            "confine": True,
+            "textStyle": {"fontSize": FONT},
+        },
         "visualMap": {
             "show": True,
             "type": "continuous",
@@ -115,8 +121,10 @@ _RECTANGLE = """(params, api) => {
 
 
 def _bin_words(unit: str) -> str:
+    """Return the script of a tooltip; the unit may be a stranger's, and so it enters as data."""
+    written = json.dumps(f" {unit}")
     return (
-        f"p => 'missing force: ' + p.value[4].toPrecision(3) + ' ± ' + p.value[5].toPrecision(2) + ' {unit}'"
+        f"p => 'missing force: ' + p.value[4].toPrecision(3) + ' ± ' + p.value[5].toPrecision(2) + {written}"
     )
 
 

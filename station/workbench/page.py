@@ -15,7 +15,7 @@ from station.workbench.room import Room
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.theme import theme
 
-TICK_S = 0.12
+TICK_S = 0.05
 SLOW_S = 0.4
 
 
