@@ -28,6 +28,7 @@ class Page:
         self._desk: Desk | None = room.desks.at(folder) if folder else None
         self._seen = -1
         self._shown: object = None
+        self._loop_shown: object = None
         self._dark = False
 
     def build(self) -> None:
@@ -178,5 +179,7 @@ class Page:
         if self._shown is not desk.view.picture:
             self._middle.show(desk.view.picture, colours, desk.view.ladder.top.error.chi2)
             self._shown = desk.view.picture
-        if self._loop is not None:
+        loop = (desk.view, desk.prints, desk.notice, self._dark)
+        if self._loop is not None and loop != self._loop_shown:
             self._loop.show(desk.view, colours)
+            self._loop_shown = loop

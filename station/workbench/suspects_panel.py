@@ -1,5 +1,6 @@
 """The suspects: what the model may lack, in order, each with its fingerprint beside the residual's."""
 
+from functools import partial
 from typing import Any
 
 from nicegui import ui
@@ -26,6 +27,8 @@ class SuspectsPanel:
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
+        self._shown: object = None
+        self._places: dict[str, tuple[ui.element, dict[str, Any]]] = {}
 
     def build(self) -> None:
         """Make the panel."""
@@ -39,26 +42,45 @@ class SuspectsPanel:
         self._desk.start("Trying every effect", "diagnose", long=True)
 
     def show(self, view: told.View, prints: dict[str, told.Print], colours: Theme) -> None:
-        """Show the last diagnosis, or that there is none."""
-        self._body.clear()
+        """Show the last diagnosis, or that there is none; what stands there already is not sent again."""
         document = view.diagnosis
-        with self._body:
-            if document is None:
-                parts.words(
-                    "Diagnose tries every effect it knows on this recording, and asks what chance alone would do.",
-                    "small faint",
-                )
-                return
-            asked, now = document["model"]["effects"], view.ladder.top.effects
-            if asked != now:
-                words = " + ".join(_plain(name) for name in asked)
-                parts.words(
-                    f"These were the suspects for {words}; Diagnose asks about the model below.",
-                    "small faint wrap",
-                )
-            self._verdict(document)
-            self._discs(document, view, prints, colours)
-            self._next(document)
+        now = (document, prints, colours)
+        if now != self._shown:
+            self._shown = now
+            self._body.clear()
+            self._places.clear()
+            with self._body:
+                self._fill(view, prints, colours)
+        if document is not None:
+            self._offer(document, view)
+
+    def _fill(self, view: told.View, prints: dict[str, told.Print], colours: Theme) -> None:
+        document = view.diagnosis
+        if document is None:
+            parts.words(
+                "Diagnose tries every effect it knows on this recording, and asks what chance alone would do.",
+                "small faint",
+            )
+            return
+        self._about = parts.words("", "small faint wrap")
+        self._verdict(document)
+        self._discs(document, view, prints, colours)
+        self._next(document)
+
+    def _offer(self, document: dict[str, Any], view: told.View) -> None:
+        """Tell which model was asked about, and offer what is not in the present one."""
+        asked, present = document["model"]["effects"], view.ladder.top.effects
+        words = " + ".join(_plain(name) for name in asked)
+        self._about.text = f"These were the suspects for {words}; Diagnose asks about the model below."
+        self._about.set_visibility(asked != present)
+        for name, (place, suspect) in self._places.items():
+            place.clear()
+            with place:
+                if name in present:
+                    parts.words("in the model", "small good")
+                else:
+                    does = partial(self._add, name)
+                    parts.button("Add", does, f"Add {_plain(name)}", strong=is_claimed(suspect))
 
     def _verdict(self, document: dict[str, Any]) -> None:
         good = document["verdict"] == "nothing_missing"

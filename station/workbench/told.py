@@ -56,7 +56,7 @@ class Cycles:
     energy_unit: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Picture:
     """A model beside the measurement, in the units in which it is shown; `time` is in s since the release."""
 
@@ -76,7 +76,7 @@ class Picture:
     places: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Print:
     """A fingerprint: edges of amplitude (0 to 1) and phase (rad), and the force in each bin, None where unknown."""
 
@@ -96,7 +96,7 @@ class EffectWords:
     tell: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class View:
     """All that the page shows of a session: its ladder, the comparison of the present model, the last diagnosis."""
 
