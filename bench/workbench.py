@@ -1,5 +1,6 @@
 """How long the operator of the workbench waits: page, Add, diagnosis; clicks in a real browser."""
 
+import os
 import statistics
 import time
 
@@ -47,7 +48,12 @@ def run(quick: bool) -> str:
         for what, found, wanted in rows
     ]
     lines.append(f"| Diagnose to the suspects | {diagnosis:.1f} s | | |")
-    lines += ["", f"{repetitions} clicks in Debian's Chromium on the two cores that compute."]
+    load = os.getloadavg()[0] / (os.cpu_count() or 1)
+    lines += [
+        "",
+        f"{repetitions} clicks in Debian's Chromium on the cores that compute, which had {load:.1f} times the work "
+        "that they can do at once (1 or less: a computer of one's own).",
+    ]
     return "\n".join(lines)
 
 
