@@ -76,6 +76,8 @@ class Desk:
             if isinstance(found, tuple):
                 self.view, self.prints = found
             else:
+                if self.view is not None and found.diagnosis != self.view.diagnosis:
+                    self.prints = {}  # a command has diagnosed since
                 self.view = found
         except Cancelled:
             self.notice = f"{title}: cancelled; nothing was changed"

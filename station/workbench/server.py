@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import signal
 import socket
 import tempfile
 import webbrowser
@@ -41,6 +42,9 @@ def serve(
     say: Callable[[str], None],
 ) -> None:
     """Serve until interrupted. `named` are sessions of the command line; the first is opened."""
+    signal.signal(
+        signal.SIGTERM, signal.default_int_handler
+    )  # ended from outside, it tidies up as after Ctrl-C
     with listen(host, port) as opened, tempfile.TemporaryDirectory(prefix="workbench-") as aside:
         os.environ.setdefault("NICEGUI_STORAGE_PATH", aside)
         bound = opened.getsockname()[1]

@@ -1,6 +1,7 @@
 """Workers: processes that compute while the page stays awake; one is cancelled by ending it."""
 
 import asyncio
+import contextlib
 import multiprocessing
 import signal
 import threading
@@ -16,6 +17,8 @@ from station.settings import Settings
 
 MOST = 2
 STOP_S = 5.0
+LOOK_S = 0.1
+"""How often a task that waits for a worker looks whether it was cancelled."""
 
 Tell = Callable[[str], None]
 
@@ -167,7 +170,11 @@ class Crew:
 
     async def _take(self, job: Job, key: str) -> Worker:
         async with self._free:
-            await self._free.wait_for(lambda: any(not w.busy for w in self._workers))
+            while not any(not w.busy for w in self._workers):
+                if job.cancelled:
+                    raise Cancelled
+                with contextlib.suppress(TimeoutError):
+                    await asyncio.wait_for(self._free.wait(), LOOK_S)
             idle = [w for w in self._workers if not w.busy]
             worker = next((w for w in idle if key in w.served), min(idle, key=lambda w: len(w.served)))
             worker.busy = True

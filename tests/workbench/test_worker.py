@@ -1,0 +1,97 @@
+"""Tasks share workers; whoever waits for one can be cancelled at once, and a diagnosis by a command is seen."""
+
+import asyncio
+import threading
+import time
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from station.settings import Settings
+from station.workbench import worker
+from station.workbench.desk import Desk
+
+
+def alone(story: Callable[[], Coroutine[Any, Any, Any]]) -> Any:
+    """Run a story in a loop of its own; the browser's driver keeps one in this thread."""
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(lambda: asyncio.run(story())).result(30)
+
+
+class Occupied:
+    """A worker whose task ends when it is let go."""
+
+    gate = threading.Event()
+
+    def __init__(self, settings: Settings) -> None:
+        self.served: set[str] = set()
+        self.busy, self.alive = False, True
+
+    def do(self, task: str, arguments: tuple[Any, ...], tell: worker.Tell) -> str:
+        assert self.gate.wait(10)
+        return task
+
+    def end(self) -> None:
+        self.gate.set()
+
+
+def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
+    monkeypatch.setattr(worker, "Worker", Occupied)
+    Occupied.gate = threading.Event()
+
+    async def story() -> float:
+        crew = worker.Crew(Settings(), most=1)
+        first = asyncio.create_task(crew.do(worker.Job(), "a", "long"))
+        await asyncio.sleep(0.05)
+        job = worker.Job()
+        second = asyncio.create_task(crew.do(job, "b", "waiting"))
+        await asyncio.sleep(0.05)
+        since = time.monotonic()
+        job.cancel()
+        with pytest.raises(worker.Cancelled):
+            await second
+        waited = time.monotonic() - since
+        assert not first.done()
+        Occupied.gate.set()
+        assert await first == "long"
+        crew.end()
+        return waited
+
+    assert alone(story) < 2.0  # it looks every 0.1 s; the task before it would go on for 10 s
+
+
+@dataclass
+class Looked:
+    """What a look at a session returns: only its diagnosis matters here."""
+
+    diagnosis: dict[str, Any] | None
+
+
+@dataclass
+class Answering:
+    """A crew that answers each task with what was prepared for it."""
+
+    answers: dict[str, Any]
+    asked: list[str] = field(default_factory=list)
+
+    async def do(self, job: Any, key: str, task: str, *arguments: Any, tell: Any = None) -> Any:
+        self.asked.append(task)
+        return self.answers[task]
+
+
+def test_fingerprints_are_made_again_when_a_command_has_diagnosed_since():
+    async def story() -> None:
+        crew = Answering({"look": Looked({"named": ["a"]}), "prints": {"": "first"}})
+        desk = Desk(Path("none"), crew)  # type: ignore[arg-type]
+        for diagnosis, prints in ((["a"], "first"), (["b"], "second"), (["b"], "second")):
+            crew.answers = {"look": Looked({"named": diagnosis}), "prints": {"": prints}}
+            assert desk.start("Reading", "look")
+            await asyncio.gather(*desk._tasks)
+            assert desk.prints == {"": prints}
+        assert crew.asked.count("prints") == 2  # not a third time: nothing had changed
+
+    alone(story)
