@@ -116,7 +116,7 @@ def diagnose(
     ranked = _rank(start, tried, chance, dispersion)
     judgement = _judge(start, ranked, faults, library)
     verdict, together, final, shape = judgement.verdict, judgement.together, judgement.final, judgement.shape
-    suspects = _suspects(start, judgement.ranked, faults, verdict)
+    suspects = _suspects(start, judgement, faults)
     settled = settle(start.settings, final) if final is not start.fit else start
     final = settled.fit
     if suspects and suspects[0].fit is judgement.final:
@@ -196,11 +196,14 @@ def _significant(fault: Fault) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Judgement:
+    """What is to be said; `corrected` tells that a fault which every fit corrects decides, not a suspect that was tried."""
+
     verdict: Verdict
     ranked: tuple[_Ranked, ...]
     together: tuple[str, ...]
     final: Fit
     shape: FreeForm | None
+    corrected: bool = False
 
 
 def _judge(
@@ -211,14 +214,16 @@ def _judge(
         if not start.adequate(start.fit):
             return _Judgement("unknown_effect", ranked, (), start.fit, _free(start, start.fit))
         faulty = any(_significant(f) for f in faults)
-        return _Judgement("sensor_fault" if faulty else "nothing_missing", ranked, (), start.fit, None)
+        return _Judgement(
+            "sensor_fault" if faulty else "nothing_missing", ranked, (), start.fit, None, faulty
+        )
     best = top.candidate
     if (
         best.term.effect.kind == "physics"
         and top.evidence < _DECISIVE
         and any(_significant(f) for f in faults)
     ):
-        return _Judgement("sensor_fault", ranked, (), start.fit, None)
+        return _Judgement("sensor_fault", ranked, (), start.fit, None, corrected=True)
     if start.adequate(best.fit):
         if not best.plausible:
             return _Judgement("unknown_effect", ranked, (), best.fit, _free(start, start.fit))
@@ -237,9 +242,12 @@ def _judge(
 
 
 def _of_pair(ranked: tuple[_Ranked, ...], pair: Pair, shape: FreeForm | None) -> _Judgement:
-    first = next(entry for entry in ranked if entry.candidate is pair.first)
-    rest = tuple(entry for entry in ranked if entry is not first)
-    return _Judgement(_kind_of(pair.first), (first, *rest), (pair.second.name,), pair.second.fit, shape)
+    """Return the judgement that names a pair, the one that is better alone first."""
+    names = (pair.first.name, pair.second.name)
+    lead = next(entry for entry in ranked if entry.candidate.name in names)
+    rest = tuple(entry for entry in ranked if entry is not lead)
+    other = tuple(name for name in names if name != lead.candidate.name)
+    return _Judgement(_kind_of(lead.candidate), (lead, *rest), other, pair.second.fit, shape)
 
 
 def _kind_of(candidate: Candidate) -> Verdict:
@@ -251,10 +259,9 @@ def _free(start: Start, found: Fit) -> FreeForm:
     return free_form(largest, force_along_motion(largest, found))
 
 
-def _suspects(
-    start: Start, ranked: tuple[_Ranked, ...], faults: tuple[Fault, ...], verdict: Verdict
-) -> tuple[Suspect, ...]:
-    entries = []
+def _suspects(start: Start, judgement: _Judgement, faults: tuple[Fault, ...]) -> tuple[Suspect, ...]:
+    """Return the suspects in order: first what the verdict names, if it names any."""
+    ranked, entries = judgement.ranked, []
     for entry in ranked:
         candidate = entry.candidate
         close = [
@@ -300,10 +307,11 @@ def _suspects(
             )
         )
     sensors.sort(key=lambda suspect: -suspect.evidence)
-    if verdict == "sensor_fault" and sensors and (not entries or entries[0].kind == "physics"):
+    if judgement.corrected:
         return tuple(sensors + entries)
-    claimed = [e for e in entries if e.p_value < ALPHA]
-    rest = [e for e in entries if e.p_value >= ALPHA]
+    named = entries[:1] if judgement.verdict in ("missing_effect", "sensor_fault") else []
+    claimed = named + [e for e in entries[len(named) :] if e.p_value < ALPHA]
+    rest = [e for e in entries[len(named) :] if e.p_value >= ALPHA]
     return tuple(
         claimed + [s for s in sensors if s.evidence > 6.0] + rest + [s for s in sensors if s.evidence <= 6.0]
     )
