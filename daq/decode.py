@@ -213,6 +213,8 @@ class Assembly:
             self._overrun(event.index, event.index + event.count)
 
     def _take_data(self, sequence: int, data: Data, time: float) -> tuple[Block | Gap, ...]:
+        if self.end is not None and not self._pieces and data.first_index + data.n > self._total():
+            self.end = None  # a STOP asked twice is answered twice: this END was of the capture before
         problem = self._objection(data)
         if problem:
             _list(self.contradictions, problem)

@@ -188,7 +188,8 @@ class Link:
         )
 
     def _at_rest(self, hello: Hello) -> Hello:
-        """Stop a board that may still be sampling for somebody who is gone."""
+        """Stop a board that may still be sampling for somebody who is gone, and hear an END of this very STOP."""
+        self.assembly.end = None
         self.stop()
         self.assembly.contradictions.clear()
         return hello

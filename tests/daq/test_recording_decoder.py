@@ -198,3 +198,15 @@ def test_the_clock_of_the_board_is_measured() -> None:
     assert clock is not None
     # microseconds over 1.2 s: one part in a million
     assert clock.rate == pytest.approx(RATE * 1.01, rel=1e-6)
+
+
+def test_an_end_before_the_first_sample_belongs_to_the_capture_before() -> None:
+    made = assembly(End(0, 0, 0), *(data(i) for i in range(0, 320, N)))
+    assert np.array_equal(made.recording().samples, SAMPLES)
+    assert made.contradictions == []
+
+
+def test_samples_asked_for_after_an_end_that_came_first_are_taken() -> None:
+    made = assembly(End(320, 0, 0), *(data(i) for i in range(0, 320, N)))
+    assert np.array_equal(made.recording().samples, SAMPLES)
+    assert made.end == End(320, 0, 0)
