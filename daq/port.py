@@ -14,6 +14,7 @@ from serial.tools import list_ports as serial_list
 from daq.errors import Disconnected, NoBoard, PortBusy, PortError, PortForbidden
 
 BAUD = 115200
+GONE = (serial.SerialException, OSError, TypeError, AttributeError)
 READ_TIMEOUT_S = 0.05
 WRITE_TIMEOUT_S = 1.0
 REOPEN_S = 5.0
@@ -118,14 +119,17 @@ class SerialPort:
         self._is_socket = name.startswith("socket://")
 
     def read(self) -> bytes:
-        """Return the bytes that are there; b"" when none came within about 50 ms."""
+        """Return the bytes that are there; b"" when none came within about 50 ms.
+
+        Bytes that came before the port went away are returned; the next call raises Disconnected.
+        """
         try:
-            if self._is_socket:
-                return bytes(self._device.read(1)) + self._drain_socket()
-            data = bytes(self._device.read(self._waiting() or 1))
-            return data + bytes(self._device.read(self._waiting())) if data else data
-        except (serial.SerialException, OSError, TypeError, AttributeError) as error:
+            data = bytes(self._device.read(1 if self._is_socket else self._waiting() or 1))
+        except GONE as error:
             raise self._gone(error) from error
+        with contextlib.suppress(*GONE):
+            return data + self._rest() if data else data
+        return data
 
     def write(self, data: bytes) -> None:
         """Send all of `data` or raise Disconnected."""
@@ -135,7 +139,7 @@ class SerialPort:
             raise Disconnected(
                 f"{self.name} took no bytes for {WRITE_TIMEOUT_S:g} s; check the cable"
             ) from error
-        except (serial.SerialException, OSError, TypeError, AttributeError) as error:
+        except GONE as error:
             raise self._gone(error) from error
 
     def close(self) -> None:
@@ -145,6 +149,9 @@ class SerialPort:
             self._device.close()
         if handle is not None:
             handle.close()
+
+    def _rest(self) -> bytes:
+        return self._drain_socket() if self._is_socket else bytes(self._device.read(self._waiting()))
 
     def _waiting(self) -> int:
         return min(int(self._device.in_waiting), BIGGEST_READ)

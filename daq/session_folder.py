@@ -7,7 +7,7 @@ from typing import Any, Self
 from pydantic import ValidationError
 
 from daq.decode import Assembly, assemble
-from daq.errors import DataLost, NotASession, SessionDamaged, SettingsError
+from daq.errors import DataLost, NotASession, SessionDamaged, SettingsError, StorageError
 from daq.imported import import_log
 from daq.manifest import (
     Counts,
@@ -248,6 +248,8 @@ class Session:
         return content
 
     def _make_results(self) -> None:
+        if self.results.is_symlink():
+            raise StorageError(f"{self.results} is a link to elsewhere; remove it, nothing was written")
         try:
             self.results.mkdir(exist_ok=True)
         except OSError as error:

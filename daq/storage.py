@@ -90,7 +90,8 @@ def write_whole(path: Path, data: bytes) -> None:
     """Write a file so that after any crash the old or the new content is there: temporary, sync, rename."""
     temporary = path.with_name(f".{path.name}.new")
     try:
-        with temporary.open("wb") as file:
+        temporary.unlink(missing_ok=True)  # may be a stranger's link to elsewhere
+        with temporary.open("xb") as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())

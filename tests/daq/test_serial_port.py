@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from daq.errors import Disconnected, NoBoard, PortBusy, PortForbidden
-from daq.port import Port, open_port
+from daq.port import Port, SerialPort, open_port
 
 pty_only = pytest.mark.skipif(os.name == "nt", reason="this system has no pty")
 
@@ -163,3 +163,28 @@ def test_a_socket_that_takes_nothing_does_not_hold_the_station(listener: socket.
 
 def test_no_thread_stays_behind() -> None:
     assert all("reader of" not in thread.name for thread in threading.enumerate())
+
+
+@pytest.mark.parametrize("name", ["/dev/ttyX", "socket://127.0.0.1:9"])
+def test_bytes_that_came_before_the_cable_was_pulled_are_kept(name: str) -> None:
+    class Pulled:
+        """Gives four bytes (a socket: one), and is gone when it is asked for more."""
+
+        gone = False
+
+        @property
+        def in_waiting(self) -> int:
+            if self.gone:
+                raise OSError(5, "Input/output error")
+            return 4
+
+        def read(self, size: int) -> bytes:
+            if self.gone:
+                raise OSError(5, "Input/output error")
+            self.gone = True
+            return b"last"[:size]
+
+    port = SerialPort(name, Pulled())
+    assert b"last".startswith(port.read() or b"?")
+    with pytest.raises(Disconnected):
+        port.read()

@@ -79,6 +79,24 @@ def test_a_link_in_place_of_the_raw_log_is_refused(stranger: Path, tmp_path: Pat
     assert "fault of this program" not in told
 
 
+def test_results_are_not_written_through_a_strangers_links(stranger: Path, tmp_path: Path) -> None:
+    victim, elsewhere = tmp_path / "victim", tmp_path / "elsewhere"
+    victim.write_text("precious")
+    elsewhere.mkdir()
+    results = stranger / "results"
+    for name in ("identification.json", ".identification.json.new"):
+        (results / name).unlink(missing_ok=True)
+        (results / name).symlink_to(victim)
+    assert station("identify", str(stranger))[0] == 0
+    assert victim.read_text() == "precious"
+    shutil.rmtree(results)
+    results.symlink_to(elsewhere)
+    code, told = station("identify", str(stranger))
+    assert code == 7
+    assert "is a link to elsewhere; remove it" in " ".join(told.split())
+    assert list(elsewhere.iterdir()) == []
+
+
 @pytest.mark.parametrize("value", [10**400, -1, "NaN", [[]] * 1000], ids=["huge", "negative", "text", "list"])
 def test_numbers_that_cannot_be_are_refused_in_words(stranger: Path, value: object) -> None:
     rewrite(stranger, planned_samples=value)
