@@ -64,7 +64,12 @@ def caution(compared: Compared) -> str:
 
 
 def _letters(fit: Fit) -> str:
-    return _typeset(fit.model.equation)
+    return _typeset(fit.model.equation.removesuffix(" = 0") + _right_side(fit))
+
+
+def _right_side(fit: Fit) -> str:
+    """Return what the sum of inertia and restoring forces equals: nil, or a recorded force per unit mass."""
+    return " = 0" if fit.spans[0].force is None else " = f(t)/m"
 
 
 def _numbers(fit: Fit) -> str:
@@ -80,7 +85,7 @@ def _numbers(fit: Fit) -> str:
             number = f"({number})" if "×" in number or number.startswith("-") else number
             text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
         terms.append(text)
-    return _typeset("u'' + " + " + ".join(terms) + " = 0")
+    return _typeset("u'' + " + " + ".join(terms) + _right_side(fit))
 
 
 def _typeset(text: str) -> str:
