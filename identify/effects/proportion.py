@@ -143,6 +143,8 @@ def acting_together(
         points = points_near(random, p)
         columns = np.array([_column(values, p, points, name) for name in p])
         columns = columns[:, np.isfinite(columns).all(axis=0)]
+        largest = np.abs(columns).max(axis=1, initial=0.0)
+        columns = columns / np.where(largest > 0.0, largest, 1.0)[:, None]  # squares of huge forces overflow
         sizes = np.linalg.norm(columns, axis=1)
         if sizes.all() and columns.shape[1] >= len(p):
             vectors, weights, _ = np.linalg.svd(columns / sizes[:, None], full_matrices=False)

@@ -447,3 +447,11 @@ def test_a_file_that_cannot_be_used_is_refused_in_a_sentence_with_the_line(tmp_p
 def test_a_file_that_is_not_there_is_the_systems_own_error(tmp_path):
     with pytest.raises(OSError, match="none"):
         load_effects(tmp_path / "none.py")
+
+
+def test_a_force_too_large_to_be_squared_is_no_fault_of_the_program():
+    # Found by fuzzing: a warning is an error here, and none may come.
+    try:
+        parse_effect("x = a*u*1e200 + b*u**3*1e250")
+    except ValueError as refusal:
+        assert str(refusal)
