@@ -5,11 +5,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from identify.alignment import Alignment, align, correct
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.motion import reconstruct
-from identify.release import Release, find_release
+from identify.preprocessing.alignment import Alignment, align, correct
+from identify.preprocessing.motion import reconstruct
+from identify.preprocessing.release import Release, find_release
 from mocks.generate import Sample, draw
 
 TITLE = "Release, alignment and motion"

@@ -7,13 +7,13 @@ import numpy as np
 
 from bench.diagnosis import EFFECTS, Case, setting_of
 from identify.errors import NotIdentifiable
-from identify.fit import fit
+from identify.fitting.baseline import begin
+from identify.fitting.fit import fit
+from identify.fitting.initial_values import starting_values
 from identify.free_decay import FreeDecay
-from identify.model import base_model
-from identify.release import find_release
-from identify.search import begin
-from identify.setting import prepare
-from identify.starting import starting_values
+from identify.model.model import base_model
+from identify.preprocessing.prepared_decay import prepare
+from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
 TITLE = "Bounds"

@@ -12,12 +12,12 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a proc
 
 import numpy as np
 
-from identify.diagnose import diagnose
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.refine import climb
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.refine import climb
-from identify.release import find_release
-from identify.setting import Setting, prepare
+from identify.preprocessing.prepared_decay import Setting, prepare
+from identify.preprocessing.release import find_release
 from mocks.forces import OUTSIDE_THE_LIBRARY
 from mocks.generate import PHYSICS, draw
 from mocks.sensor_faults import SENSOR_FAULTS

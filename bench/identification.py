@@ -11,13 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from identify.alignment import align, correct
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.noise import estimate_noise
-from identify.release import find_release
-from identify.restoring_force import identify_restoring_force, identify_restoring_force_as_recorded
-from identify.wavelet import identify_wavelet
+from identify.preprocessing.alignment import align, correct
+from identify.preprocessing.noise import estimate_noise
+from identify.preprocessing.release import find_release
+from identify.restoring_force.restoring_force import (
+    identify_restoring_force,
+    identify_restoring_force_as_recorded,
+)
+from identify.wavelet.wavelet import identify_wavelet
 from mocks.generate import draw
 
 TITLE = "The two identifications"

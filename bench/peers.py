@@ -19,13 +19,14 @@ import numpy as np
 from bench.bounds import SEEN, expected_drops
 from bench.detection import draw, visible
 from bench.diagnosis import BASE, EFFECTS, STRENGTHS, Case, judge_all, setting_of
-from identify.diagnose import ALPHA
+from identify.diagnosis.diagnose import ALPHA
 from identify.effects.library import LIBRARY
-from identify.equation_error import force_along, moving
 from identify.errors import NotIdentifiable
-from identify.model import Term
-from identify.setting import Setting
-from identify.starting import scales_of, term_starts
+from identify.fitting.initial_values import scales_of, term_starts
+from identify.model.measured_path import force_along
+from identify.model.model import Term
+from identify.preprocessing.equation_error import moving
+from identify.preprocessing.prepared_decay import Setting
 
 TITLE = "Peers on the same records"
 NO_COLUMN = ("hysteresis", "maxwell_element", "second_mass", "harmonic_forcing")

@@ -21,10 +21,10 @@ from daq.session import Session, list_sessions, recover
 from identify.effects.library import LIBRARY
 from identify.effects.user import parse_effect
 from station.exits import Problem
-from station.ladder import read_ladder
-from station.models import read_model
+from station.operations.viewer_tabs import kept_diagnosis
+from station.results.ladder import read_ladder
+from station.results.models import read_model
 from station.settings import load_settings
-from station.showing import kept_diagnosis
 
 LONGEST = 2000
 

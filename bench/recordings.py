@@ -31,10 +31,10 @@ RECORDINGS = (
 def _said(name: str, options: dict, folder: Path) -> list[str]:
     from daq.importing.options import ImportOptions
     from daq.session_info import SessionInfo
-    from station.diagnosing import open_bench
-    from station.diagnosis import diagnose_bench
     from station.exits import code_of
-    from station.sessions import import_file
+    from station.operations.diagnosing import diagnose_bench
+    from station.operations.session_set import open_bench
+    from station.results.sessions import import_file
     from station.settings import Settings
 
     file = DATA / name
@@ -70,9 +70,9 @@ def _said(name: str, options: dict, folder: Path) -> list[str]:
 def _hidden(folder: Path) -> str:
     from daq.importing.options import ImportOptions
     from daq.session_info import SessionInfo
-    from station.diagnosing import open_bench
-    from station.diagnosis import diagnose_bench
-    from station.sessions import import_file
+    from station.operations.diagnosing import diagnose_bench
+    from station.operations.session_set import open_bench
+    from station.results.sessions import import_file
     from station.settings import Settings
 
     truths = json.loads((DATA / "hidden" / "truth.json").read_text())

@@ -36,9 +36,9 @@ def _timed(*arguments: str, folder: Path) -> tuple[float, float]:
 def _warm(session: Path, repetitions: int) -> tuple[float, float]:
     """Return milliseconds of the wavelet and the restoring force together, and of the whole pipeline."""
     from daq.session import Session
-    from identify.restoring_force import identify_restoring_force
-    from identify.wavelet import identify_wavelet
-    from station.pipeline import Options, identify
+    from identify.restoring_force.restoring_force import identify_restoring_force
+    from identify.wavelet.wavelet import identify_wavelet
+    from station.story.pipeline import Options, identify
 
     recording = Session.open(session).recording()
     options = Options(mass=21.36)

@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, sync_playwright
 
 from daq.capture import CaptureSettings, capture
 from daq.session_info import SessionInfo
-from station.commands.demo import double
+from station.operations.simulated_board import double
 
 ROOT = Path(__file__).resolve().parent.parent
 SEEDS = (3, 12, 7)

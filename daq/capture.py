@@ -12,18 +12,18 @@ import numpy as np
 
 from daq.capture_settings import CaptureSettings
 from daq.decode import Block
+from daq.description_checks import Window
 from daq.errors import DataLost, NoRelease, ProtocolError, Rebooted, Stalled, StationError
-from daq.keeping import Elsewhere, Keeper
+from daq.failover import Elsewhere, Keeper
 from daq.link import GIVE_UP_S, WARN_S, Link
 from daq.observer import CaptureObserver
 from daq.port import Port, open_port
 from daq.quality import summary
 from daq.raw_log import RawLog
 from daq.recording import Gap
-from daq.rest import RestPeriod
+from daq.rest_detection import RestPeriod
 from daq.session import Session
 from daq.session_info import BoardInfo, SensorInfo, SessionInfo, State
-from daq.told import Window
 from daq.trigger import Trigger
 from firmware_protocol import HelloRequest, OtherVersion
 

@@ -15,10 +15,10 @@ from zlib import crc32
 import numpy as np
 
 from daq.clock import ClockFit, fit_clock
+from daq.description_checks import Window, channels_of, gap_of, items_of, problem_of, window_of
 from daq.errors import DataLost
 from daq.raw_log import Kind, Record
 from daq.recording import Array, Channel, Gap, Mask, Recording
-from daq.told import Window, channels_of, gap_of, items_of, problem_of, window_of
 from firmware_protocol import Data, Decoder, Describe, End, Event, EventKind, Frame, Hello, Log
 
 MAX_MISSING = 1 << 22

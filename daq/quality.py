@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict
 
 from daq.decode import Assembly
 from daq.recording import Array, Channel, Gap, Mask, Recording
-from daq.wiring import suspicions
+from daq.wiring_check import suspicions
 from firmware_protocol import NO_CHANNEL, EventKind
 
 LOST_LIMIT = 0.02

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from daq.decode import Assembly, assemble
 from daq.errors import DataLost, NotASession, SessionDamaged, SettingsError, StorageError
-from daq.imported import import_log
+from daq.import_log import import_log
 from daq.manifest import (
     Counts,
     FileEntry,
@@ -20,12 +20,12 @@ from daq.manifest import (
     session_files,
     write_manifest,
 )
+from daq.noise_history import usual_noise
 from daq.quality import Verdict, Word, judge
 from daq.raw_log import MAX_LOG, RawLog, Record, read
 from daq.recording import Channel, Recording
 from daq.session_info import SensorInfo, SessionInfo, State
 from daq.storage import Lock, make_folder, read_regular, refused, write_whole
-from daq.usual_noise import usual_noise
 
 INFO = "session.json"
 RAW = "raw.log"

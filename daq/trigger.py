@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from daq.recording import Array, Channel
-from daq.rest import MOTION, Rest, primary, smallest_motion
-from daq.swings import FreeSwings, Swings
+from daq.rest_detection import MOTION, Rest, primary, smallest_motion
+from daq.turning_points import FreeSwings, Swings
 
 TIMES_NOISE = 30.0
 TIMES_RESOLUTION = 10.0

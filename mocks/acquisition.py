@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mocks import sensor_faults
-from mocks.bench_run import Episode
+from mocks.operator_sequence import Episode
 from mocks.sensor_faults import IMMEDIATE
 from mocks.sensors import Sensor, high_pass
 from mocks.testbed import Bench

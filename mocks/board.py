@@ -37,7 +37,7 @@ from firmware_protocol import (
     encode,
 )
 from mocks.capture import Capture, Settings, Source
-from mocks.lies import Lies
+from mocks.misconfigurations import Lies
 
 RATES_HZ = (5.0, 20000.0)
 ROOM_FOR_SAMPLES = 900  # Bytes of samples in a frame of 1024.

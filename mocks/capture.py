@@ -11,7 +11,7 @@ from zlib import crc32
 import numpy as np
 
 from firmware_protocol import ChannelDescription, Data, End, Event, EventKind, SampleFormat
-from mocks.lies import Lies
+from mocks.misconfigurations import Lies
 
 FORMATS: dict[SampleFormat, np.dtype[Any]] = {
     SampleFormat.I16: np.dtype("<i2"),

@@ -13,10 +13,10 @@ from pathlib import Path
 
 from mocks import faults as wire
 from mocks import generate
-from mocks.lies import LIES
 from mocks.link import Link, PtyLink, TcpLink
-from mocks.rig import Rig
+from mocks.misconfigurations import LIES
 from mocks.serve import serve
+from mocks.simulated_board import Rig
 
 
 def main(argv: list[str] | None = None) -> int:

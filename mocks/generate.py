@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 
 from mocks import sensor_faults
+from mocks.bench_parameters import Setting, draw_setting
+from mocks.effect_scaling import hide
 from mocks.forces import OUTSIDE_THE_LIBRARY, PARAMETERS
-from mocks.hiding import hide
 from mocks.sensor_faults import IMMEDIATE, OVERSAMPLING, SENSOR_FAULTS
 from mocks.sensors import hold_samples
-from mocks.setting import Setting, draw_setting
 from mocks.testbed import Bench, simulate, simulate_channels
 
 CHANNELS = ("displacement", "acceleration")

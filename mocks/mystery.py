@@ -12,7 +12,7 @@ import numpy as np
 
 from mocks import cli
 from mocks.generate import PHYSICS
-from mocks.rig import Rig
+from mocks.simulated_board import Rig
 
 STRENGTHS = (0.005, 0.03)
 FAULTY_SENSOR = 0.2

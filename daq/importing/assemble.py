@@ -6,7 +6,7 @@ from daq.importing.choose import LARGEST, Choice, choose_columns, left_out
 from daq.importing.derived import find_derivation
 from daq.importing.errors import problem
 from daq.importing.options import NONE, ImportOptions, ask
-from daq.importing.placing import find_gaps, place
+from daq.importing.resampling import find_gaps, place
 from daq.importing.table import Table
 from daq.importing.timebase import EVEN, Timebase, from_rate, from_stamps, guess_time_unit
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from daq.importing.rounding import quantum
+from daq.importing.quantisation import quantum
 from daq.recording import Array, Mask
 
 REACH = 6

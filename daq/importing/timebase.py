@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.importing.errors import problem
-from daq.importing.rounding import quantum
+from daq.importing.quantisation import quantum
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import SECOND, Unit
 from daq.recording import Array

@@ -11,7 +11,6 @@ from station.output import json_option, print_json, progress, screen
 MOST_TAKES = 3
 
 if TYPE_CHECKING:
-    from daq.capture import CaptureSettings
     from daq.session import Session
     from station.settings import Settings
 
@@ -74,12 +73,12 @@ def command(
     Hold the mass still until the station is armed, then let it go.
     """
     from daq.ports import choose_port
-    from station.capturing import new_folder, record
-    from station.commands.import_ import describe
+    from station.operations.capturing import record
+    from station.operations.new_session import capture_settings, new_folder, session_info
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
-    info = describe(settings, mass, mass_std, specimen, operator)
+    info = session_info(settings, mass, mass_std, specimen, operator)
     chosen = choose_port(port or settings.capture.port)
     wanted = capture_settings(settings, info, **timing)
     session, url = record(chosen, wanted, folder or new_folder(settings.sessions), not no_viewer, spare)
@@ -108,30 +107,11 @@ def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
     return True
 
 
-def capture_settings(settings: "Settings", info: Any, **timing: Any) -> "CaptureSettings":
-    """Return how to capture: options where they were given, else the settings."""
-    from daq.capture import CaptureSettings
-
-    def chosen(option: str, default: float) -> float:
-        given = timing.get(option)
-        return default if given is None else float(given)
-
-    known = settings.capture
-    return CaptureSettings(
-        duration_s=chosen("duration", known.duration),
-        rate_hz=chosen("rate", known.rate),
-        pre_trigger_s=chosen("pre_trigger", known.pre_trigger),
-        trigger_timeout_s=chosen("patience", known.patience),
-        trigger_level=timing.get("level"),
-        info=info,
-    )
-
-
 def finish(session: "Session", url: str | None, settings: "Settings", as_json: bool) -> dict[str, Any]:
     """Tell the verdict, identify, show; return the document that `--json` prints."""
-    from station.capturing import show_result
-    from station.identifying import identify_session, options_for, refuse_if_nothing
-    from station.terminal import next_steps, show_identification
+    from station.operations.capturing import show_result
+    from station.operations.identifying import identify_session, options_for, refuse_if_nothing
+    from station.text.terminal import next_steps, show_identification
 
     verdict = session.verdict
     if verdict is not None:

@@ -38,9 +38,9 @@ def command(
     in words, cycle by cycle. Without --model the model is stiffness, Coulomb
     and viscous friction.
     """
-    from station.comparing import compare_session, write_view
-    from station.identifying import options_for
-    from station.sessions import open_session
+    from station.operations.comparing import compare_session, write_view
+    from station.operations.identifying import options_for
+    from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
@@ -49,7 +49,7 @@ def command(
     if as_json:
         print_json(document)
     else:
-        from station.comparison_text import show_comparison
+        from station.text.comparison_text import show_comparison
 
         show_comparison(screen(), compared)
     if with_view:

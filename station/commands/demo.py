@@ -1,22 +1,16 @@
 """`station demo`: the whole job on a simulated board, which runs as a program of its own."""
 
-import contextlib
 import json
-import subprocess
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import click
 
-from station.exits import Problem
 from station.output import json_option, print_json, progress, screen
 
 SPEED = 4.0
 MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
-START_S = 60.0
 
 
 @click.command("demo")
@@ -60,15 +54,16 @@ def command(
     from dataclasses import replace
 
     from daq.session_info import SessionInfo
-    from station.capturing import new_folder, record
-    from station.commands.capture import capture_settings
-    from station.identifying import identify_session, options_for, refuse_if_nothing
+    from station.operations.capturing import record
+    from station.operations.identifying import identify_session, options_for, refuse_if_nothing
+    from station.operations.new_session import capture_settings, new_folder
+    from station.operations.simulated_board import double
     from station.settings import load_settings
-    from station.terminal import next_steps, show_identification
+    from station.text.terminal import next_steps, show_identification
 
     settings = load_settings(settings_file)
     if mystery is not None:
-        from station.mystery import play
+        from station.operations.mystery import play
 
         play(settings, mystery if mystery >= 0 else None, speed, pty, folder, no_viewer, as_json)
         return
@@ -85,7 +80,7 @@ def command(
     if not as_json:
         show_identification(screen(), session.folder.name, result)
         screen().print(_made_of(truth), markup=False, soft_wrap=True)
-    from station.capturing import show_result
+    from station.operations.capturing import show_result
 
     file = show_result(url, session, result)
     verdict = session.verdict
@@ -110,35 +105,3 @@ def _made_of(truth: dict[str, Any]) -> str:
         f"   K {truth['stiffness']:.2f} N/m, mu_0 {truth['mu_0']:.5f} m/s^2, mu_1 {truth['mu_1']:.5f} 1/s,"
         f" lag {truth['displacement_late_s'] * 1e6:.1f} us\n"
     )
-
-
-@contextlib.contextmanager
-def double(seed: int, speed: float, pty: bool, *more: str, module: str = "mocks") -> Iterator[str]:
-    """Start the simulated board, give the name of its port, and end it afterwards."""
-    line = ["--pty"] if pty else ["--tcp", "0"]
-    arguments = [*line, "--seed", str(seed), "--speed", f"{speed:g}", *more]
-    process = subprocess.Popen(
-        [sys.executable, "-m", module, *arguments],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    assert process.stdout is not None
-    try:
-        first = process.stdout.readline().strip()
-        if not first.startswith("port: "):
-            process.kill()
-            said = process.communicate()[1].strip().splitlines()
-            raise Problem(f"the simulated board did not start: {said[-1] if said else 'it said nothing'}")
-        yield first.removeprefix("port: ")
-    finally:
-        process.terminate()
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(timeout=5)
-        if process.poll() is None:
-            process.kill()
-            process.wait()
-        for stream in (process.stdin, process.stdout, process.stderr):
-            if stream is not None:
-                stream.close()

@@ -8,8 +8,8 @@ import click
 from station.output import json_option, print_json, progress, screen
 
 if TYPE_CHECKING:
-    from identify.diagnose import Diagnosis
-    from station.diagnosing import Bench
+    from identify.diagnosis.diagnose import Diagnosis
+    from station.operations.session_set import Bench
 
 
 @click.command("diagnose")
@@ -48,7 +48,7 @@ def command(
     SESSION is a session or a data file; several share the physics. Without
     --model the model is stiffness, dry and viscous friction.
     """
-    from station.diagnosis import diagnose_bench, keep, open_or_refuse, refuse_if_too_little
+    from station.operations.diagnosing import diagnose_bench, keep, open_or_refuse, refuse_if_too_little
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
@@ -58,14 +58,14 @@ def command(
     if as_json:
         print_json(document)
     else:
-        from station.diagnosis_words import show_diagnosis
+        from station.text.diagnosis_text import show_diagnosis
 
         show_diagnosis(screen(), document)
         for line in next_steps(bench, found):
             screen().print(line, markup=False, soft_wrap=True)
     refuse_if_too_little(document)
     if not no_viewer:
-        from station.showing import show_suspects
+        from station.operations.viewer_tabs import show_suspects
 
         if show_suspects(bench.sessions[0], found, document):
             progress("the viewer shows the suspects")

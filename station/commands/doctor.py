@@ -10,7 +10,7 @@ from station import exits
 from station.output import json_option, print_json, screen
 
 if TYPE_CHECKING:
-    from station.checkup import Finding
+    from station.operations.doctor import Finding
 
 
 @click.command("doctor")
@@ -49,10 +49,10 @@ def command(settings_file: str | None, port: str | None, seconds: float, as_json
 
 
 def _examine(port: str | None, sessions: Path, rate: float, seconds: float) -> Iterator["Finding"]:
-    from station import checkup
+    from station.operations import doctor
 
-    yield from checkup.versions()
-    yield from checkup.disk(sessions)
+    yield from doctor.versions()
+    yield from doctor.disk(sessions)
     if port:
         yield from _port(port, rate, seconds)
         return
@@ -60,8 +60,8 @@ def _examine(port: str | None, sessions: Path, rate: float, seconds: float) -> I
 
     found = list_ports()
     if not found:
-        yield checkup.Finding(
-            checkup.Grade.WARN,
+        yield doctor.Finding(
+            doctor.Grade.WARN,
             "ports",
             "this computer has no serial port",
             "plug the board in, or name --port",
@@ -70,8 +70,8 @@ def _examine(port: str | None, sessions: Path, rate: float, seconds: float) -> I
         if candidate.answers:
             yield from _port(candidate.port.name, rate, seconds)
         else:
-            yield checkup.Finding(
-                checkup.Grade.WARN, "port", candidate.problem, "not the board? then nothing to do"
+            yield doctor.Finding(
+                doctor.Grade.WARN, "port", candidate.problem, "not the board? then nothing to do"
             )
 
 
@@ -79,17 +79,17 @@ def _port(name: str, rate: float, seconds: float) -> Iterator["Finding"]:
     from daq.board_sample import sample_board
     from daq.errors import StationError
     from daq.port_facts import port_facts
-    from station import checkup
+    from station.operations import doctor
 
     facts = port_facts(name)
-    yield from checkup.port(name, facts)
+    yield from doctor.port(name, facts)
     if not facts.exists or not facts.permitted:
         return
     try:
-        yield from checkup.board(sample_board(name, seconds, rate))
+        yield from doctor.board(sample_board(name, seconds, rate))
     except StationError as error:
         what, _, remedy = str(error).rpartition("; ")
-        yield checkup.Finding(checkup.Grade.FAIL, "board", what or remedy, remedy if what else "")
+        yield doctor.Finding(doctor.Grade.FAIL, "board", what or remedy, remedy if what else "")
 
 
 def _print(findings: list["Finding"]) -> None:

@@ -19,8 +19,9 @@ def command(name: str | None, picture: Path | None, as_json: bool) -> None:
     what proves it, what it is confused with, its force and its signature.
     """
     from identify.effects.library import LIBRARY, find_effect
-    from station import effect_text
-    from station.effect_pictures import draw, portray
+    from station.story.effect_portrait import portray
+    from station.text import effect_text
+    from station.views.effects import draw
 
     if name is None:
         if picture is not None:

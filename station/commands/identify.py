@@ -44,7 +44,7 @@ def command(
     """
     from dataclasses import replace
 
-    from station.identifying import identify_session, options_for, refuse_if_nothing
+    from station.operations.identifying import identify_session, options_for, refuse_if_nothing
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
@@ -58,7 +58,7 @@ def command(
     if as_json:
         print_json(document)
     else:
-        from station.terminal import next_steps, show_identification
+        from station.text.terminal import next_steps, show_identification
 
         show_identification(screen(), opened.folder.name, result)
         next_steps(screen(), opened.folder)
@@ -80,10 +80,10 @@ def _opened(session: str, into: str | None, mass: float | None, settings: Any) -
     from pathlib import Path
 
     from daq.importing.options import ImportOptions
-    from station.commands.import_ import describe
-    from station.sessions import import_file, open_session
+    from station.operations.new_session import session_info
+    from station.results.sessions import import_file, open_session
 
-    info = describe(settings, mass, None, None, None)
+    info = session_info(settings, mass, None, None, None)
     if into is None:
         return open_session(session, settings.sessions, info)
     return import_file(Path(session), Path(into), settings.sessions, ImportOptions(), info).sessions[0]

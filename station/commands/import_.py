@@ -9,9 +9,7 @@ from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
 if TYPE_CHECKING:
-    from daq.session_info import SessionInfo
-    from station.sessions import Imported
-    from station.settings import Settings
+    from station.results.sessions import Imported
 
 
 @click.command("import")
@@ -74,37 +72,19 @@ def command(
     Prints what was understood and what was guessed; nothing is overwritten.
     """
     from daq.importing.options import ImportOptions
-    from station.sessions import import_file
+    from station.operations.new_session import session_info
+    from station.results.sessions import import_file
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     chosen = {name: _number(value) for name, value in _pairs("--column", columns).items()}
     options = ImportOptions(columns=chosen, units=_pairs("--unit", units), **text)
-    info = describe(settings, mass, mass_std, specimen, operator)
+    info = session_info(settings, mass, mass_std, specimen, operator)
     imported = import_file(file, folder, settings.sessions, options, info)
     if as_json:
         print_json(_document(file, imported))
     else:
         _say(file, imported)
-
-
-def describe(
-    settings: "Settings",
-    mass: float | None,
-    mass_std: float | None,
-    specimen: str | None,
-    operator: str | None,
-) -> "SessionInfo":
-    """Return a session's metadata from options, else from the settings."""
-    from daq.session_info import SessionInfo
-
-    known = settings.specimen
-    return SessionInfo(
-        operator=operator if operator is not None else known.operator,
-        specimen=specimen if specimen is not None else known.name,
-        mass_kg=mass if mass is not None else known.mass_kg,
-        mass_std_kg=mass_std if mass is not None or mass_std is not None else known.mass_std_kg,
-    )
 
 
 def _pairs(option: str, given: tuple[str, ...]) -> dict[str, str]:

@@ -13,7 +13,7 @@ from station.output import json_option, print_json, screen
 @click.pass_obj
 def command(settings_file: str | None, session: str, as_json: bool) -> None:
     """Tell what SESSION holds: metadata, channels, losses, verdict, results."""
-    from station.sessions import open_session
+    from station.results.sessions import open_session
     from station.settings import load_settings
 
     opened = open_session(session, load_settings(settings_file).sessions)

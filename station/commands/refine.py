@@ -60,9 +60,9 @@ def command(
         raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
     from dataclasses import replace
 
-    from station.ladder import ladder_document, write_ladder
-    from station.refining import add, climb_on, go_to, open_refinement, remove
-    from station.sessions import open_session
+    from station.operations.refining import add, climb_on, go_to, open_refinement, remove
+    from station.results.ladder import ladder_document, write_ladder
+    from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
@@ -82,11 +82,11 @@ def command(
     if as_json:
         print_json(ladder_document(opened, ladder))
     else:
-        from station.ladder_words import show_ladder
+        from station.text.ladder_text import show_ladder
 
         show_ladder(screen(), opened.folder.name, ladder)
     if not no_viewer:
-        from station import showing
+        from station.operations import viewer_tabs
 
-        if showing.show_ladder(replace(refinement, ladder=ladder)):
+        if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
             progress("the viewer shows the ladder: step along its timeline `rung`")

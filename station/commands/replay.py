@@ -20,11 +20,11 @@ from station.output import json_option
 def command(settings_file: str | None, session: str, speed: float, no_viewer: bool, as_json: bool) -> None:
     """Send SESSION's raw bytes through the decoder again, and identify it."""
     from daq.replay import replay
-    from station.capturing import live_screen
     from station.commands.capture import finish
-    from station.sessions import open_session
+    from station.operations.capturing import live_screen
+    from station.results.sessions import open_session
     from station.settings import load_settings
-    from station.watching import Several, Watch
+    from station.text.capture_progress import Several, Watch
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)

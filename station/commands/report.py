@@ -40,7 +40,7 @@ def command(
     says what was left out and why. Identifies and compares on the way.
     """
     from station.report.write import make_report
-    from station.sessions import open_session
+    from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)

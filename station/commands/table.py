@@ -22,10 +22,10 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
     table.
     """
     from identify.errors import NotIdentifiable
-    from station import table
-    from station.identifying import identify_session, options_for
-    from station.sessions import open_session
+    from station.operations.identifying import identify_session, options_for
+    from station.results.sessions import open_session
     from station.settings import load_settings
+    from station.text import table
 
     settings = load_settings(settings_file)
     documents: list[dict[str, Any]] = []

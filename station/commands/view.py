@@ -9,7 +9,7 @@ from station.output import json_option, print_json, progress
 
 if TYPE_CHECKING:
     from daq.session import Session
-    from station.identification import Identification
+    from station.story.identification import Identification
 
 
 @click.command("view")
@@ -30,14 +30,14 @@ def command(
 
     Identifies it first, and keeps the recording in the session's results.
     """
-    from station.identifying import identify_session, options_for, write_view
-    from station.sessions import open_session
+    from station.operations.identifying import identify_session, options_for, write_view
+    from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     result, _ = identify_session(opened, options_for(opened, settings))
-    from station.showing import story_tabs
+    from station.operations.viewer_tabs import story_tabs
 
     file = write_view(opened, result, story_tabs(opened, settings))
     document: dict[str, Any] = {"session": str(opened.folder), "recording": str(file), "pictures": []}
@@ -56,7 +56,7 @@ def command(
 
 def show_session(session: "Session", result: "Identification") -> None:
     """Write the recording of an identification that is at hand, and open it where there is a screen."""
-    from station.identifying import write_view
+    from station.operations.identifying import write_view
 
     file = write_view(session, result)
     progress(f"recording: {file}")

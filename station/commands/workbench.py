@@ -28,7 +28,7 @@ def command(
     SESSION is a session or a data file; without one the page offers those in
     ./sessions. The page answers on 127.0.0.1 only.
     """
-    from station.sessions import open_session
+    from station.results.sessions import open_session
     from station.settings import load_settings
     from station.workbench.server import serve
 

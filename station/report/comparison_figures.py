@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from identify.phase_plane import ForceSection
-from identify.place_words import Words
-from station.compared import Compared
+from identify.comparison.discrepancy_text import Words
+from identify.comparison.phase_plane import ForceSection
 from station.quantities import shown
 from station.report.drawing import (
     BAND,
@@ -23,6 +22,7 @@ from station.report.drawing import (
     zero_lines,
 )
 from station.report.numbers import unit
+from station.story.compared import Compared
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

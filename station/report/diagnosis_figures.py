@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from identify.fingerprint import Fingerprint, fingerprint, force_added, force_left
-from station.diagnosis_words import size
-from station.ladder import KeptLadder
-from station.ladder_words import step
+from identify.diagnosis.force_map import Fingerprint, fingerprint, force_added, force_left
 from station.quantities import shown
 from station.report.drawing import BAND, GREY, INK, MODEL, embedded, literal, paper
 from station.report.numbers import unit
+from station.results.ladder import KeptLadder
+from station.text.diagnosis_text import size
+from station.text.ladder_text import step
 from station.views.suspects import MOST_BARS, Shown
 
 LEAST = 0.5

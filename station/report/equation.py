@@ -3,15 +3,15 @@
 import re
 
 from identify.effects.effect import Parameter
-from identify.fit import Fit
-from identify.model import Term
-from station.compared import Compared
-from station.models import parameters_of
+from identify.fitting.fit import Fit
+from identify.model.model import Term
 from station.report import comparison_figures as draw
 from station.report.content import Equation, Figure, Part, Section, Table, Words, left_out
 from station.report.failure import errors, places
 from station.report.findings import Findings
 from station.report.numbers import SPACE, prose, rounded, symbol, unit
+from station.results.models import parameters_of
+from station.story.compared import Compared
 
 TITLE = "The equation of motion"
 FAR = 4.0

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from identify.place_words import Words as PlaceWords
-from station.compared import Compared
-from station.comparison_text import floor_text, harmonics_text
+from identify.comparison.discrepancy_text import Words as PlaceWords
 from station.report import comparison_figures as draw
 from station.report.content import Facts, Figure, Part, Section, Table, Words, left_out
 from station.report.findings import Findings
 from station.report.numbers import prose, rounded, three, unit
+from station.story.compared import Compared
+from station.text.comparison_text import floor_text, harmonics_text
 
 TITLE = "The usual model compared with the measurement"
 MOST_CYCLES = 12

@@ -9,25 +9,25 @@ from daq.errors import StationError
 from daq.manifest import Manifest
 from daq.recording import Recording
 from daq.session import Session
+from identify.diagnosis.refine import Rung
 from identify.errors import NotIdentifiable
-from identify.model import base_model
-from identify.refine import Rung
-from identify.search import begin
-from station.compared import Compared
-from station.comparing import RESULT as COMPARISON
-from station.comparing import as_document, compare_fitted, compare_session, setting_of
-from station.diagnosing import Bench, begin_from, make_ready
-from station.diagnosis import RESULT as DIAGNOSIS
-from station.diagnosis import diagnose_bench, keep
+from identify.fitting.baseline import begin
+from identify.model.model import base_model
 from station.exits import Problem, UsageProblem
-from station.identification import Identification
-from station.identifying import identify_session
-from station.ladder import LADDER, KeptLadder
-from station.models import known_model
-from station.pipeline import Options
-from station.refining import Refinement, open_refinement, rung_again
+from station.operations.comparing import RESULT as COMPARISON
+from station.operations.comparing import as_document, compare_fitted, compare_session, setting_of
+from station.operations.diagnosing import RESULT as DIAGNOSIS
+from station.operations.diagnosing import diagnose_bench, keep
+from station.operations.identifying import identify_session
+from station.operations.refining import Refinement, open_refinement, rung_again
+from station.operations.session_set import Bench, begin_from, make_ready
+from station.operations.viewer_tabs import told_again
+from station.results.ladder import LADDER, KeptLadder
+from station.results.models import known_model
 from station.settings import Settings
-from station.showing import told_again
+from station.story.compared import Compared
+from station.story.identification import Identification
+from station.story.pipeline import Options
 from station.views.suspects import Shown
 
 Tell = Callable[[str], None]

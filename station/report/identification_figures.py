@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from daq.recording import Recording
-from identify.restoring_force import RestoringForceResult, Section
-from identify.wavelet import WaveletResult
-from station.identification import Identification
+from identify.restoring_force.restoring_force import RestoringForceResult, Section
+from identify.wavelet.wavelet import WaveletResult
 from station.quantities import shown
 from station.report.drawing import (
     GREY,
@@ -24,6 +23,7 @@ from station.report.drawing import (
     zero_lines,
 )
 from station.report.numbers import prose, three, unit
+from station.story.identification import Identification
 from station.views.alignment import overlay
 from station.views.log import Array
 from station.views.restoring_force import mesh

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from station.diagnosis_words import evidence, headline, indistinguishable, probability, shown_suspects
-from station.ladder_words import change, step
 from station.report import diagnosis_figures as draw
 from station.report.content import Figure, Part, Section, Table, Words, left_out
 from station.report.findings import Findings
 from station.report.numbers import prose, symbol, three, with_unit
+from station.text.diagnosis_text import evidence, headline, indistinguishable, probability, shown_suspects
+from station.text.ladder_text import change, step
 
 SUSPECTS = "Suspects: which effect is missing"
 LADDER = "The ladder: the error, rung by rung"

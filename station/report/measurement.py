@@ -8,7 +8,7 @@ from station.report import identification_figures as draw
 from station.report.content import Facts, Figure, Part, Section, Table, Words
 from station.report.findings import Findings
 from station.report.numbers import prose, rounded, symbol, three, unit, with_unit
-from station.terminal import KINDS, uncorrected
+from station.text.terminal import KINDS, uncorrected
 
 NOT_STATED = "not stated"
 

@@ -6,7 +6,7 @@ from station.report import identification_figures as draw
 from station.report.content import Figure, Part, Section, Table, Words, left_out
 from station.report.findings import Findings
 from station.report.numbers import lowered, rounded, symbol, three, unit
-from station.table import Tables, make_tables
+from station.text.table import Tables, make_tables
 
 TITLE = "Identification by two methods"
 NONE = "–"

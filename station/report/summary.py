@@ -1,9 +1,9 @@
 """The result on the first page: what was found, how well it explains the measurement, what is missing."""
 
-from station.diagnosis_words import headline
 from station.report.equation import caution
 from station.report.findings import Findings
 from station.report.numbers import SPACE, rounded, symbol, three, unit
+from station.text.diagnosis_text import headline
 
 
 def summary(found: Findings) -> tuple[tuple[str, str], ...]:

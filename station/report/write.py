@@ -8,7 +8,7 @@ from pathlib import Path
 
 from daq.session import Session
 from daq.storage import write_whole
-from station.identifying import options_for
+from station.operations.identifying import options_for
 from station.report.content import Section, left_out
 from station.report.drawing import PAPER
 from station.report.equation import equation

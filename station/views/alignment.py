@@ -6,8 +6,8 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from station.identification import Identification
 from station.quantities import written
+from station.story.identification import Identification
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array

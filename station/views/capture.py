@@ -5,9 +5,9 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.free_decay import FreeDecay
-from station.identification import Identification
 from station.quantities import shown
-from station.terminal import KINDS
+from station.story.identification import Identification
+from station.text.terminal import KINDS
 from station.views import log, palette
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from identify.place_words import Words
-from station.compared import Compared
+from identify.comparison.discrepancy_text import Words
+from station.story.compared import Compared
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array

@@ -8,12 +8,12 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from identify.fit import Fit
-from identify.setting import Setting
-from station.diagnosis_words import number, size
-from station.ladder import KeptLadder, KeptRung
-from station.ladder_words import moved, step
+from identify.fitting.fit import Fit
+from identify.preprocessing.prepared_decay import Setting
 from station.quantities import shown
+from station.results.ladder import KeptLadder, KeptRung
+from station.text.diagnosis_text import number, size
+from station.text.ladder_text import moved, step
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array

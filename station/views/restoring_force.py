@@ -5,9 +5,9 @@ import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
-from identify.restoring_force import RestoringForceResult, Section
-from station.identification import Identification
+from identify.restoring_force.restoring_force import RestoringForceResult, Section
 from station.quantities import shown
+from station.story.identification import Identification
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array

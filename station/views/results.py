@@ -4,9 +4,9 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from station.identification import Identification
 from station.quantities import shown
-from station.terminal import rows, uncorrected
+from station.story.identification import Identification
+from station.text.terminal import rows, uncorrected
 from station.views import log, palette
 from station.views.log import Array
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import rerun as rr
 import rerun.blueprint as rrb
 
-from station.identification import Identification
+from station.story.identification import Identification
 from station.views import alignment, capture, log, restoring_force, results, wavelet
 from station.views.tab import Tab
 

@@ -7,12 +7,12 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from identify.diagnose import Diagnosis
-from identify.fingerprint import Fingerprint, fingerprint, force_added, force_left
-from identify.fit import Fit
-from identify.model import Term
-from identify.setting import Setting
-from station.diagnosis_words import (
+from identify.diagnosis.diagnose import Diagnosis
+from identify.diagnosis.force_map import Fingerprint, fingerprint, force_added, force_left
+from identify.fitting.fit import Fit
+from identify.model.model import Term
+from identify.preprocessing.prepared_decay import Setting
+from station.text.diagnosis_text import (
     evidence,
     headline,
     indistinguishable,

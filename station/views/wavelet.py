@@ -4,9 +4,9 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from identify.wavelet import WaveletResult
-from station.identification import Identification
+from identify.wavelet.wavelet import WaveletResult
 from station.quantities import shown
+from station.story.identification import Identification
 from station.views import log, palette
 from station.views.figure import figure, legend
 

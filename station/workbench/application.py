@@ -7,12 +7,12 @@ from nicegui import app as nicegui_app
 from nicegui import background_tasks, ui
 
 from station.settings import Settings
-from station.workbench.desk import Desks
+from station.workbench.app_state import Room
 from station.workbench.guard import Guard
 from station.workbench.page import Page
 from station.workbench.report_button import serve_reports
-from station.workbench.room import Room
-from station.workbench.shelf import Shelf
+from station.workbench.session_list import Shelf
+from station.workbench.session_state import Desks
 from station.workbench.viewer_files import serve_viewer
 from station.workbench.worker import Crew
 

@@ -6,9 +6,9 @@ from nicegui import ui
 
 from daq.errors import StationError
 from station.exits import Problem
-from station.workbench import parts
+from station.workbench import widgets
+from station.workbench.app_state import Room
 from station.workbench.capture_run import CaptureRun, Level, Progress
-from station.workbench.room import Room
 from station.workbench.sessions_panel import address_of
 
 TICK_S = 0.1
@@ -26,19 +26,19 @@ class CapturePanel:
     def build(self) -> None:
         """Make the panel."""
         settings = self._room.settings
-        with parts.card():
-            parts.head("Capture a release")
+        with widgets.card():
+            widgets.head("Capture a release")
             with ui.element("div") as self._form:
-                with parts.line():
+                with widgets.line():
                     self._port = ui.select(
                         self._known(), value=settings.capture.port, label="Port", with_input=True,
                         new_value_mode="add-unique", clearable=True,
                     ).props('dense outlined options-dense aria-label="Port of the board"').classes("grow")  # fmt: skip
-                    parts.button("Find", self._find, "Ask every port whether a board answers there")
-                with parts.line().style("padding-top:6px"):
+                    widgets.button("Find", self._find, "Ask every port whether a board answers there")
+                with widgets.line().style("padding-top:6px"):
                     self._mass = _field("Mass, kg", settings.specimen.mass_kg)
                     self._duration = _field("Record, s", settings.capture.duration)
-                self._arm = parts.button("Arm", self._start, "Arm the capture", strong=True, classes="arm")
+                self._arm = widgets.button("Arm", self._start, "Arm the capture", strong=True, classes="arm")
                 self._arm.style("width:100%; height:52px; margin-top:8px")
             self._said = ui.element("div").props("aria-live=polite")
         ui.timer(TICK_S, self._tick)
@@ -70,12 +70,11 @@ class CapturePanel:
         if not port:
             self._say([("choose the port of the board, or let Find look for it", "bad")])
             return
-        from station.commands.capture import capture_settings
-        from station.commands.import_ import describe
+        from station.operations.new_session import capture_settings, session_info
 
         settings = self._room.settings
         try:
-            info = describe(settings, self._mass.value or None, None, None, None)
+            info = session_info(settings, self._mass.value or None, None, None, None)
             wanted = capture_settings(settings, info, duration=self._duration.value)
         except (StationError, Problem, ValueError) as error:
             self._say([(str(error).splitlines()[0], "bad")])
@@ -110,22 +109,22 @@ class CapturePanel:
         self._said.clear()
         self._levels = []
         with self._said:
-            parts.words(now.said, f"strong wrap {'good' if now.state == 'armed' else ''}").style(
+            widgets.words(now.said, f"strong wrap {'good' if now.state == 'armed' else ''}").style(
                 "font-size:17px"
             )
             silent = now.detail.startswith("nothing came")
-            parts.words(now.detail, f"small wrap {'bad strong' if silent else 'faint'}")
+            widgets.words(now.detail, f"small wrap {'bad strong' if silent else 'faint'}")
             if now.lost:
-                parts.words(f"{now.lost} samples lost so far; they are asked for again", "small bad")
+                widgets.words(f"{now.lost} samples lost so far; they are asked for again", "small bad")
             for level in now.levels:
-                with parts.line("small"):
-                    parts.words(level.channel, "grow")
-                    number = parts.words("", "mono")
+                with widgets.line("small"):
+                    widgets.words(level.channel, "grow")
+                    number = widgets.words("", "mono")
                 with ui.element("div").classes("level"):
                     bar = ui.element("i")
                 self._levels.append((bar, number))
             self._bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded")
-            parts.button("Cancel", self._cancel, "Cancel the capture").style("width:100%; margin-top:6px")
+            widgets.button("Cancel", self._cancel, "Cancel the capture").style("width:100%; margin-top:6px")
 
     def _move(self, levels: tuple[Level, ...]) -> None:
         for (bar, number), level in zip(self._levels, levels, strict=False):
@@ -138,27 +137,27 @@ class CapturePanel:
         self._said.clear()
         with self._said:
             if now.problem:
-                parts.words(_sentence(now.problem), "bad small wrap")
+                widgets.words(_sentence(now.problem), "bad small wrap")
                 if now.kept is not None:
-                    parts.words("What was received is in the list below.", "small faint wrap")
+                    widgets.words("What was received is in the list below.", "small faint wrap")
                 return
             good = now.verdict == "OK"
-            parts.words(now.verdict or "recorded", f"strong {'good' if good else 'bad'}").style(
+            widgets.words(now.verdict or "recorded", f"strong {'good' if good else 'bad'}").style(
                 "font-size:17px"
             )
             for reason in now.reasons:
-                parts.words(reason, "small wrap")
+                widgets.words(reason, "small wrap")
             for advice in now.advice:
-                parts.words(f"To take it again: {advice}", "small wrap")
+                widgets.words(f"To take it again: {advice}", "small wrap")
             if now.session is not None:
                 key = now.session.name
-                parts.button(f"Open {key}", lambda: ui.navigate.to(address_of(key)), strong=True)
+                widgets.button(f"Open {key}", lambda: ui.navigate.to(address_of(key)), strong=True)
 
     def _say(self, lines: list[tuple[str, str]]) -> None:
         self._said.clear()
         with self._said:
             for text, kind in lines:
-                parts.words(text, f"small wrap {kind}")
+                widgets.words(text, f"small wrap {kind}")
 
 
 def _field(label: str, value: float | None) -> ui.number:

@@ -12,9 +12,9 @@ from daq.errors import StationError
 from daq.recording import Array, Channel, Gap
 from daq.session import Session
 from firmware_protocol import Hello
-from station.capturing import new_folder
+from station.operations.new_session import new_folder
 from station.quantities import shown
-from station.watching import STATES
+from station.text.capture_progress import STATES
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import json
 from typing import Any
 
-from station.workbench import told
+from station.workbench import view_models
 from station.workbench.theme import Theme, diverging
 
 Options = dict[str, Any]
@@ -11,7 +11,7 @@ Options = dict[str, Any]
 FONT = 11
 
 
-def overlay(picture: told.Picture, trace: told.Trace, colours: Theme) -> Options:
+def overlay(picture: view_models.Picture, trace: view_models.Trace, colours: Theme) -> Options:
     """Return measurement and model over time, with the band of the noise (2 std) about the model."""
     band = 2.0 * trace.sigma / trace.fine
     low = [None if value is None else round(value - band, 7) for value in trace.model]
@@ -40,7 +40,7 @@ def overlay(picture: told.Picture, trace: told.Trace, colours: Theme) -> Options
     }
 
 
-def residual(picture: told.Picture, trace: told.Trace, colours: Theme) -> Options:
+def residual(picture: view_models.Picture, trace: view_models.Trace, colours: Theme) -> Options:
     """Return measurement less model over time, with the band of the noise."""
     band = 2.0 * trace.sigma
     line = _line("measured less model", picture.time, trace.left, colours.left, 1.0)
@@ -58,7 +58,7 @@ def residual(picture: told.Picture, trace: told.Trace, colours: Theme) -> Option
     }
 
 
-def plane(picture: told.Picture, colours: Theme) -> Options:
+def plane(picture: view_models.Picture, colours: Theme) -> Options:
     """Return the phase plane: the trajectory, and the missing force as colour where it is known."""
     forces = sorted(abs(one[4]) for one in picture.plane.bins)
     reach = forces[int(0.95 * (len(forces) - 1))] if forces else 1.0
@@ -128,7 +128,7 @@ def _bin_words(unit: str) -> str:
     )
 
 
-def sections(picture: told.Picture, colours: Theme) -> tuple[Options, Options]:
+def sections(picture: view_models.Picture, colours: Theme) -> tuple[Options, Options]:
     """Return the cuts of the missing force: against velocity at u = 0, against displacement at v = 0."""
     found = picture.plane
     force = f"missing force [{picture.force_unit}]"
@@ -141,7 +141,7 @@ def sections(picture: told.Picture, colours: Theme) -> tuple[Options, Options]:
     return at_middle, at_rest
 
 
-def _section_chart(cuts: tuple[told.Section, ...], across: str, up: str, colours: Theme) -> Options:
+def _section_chart(cuts: tuple[view_models.Section, ...], across: str, up: str, colours: Theme) -> Options:
     tints = (colours.left, colours.other)
     series: list[Options] = []
     for cut, tint in zip(cuts, tints, strict=False):
@@ -159,7 +159,7 @@ def _section_chart(cuts: tuple[told.Section, ...], across: str, up: str, colours
     )
 
 
-def cycles(picture: told.Picture, colours: Theme) -> tuple[Options, Options]:
+def cycles(picture: view_models.Picture, colours: Theme) -> tuple[Options, Options]:
     """Return the errors of frequency and of energy, cycle by cycle."""
     found = picture.cycles
     frequency = _cycle_chart(
@@ -172,7 +172,12 @@ def cycles(picture: told.Picture, colours: Theme) -> tuple[Options, Options]:
 
 
 def _cycle_chart(
-    picture: told.Picture, values: told.Numbers, std: told.Numbers, name: str, tint: str, colours: Theme
+    picture: view_models.Picture,
+    values: view_models.Numbers,
+    std: view_models.Numbers,
+    name: str,
+    tint: str,
+    colours: Theme,
 ) -> Options:
     return _base(colours) | {
         "grid": _grid(left=58, bottom=34),
@@ -183,7 +188,7 @@ def _cycle_chart(
 
 
 def _with_bars(
-    name: str, across: told.Numbers, values: told.Numbers, std: told.Numbers, tint: str
+    name: str, across: view_models.Numbers, values: view_models.Numbers, std: view_models.Numbers, tint: str
 ) -> list[Options]:
     """Return points with bars of two standard errors."""
     known = [(x, y, s) for x, y, s in zip(across, values, std, strict=True) if None not in (x, y, s)]
@@ -241,7 +246,7 @@ def _axis(colours: Theme) -> Options:
     }
 
 
-def _time_axis(picture: told.Picture, colours: Theme, labelled: bool) -> Options:
+def _time_axis(picture: view_models.Picture, colours: Theme, labelled: bool) -> Options:
     label = _axis(colours)["axisLabel"] | {"showMaxLabel": False}
     known = [t for t in picture.time if t is not None] or [0.0, 1.0]
     first, last = known[0], known[-1]
@@ -273,7 +278,9 @@ def _value_axis(name: str, colours: Theme, below: bool = False) -> Options:
     return _axis(colours) | {"name": name, "splitNumber": 4, "scale": below} | place
 
 
-def _line(name: str, across: told.Numbers, values: told.Numbers, colour: str, width: float) -> Options:
+def _line(
+    name: str, across: view_models.Numbers, values: view_models.Numbers, colour: str, width: float
+) -> Options:
     return {
         "name": name,
         "type": "line",
@@ -285,7 +292,7 @@ def _line(name: str, across: told.Numbers, values: told.Numbers, colour: str, wi
     }
 
 
-def _pairs(across: told.Numbers, values: told.Numbers) -> list[list[float | None]]:
+def _pairs(across: view_models.Numbers, values: view_models.Numbers) -> list[list[float | None]]:
     return [[x, y] for x, y in zip(across, values, strict=True)]
 
 

@@ -2,7 +2,7 @@
 
 import math
 
-from station.ladder import KeptLadder
+from station.results.ladder import KeptLadder
 
 LEAST = 0.5
 """Where the bars begin: half the floor, so that a model at the floor still has a bar."""

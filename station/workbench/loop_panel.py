@@ -2,14 +2,14 @@
 
 from nicegui import ui
 
-from station.diagnosis_words import number, size
-from station.ladder import KeptLadder
-from station.ladder_words import change, step
-from station.workbench import parts, told
-from station.workbench.describing import pretty
-from station.workbench.desk import Desk
+from station.results.ladder import KeptLadder
+from station.text.diagnosis_text import number, size
+from station.text.ladder_text import change, step
+from station.workbench import view_models, widgets
+from station.workbench.build_view_models import pretty
 from station.workbench.ladder_bars import share
 from station.workbench.own_panel import OwnPanel
+from station.workbench.session_state import Desk
 from station.workbench.suspects_panel import SuspectsPanel
 from station.workbench.theme import Theme
 
@@ -25,17 +25,17 @@ class LoopPanel:
     def build(self) -> None:
         """Make the panel; it is empty until something is shown. The ladder stays in sight below the rest."""
         with ui.element("div").classes("loop-scroll"):
-            with parts.card():
+            with widgets.card():
                 self._suspects.build()
-            with parts.card():
-                parts.head("Model")
+            with widgets.card():
+                widgets.head("Model")
                 self._model = ui.element("div")
-            with parts.card():
+            with widgets.card():
                 self._own.build()
         with ui.element("section").classes("loop-ladder").props('aria-label="Ladder of errors"'):
             self._ladder = ui.element("div")
 
-    def show(self, view: told.View, colours: Theme) -> None:
+    def show(self, view: view_models.View, colours: Theme) -> None:
         """Show a session as it stands."""
         self._model.clear()
         with self._model:
@@ -45,24 +45,24 @@ class LoopPanel:
         with self._ladder:
             self._show_ladder(view.ladder)
 
-    def _show_model(self, view: told.View) -> None:
+    def _show_model(self, view: view_models.View) -> None:
         top = view.ladder.top
         for entry in top.model.effects:
             words = view.effects.get(entry.effect)
             with ui.element("div").classes("effect"):
-                with parts.line():
+                with widgets.line():
                     switch = ui.switch(value=True, on_change=lambda e, n=entry.effect: self._turn(n, e.value))
                     switch.props("dense size=sm").props["aria-label"] = f"{entry.effect} in the model"
-                    parts.words(_called(entry.effect), "strong grow wrap")
-                    parts.words(words.equation if words else "", "mono faint")
+                    widgets.words(_called(entry.effect), "strong grow wrap")
+                    widgets.words(words.equation if words else "", "mono faint")
                 with ui.element("div").classes("values small"):
                     for name, value in entry.parameters.items():
-                        parts.words(f"{name} = {pretty(number(value.model_dump()))}")
+                        widgets.words(f"{name} = {pretty(number(value.model_dump()))}")
         for name in _switched_off(view.ladder):
-            with ui.element("div").classes("effect off"), parts.line():
+            with ui.element("div").classes("effect off"), widgets.line():
                 switch = ui.switch(value=False, on_change=lambda e, n=name: self._turn(n, e.value))
                 switch.props("dense size=sm").props["aria-label"] = f"{name} in the model"
-                parts.words(f"{_called(name)} (off)", "grow wrap")
+                widgets.words(f"{_called(name)} (off)", "grow wrap")
 
     def _turn(self, name: str, on: bool) -> None:
         if on:
@@ -73,10 +73,10 @@ class LoopPanel:
         self._desk.version += 1
 
     def _show_ladder(self, ladder: KeptLadder) -> None:
-        with parts.line():
+        with widgets.line():
             with ui.element("div").classes("grow"):
-                parts.head("Rung by rung")
-            parts.words("chi2; green: noise floor", "small faint")
+                widgets.head("Rung by rung")
+            widgets.words("chi2; green: noise floor", "small faint")
         before = None
         for place, rung in enumerate(ladder.rungs):
             kind = "present" if place == ladder.present else "above" if place > ladder.present else ""
@@ -84,23 +84,23 @@ class LoopPanel:
             row.props["type"] = "button"
             row.props["aria-label"] = f"go to rung {place}: {step(rung)}, chi2 {size(rung.error.chi2)}"
             with row:
-                parts.words(str(place), "faint")
-                parts.words(step(rung), "what")
-                parts.words(
+                widgets.words(str(place), "faint")
+                widgets.words(step(rung), "what")
+                widgets.words(
                     "" if before is None else change(before.error.chi2, rung.error.chi2), "small faint"
                 )
-                parts.words(size(rung.error.chi2), "value strong")
+                widgets.words(size(rung.error.chi2), "value strong")
                 filled, floor = share(rung.error.chi2, ladder)
                 with ui.element("div").classes("track"):
                     ui.element("div").classes("fill").style(f"width:{filled:.1f}%")
                     ui.element("div").classes("floor").style(f"left:{floor:.1f}%")
             before = rung
         if ladder.stopped_because:
-            parts.words(f"{ladder.stopped_because[0].upper()}{ladder.stopped_because[1:]}.", "small wrap")
-        with parts.line():
-            parts.button("Climb by itself", lambda: self._desk.start("Climbing", "climb", long=True))
+            widgets.words(f"{ladder.stopped_because[0].upper()}{ladder.stopped_because[1:]}.", "small wrap")
+        with widgets.line():
+            widgets.button("Climb by itself", lambda: self._desk.start("Climbing", "climb", long=True))
             if len(ladder.rungs) > 1:
-                parts.button("Begin again", lambda: self._desk.start("Beginning again", "again"))
+                widgets.button("Begin again", lambda: self._desk.start("Beginning again", "again"))
 
     def _go(self, number: int) -> None:
         ladder = self._desk.view.ladder if self._desk.view else None

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from nicegui import ui
 
-from station.diagnosis_words import size
-from station.workbench import charts, parts, told
+from station.text.diagnosis_text import size
+from station.workbench import charts, view_models, widgets
 from station.workbench.theme import Theme
 
 NOTICED = 0.15
@@ -26,24 +26,24 @@ class MiddlePanel:
 
     def __init__(self) -> None:
         self._channel = ""
-        self._picture: told.Picture | None = None
+        self._picture: view_models.Picture | None = None
         self._colours: Theme | None = None
         self._of_ladder: float | None = None
         self._charts: dict[str, ui.echart] = {}
 
     def build(self) -> None:
         """Make the panel; it is empty until something is shown."""
-        with parts.card("tight"):
+        with widgets.card("tight"):
             self._numbers = ui.element("div").classes("numbers").props("aria-live=polite")
-            self._summary = parts.words("", "wrap")
-            self._cause = parts.words("", "small faint wrap")
-        with parts.card("tight"):
-            with parts.line():
-                self._readout = parts.words(HINT, "small faint grow readout").props("id=readout")
+            self._summary = widgets.words("", "wrap")
+            self._cause = widgets.words("", "small faint wrap")
+        with widgets.card("tight"):
+            with widgets.line():
+                self._readout = widgets.words(HINT, "small faint grow readout").props("id=readout")
                 self._choice = ui.element("div")
             self._frame = ui.element("div").classes("pictures")
 
-    def show(self, picture: told.Picture, colours: Theme, of_ladder: float | None) -> None:
+    def show(self, picture: view_models.Picture, colours: Theme, of_ladder: float | None) -> None:
         """Draw a comparison in some colours; `of_ladder` is the chi-square that the present rung has."""
         fresh = self._colours is not colours or not self._charts
         kinds = [trace.channel for trace in picture.traces]
@@ -74,7 +74,7 @@ class MiddlePanel:
         if self._picture is not None and self._colours is not None:
             self.show(self._picture, self._colours, self._of_ladder)
 
-    def _tell(self, picture: told.Picture) -> None:
+    def _tell(self, picture: view_models.Picture) -> None:
         errors = picture.errors
         self._numbers.clear()
         with self._numbers:
@@ -123,7 +123,7 @@ class MiddlePanel:
                 self._charts[name] = chart
         ui.run_javascript("bench.link()")
 
-    def _send_motion(self, picture: told.Picture) -> None:
+    def _send_motion(self, picture: view_models.Picture) -> None:
         reach = [max((abs(x) for x in values if x is not None), default=1.0) or 1.0
                  for values in (picture.displacement, picture.velocity)]  # fmt: skip
         motion = {
@@ -162,7 +162,7 @@ def _apart(whole: float, of_ladder: float | None) -> str:
     )
 
 
-def _misfit(trace: told.Trace) -> float:
+def _misfit(trace: view_models.Trace) -> float:
     """Return the mean square of what is left, in units of the noise: the channel that shows it comes first."""
     left = [value for value in trace.left if value is not None]
     return (
@@ -175,5 +175,5 @@ def _misfit(trace: told.Trace) -> float:
 def _number(value: str, meaning: str) -> None:
     with ui.element("div").classes("number"):
         with ui.element("b"):
-            parts.words(value)
-        parts.words(meaning, "small faint")
+            widgets.words(value)
+        widgets.words(meaning, "small faint")

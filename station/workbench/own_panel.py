@@ -5,9 +5,9 @@ import asyncio
 from nicegui import ui
 
 from identify.effects.library import LIBRARY
-from station.models import name_of, parsed_effect
-from station.workbench import parts
-from station.workbench.desk import Desk
+from station.results.models import name_of, parsed_effect
+from station.workbench import widgets
+from station.workbench.session_state import Desk
 
 EXAMPLE = "magnet = a*u/(1 + (u/b)**2)"
 PAUSE_S = 0.25
@@ -22,15 +22,15 @@ class OwnPanel:
 
     def build(self) -> None:
         """Make the panel."""
-        parts.head("An effect of your own")
+        widgets.head("An effect of your own")
         self._field = ui.input(placeholder=EXAMPLE, on_change=lambda e: self._changed(e.value or ""))
         self._field.props(
             'dense outlined clearable spellcheck=false autocomplete=off aria-label="Effect of your own"'
         )
         self._field.classes("mono").style("width:100%").on("keydown.enter", self._add)
-        with parts.line("top"):
-            self._said = parts.words("", "small grow wrap").props("aria-live=polite")
-            self._button = parts.button("Add", self._add, "Add the effect of your own")
+        with widgets.line("top"):
+            self._said = widgets.words("", "small grow wrap").props("aria-live=polite")
+            self._button = widgets.button("Add", self._add, "Add the effect of your own")
             self._button.disable()
         self._tell("", _HELP)
 

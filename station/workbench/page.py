@@ -4,14 +4,14 @@ import time
 
 from nicegui import ui
 
-from station.workbench import parts
+from station.workbench import widgets
+from station.workbench.app_state import Room
 from station.workbench.capture_panel import CapturePanel
-from station.workbench.desk import Desk
 from station.workbench.loop_panel import LoopPanel
 from station.workbench.middle_panel import MiddlePanel
 from station.workbench.report_button import ReportButton
 from station.workbench.rerun_tab import RerunTab
-from station.workbench.room import Room
+from station.workbench.session_state import Desk
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.theme import theme
 
@@ -51,22 +51,22 @@ class Page:
             ui.link("Free-Decay Station", "/").classes("bench-title").style(
                 "color:inherit;text-decoration:none"
             )
-            parts.words(self._key or "workbench", "bench-session")
+            widgets.words(self._key or "workbench", "bench-session")
             if self._desk is not None and self._key is not None:
                 ReportButton(self._room, self._desk, self._key).build()
-            self._theme_button = parts.button("Dark", self._turn_theme, "Switch between light and dark")
+            self._theme_button = widgets.button("Dark", self._turn_theme, "Switch between light and dark")
 
     def _build_middle(self) -> None:
         self._busy = ui.element("section").classes("card tight busybar").props("role=status aria-live=polite")
-        with self._busy, parts.line():
+        with self._busy, widgets.line():
             ui.spinner(size="18px")
-            self._busy_words = parts.words("", "grow")
-            parts.button("Cancel", lambda: self._desk.cancel() if self._desk else None)
+            self._busy_words = widgets.words("", "grow")
+            widgets.button("Cancel", lambda: self._desk.cancel() if self._desk else None)
         self._busy.set_visibility(False)
-        self._notice = parts.card("tight notice")
-        with self._notice, parts.line():
-            self._notice_words = parts.words("", "grow wrap")
-            parts.button("Close", self._close_notice, "Close the message")
+        self._notice = widgets.card("tight notice")
+        with self._notice, widgets.line():
+            self._notice_words = widgets.words("", "grow wrap")
+            widgets.button("Close", self._close_notice, "Close the message")
         self._notice.set_visibility(False)
         self._empty = ui.element("div").classes("empty grow")
         self._pictures = ui.element("div").style("display:flex;flex-direction:column;gap:8px")
@@ -93,18 +93,18 @@ class Page:
         self._empty.clear()
         with self._empty:
             if self._desk is not None and self._desk.problem:
-                parts.words("This recording does not allow an analysis", "strong")
-                parts.words(self._desk.problem, "wrap").style("max-width:520px")
-                parts.words("What was recorded is kept. Choose another session, or record again.", "small")
+                widgets.words("This recording does not allow an analysis", "strong")
+                widgets.words(self._desk.problem, "wrap").style("max-width:520px")
+                widgets.words("What was recorded is kept. Choose another session, or record again.", "small")
             elif self._desk is not None:
                 ui.spinner(size="32px")
-                parts.words("The session is read, and the usual model fitted to it.")
+                widgets.words("The session is read, and the usual model fitted to it.")
             elif self._key:
-                parts.words(f"There is no session called {self._key}", "strong wrap")
-                parts.words("Choose one on the left.")
+                widgets.words(f"There is no session called {self._key}", "strong wrap")
+                widgets.words("Choose one on the left.")
             else:
-                parts.words("Choose a session on the left,", "strong")
-                parts.words("drop a file there, or capture a release from a board.")
+                widgets.words("Choose a session on the left,", "strong")
+                widgets.words("drop a file there, or capture a release from a board.")
 
     def _build_right(self) -> None:
         self._loop: LoopPanel | None = None
@@ -114,9 +114,9 @@ class Page:
                 self._loop = LoopPanel(self._desk)
                 self._loop.build()
             else:
-                with parts.card(), ui.element("div").classes("empty"):
-                    parts.words("Here the loop is closed:", "strong")
-                    parts.words("diagnose what the model lacks, add it, and watch the error fall.", "small")
+                with widgets.card(), ui.element("div").classes("empty"):
+                    widgets.words("Here the loop is closed:", "strong")
+                    widgets.words("diagnose what the model lacks, add it, and watch the error fall.", "small")
         if self._desk is not None:
             self._right.set_visibility(False)
 

@@ -7,10 +7,10 @@ from nicegui import ui
 from starlette.responses import FileResponse, PlainTextResponse, Response
 
 from station.report.write import NAME
-from station.workbench import parts
-from station.workbench.desk import Desk
-from station.workbench.room import Room
-from station.workbench.shelf import Shelf
+from station.workbench import widgets
+from station.workbench.app_state import Room
+from station.workbench.session_list import Shelf
+from station.workbench.session_state import Desk
 from station.workbench.worker import Cancelled, Failed, Job
 
 PLACE = "/report"
@@ -28,7 +28,7 @@ class ReportButton:
 
     def build(self) -> None:
         """Make the button."""
-        self._place = parts.line().props("aria-live=polite")
+        self._place = widgets.line().props("aria-live=polite")
         self._offer()
         ui.timer(0.3, self._tick)
 
@@ -36,13 +36,13 @@ class ReportButton:
         self._place.clear()
         with self._place:
             if words and bad:
-                parts.words(words, "small bad wrap")
+                widgets.words(words, "small bad wrap")
             elif words:
                 link = ui.link(words, f"{PLACE}/{quote(self._key, safe='')}", new_tab=True).classes(
                     "small strong"
                 )
                 link.style("color: var(--accent)")
-            parts.button("Report", self._write, "Write the report of this session")
+            widgets.button("Report", self._write, "Write the report of this session")
 
     async def _write(self) -> None:
         if self._job is not None:
@@ -51,8 +51,8 @@ class ReportButton:
         self._place.clear()
         with self._place:
             ui.spinner(size="16px")
-            self._words = parts.words(self._said, "small faint")
-            parts.button("Cancel", self._cancel, "Cancel the report")
+            self._words = widgets.words(self._said, "small faint")
+            widgets.button("Cancel", self._cancel, "Cancel the report")
         try:
             await self._room.crew.do(
                 self._job, str(self._desk.folder), "report", self._desk.folder, tell=self._tell

@@ -2,9 +2,9 @@
 
 from nicegui import ui
 
-from station.workbench import parts
-from station.workbench.desk import Desk
-from station.workbench.room import Room
+from station.workbench import widgets
+from station.workbench.app_state import Room
+from station.workbench.session_state import Desk
 from station.workbench.viewer_files import address_of
 from station.workbench.worker import Cancelled, Failed, Job
 
@@ -30,10 +30,10 @@ class RerunTab:
         self._job = Job()
         self._frame.clear()
         self._top.clear()
-        with self._top, parts.card("tight"), parts.line():
+        with self._top, widgets.card("tight"), widgets.line():
             ui.spinner(size="18px")
-            parts.words("Writing the recording: surface, ridge, comparison, ladder", "grow")
-            parts.button("Cancel", lambda: self._job.cancel() if self._job else None)
+            widgets.words("Writing the recording: surface, ridge, comparison, ladder", "grow")
+            widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
         try:
             stamp = await self._room.crew.do(
                 self._job, str(self._desk.folder), "viewer", self._desk.folder, self._room.aside
@@ -54,6 +54,6 @@ class RerunTab:
 
     def _say(self, text: str) -> None:
         self._top.clear()
-        with self._top, parts.card("tight"), parts.line():
-            parts.words(text, "grow wrap")
-            parts.button("Try again", self.open)
+        with self._top, widgets.card("tight"), widgets.line():
+            widgets.words(text, "grow wrap")
+            widgets.button("Try again", self.open)

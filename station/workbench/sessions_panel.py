@@ -7,9 +7,9 @@ from urllib.parse import quote
 from nicegui import events, ui
 
 from station.exits import UsageProblem
-from station.workbench import parts
+from station.workbench import widgets
 from station.workbench.import_choices import ImportChoices, for_the_page
-from station.workbench.shelf import Entry, Shelf
+from station.workbench.session_list import Entry, Shelf
 from station.workbench.thumbnail import sparkline
 from station.workbench.uploads import plain_name
 from station.workbench.worker import Cancelled, Crew, Failed, Job
@@ -34,8 +34,8 @@ class SessionsPanel:
 
     def build(self) -> None:
         """Make the panel."""
-        with parts.card():
-            parts.head("Import a recording")
+        with widgets.card():
+            widgets.head("Import a recording")
             with ui.element("div").classes("drop"):
                 self._upload = ui.upload(
                     label="Drop a file here: CSV, MATLAB .mat, UFF58",
@@ -46,8 +46,8 @@ class SessionsPanel:
                 ).props('aria-label="Import a recording"')
             self._options.build()
             self._said = ui.element("div").props("aria-live=polite")
-        with parts.card("grow"):
-            parts.head("Sessions")
+        with widgets.card("grow"):
+            widgets.head("Sessions")
             self._list = ui.element("nav").props('aria-label="Sessions"')
         self.refresh()
         ui.timer(2.0, self.refresh)
@@ -63,11 +63,11 @@ class SessionsPanel:
         self._list.clear()
         with self._list:
             if self._shelf.problem:
-                parts.words(self._shelf.problem, "bad small wrap")
+                widgets.words(self._shelf.problem, "bad small wrap")
             elif not entries:
                 with ui.element("div").classes("empty"):
-                    parts.words("No session yet.")
-                    parts.words("Drop a file above, or capture a release.", "small")
+                    widgets.words("No session yet.")
+                    widgets.words("Drop a file above, or capture a release.", "small")
             for entry in entries:
                 self._row(entry)
         if fresh:
@@ -79,16 +79,16 @@ class SessionsPanel:
         if entry.key == self._chosen:
             link.props["aria-current"] = "page"
         with link:
-            parts.words(entry.key, "name").style("grid-column:1/-1").tooltip(str(entry.folder))
+            widgets.words(entry.key, "name").style("grid-column:1/-1").tooltip(str(entry.folder))
             portrait = entry.portrait
-            with parts.line("small faint"):
-                parts.words(entry.verdict, f"tag {'ok' if entry.verdict in GOOD else 'bad'}")
-                parts.words(portrait.amplitude if portrait else "")
-            parts.svg(sparkline(portrait.line if portrait else []))
-            parts.words(entry.date, "small faint date")
+            with widgets.line("small faint"):
+                widgets.words(entry.verdict, f"tag {'ok' if entry.verdict in GOOD else 'bad'}")
+                widgets.words(portrait.amplitude if portrait else "")
+            widgets.svg(sparkline(portrait.line if portrait else []))
+            widgets.words(entry.date, "small faint date")
             problem = entry.problem or (portrait.problem if portrait else "")
             if problem:
-                parts.words(problem, "small bad wrap").style("grid-column:1/-1")
+                widgets.words(problem, "small bad wrap").style("grid-column:1/-1")
 
     async def _portraits(self) -> None:
         if await self._shelf.make_portraits():
@@ -120,9 +120,11 @@ class SessionsPanel:
             self.refresh()
             self._said.clear()
             with self._said:
-                parts.words(f"{name}: {len(made)} session{'s' if len(made) > 1 else ''}", "good strong small")
+                widgets.words(
+                    f"{name}: {len(made)} session{'s' if len(made) > 1 else ''}", "good strong small"
+                )
                 for note in notes:
-                    parts.words(note, "small faint wrap")
+                    widgets.words(note, "small faint wrap")
                 for key in made:
                     ui.link(f"open {key}", address_of(key)).classes("small")
         finally:
@@ -130,12 +132,12 @@ class SessionsPanel:
 
     def _importing(self, name: str) -> None:
         self._said.clear()
-        with self._said, parts.line():
+        with self._said, widgets.line():
             ui.spinner(size="16px")
-            parts.words(f"reading {name}", "small grow wrap")
-            parts.button("Cancel", lambda: self._job.cancel() if self._job else None)
+            widgets.words(f"reading {name}", "small grow wrap")
+            widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
 
     def _say(self, text: str, kind: str) -> None:
         self._said.clear()
         with self._said:
-            parts.words(text, f"small wrap {kind}")
+            widgets.words(text, f"small wrap {kind}")

@@ -5,7 +5,7 @@ from typing import Any
 
 from nicegui import ui
 
-from station.diagnosis_words import (
+from station.text.diagnosis_text import (
     evidence,
     headline,
     indistinguishable,
@@ -15,9 +15,9 @@ from station.diagnosis_words import (
     shown_suspects,
     size,
 )
-from station.workbench import parts, told
-from station.workbench.describing import pretty
-from station.workbench.desk import Desk
+from station.workbench import view_models, widgets
+from station.workbench.build_view_models import pretty
+from station.workbench.session_state import Desk
 from station.workbench.theme import Theme
 from station.workbench.thumbnail import disc, reach_of
 
@@ -32,16 +32,16 @@ class SuspectsPanel:
 
     def build(self) -> None:
         """Make the panel."""
-        with parts.line():
+        with widgets.line():
             with ui.element("div").classes("grow"):
-                parts.head("What is missing?")
-            self._ask = parts.button("Diagnose", self._diagnose, strong=True)
+                widgets.head("What is missing?")
+            self._ask = widgets.button("Diagnose", self._diagnose, strong=True)
         self._body = ui.element("div").props("aria-live=polite")
 
     def _diagnose(self) -> None:
         self._desk.start("Trying every effect", "diagnose", long=True)
 
-    def show(self, view: told.View, prints: dict[str, told.Print], colours: Theme) -> None:
+    def show(self, view: view_models.View, prints: dict[str, view_models.Print], colours: Theme) -> None:
         """Show the last diagnosis, or that there is none; what stands there already is not sent again."""
         document = view.diagnosis
         now = (document, prints, colours)
@@ -54,20 +54,20 @@ class SuspectsPanel:
         if document is not None:
             self._offer(document, view)
 
-    def _fill(self, view: told.View, prints: dict[str, told.Print], colours: Theme) -> None:
+    def _fill(self, view: view_models.View, prints: dict[str, view_models.Print], colours: Theme) -> None:
         document = view.diagnosis
         if document is None:
-            parts.words(
+            widgets.words(
                 "Diagnose tries every effect it knows on this recording, and asks what chance alone would do.",
                 "small faint",
             )
             return
-        self._about = parts.words("", "small faint wrap")
+        self._about = widgets.words("", "small faint wrap")
         self._verdict(document)
         self._discs(document, view, prints, colours)
         self._next(document)
 
-    def _offer(self, document: dict[str, Any], view: told.View) -> None:
+    def _offer(self, document: dict[str, Any], view: view_models.View) -> None:
         """Tell which model was asked about, and offer what is not in the present one."""
         asked, present = document["model"]["effects"], view.ladder.top.effects
         words = " + ".join(_plain(name) for name in asked)
@@ -77,36 +77,40 @@ class SuspectsPanel:
             place.clear()
             with place:
                 if name in present:
-                    parts.words("in the model", "small good")
+                    widgets.words("in the model", "small good")
                 else:
                     does = partial(self._add, name)
-                    parts.button("Add", does, f"Add {_plain(name)}", strong=is_claimed(suspect))
+                    widgets.button("Add", does, f"Add {_plain(name)}", strong=is_claimed(suspect))
 
     def _verdict(self, document: dict[str, Any]) -> None:
         good = document["verdict"] == "nothing_missing"
         with ui.element("div").classes(f"verdict {'good' if good else 'bad'}"):
-            parts.words(_plain(headline(document)), "strong wrap")
-            parts.words(pretty(document["explanation"]).replace("+-", "±"), "small wrap")
+            widgets.words(_plain(headline(document)), "strong wrap")
+            widgets.words(pretty(document["explanation"]).replace("+-", "±"), "small wrap")
             rivals = indistinguishable(document)
             if rivals:
-                parts.words(
+                widgets.words(
                     f"This record does not tell {_plain(document['named'][0])} from {_plain(', '.join(rivals))}.",
                     "small wrap strong",
                 )
             for finding in document["findings"]:
-                parts.words(f"Sensor: {finding['title']}; {finding['what_to_do']}", "small wrap bad")
+                widgets.words(f"Sensor: {finding['title']}; {finding['what_to_do']}", "small wrap bad")
 
     def _discs(
-        self, document: dict[str, Any], view: told.View, prints: dict[str, told.Print], colours: Theme
+        self,
+        document: dict[str, Any],
+        view: view_models.View,
+        prints: dict[str, view_models.Print],
+        colours: Theme,
     ) -> None:
         reach = reach_of(prints)
         residual = prints.get("")
         if residual is not None and document["suspects"]:
             with ui.element("div").classes("suspect"):
-                parts.svg(disc(residual, reach, colours))
+                widgets.svg(disc(residual, reach, colours))
                 with ui.element("div"):
-                    parts.words("The missing force itself", "strong")
-                    parts.words(
+                    widgets.words("The missing force itself", "strong")
+                    widgets.words(
                         "over displacement (right) and velocity (up); orange and blue are its two directions. The "
                         "right suspect looks like it.",
                         "small faint",
@@ -117,8 +121,8 @@ class SuspectsPanel:
     def _suspect(
         self,
         suspect: dict[str, Any],
-        view: told.View,
-        found: told.Print | None,
+        view: view_models.View,
+        found: view_models.Print | None,
         reach: float,
         colours: Theme,
     ) -> None:
@@ -128,32 +132,32 @@ class SuspectsPanel:
             if found is None:
                 ui.element("div")
             else:
-                parts.svg(disc(found, reach, colours))
-            parts.words(_plain(name), "strong wrap")
+                widgets.svg(disc(found, reach, colours))
+            widgets.words(_plain(name), "strong wrap")
             if name in view.ladder.top.effects:
-                parts.words("in the model", "small good")
+                widgets.words("in the model", "small good")
             else:
-                parts.button(
+                widgets.button(
                     "Add", lambda: self._add(name), f"Add {_plain(name)}", strong=is_claimed(suspect)
                 )
             with ui.element("div").classes("details"):
-                parts.words(known.equation if known else suspect["title"], "mono")
+                widgets.words(known.equation if known else suspect["title"], "mono")
                 values = [f"{p} = {pretty(number(value))}" for p, value in suspect["parameters"].items()]
-                parts.words(", ".join(values), "small wrap")
-                parts.words(
+                widgets.words(", ".join(values), "small wrap")
+                widgets.words(
                     f"chi2 would be {size(suspect['error_after'])}; {_sure(suspect)}", "small faint wrap"
                 )
                 if suspect["confusable_with"]:
                     close = _plain(", ".join(suspect["confusable_with"][:4]))
-                    parts.words(f"easily taken for {close}", "small faint wrap")
+                    widgets.words(f"easily taken for {close}", "small faint wrap")
 
     def _add(self, name: str) -> None:
         self._desk.start(f"Adding {_plain(name)}", "add", name)
 
     def _next(self, document: dict[str, Any]) -> None:
         with ui.element("div").style("padding-top:6px"):
-            parts.words("Record next", "small strong")
-            parts.words(document["next_experiment"], "small wrap")
+            widgets.words("Record next", "small strong")
+            widgets.words(document["next_experiment"], "small wrap")
 
 
 def _sure(suspect: dict[str, Any]) -> str:

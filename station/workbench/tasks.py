@@ -6,19 +6,19 @@ from pathlib import Path
 from typing import Any
 
 from daq.session import Session
-from identify.setting import Setting
-from station.comparing import compare_ready, setting_of
-from station.diagnosing import Bench
-from station.diagnosis import diagnose_bench, keep
-from station.identifying import options_for
-from station.ladder import LADDER, MODEL, KeptLadder, read_ladder, write_ladder
-from station.refining import Refinement, add, climb_on, go_to, open_refinement, remove
+from identify.preprocessing.prepared_decay import Setting
+from station.operations.comparing import compare_ready, setting_of
+from station.operations.diagnosing import diagnose_bench, keep
+from station.operations.identifying import options_for
+from station.operations.refining import Refinement, add, climb_on, go_to, open_refinement, remove
+from station.operations.session_set import Bench
+from station.results.ladder import LADDER, MODEL, KeptLadder, read_ladder, write_ladder
 from station.settings import Settings
-from station.workbench import told
-from station.workbench.describing import effects_of, kept_diagnosis, picture_of, results_stamp
-from station.workbench.portraits import portrait_of
-from station.workbench.prints import prints_of, prints_of_kept
-from station.workbench.warming import warm_up
+from station.workbench import view_models
+from station.workbench.build_view_models import effects_of, kept_diagnosis, picture_of, results_stamp
+from station.workbench.force_map import prints_of, prints_of_kept
+from station.workbench.session_thumbnails import portrait_of
+from station.workbench.warm_up import warm_up
 
 Tell = Callable[[str], None]
 
@@ -54,21 +54,21 @@ def _open(settings: Settings, folder: Path) -> _Opened:
     return replace(known, refinement=replace(known.refinement, ladder=ladder, session=session))
 
 
-def look(settings: Settings, tell: Tell, folder: Path) -> told.View:
+def look(settings: Settings, tell: Tell, folder: Path) -> view_models.View:
     """Return what the page shows of a session, as its results stand."""
     tell("reading the session")
     opened = _open(settings, folder)
     return _view(settings, opened, opened.refinement.ladder)
 
 
-def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> told.View:
+def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> view_models.View:
     session = opened.refinement.session
     is_kept = (session.results / LADDER).is_file()
     model = session.results / MODEL if is_kept else None
     mass = options_for(session, settings).mass
     compared, document = compare_ready(session, opened.setting, mass, model)
     diagnosis = kept_diagnosis(session)
-    return told.View(
+    return view_models.View(
         session.folder.name,
         ladder,
         is_kept,
@@ -79,35 +79,35 @@ def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> told.View:
     )
 
 
-def add_effect(settings: Settings, tell: Tell, folder: Path, wanted: str) -> told.View:
+def add_effect(settings: Settings, tell: Tell, folder: Path, wanted: str) -> view_models.View:
     """Add an effect by name, or an expression as "magnet = a*u"."""
     tell(f"adding {wanted.partition('=')[0].strip()}")
     opened = _open(settings, folder)
     return _view(settings, opened, add(opened.refinement, wanted))
 
 
-def remove_effect(settings: Settings, tell: Tell, folder: Path, name: str) -> told.View:
+def remove_effect(settings: Settings, tell: Tell, folder: Path, name: str) -> view_models.View:
     """Take an effect out of the model."""
     tell(f"taking {name} out")
     opened = _open(settings, folder)
     return _view(settings, opened, remove(opened.refinement, name))
 
 
-def go_to_rung(settings: Settings, tell: Tell, folder: Path, number: int) -> told.View:
+def go_to_rung(settings: Settings, tell: Tell, folder: Path, number: int) -> view_models.View:
     """Make a rung of the ladder the present model."""
     tell(f"going to rung {number}")
     opened = _open(settings, folder)
     return _view(settings, opened, go_to(opened.refinement, number))
 
 
-def climb(settings: Settings, tell: Tell, folder: Path) -> told.View:
+def climb(settings: Settings, tell: Tell, folder: Path) -> view_models.View:
     """Add what is missing until nothing is."""
     tell("looking for what is missing")
     opened = _open(settings, folder)
     return _view(settings, opened, climb_on(opened.refinement, tell))
 
 
-def begin_again(settings: Settings, tell: Tell, folder: Path) -> told.View:
+def begin_again(settings: Settings, tell: Tell, folder: Path) -> view_models.View:
     """Begin the ladder again with the base model."""
     tell("beginning again")
     opened = _open(settings, folder)
@@ -116,7 +116,9 @@ def begin_again(settings: Settings, tell: Tell, folder: Path) -> told.View:
     return _view(settings, opened, refinement.ladder)
 
 
-def diagnose(settings: Settings, tell: Tell, folder: Path) -> tuple[told.View, dict[str, told.Print]]:
+def diagnose(
+    settings: Settings, tell: Tell, folder: Path
+) -> tuple[view_models.View, dict[str, view_models.Print]]:
     """Ask what the present model lacks, keep the answer, and return it with its fingerprints."""
     opened = _open(settings, folder)
     refinement = opened.refinement
@@ -128,14 +130,14 @@ def diagnose(settings: Settings, tell: Tell, folder: Path) -> tuple[told.View, d
     return _view(settings, opened, refinement.ladder), prints_of(refinement.setting, found)
 
 
-def prints(settings: Settings, tell: Tell, folder: Path) -> dict[str, told.Print]:
+def prints(settings: Settings, tell: Tell, folder: Path) -> dict[str, view_models.Print]:
     """Return the fingerprints of the diagnosis that a session keeps."""
     opened = _open(settings, folder)
     document = kept_diagnosis(opened.refinement.session)
     return {} if document is None else prints_of_kept(opened.refinement, document)
 
 
-def portrait(settings: Settings, tell: Tell, folder: Path) -> told.Portrait:
+def portrait(settings: Settings, tell: Tell, folder: Path) -> view_models.Portrait:
     """Return a session's amplitude and sparkline."""
     return portrait_of(folder)
 
@@ -151,11 +153,11 @@ def import_file(
 ) -> tuple[list[str], list[str]]:
     """Import a data file; return the names of the sessions and what was understood."""
     from daq.importing.options import ImportOptions
-    from station.commands.import_ import describe
-    from station.sessions import import_file as make
+    from station.operations.new_session import session_info
+    from station.results.sessions import import_file as make
 
     tell(f"reading {file.name}")
-    info = describe(settings, mass, None, None, None)
+    info = session_info(settings, mass, None, None, None)
     options = ImportOptions(columns=columns, units=units, rate=rate)
     imported = make(file, None, settings.sessions, options, info)
     return [session.folder.name for session in imported.sessions], list(imported.notes)
@@ -163,8 +165,8 @@ def import_file(
 
 def viewer(settings: Settings, tell: Tell, folder: Path, aside: Path) -> int:
     """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
-    from station.identifying import identify_session, write_view
-    from station.showing import story_tabs
+    from station.operations.identifying import identify_session, write_view
+    from station.operations.viewer_tabs import story_tabs
     from station.views import web_viewer
 
     session = Session.open(folder)

@@ -2,14 +2,14 @@
 
 import math
 
-from station.workbench import told
+from station.workbench import view_models
 from station.workbench.theme import Theme, diverging
 
 WIDTH, HEIGHT = 84, 26
 DISC = 64
 
 
-def sparkline(line: told.Numbers) -> str:
+def sparkline(line: view_models.Numbers) -> str:
     """Return the outline of a decay; an empty box without points."""
     steps = max(len(line) - 1, 1)
     points = " ".join(
@@ -23,7 +23,7 @@ def sparkline(line: told.Numbers) -> str:
     )
 
 
-def disc(found: told.Print, reach: float, colours: Theme) -> str:
+def disc(found: view_models.Print, reach: float, colours: Theme) -> str:
     """Return a fingerprint: displacement to the right, velocity upwards, force as colour from -reach to reach."""
     half = DISC / 2
     radii = [half * 0.97 * (edge or 0.0) for edge in found.amplitude]
@@ -50,7 +50,7 @@ def _wedge(half: float, inner: float, outer: float, first: float, second: float)
     return f"M{point(inner, first)}L{point(outer, first)}L{point(outer, second)}L{point(inner, second)}Z"
 
 
-def reach_of(prints: dict[str, told.Print]) -> float:
+def reach_of(prints: dict[str, view_models.Print]) -> float:
     """Return the force that is drawn in full colour: the 98th percentile of what the model lacks."""
     residual = prints.get("")
     sizes = sorted(abs(f) for row in residual.force for f in row if f is not None) if residual else []

@@ -6,8 +6,8 @@ from urllib.parse import quote
 from fastapi import FastAPI
 from starlette.responses import FileResponse, PlainTextResponse, Response
 
-from station.identifying import VIEW
-from station.workbench.shelf import Shelf
+from station.operations.identifying import VIEW
+from station.workbench.session_list import Shelf
 
 TYPES = {
     "index.html": "text/html",

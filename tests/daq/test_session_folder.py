@@ -221,7 +221,7 @@ def test_a_link_in_place_of_a_file_is_not_followed(session: Session) -> None:
 
 def unsealed(folder: Path) -> tuple[Session, RawLog]:
     """A session as a killed capture leaves it."""
-    from daq.imported import import_log
+    from daq.import_log import import_log
 
     log = import_log(example())
     return Session.create(folder, SessionInfo(specimen="spring"), log), log

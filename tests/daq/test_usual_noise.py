@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from scripted_board import RATE, decay
 
+from daq.noise_history import usual_noise
 from daq.quality import Word, judge
 from daq.recording import Channel, Recording
 from daq.session_info import BoardInfo, SessionInfo
-from daq.usual_noise import usual_noise
 
 BOARD = BoardInfo(board="b", unique_id="77")
 X = Channel("x", "displacement", "m", 1e-6, -0.05, 0.05)

@@ -18,8 +18,8 @@ from daq.port import Port
 from daq.session import Session, verify
 from mocks.cli import parser
 from mocks.link import Link, PtyLink, TcpLink
-from mocks.rig import Rig
 from mocks.serve import serve
+from mocks.simulated_board import Rig
 from station import cli
 from station.commands import capture as capture_command
 

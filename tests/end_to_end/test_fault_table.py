@@ -7,7 +7,7 @@ import pytest
 from fault_bench import Promise, broken_promises, inject, promises, silence
 
 from mocks.faults import NAMES
-from mocks.lies import LIES
+from mocks.misconfigurations import LIES
 
 ROWS = promises()
 CASES = [pytest.param(row, line, id=f"{row.fault} on {line}") for row in ROWS for line in row.lines]

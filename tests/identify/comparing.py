@@ -3,14 +3,14 @@
 from functools import cache
 from typing import Any
 
-from identify.compare import Comparison, compare
-from identify.fit import Fit, fit
+from identify.comparison.compare import Comparison, compare
+from identify.fitting.fit import Fit, fit
+from identify.fitting.initial_values import starting_values
 from identify.free_decay import FreeDecay
-from identify.model import base_model
-from identify.noise import noise_of
-from identify.release import find_release
-from identify.setting import Setting, prepare
-from identify.starting import starting_values
+from identify.model.model import base_model
+from identify.preprocessing.noise import noise_of
+from identify.preprocessing.prepared_decay import Setting, prepare
+from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
 MASS = 21.36

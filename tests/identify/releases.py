@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from identify.free_decay import FreeDecay
-from identify.release import find_release
-from identify.setting import Setting, prepare
+from identify.preprocessing.prepared_decay import Setting, prepare
+from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
 HIDDEN = Path(__file__).resolve().parents[1] / "data" / "hidden"

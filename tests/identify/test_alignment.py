@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from decays_in_closed_form import coulomb, exponential
 
-from identify.alignment import align, correct
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.release import find_release
+from identify.preprocessing.alignment import align, correct
+from identify.preprocessing.release import find_release
 from mocks.generate import Sample, draw
 
 RATE = 256.0

@@ -5,9 +5,9 @@ import pytest
 from scipy import stats
 from test_fit import fitted
 
-from identify.chance import Chance, chance_of
+from identify.diagnosis.null_distribution import Chance, chance_of
 from identify.effects.library import find_effect
-from identify.model import Term
+from identify.model.model import Term
 
 TERMS = tuple(Term(find_effect(n)) for n in ("cubic_damping", "cubic_stiffness", "quadratic_stiffness"))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from comparing import compared, fitted
 
-from identify.compare import compare
+from identify.comparison.compare import compare
 
 NOISE_ONLY = range(40, 60)
 

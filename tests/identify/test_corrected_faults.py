@@ -7,9 +7,9 @@ from test_fit import fitted
 
 from identify.effects.library import find_effect
 from identify.estimate import Estimate
-from identify.faults import UNSTATED_GAIN_UNCERTAINTY, allowance, corrected_faults
-from identify.model import Term
-from identify.search import begin
+from identify.fitting.baseline import begin
+from identify.fitting.corrected_faults import UNSTATED_GAIN_UNCERTAINTY, allowance, corrected_faults
+from identify.model.model import Term
 
 
 def with_gain(found, value, std):

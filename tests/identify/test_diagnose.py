@@ -2,14 +2,14 @@ import numpy as np
 import pytest
 from releases import drawn, hidden
 
-from identify.diagnose import diagnose
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.refine import add_effect, climb, first_rung, remove_effect
 from identify.effects.library import LIBRARY
 from identify.effects.user import own_effect, parse_effect
-from identify.fit import fit
-from identify.model import base_model
-from identify.refine import add_effect, climb, first_rung, remove_effect
-from identify.search import begin
-from identify.starting import starting_values
+from identify.fitting.baseline import begin
+from identify.fitting.fit import fit
+from identify.fitting.initial_values import starting_values
+from identify.model.model import base_model
 
 BASE = 3
 

@@ -3,13 +3,13 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from identify.compare import compare
-from identify.diagnose import diagnose
+from identify.comparison.compare import compare
+from identify.diagnosis.diagnose import diagnose
+from identify.fitting.baseline import begin
 from identify.free_decay import FreeDecay
-from identify.model import base_model
-from identify.release import Release
-from identify.search import begin
-from identify.setting import Setting, prepare
+from identify.model.model import base_model
+from identify.preprocessing.prepared_decay import Setting, prepare
+from identify.preprocessing.release import Release
 
 RATE, MASS, K, MU_1 = 256.0, 2.5, 620.0, 1.1
 NOISE = 5e-6

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from identify.dropouts import find_dropouts
+from identify.preprocessing.dropouts import find_dropouts
 
 RATE = 256.0
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from releases import drawn
 
-from identify.fit import fit, fit_at
-from identify.model import base_model
-from identify.problem import Problem
-from identify.starting import starting_values
+from identify.fitting.fit import fit, fit_at
+from identify.fitting.initial_values import starting_values
+from identify.fitting.problem import Problem
+from identify.model.model import base_model
 
 
 @cache

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from test_fit import fitted
 
-from identify.floor import refine_floor
-from identify.noise import Noise
+from identify.fitting.floor import refine_floor
+from identify.preprocessing.noise import Noise
 
 
 def with_known(found, **known):

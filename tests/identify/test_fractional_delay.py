@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from identify.fractional_delay import lagrange_slope_taps, lagrange_taps, read_at_shift
+from identify.signal.fractional_delay import lagrange_slope_taps, lagrange_taps, read_at_shift
 
 
 @pytest.mark.parametrize("fraction", [-0.5, -0.2, 0.0, 0.31, 0.5])

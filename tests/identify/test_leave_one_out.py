@@ -5,13 +5,13 @@ import pytest
 
 from identify.effects.library import CUBIC_STIFFNESS
 from identify.errors import NotIdentifiable
+from identify.fitting.baseline import begin
+from identify.fitting.initial_values import starting_values
+from identify.fitting.leave_one_out import leave_one_out
 from identify.free_decay import FreeDecay
-from identify.leave_one_out import leave_one_out
-from identify.model import Term, base_model
-from identify.release import find_release
-from identify.search import begin
-from identify.setting import prepare
-from identify.starting import starting_values
+from identify.model.model import Term, base_model
+from identify.preprocessing.prepared_decay import prepare
+from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
 

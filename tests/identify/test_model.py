@@ -1,7 +1,7 @@
 import pytest
 
 from identify.effects.library import find_effect
-from identify.model import Term, base_model
+from identify.model.model import Term, base_model
 
 
 def test_the_base_model_is_stiffness_dry_and_viscous_friction():

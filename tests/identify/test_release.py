@@ -7,7 +7,7 @@ import pytest
 from decays_in_closed_form import coulomb, exponential
 
 from identify.errors import NotIdentifiable
-from identify.release import find_release, find_releases
+from identify.preprocessing.release import find_release, find_releases
 from mocks.generate import draw
 from mocks.testbed import Bench, Release, simulate
 

@@ -6,7 +6,7 @@ import pytest
 from identify.effects.compiled import force_function
 from identify.effects.effect import Effect, Parameter
 from identify.effects.library import LIBRARY, find_effect
-from identify.signature import average
+from identify.model.equivalent_linearisation import average
 
 W = 24.78
 A = np.array([0.004, 0.012, 0.023])

@@ -4,7 +4,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from identify.effects.library import LIBRARY, find_effect
-from identify.simulate import make_system, simulate, substeps_for
+from identify.model.simulate import make_system, simulate, substeps_for
 
 W0 = np.sqrt(614.0)
 RATE = 256.0

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from identify.spectrum import high_band_floor, strongest_lines
+from identify.signal.spectrum import high_band_floor, strongest_lines
 
 RATE, N = 256.0, 2048
 CLOCK = np.arange(N) / RATE

@@ -3,10 +3,10 @@ from functools import cache
 import pytest
 from releases import drawn
 
+from identify.diagnosis.suspects import JUDGED_APART, candidate_terms, residual_lines, try_term, try_terms
 from identify.effects.library import LIBRARY, find_effect
-from identify.model import Term, base_model
-from identify.search import begin
-from identify.suspects import JUDGED_APART, candidate_terms, residual_lines, try_term, try_terms
+from identify.fitting.baseline import begin
+from identify.model.model import Term, base_model
 
 
 @cache

@@ -8,15 +8,15 @@ import pytest
 from releases import drawn
 from scipy.integrate import solve_ivp
 
-from identify.diagnose import diagnose
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.refine import add_effect, first_rung
+from identify.diagnosis.suspects import try_term
 from identify.effects.effect import Parameter, Scales
 from identify.effects.library import LIBRARY
 from identify.effects.user import own_effect, parse_effect
-from identify.model import Term, base_model
-from identify.refine import add_effect, first_rung
-from identify.search import begin
-from identify.simulate import make_system, simulate
-from identify.suspects import try_term
+from identify.fitting.baseline import begin
+from identify.model.model import Term, base_model
+from identify.model.simulate import make_system, simulate
 from station.own_effects import load_effects
 
 P = (0.7, 0.4, 1.3, 0.0, 0.0, 0.0)

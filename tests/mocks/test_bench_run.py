@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from mocks.bench_run import BenchRun, parse_releases
+from mocks.operator_sequence import BenchRun, parse_releases
 from mocks.testbed import Bench, Release
 
 HANDS = itertools.repeat(0.0)

@@ -30,7 +30,7 @@ from firmware_protocol import (
     encode,
 )
 from mocks.board import Board
-from mocks.lies import Lies
+from mocks.misconfigurations import Lies
 
 CHANNELS = (
     ChannelDescription("displacement", "displacement", "m", 1e-6, 4e-4, 256.0),

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from identify.alignment import Alignment
 from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
-from identify.release import Release
-from identify.restoring_force import RestoringForceResult, Section
-from identify.wavelet import WaveletResult
-from station.identification import Identification
+from identify.preprocessing.alignment import Alignment
+from identify.preprocessing.release import Release
+from identify.restoring_force.restoring_force import RestoringForceResult, Section
+from identify.wavelet.wavelet import WaveletResult
+from station.story.identification import Identification
 
 MASS, STIFFNESS, FRICTION, VISCOUS = 21.36, 13115.0, 0.13, 0.277
 RATE, N, RELEASE = 256.0, 2240, 192

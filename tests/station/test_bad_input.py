@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from bench.readers import Reader, attempt, readers
 from station.exits import UsageProblem
-from station.models import read_model
+from station.results.models import read_model
 from station.settings import load_settings
 
 NAMES = (
@@ -100,7 +100,7 @@ def test_a_model_with_an_endless_name_is_refused_in_one_short_sentence(tmp_path:
 def test_channels_near_the_largest_number_raise_no_suspicion_and_no_warning() -> None:
     import numpy as np
 
-    from daq.wiring import suspicions
+    from daq.wiring_check import suspicions
 
     t = np.arange(300) / 256.0
     assert suspicions(1e300 * np.cos(25 * t), -1e300 * np.cos(25 * t), 256.0) == ()

@@ -14,8 +14,8 @@ from daq.importing.options import ImportOptions
 from daq.recording import Gap
 from daq.replay import replay
 from daq.session import Session
+from station.text.capture_progress import Several, Watch, bar
 from station.views.live import LiveView
-from station.watching import Several, Watch, bar
 
 SAMPLE = Path(__file__).resolve().parent.parent / "data" / "release_12.csv"
 

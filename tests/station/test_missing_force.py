@@ -9,9 +9,9 @@ from rich.console import Console
 
 from station import exits
 from station.cli import run
-from station.diagnosis_words import evidence, indistinguishable, probability, show_diagnosis, size
-from station.ladder import KeptLadder
-from station.ladder_words import change, show_ladder
+from station.results.ladder import KeptLadder
+from station.text.diagnosis_text import evidence, indistinguishable, probability, show_diagnosis, size
+from station.text.ladder_text import change, show_ladder
 
 VERDICTS = ("missing_effect", "sensor_fault", "nothing_missing", "unknown_effect", "not_enough_data")
 

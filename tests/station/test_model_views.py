@@ -9,10 +9,10 @@ import pytest
 from hidden import DUFFING, TRUTH
 from rerun.chunk import RrdReader
 
-from station import showing
-from station.diagnosing import open_bench
-from station.diagnosis import diagnose_bench, keep
-from station.refining import add, open_refinement
+from station.operations import viewer_tabs
+from station.operations.diagnosing import diagnose_bench, keep
+from station.operations.refining import add, open_refinement
+from station.operations.session_set import open_bench
 from station.settings import Settings
 from station.views import open_viewer
 from station.views.viewer import executable
@@ -30,7 +30,7 @@ def refinement(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def file(refinement):
-    return showing.keep_view(refinement.session, showing.kept_tabs(refinement), "rung")
+    return viewer_tabs.keep_view(refinement.session, viewer_tabs.kept_tabs(refinement), "rung")
 
 
 def chunks(file, path):
@@ -90,8 +90,8 @@ def test_the_fingerprint_of_the_right_suspect_is_that_of_the_residual(file, refi
 
 
 def test_the_fingerprint_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follow(refinement):
-    from identify.fingerprint import force_added
-    from station.refining import rung_again
+    from identify.diagnosis.force_map import force_added
+    from station.operations.refining import rung_again
 
     base, top = (rung_again(refinement, rung).fit for rung in refinement.ladder.rungs)
     setting = refinement.setting
@@ -108,14 +108,14 @@ def test_the_fingerprint_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follo
 def test_a_session_without_results_has_no_tabs(tmp_path):
     settings = Settings(sessions=tmp_path)
     bench = open_bench((str(DUFFING),), settings)
-    assert showing.story_tabs(bench.sessions[0], settings) == ()
+    assert viewer_tabs.story_tabs(bench.sessions[0], settings) == ()
 
 
 def test_without_a_screen_and_a_viewer_nothing_is_shown(refinement, monkeypatch):
     monkeypatch.setenv(open_viewer.VARIABLE, "rerun+http://127.0.0.1:9/proxy")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    assert not showing.show_ladder(refinement)
+    assert not viewer_tabs.show_ladder(refinement)
 
 
 def test_a_viewer_that_is_open_is_sent_the_ladder(refinement, monkeypatch):
@@ -129,7 +129,7 @@ def test_a_viewer_that_is_open_is_sent_the_ladder(refinement, monkeypatch):
     try:
         monkeypatch.setenv(open_viewer.VARIABLE, f"rerun+http://127.0.0.1:{port}/proxy")
         assert any(open_viewer.open_url() or server.poll() or _wait() for _ in range(100))
-        assert showing.show_ladder(refinement)
+        assert viewer_tabs.show_ladder(refinement)
     finally:
         server.terminate()
         server.wait(timeout=10)
@@ -147,7 +147,7 @@ def test_a_diagnosis_that_was_altered_is_told_and_left_out(refinement, capsys):
     try:
         for text in ("{", "[]", '{"suspects": [], "fitted": {"format": 9}}'):
             file.write_text(text)
-            assert [tab.name for tab in showing.kept_tabs(refinement)] == ["Ladder"]
+            assert [tab.name for tab in viewer_tabs.kept_tabs(refinement)] == ["Ladder"]
             assert "diagnose again" in capsys.readouterr().err
     finally:
         file.write_text(whole)

@@ -7,10 +7,10 @@ import pytest
 
 from identify.effects.library import CUBIC_STIFFNESS, END_STOP, LIBRARY, OFFSET_DRIFT
 from identify.estimate import Estimate
-from identify.fit import Fit
-from identify.model import Model, Term, base_model
+from identify.fitting.fit import Fit
+from identify.model.model import Model, Term, base_model
 from station.exits import UsageProblem
-from station.models import KnownModel, known_model, model_file, read_model, written
+from station.results.models import KnownModel, known_model, model_file, read_model, written
 
 VALUES = {
     "linear_stiffness.k": Estimate(613.9, 0.002, "1/s^2"),

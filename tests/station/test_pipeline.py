@@ -8,9 +8,9 @@ import pytest
 from daq.recording import Channel, Recording
 from identify.errors import NotIdentifiable
 from mocks import generate
-from station.document import as_document
 from station.output import finite
-from station.pipeline import Options, free_decay, identify
+from station.results.document import as_document
+from station.story.pipeline import Options, free_decay, identify
 
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 

@@ -6,7 +6,7 @@ from statistics import fmean, stdev
 
 import pytest
 
-from station import table
+from station.text import table
 
 # The paper's Table 1, its nine releases: mu_0, mu_1, K by the wavelet and by the restoring force.
 WT = [

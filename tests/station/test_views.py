@@ -5,7 +5,7 @@ import pytest
 from rerun.chunk import RrdReader
 from synthetic import LAG, OMEGA, RATE, VISCOUS, identification, restoring_force
 
-from station.identification import Identification
+from station.story.identification import Identification
 from station.views import alignment, show
 from station.views.restoring_force import mesh
 

@@ -14,7 +14,7 @@ import pytest
 
 from daq.capture import CaptureSettings, capture
 from daq.session_info import SessionInfo
-from station.commands.demo import double
+from station.operations.simulated_board import double
 
 ROOT = Path(__file__).parents[2]
 

@@ -3,12 +3,12 @@
 import json
 from dataclasses import replace
 
-from station.workbench import charts, told
+from station.workbench import charts, view_models
 from station.workbench.theme import DARK, LIGHT
 
 EVIL = "m'+alert(1)+\"<img src=x onerror=alert(1)>"
-CUT = told.Section("u = 0", [0.0, 1.0], [0.1, None], [0.01, None])
-PICTURE = told.Picture(
+CUT = view_models.Section("u = 0", [0.0, 1.0], [0.1, None], [0.01, None])
+PICTURE = view_models.Picture(
     time=[0.0, 0.1, 0.2],
     displacement=[1.0, 0.0, -1.0],
     velocity=[0.0, -1.0, 0.0],
@@ -17,12 +17,12 @@ PICTURE = told.Picture(
     velocity_unit="m/s",
     force_unit="N",
     traces=(
-        told.Trace(
+        view_models.Trace(
             "displacement", "mm", "µm", [1.0, None, -1.0], [1.0, 0.0, -1.0], [3.0, None, -3.0], 2.0, 1e3
         ),
     ),
-    plane=told.Plane([[-1.0, 1.0, -1.0, 1.0, 0.2, 0.1]], CUT, (CUT, CUT)),
-    cycles=told.Cycles([0.1], [0.5], [0.1], [1.0], [0.2], "mJ"),
+    plane=view_models.Plane([[-1.0, 1.0, -1.0, 1.0, 0.2, 0.1]], CUT, (CUT, CUT)),
+    cycles=view_models.Cycles([0.1], [0.5], [0.1], [1.0], [0.2], "mJ"),
     errors={},
     summary="",
     cause="",

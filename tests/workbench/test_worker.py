@@ -13,7 +13,7 @@ import pytest
 
 from station.settings import Settings
 from station.workbench import worker
-from station.workbench.desk import Desk
+from station.workbench.session_state import Desk
 
 
 def alone(story: Callable[[], Coroutine[Any, Any, Any]]) -> Any:

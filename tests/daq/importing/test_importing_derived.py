@@ -8,7 +8,7 @@ from import_files import OMEGA, data_folder, load, said
 
 from daq.importing import ImportOptions, read_file
 from daq.importing.derived import find_derivation
-from daq.importing.rounding import quantum
+from daq.importing.quantisation import quantum
 from mocks import generate
 
 RATE = 200.0

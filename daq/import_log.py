@@ -1,0 +1,99 @@
+"""A recording from elsewhere as a raw log: the frames a board would have sent, with every bit of it kept."""
+
+from math import isfinite
+from zlib import crc32
+
+import numpy as np
+
+from daq.description_checks import MAX_RATE
+from daq.errors import SettingsError
+from daq.raw_log import Kind, RawLog
+from daq.recording import Channel, Recording
+from firmware_protocol import ChannelDescription, Data, Describe, End, Hello, Message, SampleFormat, encode
+
+ROOM_FOR_SAMPLES = 980
+CHUNK = 1 << 16
+
+
+def import_log(recording: Recording) -> RawLog:
+    """Return a log whose decoding gives the same recording, sample for sample.
+
+    SettingsError when one message cannot describe the channels or the rate is out of the wire's range.
+    """
+    if not (isfinite(recording.rate) and 0 < recording.rate <= MAX_RATE):
+        raise SettingsError(f"a rate of {recording.rate:g} Hz cannot be stored; up to {MAX_RATE:g} Hz can")
+    if not recording.valid.any():
+        raise SettingsError("the recording holds no valid sample; there is nothing to store")
+    log = RawLog()
+    log.append(Kind.RECEIVED, _introduction(recording))
+    log.note(
+        event="imported",
+        gaps=[[gap.first, gap.count, gap.reason] for gap in recording.gaps],
+        notes=list(recording.notes),
+    )
+    log.note(event="window", first=0, count=len(recording.valid), trigger=recording.trigger)
+    _append(log, recording)
+    return log
+
+
+def _introduction(recording: Recording) -> bytes:
+    try:
+        hello = encode(Hello(boot_id=0, clock_hz=0, firmware="import"), 0)
+        return hello + encode(_description(recording), 1)
+    except ValueError as error:
+        n = len(recording.channels)
+        raise SettingsError(f"{n} channels cannot be stored together: {error}") from error
+
+
+def _append(log: RawLog, recording: Recording) -> None:
+    pending = b""
+    for sequence, message in enumerate(_messages(recording), start=2):
+        pending += encode(message, sequence)
+        if len(pending) > CHUNK:
+            log.append(Kind.RECEIVED, pending)
+            pending = b""
+    log.append(Kind.RECEIVED, pending)
+
+
+def _messages(recording: Recording) -> list[Message]:
+    """Return DATA for every run of valid samples, and END."""
+    table = np.ascontiguousarray(recording.samples.T.astype("<f8"))
+    channels = len(recording.channels)
+    per_frame = max(ROOM_FOR_SAMPLES // (8 * channels), 1)
+    edges = np.flatnonzero(np.diff(recording.valid.astype(np.int8), prepend=0, append=0))
+    messages: list[Message] = []
+    check = 0
+    for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        for first in range(start, stop, per_frame):
+            n = min(per_frame, stop - first)
+            samples = table[first : first + n].tobytes()
+            check = crc32(samples, check)
+            when = round(first / recording.rate * 1e6)
+            messages.append(Data(first, when, 0, n, channels, SampleFormat.F64, samples))
+    lost = int(len(recording.valid) - recording.valid.sum())
+    return [*messages, End(len(recording.valid), lost, check)]
+
+
+def _description(recording: Recording) -> Describe:
+    return Describe(SampleFormat.F64, tuple(_channel(c, recording.rate) for c in recording.channels))
+
+
+def _channel(channel: Channel, rate: float) -> ChannelDescription:
+    return ChannelDescription(
+        name=_fitting(channel.name),
+        quantity=_fitting(channel.quantity),
+        unit=_fitting(channel.unit),
+        scale=1.0,
+        offset=0.0,
+        rate_hz=rate,
+        low=channel.low,
+        high=channel.high,
+        resolution=channel.resolution,
+        group_delay_s=channel.group_delay_s,
+        sensor=_fitting(channel.sensor),
+    )
+
+
+def _fitting(text: str) -> str:
+    """Cut a text to what the wire carries, between two characters."""
+    return text.encode()[:255].decode(errors="ignore")

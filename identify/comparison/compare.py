@@ -1,0 +1,181 @@
+"""Compare: by how much a fitted model fails, and where, in units of the noise."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array, frozen
+from identify.comparison.compare_cycles import CycleErrors, compare_cycles
+from identify.comparison.discrepancies import NONE, Place, worst_places
+from identify.comparison.discrepancy_text import Words
+from identify.comparison.harmonics import Harmonics, compare_harmonics
+from identify.comparison.kinematic_check import KinematicCheck, check_kinematics
+from identify.comparison.multiple_shooting import Tracking, track
+from identify.comparison.phase_plane import PhasePlane, compare_phase_plane
+from identify.comparison.residual_tone import ResidualLine, find_line
+from identify.comparison.zero_drift import SlowFault, find_slow_fault
+from identify.fitting.fit import Fit
+from identify.fitting.model_error import force_misfit, force_mse_percent
+from identify.preprocessing.equation_error import moving
+from identify.preprocessing.noise import Noise
+from identify.preprocessing.prepared_decay import Setting
+
+_UNKNOWN_FLOOR = 0.05
+_SURE = 4.0
+_SURE_OF_SLOW = 12.0
+"""Physics of 3 % that no force of u and v describes reaches 8, rarely 16; a drift of 0.3 % begins at 16."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Where and by how much a model fails on one release.
+
+    `force_error` is eq. (18) in %: 100/(n var f) sum (f - f')^2, with f the measured acceleration (less any recorded
+    force) and f' the model's force at the measured motion, and `force_floor` what noise alone leaves of it.
+    `motion_error` is the rms misfit of the free run over the rms of the `motion_channel`, in %, over `horizon` s
+    (`horizon_cycles`). `chi_square` is reduced, 1.0 when nothing is left to explain, with the standard error
+    `chi_square_std` that readings and noise floor leave open; `floor` is the noise of each channel and its source.
+    `time` (n,) is in s since the release; `free_run_misfit` (cycles,) the rms misfit of the free run in units of the
+    noise, cycle by cycle; `displacement`, `velocity`, `residual_force` (n,) the measured motion and measured less
+    model force per unit mass along it. `places` are the worst ones; `summary` tells the first, `cause` whether to
+    look at a sensor or at physics.
+    """
+
+    force_error: float
+    force_floor: float
+    motion_error: float
+    motion_channel: str
+    horizon: float
+    horizon_cycles: float
+    chi_square: float
+    chi_square_std: float
+    floor: Mapping[str, Noise]
+    cycles: CycleErrors
+    free_run_misfit: Array
+    phase_plane: PhasePlane
+    harmonics: Harmonics
+    kinematics: KinematicCheck | None
+    slow_fault: SlowFault | None
+    places: tuple[Place, ...]
+    summary: str
+    cause: str
+    time: Array
+    displacement: Array
+    velocity: Array
+    residual_force: Array
+    unit: str
+    mass: float | None
+
+
+def compare(
+    setting: Setting, fit: Fit, floor: Mapping[str, Noise] | None = None, *, mass: float | None = None
+) -> Comparison:
+    """Compare a model fitted to one release with the measurement.
+
+    `floor` tells where the noise of each channel came from and how well it is known; the noise itself is what the fit
+    was made with. With a `mass` (kg) forces are told in N.
+    """
+    span = fit.spans[0]
+    known = _floor(fit, floor)
+    doubt = max((n.uncertainty / n.std for n in known.values() if n.std > 0), default=_UNKNOWN_FLOOR)
+    tracking = track(setting, fit)
+    cycles = compare_cycles(tracking)
+    plane = compare_phase_plane(tracking)
+    kinematics = check_kinematics(setting, span, fit.frequency, doubt)
+    factors = tuple(
+        (1.0 + doubt) * max(1.0, np.sqrt(left)) for left in (plane.chi_square_after, cycles.chi_square_after)
+    )
+    slow, line = find_slow_fault(tracking), find_line(tracking)
+    places = worst_places(plane, cycles, line, Words(span.unit, mass), (factors[0], factors[1]))
+    force_error, force_floor, residual = _force_error(setting, fit)
+    channel = span.channels[0]
+    used = span.used[channel]
+    left = fit.residual(channel)[used]
+    shown = span.readings[channel][used]
+    chi_square_std = float(np.hypot(np.sqrt(2.0 / max(fit.degrees, 1)), 2.0 * doubt))
+    horizon = len(span) / span.rate
+    return Comparison(
+        force_error=force_error,
+        force_floor=force_floor,
+        motion_error=float(100.0 * np.sqrt(np.mean(left**2)) / np.std(shown)),
+        motion_channel=channel,
+        horizon=horizon,
+        horizon_cycles=horizon * fit.frequency / (2.0 * np.pi),
+        chi_square=fit.reduced,
+        chi_square_std=chi_square_std,
+        floor=known,
+        cycles=cycles,
+        free_run_misfit=_misfit_by_cycle(fit, tracking),
+        phase_plane=plane,
+        harmonics=compare_harmonics(tracking),
+        kinematics=kinematics,
+        places=places,
+        summary=NONE if not places else f"{places[0].text[0].upper()}{places[0].text[1:]}.",
+        slow_fault=slow,
+        cause=_cause(fit.reduced, chi_square_std, kinematics, slow, line),
+        time=frozen(span.clock),
+        displacement=frozen(setting.motion.displacement),
+        velocity=frozen(setting.motion.velocity),
+        residual_force=frozen(residual),
+        unit=span.unit,
+        mass=mass,
+    )
+
+
+def _floor(fit: Fit, floor: Mapping[str, Noise] | None) -> dict[str, Noise]:
+    span = fit.spans[0]
+    if floor is None:
+        return {c: Noise(s, _UNKNOWN_FLOOR * s, "given with the fit") for c, s in span.sigma.items()}
+    return {c: Noise(span.sigma[c], floor[c].uncertainty, floor[c].source) for c in span.channels}
+
+
+def _force_error(setting: Setting, fit: Fit) -> tuple[float, float, Array]:
+    """Eq. (18) and its floor in %, and measured less model force per unit mass (n,) along the measured motion."""
+    measured, residual = force_misfit(setting, fit)
+    used = moving(setting.motion)
+    scale = 100.0 / float(np.var(measured[used]))
+    noise = setting.motion.noise_acceleration or 0.0
+    return force_mse_percent(setting, measured, residual), scale * noise**2, residual
+
+
+def _misfit_by_cycle(fit: Fit, tracking: Tracking) -> Array:
+    span = fit.spans[0]
+    misfit = []
+    for stretch in tracking.stretches:
+        part = slice(stretch.start, stretch.stop)
+        squares = [((fit.residual(c)[part] / span.sigma[c]) ** 2)[span.used[c][part]] for c in span.channels]
+        joined = np.concatenate(squares)
+        misfit.append(float(np.sqrt(np.mean(joined))) if len(joined) else np.nan)
+    return frozen(misfit)
+
+
+def _cause(
+    chi_square: float,
+    std: float,
+    kinematics: KinematicCheck | None,
+    slow: SlowFault | None,
+    line: ResidualLine | None,
+) -> str:
+    dynamic = (chi_square - 1.0) / std
+    if kinematics is None:
+        return "There is only one channel, so a fault of the sensor cannot be told from physics."
+    if line is not None and line.sensor:
+        return (
+            f"At {line.frequency:.4g} Hz the {line.channel} shows what the other channel does not: hum or a disturbance "
+            "of that sensor; look at it first."
+        )
+    sensor = kinematics.significance
+    if sensor > _SURE:
+        return (
+            f"The channels contradict each other, whatever the forces are (a less D^2 u stands {sensor:.0f} standard errors "
+            "above its noise): look at a sensor first."
+        )
+    if slow is not None and slow.significance > _SURE_OF_SLOW:
+        return "The zero of the acceleration moves during the record, which no force can do: look at that sensor first."
+    if dynamic > _SURE:
+        return (
+            "Both channels describe one motion within their noise, and the model does not follow it: "
+            "it is physics (or the displacement drifts slowly, which looks like motion)."
+        )
+    return "Both channels describe one motion within their noise, and the model follows it within its noise."

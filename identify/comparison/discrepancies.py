@@ -1,0 +1,234 @@
+"""The worst places: where the model fails beyond the noise, each in a sentence that an engineer accepts."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.comparison.compare_cycles import CycleErrors
+from identify.comparison.discrepancy_text import Words
+from identify.comparison.phase_plane import PhasePlane
+from identify.comparison.residual_tone import ResidualLine
+
+MOST = 5
+NONE = "No place stands out of the noise."
+_FALSE_ALARMS = 0.05
+_DRAWS = 1000
+_GROUPS = 6
+_OVERLAP = 0.3
+_SHARE_OF_WORST = 0.1
+
+
+@dataclass(frozen=True)
+class Place:
+    """One place where the model fails: `kind` says how it was seen, `size` by how much, in `unit`.
+
+    `kind` is "force over displacement", "force over velocity", "frequency", "energy" or "line".
+    `size` (measured less model; positive is stiffer, braking more, faster, losing more) is the mean over the place
+    with standard error `std`, `largest` the largest in it; of a line both are its amplitude. `significance` is in
+    standard errors.
+    """
+
+    kind: str
+    text: str
+    size: float
+    std: float
+    largest: float
+    unit: str
+    significance: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    kind: str
+    members: Array
+    weights: Array
+    std: float
+    levels: tuple[int, int]
+    side: int
+    way: int
+
+
+def worst_places(
+    plane: PhasePlane,
+    cycles: CycleErrors,
+    line: ResidualLine | None,
+    words: Words,
+    doubt: tuple[float, float],
+) -> tuple[Place, ...]:
+    """Return at most five places, the most significant first; none when nothing stands out of the noise.
+
+    `doubt` are factors >= 1 on the standard errors of the forces and of the cycles: what is unsure about
+    the noise, and what neither explains. The threshold is where the best of all candidates lies in 5 % of the cases in
+    which there is noise only.
+    """
+    force = plane.force[plane.bins[:, 0], plane.bins[:, 1]]
+    errors = np.concatenate([cycles.frequency_error, cycles.energy_error])
+    families = (
+        (tuple(_force_candidates(plane)), force, plane.covariance, doubt[0]),
+        (tuple(_cycle_candidates(cycles)), errors, cycles.covariance, doubt[1]),
+    )
+    found: list[tuple[float, _Candidate, Array, float]] = []
+    worst_by_chance = np.zeros(_DRAWS)
+    random = np.random.default_rng(20)
+    for candidates, values, covariance, factor in families:
+        if not candidates:
+            continue
+        weights = np.array([c.weights / c.std for c in candidates])
+        chance = weights @ (
+            np.linalg.cholesky(_firm(covariance)) @ random.standard_normal((len(values), _DRAWS))
+        )
+        worst_by_chance = np.maximum(worst_by_chance, np.max(np.abs(chance), axis=0))
+        for candidate, score in zip(candidates, weights @ values / factor, strict=True):
+            found.append((float(score), candidate, values, factor))
+    limit = max(float(np.quantile(worst_by_chance, 1.0 - _FALSE_ALARMS)), 3.0)
+    found = [entry for entry in found if abs(entry[0]) > limit]
+    found.sort(key=lambda entry: -abs(entry[0]))
+    chosen: list[tuple[float, _Candidate, Array, float]] = []
+    for entry in found:
+        if len(chosen) == MOST or abs(entry[0]) < _SHARE_OF_WORST * abs(found[0][0]):
+            break
+        if not any(_same(entry[1], other[1]) for other in chosen):
+            chosen.append(entry)
+    places = [_told(*entry, plane, cycles, words) for entry in chosen]
+    if line is not None:
+        text, unit = words.at_frequency(line.frequency, line.amplitude, line.channel, line.channels)
+        std = line.amplitude / line.significance
+        places.append(Place("line", text, line.amplitude, std, line.amplitude, unit, line.significance))
+    places.sort(key=lambda place: -place.significance)
+    return tuple(places[:MOST])
+
+
+def _firm(covariance: Array) -> Array:
+    return covariance + np.diag(1e-9 * np.diag(covariance))
+
+
+def _same(one: _Candidate, other: _Candidate) -> bool:
+    if one.kind != other.kind:
+        return False
+    shared = float(np.sum((one.members != 0) & (other.members != 0)))
+    return bool(shared > _OVERLAP * min(np.count_nonzero(one.members), np.count_nonzero(other.members)))
+
+
+def _candidate(
+    kind: str, members: Array, covariance: Array, levels: tuple[int, int], side: int, way: int
+) -> _Candidate | None:
+    """Weigh the members (signs, 0 outside) so that their mean has the smallest error; None when the noise is unknown."""
+    inside = np.flatnonzero(members)
+    if len(inside) == 0:
+        return None
+    part = covariance[np.ix_(inside, inside)]
+    signs = members[inside]
+    try:
+        solved = np.linalg.solve(part, signs)
+    except np.linalg.LinAlgError:
+        return None
+    information = float(signs @ solved)
+    if not information > 0.0:
+        return None
+    weights = np.zeros(len(members))
+    weights[inside] = solved / information
+    return _Candidate(kind, members, weights, information**-0.5, levels, side, way)
+
+
+def _force_candidates(plane: PhasePlane) -> Iterator[_Candidate]:
+    """Bands of displacement (stiffer) and of velocity (braking), on one side or both, in one direction or both."""
+    rows, columns = plane.bins[:, 0], plane.bins[:, 1]
+    middle_column, middle_row = plane.force.shape[1] // 2, plane.force.shape[0] // 2
+    side = np.sign(columns - middle_column)
+    out = np.abs(columns - middle_column)
+    way = np.where(rows >= middle_row, 1, -1)
+    speed = np.where(rows >= middle_row, rows - middle_row, middle_row - 1 - rows)
+    for first, last in _bands(1, middle_column):
+        band = (out >= first) & (out <= last)
+        for one_side in (0, 1, -1):
+            for one_way in (0, 1, -1):
+                kept = band & ((side == one_side) | (one_side == 0)) & ((way == one_way) | (one_way == 0))
+                made = _candidate(
+                    "force over displacement", kept * side, plane.covariance, (first, last), one_side, one_way
+                )
+                if made is not None:
+                    yield made
+    for first, last in _bands(0, middle_row - 1):
+        band = (speed >= first) & (speed <= last)
+        for one_way in (0, 1, -1):
+            kept = band & ((way == one_way) | (one_way == 0))
+            made = _candidate("force over velocity", kept * way, plane.covariance, (first, last), 0, one_way)
+            if made is not None:
+                yield made
+
+
+def _cycle_candidates(cycles: CycleErrors) -> Iterator[_Candidate]:
+    count = len(cycles.time)
+    edges = np.unique(np.linspace(0, count, min(_GROUPS, count) + 1).astype(int))
+    for first, last in _bands(0, len(edges) - 2):
+        for shift, kind in ((0, "frequency"), (count, "energy")):
+            members = np.zeros(2 * count)
+            members[shift + edges[first] : shift + edges[last + 1]] = 1.0
+            made = _candidate(kind, members, cycles.covariance, (edges[first], edges[last + 1] - 1), 0, 0)
+            if made is not None:
+                yield made
+
+
+def _bands(first: int, last: int) -> Iterator[tuple[int, int]]:
+    for low in range(first, last + 1):
+        for high in range(low, last + 1):
+            yield low, high
+
+
+def _told(
+    score: float,
+    candidate: _Candidate,
+    values: Array,
+    factor: float,
+    plane: PhasePlane,
+    cycles: CycleErrors,
+    words: Words,
+) -> Place:
+    size = float(candidate.weights @ values)
+    largest = _largest(candidate, values, size, plane, cycles)
+    low, high = candidate.levels
+    if candidate.kind == "force over displacement":
+        edges = plane.displacement_edges[plane.force.shape[1] // 2 + 1 :]
+        at = (float(edges[low - 1]), float(edges[high]))
+        text, scale, unit = words.over_displacement(largest, at, low == high, candidate.side, candidate.way)
+    elif candidate.kind == "force over velocity":
+        edges = plane.velocity_edges[plane.force.shape[0] // 2 :]
+        at = (float(edges[low]), float(edges[high + 1]))
+        text, scale, unit = words.over_velocity(largest, at, low == high, candidate.way)
+    else:
+        times = (float(cycles.time[low]), float(cycles.time[high]))
+        amplitudes = (
+            float(np.min(cycles.amplitude[low : high + 1])),
+            float(np.max(cycles.amplitude[low : high + 1])),
+        )
+        text, scale, unit = words.over_cycles(candidate.kind, largest, times, amplitudes)
+    return Place(
+        candidate.kind, text, scale * size, scale * candidate.std * factor, scale * largest, unit, abs(score)
+    )
+
+
+def _largest(
+    candidate: _Candidate, values: Array, size: float, plane: PhasePlane, cycles: CycleErrors
+) -> float:
+    """Return the largest mean over one level of the place (one band, one cycle) that has the sign of the whole."""
+    if candidate.kind in ("frequency", "energy"):
+        part = values[candidate.members != 0]
+        std = np.sqrt(np.diag(cycles.covariance))[candidate.members != 0]
+        part = part[std < 3.0 * np.min(std)]
+        return float(max(part, key=lambda x: x * np.sign(size), default=size))
+    across = candidate.kind == "force over displacement"
+    middle = (plane.force.shape[1] if across else plane.force.shape[0]) // 2
+    place = plane.bins[:, 1 if across else 0]
+    level = (
+        np.abs(place - middle) if across else np.where(place >= middle, place - middle, middle - 1 - place)
+    )
+    means = []
+    for one in range(candidate.levels[0], candidate.levels[1] + 1):
+        made = _candidate(
+            candidate.kind, np.where(level == one, candidate.members, 0.0), plane.covariance, (one, one), 0, 0
+        )
+        if made is not None:
+            means.append(float(made.weights @ values))
+    return float(max([*means, size], key=lambda x: x * np.sign(size)))

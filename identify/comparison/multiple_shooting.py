@@ -1,0 +1,287 @@
+"""The tracked motion: the model run afresh over every cycle, from the state that was measured.
+
+A wrong model drifts away from the measurement, and the misfit of a free run then tells more of the cycles
+before than of the present one. Started anew every cycle from the measured state, the model stays so close that what
+it lacks is the small force that explains the rest: readings and noise as recorded, nothing is differentiated.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.fitting.fit import Fit
+from identify.fitting.problem import Problem
+from identify.model.measured_path import states_along
+from identify.model.simulate import Response
+from identify.preprocessing.fit_window import Span
+from identify.preprocessing.prepared_decay import Setting
+
+_STEP = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """About one cycle: samples `start` to `stop` - 1 of the span are compared, the run begins at `begin`.
+
+    `variation` holds what a change of the state at `begin` does to the whitened readings, shape (rows, 2), per
+    natural size of displacement and velocity; `carry` (2, 2) what it does to the state where the next stretch begins,
+    and `arrival` that state, in natural sizes.
+    """
+
+    begin: int
+    start: int
+    stop: int
+    rows: slice
+    variation: Array
+    carry: Array
+    departure: Array
+    arrival: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Tracking:
+    """The model tracked along one span.
+
+    `displacement`, `velocity`, `acceleration` (n,) of the tracked model, on the acceleration's clock and from the
+    spring's zero; `misfit` (rows,) the whitened difference of the readings, stretch after stretch and in each channel
+    after channel; `sizes` the natural displacement and velocity; `stiffness` and `damping` (per unit mass) of the linear
+    part, and `step` its exact step, tell how readings respond to a small extra force.
+    """
+
+    span: Span
+    stretches: tuple[Stretch, ...]
+    displacement: Array
+    velocity: Array
+    acceleration: Array
+    misfit: Array
+    sizes: tuple[float, float]
+    frequency: float
+    stiffness: float
+    damping: float
+    lag: float
+    gain: float
+    step: Array
+
+    def whitened(self, change: dict[str, Array]) -> Array:
+        """Return changes of the readings, (n, columns) a channel, as whitened rows (rows, columns)."""
+        columns = next(iter(change.values())).shape[1]
+        out = np.empty((len(self.misfit), columns))
+        for stretch in self.stretches:
+            at = stretch.rows.start
+            for channel in self.span.channels:
+                used = np.flatnonzero(self.span.used[channel][stretch.start : stretch.stop]) + stretch.start
+                out[at : at + len(used)] = change[channel][used] / self.span.sigma[channel]
+                at += len(used)
+        return out
+
+    def without_states(self, rows: Array) -> Array:
+        """Return whitened rows (rows, columns) less what the state at the start of each stretch explains."""
+        out = np.array(rows)
+        for stretch in self.stretches:
+            basis = np.linalg.qr(stretch.variation)[0]
+            part = out[stretch.rows]
+            out[stretch.rows] = part - basis @ (basis.T @ part)
+        return out
+
+
+def track(setting: Setting, fit: Fit) -> Tracking:
+    """Run a fitted model (of one span) along the measured motion, cycle by cycle."""
+    span, motion = fit.spans[0], setting.motion
+    values = {name: found.value for name, found in fit.values.items()}
+    aligned = setting.alignment
+    lag = aligned.lag.value if aligned is not None else 0.0
+    gain = aligned.gain.value if aligned is not None else 1.0
+    u = motion.displacement + setting.zero - values.get("displacement_offset", setting.zero)
+    v = motion.velocity
+    sizes = (float(np.max(np.abs(u))), float(np.max(np.abs(u))) * fit.frequency)
+    pieces = _pieces(span, u, v, fit.frequency)
+    problem, thetas = _problem(fit, span, pieces, u, v, values, lag)
+    n = len(span)
+    kept = {name: np.zeros(n) for name in ("displacement", "velocity", "acceleration")}
+    stretches: list[Stretch] = []
+    misfits: list[Array] = []
+    row = 0
+    for i, (begin, start, stop) in enumerate(pieces):
+        at = (
+            problem.index[f"displacement{_tag(i, pieces)}"],
+            problem.index[f"velocity{_tag(i, pieces)}"],
+        )
+        runs = [problem.respond(thetas, i)]
+        for place, size in zip(at, sizes, strict=True):
+            moved = thetas.copy()
+            moved[place] += _STEP * size
+            runs.append(problem.respond(moved, i))
+        seen = [_readings(run, span, lag, gain, values) for run in runs]
+        part = slice(start - begin, stop - begin)
+        used = {c: span.used[c][start:stop] for c in span.channels}
+        misfit = np.concatenate(
+            [
+                ((span.readings[c][start:stop] - seen[0][c][part]) / span.sigma[c])[used[c]]
+                for c in span.channels
+            ]
+        )
+        variation = np.column_stack(
+            [
+                np.concatenate(
+                    [
+                        ((s[c][part] - seen[0][c][part]) / span.sigma[c] / _STEP)[used[c]]
+                        for c in span.channels
+                    ]
+                )
+                for s in seen[1:]
+            ]
+        )
+        following = pieces[i + 1][0] if i + 1 < len(pieces) else stop - 1
+        states = [
+            np.array(
+                [run.displacement[following - begin] / sizes[0], run.velocity[following - begin] / sizes[1]]
+            )
+            for run in runs
+        ]
+        carry = np.column_stack([(state - states[0]) / _STEP for state in states[1:]])
+        departure = np.array([u[begin] / sizes[0], v[begin] / sizes[1]])
+        for name, values_kept in kept.items():
+            values_kept[begin if i == 0 else start : stop] = getattr(runs[0], name)[
+                0 if i == 0 else start - begin : stop - begin
+            ]
+        stretches.append(
+            Stretch(begin, start, stop, slice(row, row + len(misfit)), variation, carry, departure, states[0])
+        )
+        misfits.append(misfit)
+        row += len(misfit)
+    return Tracking(
+        span,
+        tuple(stretches),
+        kept["displacement"],
+        kept["velocity"],
+        kept["acceleration"],
+        np.concatenate(misfits),
+        sizes,
+        fit.frequency,
+        values.get("linear_stiffness.k", fit.frequency**2),
+        values.get("viscous_damping.mu_1", 0.0),
+        lag,
+        gain,
+        one_step(
+            values.get("linear_stiffness.k", fit.frequency**2),
+            values.get("viscous_damping.mu_1", 0.0),
+            1.0 / span.rate,
+        ),
+    )
+
+
+def one_step(stiffness: float, damping: float, h: float) -> Array:
+    """Return the exact step of x'' + c x' + k x = -force over `h` s, (2, 4).
+
+    It takes x, x', the force and its rise over the step, in which the force is linear.
+    """
+    generator = np.zeros((4, 4))
+    generator[0, 1] = h
+    generator[1, :3] = -stiffness * h, -damping * h, -h
+    generator[2, 3] = 1.0
+    halvings = max(0, int(np.ceil(np.log2(max(np.abs(generator).sum(axis=1).max(), 1e-300) / 0.25))))
+    generator /= 2.0**halvings
+    power = total = np.eye(4)
+    for k in range(1, 13):
+        power = power @ generator / k
+        total = total + power
+    for _ in range(halvings):
+        total = total @ total
+    return np.asarray(total[:2])
+
+
+def _tag(i: int, pieces: list[tuple[int, int, int]]) -> str:
+    return f"[{i}]" if len(pieces) > 1 else ""
+
+
+def _pieces(span: Span, u: Array, v: Array, frequency: float) -> list[tuple[int, int, int]]:
+    """Return (begin, start, stop) of each stretch: from one rising passage of the middle to the next."""
+    n = len(u)
+    turns = np.unwrap(np.arctan2(u, v / frequency)) / (2.0 * np.pi)
+    turns = np.maximum.accumulate(turns)
+    edges = np.flatnonzero(np.diff(np.floor(turns)) > 0) + 1
+    period = 2.0 * np.pi / frequency * span.rate
+    edges = edges[(edges > span.lead + 0.5 * period) & (edges < n - 0.5 * period)]
+    bounds = [span.lead, *[int(e) for e in edges], n]
+    return [(start - span.lead, start, stop) for start, stop in pairwise(bounds)]
+
+
+def _problem(
+    fit: Fit,
+    span: Span,
+    pieces: list[tuple[int, int, int]],
+    u: Array,
+    v: Array,
+    values: dict[str, float],
+    lag: float,
+) -> tuple[Problem, Array]:
+    """Return the model on one short span a stretch, and the unknowns at which it runs along the measured motion."""
+    reach = span.lead + 2
+    spans = tuple(_short(span, begin, min(stop + reach, len(span) + reach)) for begin, _, stop in pieces)
+    problem = Problem(fit.model, spans, fit.frequency)
+    thetas = np.array([values.get(unknown.name, 0.0) for unknown in problem.unknowns])
+    memories = {
+        term.effect.name: states_along(term, values, span.clock, u, v)
+        for term in fit.model.terms
+        if term.effect.rates is not None
+    }
+    for i, (begin, _, _) in enumerate(pieces):
+        tag = _tag(i, pieces)
+        thetas[problem.index[f"displacement{tag}"]] = u[begin]
+        thetas[problem.index[f"velocity{tag}"]] = v[begin]
+        if f"lag{tag}" in problem.index:
+            thetas[problem.index[f"lag{tag}"]] = 0.0
+        for name, states in memories.items():
+            for j in range(2):
+                place = problem.index.get(f"{name}.state{j}{tag}")
+                if place is not None:
+                    thetas[place] = states[begin, j]
+    return problem, thetas
+
+
+def _short(span: Span, begin: int, end: int) -> Span:
+    """Return samples `begin` to `end` - 1 of a span, held on beyond its end."""
+    take = np.minimum(np.arange(begin, end), len(span) - 1)
+    return span.with_(
+        time=span.time + begin / span.rate,
+        readings={c: r[take] for c, r in span.readings.items()},
+        used={c: m[take] for c, m in span.used.items()},
+        force=None if span.force is None else span.force[take],
+    )
+
+
+def _readings(
+    run: Response, span: Span, lag: float, gain: float, values: dict[str, float]
+) -> dict[str, Array]:
+    """Return what the sensors show of a run, before any fault of theirs: lag, gain and offsets applied."""
+    seen: dict[str, Array] = {}
+    u, v = delayed(run.displacement, run.velocity, run.acceleration, lag, span.rate)
+    for channel in span.channels:
+        if channel == "acceleration":
+            seen[channel] = (gain if span.paired else 1.0) * run.acceleration
+        else:
+            seen[channel] = u if channel == "displacement" else v
+        seen[channel] = seen[channel] + values.get(f"{channel}_offset", 0.0)
+    return seen
+
+
+def delayed(u: Array, v: Array, a: Array, lag: float, rate: float) -> tuple[Array, Array]:
+    """Return displacement and velocity read `lag` s before each sample, by the quintic Hermite polynomial."""
+    if lag == 0.0:
+        return u, v
+    n = len(u)
+    place = np.arange(n) - lag * rate
+    i = np.clip(np.floor(place).astype(int), 0, n - 2)
+    x, h = place - i, 1.0 / rate
+    d1, d2 = v[i] * h, 0.5 * a[i] * h * h
+    e0 = u[i + 1] - u[i] - d1 - d2
+    e1 = v[i + 1] * h - d1 - 2.0 * d2
+    e2 = a[i + 1] * h * h - 2.0 * d2
+    c3 = 10.0 * e0 - 4.0 * e1 + 0.5 * e2
+    c4 = -15.0 * e0 + 7.0 * e1 - e2
+    c5 = 6.0 * e0 - 3.0 * e1 + 0.5 * e2
+    moved = u[i] + x * (d1 + x * (d2 + x * (c3 + x * (c4 + x * c5))))
+    slope = (d1 + x * (2.0 * d2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))) / h
+    return moved, slope

@@ -1,0 +1,106 @@
+"""The phase plane: what force the model lacks, in bins of displacement and velocity."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array, frozen
+from identify.comparison.multiple_shooting import Tracking
+from identify.comparison.residual_force import estimate_extra_force
+
+_KNOWN = 8.0
+
+
+@dataclass(frozen=True, eq=False)
+class ForceSection:
+    """A cut through the phase plane: residual force `force` and its standard error `std` at `position`, each (bins,)."""
+
+    position: Array
+    force: Array
+    std: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PhasePlane:
+    """Residual force per unit mass (m/s^2, measured less model, on the left of u'' + ... = 0) in bins.
+
+    Edges of an odd number of bins `displacement_edges` (p + 1,) and of an even number `velocity_edges` (q + 1,), so that
+    zero velocity is an edge and both directions stay apart. `force`, `std` (nan where the mass never was, or so
+    briefly that nothing is known), `counts` of samples and `significance` (force over standard error): (q, p).
+    `bins` (known, 2) are the rows and columns of the bins that are known and `covariance` (known, known) theirs;
+    `chi_square_after` is the reduced chi-square within the cycles that such a force would leave.
+    """
+
+    displacement_edges: Array
+    velocity_edges: Array
+    force: Array
+    std: Array
+    counts: Array
+    significance: Array
+    bins: Array
+    covariance: Array
+    chi_square_after: float
+
+    @property
+    def displacement(self) -> Array:
+        """Middles of the bins, m."""
+        return (self.displacement_edges[1:] + self.displacement_edges[:-1]) / 2.0
+
+    @property
+    def velocity(self) -> Array:
+        """Middles of the bins, m/s."""
+        return (self.velocity_edges[1:] + self.velocity_edges[:-1]) / 2.0
+
+    @property
+    def section_at_middle(self) -> ForceSection:
+        """Against the velocity while the mass passes u = 0: damping."""
+        column = self.force.shape[1] // 2
+        return ForceSection(self.velocity, self.force[:, column], self.std[:, column])
+
+    @property
+    def sections_at_reversal(self) -> tuple[ForceSection, ForceSection]:
+        """Against the displacement where v is nearly 0: moving to the negative side, and to the positive side."""
+        row = self.force.shape[0] // 2
+        return (
+            ForceSection(self.displacement, self.force[row - 1], self.std[row - 1]),
+            ForceSection(self.displacement, self.force[row], self.std[row]),
+        )
+
+
+def compare_phase_plane(tracking: Tracking) -> PhasePlane:
+    """Return the force that the tracked model lacks, as one constant in each bin of the phase plane."""
+    u, v = tracking.displacement, tracking.velocity
+    across = _odd(len(u))
+    along = across - 1
+    reach_u, reach_v = (float(np.max(np.abs(x))) * (1.0 + 1e-9) for x in (u, v))
+    edges_u = np.linspace(-1.0, 1.0, across + 1) * reach_u
+    edges_v = np.linspace(-1.0, 1.0, along + 1) * reach_v
+    column = np.clip(np.searchsorted(edges_u, u, side="right") - 1, 0, across - 1)
+    row = np.clip(np.searchsorted(edges_v, v, side="right") - 1, 0, along - 1)
+    code, member = np.unique(row * across + column, return_inverse=True)
+    patterns = (member[:, None] == np.arange(len(code))).astype(float)
+    found = estimate_extra_force(tracking, patterns)
+    known = found.std < _KNOWN * np.median(found.std)
+    bins = np.column_stack([code // across, code % across])[known]
+    force, std = np.full((along, across), np.nan), np.full((along, across), np.nan)
+    counts = np.zeros((along, across))
+    force[bins[:, 0], bins[:, 1]] = found.size[known]
+    std[bins[:, 0], bins[:, 1]] = found.std[known]
+    counts[bins[:, 0], bins[:, 1]] = patterns.sum(axis=0)[known]
+    bins.setflags(write=False)
+    return PhasePlane(
+        frozen(edges_u),
+        frozen(edges_v),
+        frozen(force),
+        frozen(std),
+        frozen(counts),
+        frozen(force / std),
+        bins,
+        frozen(found.covariance[np.ix_(known, known)]),
+        found.chi_square_after,
+    )
+
+
+def _odd(samples: int) -> int:
+    """Return an odd number of bins across: about a dozen samples in each of the bins that are visited."""
+    return 2 * int(np.clip(np.sqrt(samples) / 6.0, 2.0, 5.5)) + 1

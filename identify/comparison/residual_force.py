@@ -1,0 +1,128 @@
+"""The extra force: how large a force of given pattern would explain what the tracked model leaves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from identify.arrays import Array
+from identify.comparison.multiple_shooting import Stretch, Tracking
+
+
+@dataclass(frozen=True, eq=False)
+class ExtraForce:
+    """Sizes of force patterns (patterns,), m/s^2 on the left of u'' + ... = 0, and their covariance.
+
+    `chi_square_after` is the reduced chi-square that they leave within the cycles.
+    """
+
+    size: Array
+    covariance: Array
+    chi_square_after: float
+
+    @property
+    def std(self) -> Array:
+        """Standard errors, shape (patterns,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+
+def estimate_extra_force(tracking: Tracking, patterns: Array, faults: Array | None = None) -> ExtraForce:
+    """Least squares of what the tracked model leaves on the response to patterns (n, patterns) of force.
+
+    `faults` (rows, faults) are whitened columns of what a sensor may add; their sizes follow those of the patterns.
+    The state at the start of every stretch is free, and so are lag, gain and offset of the acceleration, which
+    kinematics alone determines. A pattern that the readings do not feel has a standard error as large as the
+    springs' force.
+    """
+    asked = respond_to(tracking, patterns)
+    if faults is not None:
+        asked = np.hstack([asked, faults])
+    columns = np.hstack([asked, nuisances(tracking)])
+    both = tracking.without_states(np.column_stack([columns, tracking.misfit]))
+    columns, misfit = both[:, :-1], both[:, -1]
+    count = asked.shape[1]
+    largest = tracking.stiffness * tracking.sizes[0]
+    prior = np.full(columns.shape[1], 1.0)
+    prior[: patterns.shape[1]] = 1.0 / largest**2
+    normal = columns.T @ columns
+    scale = np.sqrt(np.diag(normal) + prior)
+    inverse = np.linalg.inv((normal + np.diag(prior)) / np.outer(scale, scale)) / np.outer(scale, scale)
+    gradient = columns.T @ misfit
+    size = inverse @ gradient
+    left = float(misfit @ misfit - gradient @ size)
+    degrees = len(misfit) - 2 * len(tracking.stretches) - columns.shape[1]
+    return ExtraForce(size[:count], inverse[:count, :count], left / max(degrees, 1))
+
+
+def respond_to(tracking: Tracking, patterns: Array) -> Array:
+    """Return the whitened change of the readings (rows, patterns) under extra forces (n, patterns), per m/s^2."""
+    out = np.empty((len(tracking.misfit), patterns.shape[1]))
+    for stretch in tracking.stretches:
+        x, v = _filtered(tracking.step, patterns[stretch.begin : stretch.stop])
+        out[stretch.rows] = _seen(tracking, stretch, x, v, patterns[stretch.begin : stretch.stop])
+    return out
+
+
+def respond_in(tracking: Tracking, stretch: Stretch, patterns: Array, until: int) -> tuple[Array, Array]:
+    """Return what forces (samples of the stretch, patterns) do from its beginning on.
+
+    The whitened change of the readings (rows of the stretch, patterns), and the change of displacement and velocity
+    at sample `until`, in natural sizes, (2, patterns).
+    """
+    x, v = _filtered(tracking.step, patterns)
+    at = until - stretch.begin
+    end = np.vstack([x[at] / tracking.sizes[0], v[at] / tracking.sizes[1]])
+    return _seen(tracking, stretch, x, v, patterns), end
+
+
+def _seen(tracking: Tracking, stretch: Stretch, x: Array, v: Array, patterns: Array) -> Array:
+    seen = slice(stretch.start - stretch.begin, None)
+    x, v = x[seen], v[seen]
+    a = -patterns[seen] - tracking.damping * v - tracking.stiffness * x
+    change = read_change(tracking, x, v, a)
+    span = tracking.span
+    part = slice(stretch.start, stretch.stop)
+    return np.vstack([change[c][span.used[c][part]] / span.sigma[c] for c in span.channels])
+
+
+def read_change(tracking: Tracking, x: Array, v: Array, a: Array) -> dict[str, Array]:
+    """Return what the sensors show of a small change of displacement, velocity and acceleration."""
+    lag = tracking.lag
+    change = {
+        "displacement": x - lag * v + 0.5 * lag * lag * a,
+        "velocity": v - lag * a,
+        "acceleration": a * (tracking.gain if tracking.span.paired else 1.0),
+    }
+    return {channel: change[channel] for channel in tracking.span.channels}
+
+
+def nuisances(tracking: Tracking) -> Array:
+    """Whitened columns of lag, gain and the acceleration's offset, each in a natural size; none for a single channel."""
+    span = tracking.span
+    n = len(span)
+    if not span.paired:
+        return np.zeros((len(tracking.misfit), 0))
+    change = {channel: np.zeros((n, 3)) for channel in span.channels}
+    if "displacement" in change:
+        change["displacement"][:, 0] = -tracking.velocity * 1e-2 / tracking.frequency
+    if "velocity" in change:
+        change["velocity"][:, 0] = -tracking.acceleration * 1e-2 / tracking.frequency
+    change["acceleration"][:, 1] = tracking.acceleration * 1e-2
+    change["acceleration"][:, 2] = 1e-2 * tracking.stiffness * tracking.sizes[0]
+    return tracking.whitened(change)
+
+
+def _filtered(step: Array, patterns: Array) -> tuple[Array, Array]:
+    x, v = np.zeros(patterns.shape), np.zeros(patterns.shape)
+    _filter(step, np.ascontiguousarray(patterns), x, v)
+    return x, v
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _filter(step, pattern, x, v):  # type: ignore[no-untyped-def]
+    for i in range(pattern.shape[0] - 1):
+        for j in range(pattern.shape[1]):
+            force = pattern[i, j]
+            rise = pattern[i + 1, j] - force
+            x[i + 1, j] = step[0, 0] * x[i, j] + step[0, 1] * v[i, j] + step[0, 2] * force + step[0, 3] * rise
+            v[i + 1, j] = step[1, 0] * x[i, j] + step[1, 1] * v[i, j] + step[1, 2] * force + step[1, 3] * rise

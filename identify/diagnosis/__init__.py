@@ -1,0 +1,1 @@
+"""Which effect a model lacks, how sure that is, and its refinement."""

@@ -1,0 +1,118 @@
+"""The next experiment: the recording that would separate the two best suspects most."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from identify.fitting.baseline import Start
+from identify.fitting.fit import Fit, fit
+from identify.fitting.problem import Problem
+from identify.preprocessing.fit_window import Span
+
+if TYPE_CHECKING:
+    from identify.diagnosis.diagnose import Suspect
+
+_RELEASES = (
+    (0.25, "a release from a quarter of the amplitude"),
+    (0.5, "a release from half the amplitude"),
+    (-1.0, "a release from the same amplitude on the opposite side"),
+    (1.5, "a release from one and a half times the amplitude"),
+)
+_DRIVES = (
+    (0.25, "the motion under the same force at a quarter of its level"),
+    (0.5, "the motion under the same force at half its level"),
+    (1.5, "the motion under the same force at one and a half times its level"),
+)
+_WORTH = 25.0
+
+
+def next_experiment(start: Start, verdict: str, suspects: tuple[Suspect, ...]) -> str:
+    """Return what to record next, in a sentence; simulated where two suspects compete."""
+    rivals = [s for s in suspects if s.kind == "physics" and s.fit is not None and s.fit is not start.fit]
+    amplitude, unit = _amplitude(start)
+    driven = start.settings[0].span.force is not None
+    if verdict == "nothing_missing" and driven:
+        return "The same force at half and at one and a half times its level would show effects that hide at this one."
+    if verdict == "nothing_missing":
+        return (
+            f"A release from {1.5 * amplitude:.3g} {unit} would show effects that grow with amplitude; "
+            f"one from {0.25 * amplitude:.3g} {unit} effects of friction and play."
+        )
+    if verdict == "not_enough_data":
+        return "Record at least eight seconds or ten cycles, from the largest amplitude that is safe."
+    if verdict == "sensor_fault":
+        proof = suspects[0].effect.proof
+        return f"{proof[0].upper()}{proof[1:]}."
+    if verdict == "unknown_effect" or len(rivals) < 2 or len(start.settings) > 1:
+        if verdict == "missing_effect":
+            proof = suspects[0].effect.proof
+            return f"To prove it: {proof}."
+        if driven:
+            return "Drive it at half and at twice the level: the shape of the missing force must be the same in each."
+        return (
+            f"Release from {0.5 * amplitude:.3g} {unit} and from {-amplitude:.3g} {unit}, and diagnose all three together: "
+            "the shape of the missing force must be the same in each."
+        )
+    first, second = rivals[0], rivals[1]
+    best, words = 0.0, ""
+    for factor, description in _DRIVES if driven else _RELEASES:
+        apart = _apart(first.fit, second.fit, factor)
+        if apart > best:
+            best, words = apart, description if driven else f"{description} ({factor * amplitude:.3g} {unit})"
+    if best < _WORTH:
+        return (
+            f"No other {'level' if driven else 'release'} would separate {first.effect.name} from {second.effect.name} "
+            f"on this bench; instead: {first.effect.proof}."
+        )
+    return (
+        f"To separate {first.effect.name} from {second.effect.name}, record {words}: there they differ by "
+        f"{np.sqrt(best):.0f} standard deviations."
+    )
+
+
+def _amplitude(start: Start) -> tuple[float, str]:
+    setting = max(start.settings, key=lambda s: s.amplitude)
+    side = float(np.sign(setting.motion.displacement[0])) or 1.0
+    unit = setting.span.unit
+    scale, name = (1e3, "mm") if unit == "m" else (1.0, unit)
+    return scale * side * setting.amplitude, name
+
+
+def _shared(name: str) -> bool:
+    return name == "force_gain" or ("." in name and ".state" not in name)
+
+
+def _apart(first: Fit | None, second: Fit | None, factor: float) -> float:
+    """Return by how much chi-square would favour `first`, were it true, over `second` on one more release."""
+    if first is None or second is None:
+        return 0.0
+    span = first.spans[0]
+    moved = first.theta.copy()
+    names = list(first.names)
+    for i, name in enumerate(names):
+        if name in ("displacement", "velocity") or ".state" in name:
+            moved[i] *= factor
+    if span.force is not None:
+        span = span.with_(force=factor * span.force)
+    problem = Problem(first.model, (span,), first.frequency)
+    predicted = problem.read(moved, 0, problem.respond(moved, 0))
+    if not all(np.isfinite(values).all() for values in predicted.values()):
+        return 0.0
+    record: Span = replace(span, readings=predicted)
+    known = dict(zip(second.names, second.theta.tolist(), strict=True))
+    start = {name: value for name, value in known.items() if _shared(name)}
+    for name in (
+        "displacement",
+        "velocity",
+        "lag",
+        "gain",
+        *(n for n in known if n.endswith("_offset") or ".state" in n),
+    ):
+        if name in known:
+            scale = factor if name in ("displacement", "velocity") or ".state" in name else 1.0
+            start |= {f"{name}[0]": known[name], f"{name}[1]": known[name] * scale}
+    joint = fit(second.model, (second.spans[0], record), start, second.frequency, patience=1.0)
+    return max(joint.chi_square - second.chi_square, 0.0)

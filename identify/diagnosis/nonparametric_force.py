@@ -1,0 +1,191 @@
+"""The free form: what any force in displacement, velocity and time could explain, with no name for it.
+
+The acceleration's misfit is regressed on smooth splines of displacement and velocity, of friction over displacement and
+speed, and of slow changes of stiffness, damping and friction with time. Compared with what the named effects
+explain, it tells whether something is missing that the library does not know, and what it looks like.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from identify.arrays import Array, Mask, frozen
+from identify.preprocessing.equation_error import moving
+from identify.preprocessing.prepared_decay import Setting
+
+_KNOTS = {
+    "displacement": 24,
+    "velocity": 16,
+    "friction over displacement": 14,
+    "friction over speed": 12,
+    "time": 6,
+}
+_STIFFNESSES = (1e-4, 1e-2, 1.0)
+_MOST_COORDINATES = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """The missing force per unit mass along one coordinate: positions, force and its standard error, shape (m,)."""
+
+    coordinate: str
+    unit: str
+    position: Array
+    force: Array
+    std: Array
+
+
+@dataclass(frozen=True, eq=False)
+class FreeForm:
+    """What the free form explains of a model's misfit in the acceleration.
+
+    `before` and `after` are the misfit's mean squares in units of the noise, on readings held out by whole cycles;
+    `shapes` the missing force along each coordinate, the one that explains most first; `coordinates` those that the
+    held-out cycles confirm.
+    """
+
+    before: float
+    after: float
+    shapes: tuple[Shape, ...]
+    coordinates: tuple[str, ...] = ()
+
+    @property
+    def explained(self) -> float:
+        """Share of the misfit beyond the noise that the free form explains, 0 to 1."""
+        beyond = self.before - 1.0
+        return (
+            float(np.clip((self.before - max(self.after, 1.0)) / beyond, 0.0, 1.0)) if beyond > 0.0 else 0.0
+        )
+
+
+def free_form(setting: Setting, force: Array) -> FreeForm:
+    """Explain what a model's force, shape (n,) along the setting's motion (m/s^2), leaves of the acceleration.
+
+    Coordinates are added one after the other while they lower the misfit on the cycles held out.
+    """
+    motion = setting.motion
+    used = moving(motion, sigmas=4.0)
+    misfit = setting.restoring - force
+    noise = max(motion.noise_acceleration or 0.0, 1e-300)
+    cycle = np.floor(setting.time * setting.frequency / (2.0 * np.pi)).astype(int)
+    folds = [used & (cycle % 2 == parity) for parity in (0, 1)]
+    inside = [_within(setting, used & ~fold, fold) for fold in folds]
+    if min(int(fold.sum()) for fold in folds) < 60 or not all(mask.any() for mask in inside):
+        return FreeForm(1.0, 1.0, ())
+    blocks = _blocks(setting)
+    chosen: list[str] = []
+    constant = np.ones((len(misfit), 1))
+    best = before = _held_out(constant, [], misfit, folds, inside)
+    while len(chosen) < _MOST_COORDINATES:
+        trials = {
+            name: _held_out(constant, [blocks[c] for c in (*chosen, name)], misfit, folds, inside)
+            for name in blocks
+            if name not in chosen
+        }
+        name = min(trials, key=lambda key: trials[key])
+        if trials[name] > 0.9 * best:
+            break
+        best = trials[name]
+        chosen.append(name)
+    shapes = _shapes(setting, blocks, misfit, used)
+    shapes = tuple(sorted(shapes, key=lambda s: chosen.index(s.coordinate) if s.coordinate in chosen else 99))
+    return FreeForm(before / noise**2, best / noise**2, shapes, tuple(chosen))
+
+
+def _within(setting: Setting, fitted: Mask, held: Mask) -> Mask:
+    """Return the held-out readings that lie where the fitted ones have been, so that nothing is extrapolated."""
+    motion = setting.motion
+    mask = held.copy()
+    for values in (motion.displacement, motion.velocity, setting.time):
+        mask &= (values >= values[fitted].min()) & (values <= values[fitted].max())
+    return mask
+
+
+def _held_out(
+    constant: Array, blocks: list[Array], misfit: Array, folds: list[Mask], inside: list[Mask]
+) -> float:
+    """Return the mean squared misfit on held-out cycles at the best smoothness."""
+    results = []
+    for stiffness in _STIFFNESSES if blocks else (1.0,):
+        total, count = 0.0, 0
+        for fold, mask in zip(folds, inside, strict=True):
+            fitted = _all(folds) & ~fold
+            weights = _penalised(constant, blocks, misfit, fitted, stiffness)
+            columns = np.column_stack([constant, *blocks])
+            total += float(np.sum((misfit - columns @ weights)[mask] ** 2))
+            count += int(mask.sum())
+        results.append(total / count)
+    return min(results)
+
+
+def _all(folds: list[Mask]) -> Mask:
+    return np.asarray(np.any(folds, axis=0))
+
+
+def _penalised(constant: Array, blocks: list[Array], misfit: Array, used: Mask, stiffness: float) -> Array:
+    """Penalised splines (Eilers and Marx 1996): second differences of the coefficients of each block are kept small."""
+    columns = np.column_stack([constant, *blocks])[used]
+    normal = columns.T @ columns
+    place = constant.shape[1]
+    for block in blocks:
+        m = block.shape[1]
+        bend = np.diff(np.eye(m), 2, axis=0)
+        size = float(np.trace(normal[place : place + m, place : place + m])) / m
+        normal[place : place + m, place : place + m] += size * (stiffness * bend.T @ bend + 1e-8 * np.eye(m))
+        place += m
+    return np.asarray(
+        np.linalg.solve(normal + 1e-12 * np.trace(normal) * np.eye(place), columns.T @ misfit[used])
+    )
+
+
+def _coordinates(setting: Setting) -> dict[str, tuple[Array, Array, str]]:
+    motion = setting.motion
+    unit = setting.span.unit
+    sign = np.sign(motion.velocity)
+    return {
+        "displacement": (motion.displacement, np.ones_like(sign), unit),
+        "velocity": (motion.velocity, np.ones_like(sign), f"{unit}/s"),
+        "friction over displacement": (motion.displacement, sign, unit),
+        "friction over speed": (np.abs(motion.velocity), sign, f"{unit}/s"),
+        "time (stiffness)": (setting.time, motion.displacement, "s"),
+        "time (damping)": (setting.time, motion.velocity, "s"),
+        "time (friction)": (setting.time, sign, "s"),
+    }
+
+
+def _blocks(setting: Setting) -> dict[str, Array]:
+    result = {}
+    for name, (position, factor, _) in _coordinates(setting).items():
+        count = _KNOTS.get(name, _KNOTS["time"])
+        result[name] = _splines(position, count) * factor[:, None]
+    return result
+
+
+def _splines(position: Array, count: int) -> Array:
+    low, high = float(position.min()), float(position.max())
+    inner = np.linspace(low, high, count - 2)
+    knots = np.concatenate([[low] * 3, inner, [high] * 3])
+    return np.asarray(BSpline.design_matrix(np.clip(position, low, high), knots, 3).toarray())
+
+
+def _shapes(setting: Setting, blocks: dict[str, Array], misfit: Array, used: Mask) -> tuple[Shape, ...]:
+    """Return each coordinate's own regression of the misfit, the one that explains most first."""
+    ranked = []
+    target = misfit - misfit[used].mean()
+    for name, (position, _, unit) in _coordinates(setting).items():
+        constant = np.ones((len(target), 1))
+        weights = _penalised(constant, [blocks[name]], target, used, 1e-2)
+        left = float(np.sum((target - np.column_stack([constant, blocks[name]]) @ weights)[used] ** 2))
+        order = np.argsort(position[used])
+        low, high = position[used][order[[0, -1]]]
+        edges = np.linspace(low, high, 41)
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        bins = np.clip(np.digitize(position[used], edges) - 1, 0, 39)
+        factor = np.sign(setting.motion.velocity[used]) if "friction" in name else np.ones(int(used.sum()))
+        count = np.maximum(np.bincount(bins, minlength=40), 1)
+        mean = np.bincount(bins, weights=target[used] * factor, minlength=40) / count
+        square = np.bincount(bins, weights=target[used] ** 2, minlength=40) / count
+        std = np.sqrt(np.maximum(square - mean**2, 0.0) / count)
+        ranked.append((left, Shape(name, unit, frozen(middle), frozen(mean), frozen(std))))
+    return tuple(shape for _, shape in sorted(ranked, key=lambda entry: entry[0]))

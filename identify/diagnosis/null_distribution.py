@@ -1,0 +1,194 @@
+"""Chance: how much each suspect would lower chi-square if nothing were missing.
+
+Under the present model the readings differ from the prediction by noise alone. A suspect of small strength changes the
+prediction along one direction (its column) for each value of its inner parameters; what the fit's own parameters can
+follow is projected out. For drawn noise, the best drop of chi-square over the suspect's columns is a draw from its null
+distribution, and the smallest tail probability over the whole library one from that of the search.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.effects.effect import Scales
+from identify.effects.memory import SECOND_MASS
+from identify.fitting.fit import Fit
+from identify.fitting.initial_values import rest_states, scales_of, term_starts
+from identify.fitting.problem import Problem
+from identify.model.measured_path import force_along
+from identify.model.model import Term
+from identify.preprocessing.prepared_decay import Setting
+
+_DRAWS = 400
+_PROBE = 1e-3
+_TAIL = 0.1
+_LINE_EFFECTS = ("mains_hum", "harmonic_forcing")
+
+
+@dataclass(frozen=True, eq=False)
+class Chance:
+    """Null distributions of the drop of chi-square, by effect name, and of the search over all of them.
+
+    `drops` maps an effect to its draws, sorted; `search` holds the largest surprise (-ln p) of each draw over
+    the library, sorted.
+    """
+
+    drops: dict[str, Array]
+    search: Array
+
+    def surprise(self, effect: str, drop: float) -> float:
+        """Return -ln of the probability that chance lowers chi-square this much by this effect alone."""
+        return float(_surprise(self.drops[effect], np.array([drop]))[0]) if effect in self.drops else 0.0
+
+    def p_value(self, effect: str, drop: float) -> float:
+        """Return the probability that chance gives any suspect in the library as good a reason."""
+        surprise = self.surprise(effect, drop)
+        return float(np.exp(-_surprise(self.search, np.array([surprise]), slope=1.0)[0]))
+
+
+def chance_of(
+    settings: tuple[Setting, ...], base: Fit, terms: tuple[Term, ...], *, seed: int = 0, draws: int = _DRAWS
+) -> Chance:
+    """Draw what each suspect would gain by chance; the same seed gives the same draws."""
+    random = np.random.default_rng(seed)
+    theta = base.theta
+    problem = Problem(base.model, base.spans, base.frequency)
+    _, jacobian = problem.linearise(theta)
+    size = np.linalg.norm(jacobian, axis=0)
+    tangent = np.linalg.qr(jacobian / np.where(size > 0.0, size, 1.0))[0]
+    noise = random.standard_normal((len(jacobian), draws))
+    scales = scales_of(settings[0], dict.fromkeys(base.spans[0].channels, ()))
+    drops: dict[str, Array] = {}
+    for term in terms:
+        name = term.effect.name
+        if name in _LINE_EFFECTS:
+            best = _line_drops(base, term, noise)
+        else:
+            best = _column_drops(settings, base, term, scales, tangent, noise)
+        drops[name] = np.maximum(drops[name], best) if name in drops else best
+    search = np.max([_surprise(np.sort(d), d) for d in drops.values()], axis=0)
+    return Chance({name: np.sort(d) for name, d in drops.items()}, np.sort(search))
+
+
+def _surprise(draws: Array, values: Array, slope: float = 0.5) -> Array:
+    """Return -ln of the tail probability; beyond the last tenth of the draws it grows with the given slope."""
+    n = len(draws)
+    knee = draws[int((1.0 - _TAIL) * n)]
+    rank = np.searchsorted(draws, values, side="left")
+    inside = np.minimum(-np.log((n - rank + 0.5) / (n + 0.5)), -np.log(_TAIL))
+    return np.asarray(np.where(values > knee, -np.log(_TAIL) + slope * (values - knee), inside))
+
+
+def _column_drops(
+    settings: tuple[Setting, ...], base: Fit, term: Term, scales: Scales, tangent: Array, noise: Array
+) -> Array:
+    problem = Problem(base.model.plus(term), base.spans, base.frequency)
+    known = dict(zip(base.names, base.theta.tolist(), strict=True))
+    before = Problem(base.model, base.spans, base.frequency).residuals(base.theta)
+    best = np.zeros(noise.shape[1])
+    for start in _fine_starts(term, scales):
+        block = [
+            problem.residuals(theta) - before for theta in _probes(settings, problem, term, known, start)
+        ]
+        block = [column for column in block if np.isfinite(column).all() and np.linalg.norm(column) > 1e-9]
+        if not block:
+            continue
+        columns = np.column_stack(block)
+        columns = columns - tangent @ (tangent.T @ columns)
+        basis, weights, _ = np.linalg.svd(
+            columns / np.linalg.norm(columns, axis=0).max(), full_matrices=False
+        )
+        basis = basis[:, weights > 1e-6]
+        amount = basis.T @ noise
+        if basis.shape[1] == 1 and (term.effect.kind == "sensor" or np.isfinite(term.effect.strength.low)):
+            amount = np.maximum(amount, 0.0)
+        best = np.maximum(best, np.sum(amount**2, axis=0))
+    return best
+
+
+def _fine_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
+    """Return starting values with midpoints between neighbours, so that the grid leaves no gaps."""
+    name = term.effect.name
+    if name == SECOND_MASS.name:
+        ratios = np.geomspace(0.3, 6.0, 20)
+        return tuple(
+            {f"{name}.w2": float(r * scales.frequency), f"{name}.zeta": z}
+            for r in ratios
+            for z in (0.005, 0.04)
+        )
+    starts = term_starts(term, scales)
+    between = tuple(
+        {
+            key: float(np.sqrt(a[key] * b[key])) if a[key] * b[key] > 0.0 else 0.5 * (a[key] + b[key])
+            for key in a
+        }
+        for a, b in pairwise(starts)
+    )
+    return starts + between
+
+
+def _probes(
+    settings: tuple[Setting, ...],
+    problem: Problem,
+    term: Term,
+    known: dict[str, float],
+    start: dict[str, float],
+) -> list[Array]:
+    """Return points near the base at which the term is weakly present, one for each of its linear freedoms."""
+    tags = [f"[{i}]" for i in range(len(settings))] if len(settings) > 1 else [""]
+    effect = term.effect
+    if effect.kind == "sensor":
+        point = known | {f"{n}{tag}": v for n, v in start.items() for tag in tags}
+        return [np.array([point.get(u.name, 0.0) for u in problem.unknowns])]
+    largest = max(settings, key=lambda setting: setting.amplitude)
+    inner = {n: v for n, v in known.items() if "." in n} | start
+    values = {p.name: inner[f"{effect.name}.{p.name}"] for p in term.free[1:]}
+    borrowed = {"linear_stiffness.k": largest.frequency**2}
+    motion = largest.motion
+    force = force_along(term, values, largest.time, motion.displacement, motion.velocity, borrowed)
+    rms = float(np.sqrt(np.mean(force**2)))
+    if not rms > 0.0:
+        return []
+    strength = _PROBE * float(np.sqrt(np.mean(motion.acceleration**2))) / rms
+    states: dict[str, float] = {}
+    for tag in tags:
+        rest = rest_states(term, known[f"displacement{tag}"], known[f"velocity{tag}"], inner)
+        states |= {f"{n}{tag}": s for n, s in rest.items()}
+    point = known | start | {f"{effect.name}.{effect.strength.name}": strength} | states
+    points = [point]
+    for name, state in states.items():
+        size = largest.amplitude * (largest.frequency if "state1" in name else 1.0)
+        points.append(point | {name: state + 0.5 * size})
+    return [np.array([p.get(u.name, 0.0) for u in problem.unknowns]) for p in points]
+
+
+def _line_drops(base: Fit, term: Term, noise: Array) -> Array:
+    """Best line by chance: the largest peak of the periodogram of the noise, over all frequencies."""
+    best = np.zeros(noise.shape[1])
+    first = 0
+    for span in base.spans:
+        spectra = {}
+        for channel in span.channels:
+            used = span.used[channel]
+            padded = np.zeros((len(span), noise.shape[1]))
+            padded[used] = noise[first : first + int(used.sum())]
+            first += int(used.sum())
+            spectra[channel] = np.fft.rfft(padded, 2 * len(span), axis=0) / np.sqrt(
+                max(int(used.sum()), 1) / 2.0
+            )
+        if term.effect.kind == "sensor":
+            if term.channel in spectra:
+                best = np.maximum(best, np.max(np.abs(spectra[term.channel][2:-2]) ** 2, axis=0))
+            continue
+        omega = 2.0 * np.pi * np.fft.rfftfreq(2 * len(span), 1.0 / span.rate)
+        weight = {"displacement": np.ones_like(omega), "velocity": omega * 1j, "acceleration": -(omega**2)}
+        sizes = {c: np.abs(weight[c]) / span.sigma[c] for c in spectra}
+        total = np.sqrt(sum(s**2 for s in sizes.values()))
+        together = sum(
+            spectra[c] * np.conj(weight[c] / span.sigma[c] / np.maximum(total, 1e-300))[:, None]
+            for c in spectra
+        )
+        best = np.maximum(best, np.max(np.abs(together[2:-2]) ** 2, axis=0))
+    return best

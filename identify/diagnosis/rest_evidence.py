@@ -1,0 +1,29 @@
+"""Evidence at rest: a hum is there before the release, a force that shakes the mass is not seen while it is held."""
+
+import numpy as np
+
+from identify.diagnosis.suspects import Candidate
+from identify.preprocessing.prepared_decay import Setting
+
+
+def at_rest(settings: tuple[Setting, ...], candidate: Candidate) -> float:
+    """Return how much better a sensor's fault explains the rest before the release than a constant, in nats.
+
+    Negative where the fault ought to show at rest and does not; 0 for everything that says nothing of the rest.
+    """
+    effect, channel = candidate.term.effect, candidate.term.channel
+    if not effect.shows_at_rest or effect.observe is None:
+        return 0.0
+    total = 0.0
+    for i, setting in enumerate(settings):
+        if setting.rest is None or channel not in setting.rest.readings:
+            continue
+        tag = f"[{i}]" if len(settings) > 1 else ""
+        p = np.array([candidate.fit.values[f"{effect.name}.{q.name}{tag}"].value for q in effect.parameters])
+        readings = setting.rest.readings[channel]
+        still = readings - readings.mean()
+        fault = effect.observe(setting.rest.time, np.zeros(len(readings)), p)
+        left = still - (fault - fault.mean())
+        sigma = max(candidate.fit.spans[i].sigma[channel], float(np.std(left)) * 0.5)
+        total += 0.5 * float(still @ still - left @ left) / sigma**2
+    return total

@@ -1,0 +1,5 @@
+"""A user's own effects: formulas and Python functions, read and checked."""
+
+from identify.effects.user.definition import own_effect, parse_effect
+
+__all__ = ["own_effect", "parse_effect"]

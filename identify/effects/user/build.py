@@ -1,0 +1,169 @@
+"""Making a user's own effect of its draft: what can be fitted is compiled, what cannot is refused."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf, isfinite
+from typing import Any
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.effects.compiled import STATES, force_function, rate_function
+from identify.effects.effect import Effect, Parameter, Scales
+from identify.effects.user.draft import Draft
+from identify.effects.user.equilibrium import comes_to_rest, rest_function
+from identify.effects.user.expression import ZERO
+from identify.effects.user.expression_code import python_function
+from identify.effects.user.initial_values import combinations, dimensions_of, starts_of
+from identify.effects.user.linearity import acting_together, check_values, points_near
+
+_NO_UNIT = "no unit given: lengths, speeds, times and plain numbers are tried"
+
+Draw = Callable[[np.random.Generator], dict[str, float]]
+
+
+@force_function
+def _nothing(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return 0.0
+
+
+def finished(
+    draft: Draft,
+    listed: tuple[Parameter, ...],
+    starts: dict[str, tuple[float, ...]],
+    *,
+    title: str = "",
+    tell: str = "",
+    proof: str = "",
+) -> Effect:
+    """Return the effect of a draft, with the parameters and starting values that the user listed.
+
+    ValueError, in a sentence, when it could not be fitted.
+    """
+    parameters = _parameters(draft, listed, starts)
+    draw = _draw_of(parameters, starts)
+    check_values(draft.name, draft.values, draw)
+    _check_together(draft, draw)
+    states = len(draft.rates)
+    rates = None
+    if states:
+        padded = (*draft.rates, *[ZERO] * (STATES - states))
+        rates = rate_function(python_function(padded, draft.names), cache=False)
+    settles = bool(states) and comes_to_rest(draft.rates, draw)
+    return Effect(
+        name=draft.name,
+        title=title or f"{draft.name} (your own)",
+        kind="physics",
+        equation=draft.equation,
+        parameters=parameters,
+        tell=tell or "what your formula says",
+        proof=proof or "a recording in which your formula predicts a large change",
+        force=_nothing if draft.force is None else _compiled(draft.force),
+        friction=None if draft.friction is None else _compiled(draft.friction),
+        rates=rates,
+        rest=(rest_function(rates, states) if settles else lambda u, p: (0.0, 0.0)) if states else None,
+        states=states,
+        forgets=settles or not states,
+        starts=_starts_function(parameters[1:], starts, _even(draft, draw)),
+        kinked=True,
+    )
+
+
+def _compiled(function: Any) -> Any:
+    return function if hasattr(function, "signatures") else force_function(function, cache=False)
+
+
+def _parameters(
+    draft: Draft, listed: tuple[Parameter, ...], starts: dict[str, tuple[float, ...]]
+) -> tuple[Parameter, ...]:
+    given = {p.name: p for p in listed}
+    for called in (*given, *starts):
+        if called not in draft.names:
+            raise ValueError(
+                f"{draft.name}: {called} is no parameter of the formula; {', '.join(draft.names)} are"
+            )
+    for p in listed:
+        if not p.low < p.high:
+            raise ValueError(f"{draft.name}: {p.name} cannot lie between {p.low:g} and {p.high:g}")
+        if p.unit:
+            try:
+                dimensions_of(p.unit)
+            except ValueError as error:
+                raise ValueError(f"{draft.name}: {p.name}: {error}") from error
+    for called, values in starts.items():
+        low, high = (given[called].low, given[called].high) if called in given else (-inf, inf)
+        for value in values:
+            if not isfinite(value) or not low <= value <= high:
+                raise ValueError(f"{draft.name}: {called} cannot start at {value:g}, outside its bounds")
+    inner = tuple(given.get(n) or Parameter(n, "", "" if n in starts else _NO_UNIT) for n in draft.names[1:])
+    strength = given.get(draft.names[0]) or Parameter(draft.names[0], "", "strength")
+    if draft.positive and strength.low < 0.0:
+        strength = replace(strength, low=0.0)
+    return (strength, *inner)
+
+
+def _draw_of(parameters: tuple[Parameter, ...], starts: dict[str, tuple[float, ...]]) -> Draw:
+    """Return a function that draws values of the parameters, inside their bounds and near where a fit begins."""
+
+    def one(random: np.random.Generator, p: Parameter) -> float:
+        if starts.get(p.name):
+            return float(random.choice(starts[p.name]))
+        low, high = p.low, p.high
+        if isfinite(low) and isfinite(high):
+            return float(low + (high - low) * random.uniform(0.1, 0.9))
+        size = float(10.0 ** random.uniform(-0.7, 0.7))
+        if low > -inf:
+            return low + size * (abs(low) or 1.0)
+        return high - size * (abs(high) or 1.0) if high < inf else size
+
+    return lambda random: {p.name: one(random, p) for p in parameters}
+
+
+def _check_together(draft: Draft, draw: Draw) -> None:
+    together = acting_together(draft.values, draw)
+    if not together:
+        return
+    if len(together) == 1:
+        raise ValueError(f"{draft.name}: {together[0]} has no influence on the force; leave it out")
+    if draft.scaled and draft.names[0] in together:
+        raise ValueError(
+            f"{draft.name}: the force is a sum in which each part has a strength of its own; write it as two effects, "
+            "or as one strength times the rest, a*(u + r*v) for a*u + b*v"
+        )
+    raise ValueError(
+        f"{draft.name}: {', '.join(together)} act only together, so that no record can tell them apart; leave one out"
+    )
+
+
+def _even(draft: Draft, draw: Draw) -> frozenset[str]:
+    """Return the inner parameters whose sign does not matter, but perhaps for the sign of the whole force."""
+    random = np.random.default_rng(5)
+    even = set(draft.names[1:])
+    for _ in range(4):
+        p = draw(random)
+        points = points_near(random, p)
+        once = draft.values(p, points)
+        for name in tuple(even):
+            other = draft.values(p | {name: -p[name]}, points)
+            alike, turned = (
+                [_same(a, sign * b) for a, b in zip(once, other, strict=True)] for sign in (1.0, -1.0)
+            )
+            if not all(alike) and not all((*turned[:2], *alike[2:])):
+                even.discard(name)
+    return frozenset(even)
+
+
+def _same(first: Array, second: Array) -> bool:
+    size = float(np.max(np.abs(np.nan_to_num(first)), initial=0.0))
+    return bool(np.allclose(first, second, rtol=1e-9, atol=1e-12 * size, equal_nan=True))
+
+
+def _starts_function(
+    inner: tuple[Parameter, ...], starts: dict[str, tuple[float, ...]], even: frozenset[str]
+) -> Callable[[Scales], tuple[tuple[float, ...], ...]]:
+    def of(scales: Scales) -> tuple[tuple[float, ...], ...]:
+        return combinations(
+            [starts_of(p, starts.get(p.name, ()), scales, even=p.name in even) for p in inner]
+        )
+
+    return of

@@ -1,0 +1,109 @@
+"""A user's own effect: a formula on the command line, or a few lines in a Python file."""
+
+from collections.abc import Callable
+
+from identify.effects.compiled import STATES
+from identify.effects.effect import Effect, Parameter
+from identify.effects.library import LIBRARY
+from identify.effects.user.build import finished
+from identify.effects.user.draft import NAME, VARIABLES, from_formulas, from_functions
+from identify.effects.user.expression import CONSTANTS, FUNCTIONS, ZERO, Node, parse_expression
+from identify.effects.user.settings import OwnSetting, read_setting
+
+_LONGEST_LINE = 1000
+
+
+def parse_effect(text: str) -> Effect:
+    """Return the effect that a line describes, such as `magnet = a*u/(1 + (u/b)**2); b: m >= 0 start 0.002, 0.01`.
+
+    Left of the sign stands the name, right of it the force per unit mass in t (s since the release), u, v and parameters
+    of your own; what multiplies `sgn(v)` is dry friction. After semicolons a parameter may have a unit, bounds and
+    starting values (see `own_settings`). Raises ValueError, in a sentence with the place, when it cannot be read.
+    """
+    if len(text) > _LONGEST_LINE:
+        raise ValueError(f"the line has {len(text)} characters; at most {_LONGEST_LINE} are read")
+    first, *rest = text.split(";")
+    left, sign, formula = first.partition("=")
+    name = left.strip()
+    if not sign or not name:
+        raise ValueError(
+            f"'{first.strip()[:60]}' is not 'name = formula', such as 'magnet = a*u/(1 + (u/b)**2)'"
+        )
+    _check_name(name)
+    settings: list[OwnSetting] = []
+    before = len(first) + 1
+    for part in rest:
+        if part.strip():
+            settings.append(read_setting(part.rstrip(), before=before))
+        before += len(part) + 1
+    draft = from_formulas(name, parse_expression(formula, before=len(left) + 1), ZERO, (), formula.strip())
+    for i, setting in enumerate(settings):
+        called = setting.parameter.name
+        if called not in draft.names:
+            raise ValueError(f"character {setting.at}: {called} does not stand in the formula of {name}")
+        if called in (earlier.parameter.name for earlier in settings[:i]):
+            raise ValueError(f"character {setting.at}: {called} is set twice")
+    return finished(
+        draft,
+        tuple(setting.parameter for setting in settings),
+        {setting.parameter.name: setting.starts for setting in settings if setting.starts},
+    )
+
+
+def own_effect(
+    name: str,
+    force: str | Callable[..., float] = "",
+    *,
+    friction: str | Callable[..., float] = "",
+    rates: tuple[str, ...] = (),
+    parameters: tuple[Parameter, ...] = (),
+    starts: dict[str, tuple[float, ...]] | None = None,
+    title: str = "",
+    tell: str = "",
+    proof: str = "",
+) -> Effect:
+    """Return an effect of the user's own.
+
+    `force` and `friction` (a level >= 0 against the velocity) are both formulas in t, u, v, z0, z1 and parameters, or
+    both Python functions of (t, u, v, parameters...) that numba can compile, their strength first; `rates` are formulas
+    of the rates of up to two internal states z0 and z1. `parameters` gives units, meanings and bounds,
+    `starts` starting values of inner parameters. The force must be proportional to one parameter; a formula that
+    is to none has one called `scale` put before it. Raises ValueError, in a sentence, when it cannot be used.
+    """
+    _check_name(name)
+    if not force and not friction:
+        raise ValueError(f"{name}: an effect needs a force or a friction")
+    if len(rates) > STATES:
+        raise ValueError(f"{name}: at most {STATES} internal states, not {len(rates)}")
+    changes = tuple(_parsed(name, f"rate {i + 1}", rate) for i, rate in enumerate(rates))
+    if callable(force) or callable(friction):
+        draft = from_functions(name, force, friction, changes, tuple(p.name for p in parameters))
+    else:
+        pull, level = _parsed(name, "force", force), _parsed(name, "friction", friction)
+        dry = f"({friction}) sgn(v)" if friction else ""
+        draft = from_formulas(
+            name, pull, level, changes, " + ".join(x for x in (str(force).strip(), dry) if x)
+        )
+    return finished(draft, parameters, starts or {}, title=title, tell=tell, proof=proof)
+
+
+def _check_name(name: str) -> None:
+    if not NAME.fullmatch(name):
+        raise ValueError(
+            f"'{name[:40]}' cannot be an effect's name; write letters, digits and _, a letter first"
+        )
+    if name in FUNCTIONS or name in VARIABLES or name in CONSTANTS:
+        raise ValueError(f"'{name}' has a meaning in formulas; choose another name for the effect")
+    if any(effect.name == name for effect in LIBRARY):
+        raise ValueError(
+            f"{name} is in the library already; choose another name, or add it without a formula"
+        )
+
+
+def _parsed(name: str, what: str, text: object) -> Node:
+    if not isinstance(text, str):
+        raise ValueError(f"{name}: the {what} must be a formula, not {type(text).__name__}")
+    try:
+        return parse_expression(text) if text.strip() else ZERO
+    except ValueError as error:
+        raise ValueError(f"{name}: {what}, {error}") from error

@@ -1,0 +1,115 @@
+"""Settings of a user's own effect as they stand after a semicolon: unit, bounds and starting values of a parameter.
+
+setting = parameter [":" unit] [bounds] ["start" value {"," value}]
+bounds  = "=" low ".." high  or  [">=" low] ["<=" high]
+"""
+
+import re
+from dataclasses import dataclass
+from math import inf, isfinite
+
+from identify.effects.effect import Parameter
+from identify.effects.user.initial_values import dimensions_of
+
+_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d{1,3})?")
+_UNIT = re.compile(r"[^=<>;:,]*?(?=\s*(?:>=|<=|=|\bstart\b|$))")
+_SPACE = re.compile(r"\s*")
+_LIKE = "such as 'b: m >= 0 start 0.002, 0.01' or 'b: m = 0..0.05'"
+
+
+@dataclass(frozen=True)
+class OwnSetting:
+    """A parameter as the user describes it, and where a fit may begin; `at` is its place in the text, from 1."""
+
+    parameter: Parameter
+    starts: tuple[float, ...]
+    at: int
+
+
+class _Reader:
+    """Reads one setting from left to right; `before` characters of what the user typed stand before it."""
+
+    def __init__(self, text: str, before: int) -> None:
+        self.text, self.before, self.at = text, before, 0
+        self.skip()
+
+    @property
+    def place(self) -> int:
+        return self.before + self.at + 1
+
+    def skip(self) -> None:
+        found = _SPACE.match(self.text, self.at)
+        self.at = found.end() if found else self.at
+
+    def take(self, sign: str) -> bool:
+        if not self.text.startswith(sign, self.at):
+            return False
+        self.at += len(sign)
+        self.skip()
+        return True
+
+    def read(self, pattern: re.Pattern[str], what: str) -> str:
+        found = pattern.match(self.text, self.at)
+        if found is None:
+            raise ValueError(f"character {self.place}: {what} is expected here, {_LIKE}")
+        self.at = found.end()
+        self.skip()
+        return found.group()
+
+    def number(self) -> float:
+        place, value = self.place, float(self.read(_NUMBER, "a number"))
+        if not isfinite(value):
+            raise ValueError(f"character {place}: this number is too large")
+        return value
+
+
+def read_setting(text: str, *, before: int) -> OwnSetting:
+    """Return what a setting says; ValueError, in a sentence with the place, when it cannot be read."""
+    reader = _Reader(text, before)
+    at = reader.place
+    name = reader.read(_NAME, "a parameter")
+    unit = _unit(reader) if reader.take(":") else ""
+    bounds_at = reader.place
+    low, high = _bounds(reader)
+    if not low < high:
+        raise ValueError(f"character {bounds_at}: {name} cannot lie between {low:g} and {high:g}")
+    starts: tuple[float, ...] = ()
+    if reader.take("start"):
+        starts_at = reader.place
+        starts = (reader.number(),)
+        while reader.take(","):
+            starts = (*starts, reader.number())
+        outside = [value for value in starts if not low <= value <= high]
+        if outside:
+            raise ValueError(
+                f"character {starts_at}: {name} cannot start at {outside[0]:g}, outside its bounds"
+            )
+    if reader.at < len(text):
+        raise ValueError(
+            f"character {reader.place}: '{text[reader.at :][:20].strip()}' is not understood, {_LIKE}"
+        )
+    return OwnSetting(Parameter(name, unit, "", low, high), starts, at)
+
+
+def _unit(reader: _Reader) -> str:
+    at = reader.place
+    unit = reader.read(_UNIT, "a unit").strip()
+    if not unit:
+        raise ValueError(f"character {at}: a unit is expected after the colon, {_LIKE}")
+    try:
+        dimensions_of(unit)
+    except ValueError as error:
+        raise ValueError(f"character {at}: {error}") from None
+    return unit
+
+
+def _bounds(reader: _Reader) -> tuple[float, float]:
+    if reader.text.startswith("=", reader.at) and reader.take("="):
+        low = reader.number()
+        if not reader.take(".."):
+            raise ValueError(f"character {reader.place}: '..' and the upper bound are expected here, {_LIKE}")
+        return low, reader.number()
+    low = reader.number() if reader.take(">=") else -inf
+    high = reader.number() if reader.take("<=") else inf
+    return low, high

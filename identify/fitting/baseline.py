@@ -1,0 +1,100 @@
+"""The baseline: a model fitted to releases, and the noise floor that it is measured against."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.fitting.corrected_faults import FEWEST_LOST, allowance
+from identify.fitting.fit import Fit, fit
+from identify.fitting.floor import Floor, refine_floor
+from identify.fitting.initial_values import regress_model, starting_values
+from identify.model.model import Model
+from identify.preprocessing.dropouts import stale
+from identify.preprocessing.prepared_decay import Setting
+
+ADEQUATE = 3.0
+"""Standard errors by which a reduced chi-square may exceed 1 and still count as at the floor."""
+
+DOUBT = 0.5
+"""Excess of the reduced chi-square that is left to the noise where its floor could only be guessed."""
+
+_STALE_OFF = 3.5
+"""Noise standard deviations off the fit at which a stale reading counts as lost."""
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A model fitted to releases, and the floor it is measured against."""
+
+    settings: tuple[Setting, ...]
+    fit: Fit
+    floors: tuple[Floor, ...]
+
+    @property
+    def spread(self) -> float:
+        """Standard error of the reduced chi-square of an adequate model."""
+        return float(np.sqrt(np.mean([floor.chi_square_std**2 for floor in self.floors])))
+
+    @property
+    def floor_is_sure(self) -> bool:
+        """Whether a misfit above the floor cannot be noise: it was seen at rest, and two channels bear each other out."""
+        return all(
+            setting.span.paired and all("rest" in noise.source for noise in setting.noise.values())
+            for setting in self.settings
+        )
+
+    def reduced(self, found: Fit) -> float:
+        """Reduced chi-square with the faults that are corrected but not named in the model counted in."""
+        extra, readings = allowance(self.settings, found, found.model)
+        return (found.chi_square + extra) / max(found.degrees + readings, 1)
+
+    def adequate(self, found: Fit) -> bool:
+        """Whether a fit reaches the floor, corrected faults left out; one that is not sure gets the benefit of doubt."""
+        doubt = 0.0 if self.floor_is_sure else DOUBT
+        return found.reduced <= 1.0 + max(ADEQUATE * self.spread, doubt)
+
+
+def begin(settings: tuple[Setting, ...], model: Model, known: dict[str, float] | None = None) -> Start:
+    """Fit a model and settle the floor with its residual; `known` are values to begin from, by unknown's name."""
+    spans = tuple(setting.span for setting in settings)
+    frequency = settings[0].frequency
+    start = known if known is not None else starting_values(settings, model, {})
+    found = fit(model, spans, start, frequency)
+    mended = tuple(_without_stale(setting, found, i) for i, setting in enumerate(settings))
+    if any(new is not old for new, old in zip(mended, settings, strict=True)):
+        values = dict(zip(found.names, found.theta.tolist(), strict=True))
+        found = fit(model, tuple(setting.span for setting in mended), values, frequency)
+    return settle(mended, found)
+
+
+def _without_stale(setting: Setting, found: Fit, i: int) -> Setting:
+    """Leave out the stale readings that only a fit can tell, in channels that are known to lose readings."""
+    lost, used = dict(setting.lost), dict(setting.span.used)
+    for channel, mask in setting.lost.items():
+        if int(mask.sum()) < FEWEST_LOST:
+            continue
+        off = np.abs(found.residual(channel, i)) > _STALE_OFF * setting.span.sigma[channel]
+        further = stale(setting.span.readings[channel]) & off & used[channel]
+        if further.any():
+            lost[channel] = mask | further
+            used[channel] = used[channel] & ~further
+    if all(lost[channel] is setting.lost[channel] for channel in lost):
+        return setting
+    return replace(setting, lost=lost, span=setting.span.with_(used=used))
+
+
+def settle(settings: tuple[Setting, ...], found: Fit) -> Start:
+    """Return a fit measured against the floor that its own residual shows."""
+    floors = refine_floor(found, tuple(setting.noise for setting in settings))
+    spans = tuple(floor.on(span) for floor, span in zip(floors, found.spans, strict=True))
+    values = dict(zip(found.names, found.theta.tolist(), strict=True))
+    return Start(settings, fit(found.model, spans, values, found.frequency), floors)
+
+
+def force_along_motion(setting: Setting, found: Fit) -> Array:
+    """Return the force per unit mass of a fitted model along the measured motion, strengths by equation error, (n,)."""
+    inner = {
+        n: float(t) for n, t in zip(found.names, found.theta, strict=True) if "." in n and ".state" not in n
+    }
+    return setting.restoring - regress_model(setting, found.model, inner).residual

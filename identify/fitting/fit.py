@@ -1,0 +1,130 @@
+"""Free-run least squares: the parameters under which the simulated motion follows the readings best."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.estimate import Estimate
+from identify.fitting.levenberg_marquardt import descend, descend_fully
+from identify.fitting.problem import Problem
+from identify.model.model import Model
+from identify.preprocessing.fit_window import Span
+
+_GROWTH = (3.0, 8.0, 20.0, 50.0, 120.0)
+_FAR_OFF = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A model fitted to one or more spans.
+
+    `values` holds every unknown by name with its standard error; `chi_square` the sum of squares in units of the
+    noise, `degrees` its degrees of freedom. `predicted` are the readings the model gives, a dictionary a span.
+    `outcome` is a sentence: what was reached, or what to do next; `unknowable` names parameters that this
+    record does not determine. `theta` and `covariance` belong to `names`.
+    """
+
+    model: Model
+    spans: tuple[Span, ...]
+    names: tuple[str, ...]
+    theta: Array
+    covariance: Array
+    values: dict[str, Estimate]
+    chi_square: float
+    degrees: int
+    predicted: tuple[dict[str, Array], ...]
+    converged: bool
+    outcome: str
+    unknowable: tuple[str, ...]
+    frequency: float
+
+    @property
+    def reduced(self) -> float:
+        """Reduced chi-square: 1 means that nothing is left to explain."""
+        return self.chi_square / max(self.degrees, 1)
+
+    def residual(self, channel: str, i: int = 0) -> Array:
+        """Return reading less prediction, SI, shape (n,), of one channel of span i."""
+        return self.spans[i].readings[channel] - self.predicted[i][channel]
+
+    def correlation(self, first: str, second: str) -> float:
+        """Return the correlation of two unknowns' errors."""
+        i, j = self.names.index(first), self.names.index(second)
+        return float(self.covariance[i, j] / np.sqrt(self.covariance[i, i] * self.covariance[j, j]))
+
+
+def fit(
+    model: Model,
+    spans: tuple[Span, ...],
+    start: dict[str, float],
+    frequency: float,
+    *,
+    patience: float = 0.02,
+) -> Fit:
+    """Fit a model to spans from starting values by name (see `starting_values`); the window grows where it is needed."""
+    whole = Problem(model, spans, frequency)
+    theta = np.array([start.get(u.name, 0.0) for u in whole.unknowns])
+    theta = np.clip(theta, whole.low, whole.high)
+    first = whole.residuals(theta)
+    far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
+    if far:
+        theta = _grow(model, spans, theta, frequency)
+    found = descend_fully(whole, theta, patience=patience)
+    jacobian = found.jacobian if found.exact else whole.linearise(found.theta)[1]
+    return _result(whole, found.theta, found.cost, jacobian, settled=found.settled)
+
+
+def fit_at(problem: Problem, theta: Array) -> Fit:
+    """Return the fit as it stands at some values, without a further step."""
+    residual, jacobian = problem.linearise(theta)
+    return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
+
+
+def _grow(model: Model, spans: tuple[Span, ...], theta: Array, frequency: float) -> Array:
+    longest = max(len(s) for s in spans)
+    for cycles in _GROWTH:
+        samples = int(cycles * 2.0 * np.pi / frequency * spans[0].rate)
+        if samples >= longest:
+            break
+        short = Problem(model, tuple(s.until(min(samples, len(s))) for s in spans), frequency)
+        theta = descend(short, theta, steps=8, patience=1.0).theta
+    return theta
+
+
+def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, settled: bool) -> Fit:
+    size = problem.sizes(theta)
+    scaled = jacobian * size
+    at_bound = (theta <= problem.low) | (theta >= problem.high)
+    scaled[:, at_bound] = 0.0
+    normal = scaled.T @ scaled
+    values, vectors = np.linalg.eigh(normal)
+    weak = values < 1e-13 * values.max()
+    inverse = 1.0 / np.maximum(values, max(1e-16 * values.max(), 1e-300))
+    covariance = (vectors * inverse) @ vectors.T * np.outer(size, size)
+    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
+    std = np.where(lost | at_bound, np.inf, std)
+    names = tuple(u.name for u in problem.unknowns)
+    unknowable = tuple(n for n, gone, bound in zip(names, lost, at_bound, strict=True) if gone and not bound)
+    outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
+    if unknowable:
+        outcome += f" This record does not determine {', '.join(unknowable)}."
+    return Fit(
+        model=problem.model,
+        spans=problem.spans,
+        names=names,
+        theta=theta,
+        covariance=covariance,
+        values={
+            u.name: Estimate(float(t), float(s), u.unit)
+            for u, t, s in zip(problem.unknowns, theta, std, strict=True)
+        },
+        chi_square=cost,
+        degrees=len(jacobian) - int((~at_bound).sum()),
+        predicted=tuple(problem.read(theta, i, problem.respond(theta, i)) for i in range(len(problem.spans))),
+        converged=settled,
+        outcome=outcome,
+        unknowable=unknowable,
+        frequency=problem.frequency,
+    )

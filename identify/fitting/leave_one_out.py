@@ -1,0 +1,76 @@
+"""Leave one release out: what the physics found on all others predicts of it."""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.errors import NotIdentifiable
+from identify.fitting.fit import Fit, fit, fit_at
+from identify.fitting.levenberg_marquardt import descend_fully
+from identify.fitting.problem import Problem
+
+_TAG = re.compile(r"\[(\d+)\]$")
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """The error on release `index` (from 0) of physics that was fitted to all the others.
+
+    `chi_square` is reduced, in units of the noise; `motion_percent` the misfit of the free run in % of the rms of the
+    displacement (or the first channel there is).
+    """
+
+    index: int
+    chi_square: float
+    motion_percent: float
+
+
+def leave_one_out(found: Fit) -> tuple[LeftOut, ...]:
+    """Fit to all releases but one, hold the physics, refit the nuisances of the one left out; for each in turn.
+
+    Raises NotIdentifiable with a single release.
+    """
+    if len(found.spans) < 2:
+        raise NotIdentifiable("Leaving one release out needs at least two.")
+    return tuple(_without(found, i) for i in range(len(found.spans)))
+
+
+def _without(found: Fit, left: int) -> LeftOut:
+    values = dict(zip(found.names, found.theta.tolist(), strict=True))
+    kept = [i for i in range(len(found.spans)) if i != left]
+    spans = tuple(found.spans[i] for i in kept)
+    others = fit(found.model, spans, _renamed(values, kept), found.frequency)
+    physics = dict(zip(others.names, others.theta.tolist(), strict=True))
+    own = _renamed(values, [left])
+    problem = Problem(found.model, (found.spans[left],), found.frequency)
+    shared = np.array([unknown.span < 0 for unknown in problem.unknowns])
+    theta = np.array(
+        [(physics if unknown.span < 0 else own).get(unknown.name, 0.0) for unknown in problem.unknowns]
+    )
+    theta = descend_fully(problem, theta, held=shared).theta
+    alone = fit_at(problem, theta)
+    span = alone.spans[0]
+    channel = span.channels[0]
+    used = span.used[channel]
+    misfit = alone.residual(channel)[used]
+    readings = int(sum(span.used[c].sum() for c in span.channels))
+    degrees = max(readings - int((~shared).sum()), 1)
+    return LeftOut(
+        left,
+        alone.chi_square / degrees,
+        float(100.0 * np.sqrt(np.mean(misfit**2)) / np.std(span.readings[channel][used])),
+    )
+
+
+def _renamed(values: dict[str, float], kept: list[int]) -> dict[str, float]:
+    """Return the values of some releases under the names that they have in a problem of those alone."""
+    result = {}
+    for name, value in values.items():
+        tag = _TAG.search(name)
+        if tag is None:
+            result[name] = value
+        elif int(tag[1]) in kept:
+            place = kept.index(int(tag[1]))
+            result[_TAG.sub("" if len(kept) == 1 else f"[{place}]", name)] = value
+    return result

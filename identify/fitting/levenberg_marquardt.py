@@ -1,0 +1,136 @@
+"""Descent: Levenberg-Marquardt within bounds, that differentiates anew only where a step fell short of its promise."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array, Mask
+from identify.fitting.problem import Problem
+
+MOST_STEPS = 40
+_TRIALS = 12
+_CONFIRMATIONS = 3
+_KEPT_WORD = 0.7
+"""Share of the promised drop of chi-square from which on a step bears its Jacobian out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Descent:
+    """Where a descent ended: the unknowns, chi-square, the Jacobian last used, whether it was taken there, and
+    whether no step promised anything any more.
+    """
+
+    theta: Array
+    cost: float
+    jacobian: Array
+    exact: bool
+    settled: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    theta: Array
+    residual: Array
+    cost: float
+    gained: float
+    kept_word: bool
+    damping: float
+
+
+def descend(
+    problem: Problem,
+    theta: Array,
+    *,
+    steps: int = MOST_STEPS,
+    patience: float = 0.02,
+    held: Mask | None = None,
+    begun: tuple[Array, Array] | None = None,
+) -> Descent:
+    """Lower chi-square from `theta`, until a step gains less than `patience`.
+
+    Unknowns that are `held` stay where they are. `begun` is the misfit at `theta` with a Jacobian that may be
+    approximate. Between exact Jacobians each step mends the last one (Broyden, 1965, eq. 4.5).
+    """
+    theta = np.clip(theta, problem.low, problem.high)
+    never = np.zeros(len(theta), dtype=bool) if held is None else held
+    residual, jacobian = problem.linearise(theta, skip=held) if begun is None else begun
+    cost = _sum_of_squares(residual)
+    damping, exact, settled = 1e-3, begun is None, False
+    for _ in range(steps):
+        if not np.isfinite(cost):
+            break
+        step = _step(problem, theta, residual, jacobian, never, damping, patience)
+        settled = step is None or step.gained < max(patience, 1e-6 * step.cost)
+        if step is not None:
+            jacobian = _mended(problem, jacobian, theta, residual, step)
+            theta, residual, cost = step.theta, step.residual, step.cost
+            damping = max(step.damping / 10.0, 1e-9)
+        exact = step is None and exact
+        if settled:
+            break
+        if step is not None and not step.kept_word:
+            residual, jacobian = problem.linearise(theta, skip=held)
+            exact = True
+    return Descent(theta, cost, jacobian, exact, settled)
+
+
+def descend_fully(
+    problem: Problem, theta: Array, *, patience: float = 0.02, held: Mask | None = None
+) -> Descent:
+    """Lower chi-square until no step promises anything from a Jacobian taken there."""
+    found = descend(problem, theta, patience=patience, held=held)
+    for _ in range(_CONFIRMATIONS):
+        if found.exact and found.settled:
+            break
+        found = descend(problem, found.theta, patience=patience, held=held)
+    return found
+
+
+def _step(
+    problem: Problem,
+    theta: Array,
+    residual: Array,
+    jacobian: Array,
+    never: Mask,
+    damping: float,
+    patience: float,
+) -> _Step | None:
+    """Return the step that lowers chi-square; None when none promises more than `patience`."""
+    cost = _sum_of_squares(residual)
+    size = problem.sizes(theta)
+    scaled = jacobian * size
+    gradient = scaled.T @ residual
+    normal = scaled.T @ scaled
+    still = never | ((theta <= problem.low) & (gradient > 0)) | ((theta >= problem.high) & (gradient < 0))
+    normal[still] = 0.0
+    normal[:, still] = 0.0
+    diagonal = np.diag(normal).copy()
+    floor = 1e-12 * max(diagonal.max(), 1e-300)
+    for _ in range(_TRIALS):
+        matrix = normal + np.diag(damping * diagonal + floor)
+        step = -np.linalg.solve(matrix, np.where(still, 0.0, gradient))
+        candidate = np.clip(theta + step * size, problem.low, problem.high)
+        promise = -(2.0 * gradient @ step + step @ normal @ step)
+        trial = problem.residuals(candidate)
+        trial_cost = _sum_of_squares(trial)
+        if np.isfinite(trial_cost) and trial_cost < cost:
+            gained = cost - trial_cost
+            return _Step(candidate, trial, trial_cost, gained, bool(gained > _KEPT_WORD * promise), damping)
+        if promise < patience:
+            return None
+        damping = max(damping * 8.0, 1e-7)
+    return None
+
+
+def _mended(problem: Problem, jacobian: Array, theta: Array, residual: Array, step: _Step) -> Array:
+    """Return the Jacobian changed as little as agrees with what a step did to the misfit."""
+    size = problem.sizes(theta)
+    moved = (step.theta - theta) / size
+    surprise = step.residual - residual - jacobian @ (step.theta - theta)
+    return jacobian + np.outer(surprise, moved / size / max(float(moved @ moved), 1e-300))
+
+
+def _sum_of_squares(residual: Array) -> float:
+    """Return the sum of squares; inf where the motion ran away."""
+    size = float(np.max(np.abs(residual), initial=0.0))
+    return float(residual @ residual) if size < 1e100 else np.inf

@@ -1,0 +1,1 @@
+"""A model as a sum of effects, and its simulation."""

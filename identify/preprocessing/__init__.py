@@ -1,0 +1,1 @@
+"""From a raw record to a prepared decay: noise, release, lag, motion."""

@@ -1,0 +1,231 @@
+"""Alignment: the lag and the gain between two channels, by kinematics alone."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from identify.arrays import Array
+from identify.errors import NotIdentifiable
+from identify.estimate import Estimate
+from identify.free_decay import FreeDecay
+from identify.preprocessing.noise import noise_of
+from identify.signal.fractional_delay import bridge, read_at_shift
+from identify.signal.kinematics import Agreement, Pair, agree
+from identify.signal.oscillation import dominant_frequency, running_amplitude
+from identify.signal.reversals import reversal_excess
+from identify.signal.smoothing import slope
+
+HAND_S = 0.030
+"""The hand has surely let go this long after the release, for oscillations of about 4 Hz."""
+
+ONE_CHANNEL = (
+    "Only one channel was recorded, so there is no lag to find: "
+    "record displacement (or velocity) and acceleration."
+)
+
+LEAST_EXCESS = 0.7
+"""The misfit corrects a floor read too high from a short rest, but not beyond what such a floor can be off."""
+
+TOO_LITTLE = "There is too little motion above the noise to know the lag between the channels: release from further away."
+
+ENOUGH_PER_PERIOD = 64
+"""Faster recordings are averaged down to about this many samples a period: both channels alike, so the lag stays."""
+
+SUDDEN = 0.03
+"""An uncertainty of this share of the acceleration's range is no reversal but a release within the record."""
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """How the displacement (or velocity) channel stands to the acceleration channel.
+
+    `lag` in s is positive when the displacement is late. `gain` is the acceleration's gain relative to
+    the second derivative of the displacement (1 when the calibrations agree), dimensionless.
+    `method` names how it was found; `caution` is a sentence when the answer is weaker than usual, or "".
+    """
+
+    lag: Estimate
+    gain: Estimate
+    method: str
+    caution: str = ""
+
+
+def align(decay: FreeDecay) -> Alignment:
+    """Return lag and gain between the displacement (or velocity) and the acceleration, from kinematics alone.
+
+    Maximum likelihood of N a = g H u (see `identify.signal.kinematics`), which holds under any force and from any state at
+    either end. Raises NotIdentifiable with fewer than two channels or too little motion.
+    """
+    if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
+        raise NotIdentifiable(ONE_CHANNEL)
+    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.array(decay.valid)
+    frequency = dominant_frequency(bridge(decay.acceleration, valid)[decay.release :], decay.rate)
+    if frequency <= 0:
+        raise NotIdentifiable(
+            "The channels hold no oscillation to align: record a release with a visible decay."
+        )
+    decay = coarser(decay, int(decay.rate / (ENOUGH_PER_PERIOD * frequency)))
+    pair = pair_of(decay)
+    moving = slice(decay.release, None)
+    _require_motion(pair, moving, frequency)
+    upright, opposite = _starts(pair, moving, frequency)
+    best = agree(pair, *upright, steps=8)
+    if best.chi_square > 2.0 * best.degrees:
+        other = agree(pair, *opposite, steps=8)
+        best = other if 2.0 * other.chi_square < best.chi_square else best
+    pair = with_reversals(pair, best)
+    return _judged(pair, agree(pair, best.lag, best.gain, steps=8), frequency)
+
+
+def _require_motion(pair: Pair, moving: slice, frequency: float) -> None:
+    """Raise NotIdentifiable unless the oscillation stands above the noise in both channels."""
+    period = max(2, round(pair.rate / frequency))
+    for values, variance in ((pair.low, pair.variance_low), (pair.high, pair.variance_high)):
+        amplitude = float(running_amplitude(values[moving], period).max())
+        if amplitude < 8.0 * float(np.sqrt(np.min(variance))) / np.sqrt(period):
+            raise NotIdentifiable(TOO_LITTLE)
+
+
+def with_reversals(pair: Pair, found: Agreement) -> Pair:
+    """Return the pair with the jumps placed where the velocity is zero, as far as they are reversals."""
+    low, _ = read_at_shift(found.low, found.lag * pair.rate)
+    velocity = slope(low, pair.rate) if pair.order == 2 else low
+    noise = float(np.sqrt(np.min(pair.variance_high)))
+    excess, placed = reversal_excess(pair.high, velocity, noise, pair.order)
+    return replace(pair, excess=excess, jumps=np.where(placed, 0.0, pair.jumps))
+
+
+def correct(decay: FreeDecay, alignment: Alignment, *, gain: bool = True) -> FreeDecay:
+    """Return the decay with the displacement (or velocity) moved earlier by the lag, a true fractional delay.
+
+    With `gain` the acceleration is divided by its gain, so that it is the second derivative of the displacement.
+    Samples that the move takes from beyond the record, or from a lost sample, are marked as not valid.
+    """
+    name = "displacement" if decay.displacement is not None else "velocity"
+    values = getattr(decay, name)
+    if values is None or decay.acceleration is None:
+        raise NotIdentifiable("There is only one channel: nothing to move it against.")
+    moved, known = read_at_shift(values, alignment.lag.value * decay.rate, decay.valid)
+    valid = known if decay.valid is None else known & decay.valid
+    acceleration = decay.acceleration / alignment.gain.value if gain else decay.acceleration
+    return decay.with_(
+        **{name: moved, "acceleration": acceleration, "valid": None if bool(valid.all()) else valid}
+    )
+
+
+def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
+    """Return the two channels with the variance of every sample; raises NotIdentifiable with one channel."""
+    if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
+        raise NotIdentifiable(ONE_CHANNEL)
+    low_name, order = ("displacement", 2) if decay.displacement is not None else ("velocity", 1)
+    low = decay.displacement if decay.displacement is not None else decay.velocity
+    assert low is not None
+    high = decay.acceleration
+    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.array(decay.valid)
+    floors = noise_of(decay)
+    noise_low = getattr(decay, f"noise_{low_name}") or floors[low_name].std
+    noise_high = decay.noise_acceleration or floors["acceleration"].std
+    noise_low = max(noise_low, 1e-9 * float(np.ptp(low)), 1e-300)
+    noise_high = max(noise_high, 1e-9 * float(np.ptp(high)), 1e-300)
+    variance_low = np.full(len(decay), noise_low**2)
+    jumps = jump_variance(bridge(high, valid), noise_high, decay.rate)
+    sudden = jumps > (SUDDEN * float(np.ptp(high[valid]))) ** 2
+    variance_high = noise_high**2 + np.where(sudden, jumps, 0.0)
+    out = ~valid
+    if leave_out_hand and decay.release > 0:
+        after = decay.release + max(4, int(np.ceil(HAND_S * decay.rate)))
+        out[max(decay.release - 4, 0) : after] = True
+    variance_low[out] = max(float(np.ptp(low[valid])), noise_low) ** 2
+    variance_high[out] = max(float(np.ptp(high[valid])), noise_high) ** 2
+    return Pair(
+        bridge(low, valid),
+        bridge(high, valid),
+        order,
+        decay.rate,
+        variance_low,
+        variance_high,
+        np.where(sudden | out, 0.0, jumps),
+        np.zeros(len(decay)),
+    )
+
+
+def jump_variance(high: Array, noise: float, rate: float) -> Array:
+    """Return the variance that a jump of the acceleration adds to the samples on either side of it, shape (n,).
+
+    Where between two samples the jump fell (a reversal under dry friction, a sudden release) is not known: the
+    mean over the interval is uncertain by the jump over the square root of twelve. Jumps show in the third
+    differences, above the noise and above what the oscillation itself leaves there.
+    """
+    extra = np.zeros(len(high))
+    frequency = dominant_frequency(high, rate)
+    if len(high) < 12 or frequency <= 0.0:
+        return extra
+    third = np.abs(np.diff(high, 3))
+    reach = max(3, round(rate / frequency))
+    amplitude = maximum_filter1d(np.abs(high - np.median(high)), reach)[1:-2]
+    own = (2.0 * np.sin(min(np.pi * frequency / rate, 0.5 * np.pi))) ** 3 * amplitude
+    jump = np.where(third > 4.5 * np.sqrt(20.0) * noise + 2.0 * own, third, 0.0) ** 2 / 96.0
+    extra[1:-2] += jump
+    extra[2:-1] += jump
+    return extra
+
+
+def coarser(decay: FreeDecay, step: int) -> FreeDecay:
+    """Return the decay averaged over blocks of `step` samples; a block that holds a lost sample is lost."""
+    if step < 2:
+        return decay
+    floors = noise_of(decay)
+    count = len(decay) // step
+
+    def blocks(values: Array) -> Array:
+        return values[: count * step].reshape(count, step)
+
+    changes: dict[str, object] = {"force": None if decay.force is None else blocks(decay.force).mean(axis=1)}
+    for name, floor in floors.items():
+        std = getattr(decay, f"noise_{name}") or floor.std
+        changes |= {name: blocks(getattr(decay, name)).mean(axis=1), f"noise_{name}": std / np.sqrt(step)}
+    valid = None if decay.valid is None else blocks(decay.valid.astype(float)).min(axis=1) > 0.5
+    rest = (-(-decay.rest[0] // step), decay.rest[1] // step)
+    release = -(-decay.release // step)
+    return decay.with_(rate=decay.rate / step, release=release, rest=rest, valid=valid, **changes)
+
+
+def _starts(pair: Pair, moving: slice, frequency: float) -> list[tuple[float, float]]:
+    """Coarse lag and gain from the cross-spectrum around the oscillation, for either sign of the gain."""
+    low, high = pair.low[moving], pair.high[moving]
+    taper = np.hanning(len(low))
+    size = 4 * len(low)
+    bins = np.fft.rfftfreq(size, 1.0 / pair.rate)
+    derivative = (2j * np.pi * bins) ** pair.order * np.fft.rfft((low - low.mean()) * taper, size)
+    measured = np.fft.rfft((high - high.mean()) * taper, size)
+    band = (bins > 0.7 * frequency) & (bins < 1.3 * frequency)
+    cross = np.sum(measured[band] * np.conj(derivative[band]))
+    size_of_gain = abs(cross) / max(float(np.sum(np.abs(derivative[band]) ** 2)), 1e-300)
+    angle = float(np.angle(cross))
+    opposite = angle - np.pi if angle > 0 else angle + np.pi
+    omega = 2.0 * np.pi * frequency
+    return [(angle / omega, size_of_gain), (opposite / omega, -size_of_gain)]
+
+
+def _judged(pair: Pair, found: Agreement, frequency: float) -> Alignment:
+    excess = max(found.chi_square / max(found.degrees, 1), LEAST_EXCESS)
+    gain_std, lag_std = np.sqrt(excess * np.diag(found.covariance)[:2])
+    if not np.isfinite(lag_std) or lag_std > 0.1 / frequency or gain_std > 0.3 * abs(found.gain):
+        raise NotIdentifiable(TOO_LITTLE)
+    cautions = []
+    if excess > 1.5:
+        cautions.append(
+            f"The channels disagree by {np.sqrt(excess):.1f} times their noise even when aligned: suspect a sensor."
+        )
+    if found.gain < 0:
+        cautions.append("The two channels have opposite signs.")
+    if lag_std * frequency > 0.002:
+        cautions.append("The lag is known to no better than 0.2 % of a period: record a larger release.")
+    name = "displacement" if pair.order == 2 else "velocity"
+    return Alignment(
+        Estimate(found.lag, float(lag_std), "s"),
+        Estimate(found.gain, float(gain_std), "1"),
+        f"maximum likelihood of acceleration against {name}, kinematics only",
+        " ".join(cautions),
+    )

@@ -1,0 +1,52 @@
+"""Equation error: forces regressed on the measured motion. Quick, and good enough to start a fit from.
+
+At every sample the restoring force, less any recorded one, is the sum of the forces at the measured displacement and
+velocity. Internal states are driven along the measured motion. Samples of small speed are left out: the sign of a noisy
+velocity is noise.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array, Mask
+from identify.preprocessing.motion import Motion
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """Linear strengths by effect name, in the order of the terms, and what they leave.
+
+    `strengths` (terms,), `constant` (m/s^2), `residual` (n,) of the restoring force at every sample, `rss` its
+    sum of squares over the samples used, `count` how many they are.
+    """
+
+    strengths: Array
+    constant: float
+    residual: Array
+    rss: float
+    count: int
+
+
+def moving(motion: Motion, *, sigmas: float = 3.0) -> Mask:
+    """Return where the velocity is known to differ from zero and its sign does not change nearby, shape (n,)."""
+    noise = motion.noise_velocity or 0.0
+    speed = np.abs(motion.velocity)
+    fast = speed > max(sigmas * noise, 0.02 * float(speed.max(initial=0.0)))
+    steady = fast.copy()
+    steady[1:] &= fast[:-1]
+    steady[:-1] &= fast[1:]
+    return motion.valid & steady
+
+
+def regress(restoring: Array, columns: Array, used: Mask, noise: float = 1.0) -> Regression:
+    """Least squares of the measured restoring force per unit mass (n,) on force columns (n, terms) and a constant."""
+    design = np.column_stack([columns, np.ones(len(columns))])
+    if not np.isfinite(design[used]).all():  # a state that ran away
+        return Regression(np.zeros(columns.shape[1]), 0.0, restoring, np.inf, int(used.sum()))
+    size = np.linalg.norm(design[used], axis=0)
+    size[size == 0.0] = 1.0
+    solution = np.linalg.lstsq(design[used] / size, restoring[used], rcond=1e-12)[0] / size
+    residual = restoring - design @ solution
+    rss = float(np.sum(residual[used] ** 2)) / noise**2
+    return Regression(solution[:-1], float(solution[-1]), residual, rss, int(used.sum()))

@@ -1,0 +1,191 @@
+"""Motion: displacement, velocity and acceleration that agree with each other."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from identify.arrays import Array, Mask, frozen, frozen_mask
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+from identify.preprocessing.alignment import pair_of, with_reversals
+from identify.preprocessing.noise import noise_of
+from identify.signal.fractional_delay import bridge
+from identify.signal.integration import integrate, slow_part
+from identify.signal.kinematics import agree, cut
+from identify.signal.oscillation import dominant_frequency
+from identify.signal.reversals import reversal_excess
+from identify.signal.smoothing import slope, smooth_to_noise
+
+SHORTEST = 16
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Consistent displacement (m), velocity (m/s), acceleration (m/s^2), each of shape (n,).
+
+    `start` is the index of the first sample in the record they were made from, `rate` is in Hz; `valid` is
+    False where a sample was lost or an edge makes the values unreliable. `source` says which channels
+    they were made from ("displacement and acceleration", "acceleration", "displacement", "velocity").
+    `noise_velocity` and `noise_acceleration` are the standard errors of a sample, where known.
+    """
+
+    rate: float
+    start: int
+    displacement: Array
+    velocity: Array
+    acceleration: Array
+    valid: Mask
+    source: str
+    noise_velocity: float | None = None
+    noise_acceleration: float | None = None
+
+
+class _Parts(NamedTuple):
+    displacement: Array
+    velocity: Array
+    acceleration: Array
+    noise_velocity: float | None
+    noise_acceleration: float | None
+    edge: int
+
+
+def reconstruct(decay: FreeDecay) -> Motion:
+    """Return displacement, velocity and acceleration that agree, from the release to the end of the record.
+
+    From both channels: the most likely motion under a = D^2 u, displacement for the low band and acceleration for the
+    high one, each with the weight of its noise; the acceleration's offset and slow drift are removed.
+    From one channel: integration with the low frequencies removed, or differentiation with the noise in view.
+    The channels are taken as aligned (see `identify.preprocessing.alignment.correct`). Raises NotIdentifiable when fewer
+    than 16 samples follow the release.
+    """
+    start = decay.release
+    if len(decay) - start < SHORTEST:
+        raise NotIdentifiable(
+            f"Only {len(decay) - start} samples follow the release; at least {SHORTEST} are needed."
+        )
+    known = np.ones(len(decay), dtype=bool) if decay.valid is None else np.array(decay.valid)
+    known = known[start:]
+    if decay.acceleration is not None and (decay.displacement is not None or decay.velocity is not None):
+        source = f"{'displacement' if decay.displacement is not None else 'velocity'} and acceleration"
+        parts = _from_pair(decay, start)
+    elif decay.displacement is not None:
+        source, parts = "displacement", _from_displacement(decay, start, known)
+    elif decay.velocity is not None:
+        source, parts = "velocity", _from_velocity(decay, start, known)
+    else:
+        source, parts = "acceleration", _from_acceleration(decay, start, known)
+    reliable = known.copy()
+    reliable[: parts.edge] = False
+    reliable[len(reliable) - parts.edge :] = False
+    return Motion(decay.rate, start, frozen(parts.displacement), frozen(parts.velocity), frozen(parts.acceleration),
+                  frozen_mask(reliable), source, parts.noise_velocity, parts.noise_acceleration)  # fmt: skip
+
+
+def _from_pair(decay: FreeDecay, start: int) -> _Parts:
+    pair = cut(pair_of(decay, leave_out_hand=False), start)
+    pair = with_reversals(pair, agree(pair, 0.0, 1.0, free=False))
+    found = agree(pair, 0.0, 1.0, free=False)
+    rate, high = pair.rate, found.high
+    noise_low, noise_high = (
+        float(np.sqrt(np.min(pair.variance_low))),
+        float(np.sqrt(np.min(pair.variance_high))),
+    )
+    noise_velocity, noise_acceleration = _posterior_noise(pair.order, rate, noise_low, noise_high)
+    if pair.order == 2:
+        return _Parts(
+            found.low, _slope_of_pair(found.low, high, rate), high, noise_velocity, noise_acceleration, 4
+        )
+    frequency = dominant_frequency(high, rate)
+    raw = integrate(found.low, rate)
+    slow = slow_part(raw, rate, frequency, np.ones(len(raw), dtype=bool))
+    return _Parts(raw - slow.value, found.low, high, noise_velocity, noise_acceleration, 4)
+
+
+def _slope_of_pair(low: Array, high: Array, rate: float) -> Array:
+    """Velocity from displacement and acceleration, exact to degree 7: Hermite's formula with one more pair of points."""
+    velocity = slope(low, rate)
+    velocity[2:-2] = (low[3:-1] - low[1:-3]) * rate / 2.0 - (
+        74.0 * (high[3:-1] - high[1:-3]) - 7.0 * (high[4:] - high[:-4])
+    ) / (720.0 * rate)
+    return velocity
+
+
+def _posterior_noise(order: int, rate: float, noise_low: float, noise_high: float) -> tuple[float, float]:
+    """Standard errors of velocity and acceleration of the blend, from the two floors."""
+    omega = (np.arange(2048) + 0.5) / 2048 * np.pi * rate
+    low = 1.0 / (noise_low**-2 + omega ** (2 * order) * noise_high**-2)
+    to_velocity = omega**2 if order == 2 else 1.0
+    return float(np.sqrt(np.mean(to_velocity * low))), float(np.sqrt(np.mean(omega ** (2 * order) * low)))
+
+
+def _from_displacement(decay: FreeDecay, start: int, known: Mask) -> _Parts:
+    assert decay.displacement is not None
+    values = bridge(decay.displacement[start:], known)
+    noise = decay.noise_displacement or noise_of(decay)["displacement"].std
+    frequency = _frequency(values, decay.rate)
+    smoothed, corner = smooth_to_noise(values, noise, frequency / decay.rate, known)
+    velocity = slope(smoothed, decay.rate)
+    acceleration = slope(velocity, decay.rate)
+    edge = int(np.ceil(1.0 / corner)) + 2
+    return _Parts(
+        smoothed,
+        velocity,
+        acceleration,
+        _passed(noise, corner, decay.rate, 1),
+        _passed(noise, corner, decay.rate, 2),
+        edge,
+    )
+
+
+def _from_velocity(decay: FreeDecay, start: int, known: Mask) -> _Parts:
+    assert decay.velocity is not None
+    values = bridge(decay.velocity[start:], known)
+    noise = decay.noise_velocity or noise_of(decay)["velocity"].std
+    frequency = _frequency(values, decay.rate)
+    smoothed, corner = smooth_to_noise(values, noise, frequency / decay.rate, known)
+    raw = integrate(smoothed, decay.rate)
+    slow = slow_part(raw, decay.rate, frequency, known)
+    acceleration = slope(smoothed, decay.rate) - slow.second
+    edge = int(np.ceil(1.0 / corner)) + 2
+    return _Parts(
+        raw - slow.value,
+        smoothed - slow.first,
+        acceleration,
+        _passed(noise, corner, decay.rate, 0),
+        _passed(noise, corner, decay.rate, 1),
+        edge,
+    )
+
+
+def _from_acceleration(decay: FreeDecay, start: int, known: Mask) -> _Parts:
+    assert decay.acceleration is not None
+    values = bridge(decay.acceleration[start:], known)
+    noise = decay.noise_acceleration or noise_of(decay)["acceleration"].std
+    frequency = _frequency(values, decay.rate)
+    centred = values - values.mean()
+    excess = np.zeros(len(values))
+    for _ in range(2):
+        velocity = integrate(centred, decay.rate, excess)
+        raw = integrate(velocity, decay.rate)
+        slow = slow_part(raw, decay.rate, frequency, known)
+        excess, _placed = reversal_excess(centred, velocity - slow.first, noise, 1)
+    omega = 2.0 * np.pi * frequency
+    noise_velocity = noise / np.sqrt(decay.rate * omega)
+    return _Parts(
+        raw - slow.value, velocity - slow.first, centred - slow.second, float(noise_velocity), noise, 2
+    )
+
+
+def _frequency(values: Array, rate: float) -> float:
+    frequency = dominant_frequency(values, rate)
+    if frequency <= 0.0:
+        raise NotIdentifiable("The channel holds no oscillation: record a release with a visible decay.")
+    return frequency
+
+
+def _passed(noise: float, corner: float, rate: float, derivatives: int) -> float:
+    """Noise left after smoothing with `corner` and differentiating so many times."""
+    fraction = (np.arange(1024) + 0.5) / 2048
+    gain = 1.0 / (1.0 + (np.sin(np.pi * fraction) / np.sin(np.pi * min(corner, 0.5))) ** 8)
+    return float(noise * np.sqrt(np.mean((gain * (2.0 * np.pi * fraction * rate) ** derivatives) ** 2)))

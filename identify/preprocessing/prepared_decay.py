@@ -1,0 +1,303 @@
+"""The setting of a fit: the span that is compared, and the motion that it shows."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from identify.arrays import Array, Mask
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+from identify.preprocessing.alignment import Alignment, align, correct
+from identify.preprocessing.dropouts import find_dropouts
+from identify.preprocessing.equation_error import moving, regress
+from identify.preprocessing.fit_window import CHANNELS, Prelude, Span
+from identify.preprocessing.motion import Motion, reconstruct
+from identify.preprocessing.noise import Noise, noise_of
+from identify.preprocessing.release import Release
+
+_SHORTEST_CYCLES = 4.0
+_LAG_REACH = 0.06
+_MOST_LOST = 0.2
+_SHORTEST_REST = 24
+_PRELUDE_SAMPLES = 4
+_PRELUDE_MARGIN = 16
+_REVERSAL_MARGIN = 0.02
+_DENSEST = 24.0
+"""Samples a cycle to which a long record is thinned; short ones keep every sample."""
+
+_LONG = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """Readings of each channel at rest before the release, shape (m,), SI; `time` counts from the release."""
+
+    time: Array
+    readings: dict[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """One release made ready to be fitted.
+
+    `span` holds the readings, `motion` the displacement (from the spring's zero), velocity and acceleration along
+    it, on the acceleration's clock; `frequency` is the angular frequency (rad/s); `alignment` is None with one
+    channel. `zero` is the displacement reading at the spring's zero, `noise` what was known of the noise before any
+    fit, and `lost` marks the readings of each channel that its sensor repeated or lost. `rest` is None where none was
+    recorded.
+    """
+
+    span: Span
+    motion: Motion
+    frequency: float
+    alignment: Alignment | None
+    zero: float
+    noise: dict[str, Noise]
+    lost: dict[str, Mask]
+    rest: Rest | None = None
+
+    @property
+    def time(self) -> Array:
+        """Time since the release of each sample of the motion, s."""
+        return self.span.time + np.arange(len(self.motion.displacement)) / self.span.rate
+
+    @property
+    def restoring(self) -> Array:
+        """Measured restoring force per unit mass along the motion: the external force, if any, less inertia's, (n,)."""
+        external = 0.0 if self.span.force is None else self.span.force
+        return np.asarray(external - self.motion.acceleration)
+
+    @property
+    def amplitude(self) -> float:
+        """Largest displacement from zero, in the unit of the displacement."""
+        return float(np.max(np.abs(self.motion.displacement)))
+
+
+def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0) -> Setting:
+    """Make one release ready: align, reconstruct the motion, cut the record where friction takes over.
+
+    Where a recorded force drives the motion on, it is taken into account, and the mass is estimated unless it is
+    known. Raises NotIdentifiable when fewer than four cycles remain.
+    """
+    if decay.driven:
+        release = _liveliest(decay, release)
+    known = noise_of(decay)
+    noise = {name: max(found.std, 1e-300) for name, found in known.items()}
+    decay = decay.with_(**{f"noise_{name}": std for name, std in noise.items()})
+    lost = {name: find_dropouts(getattr(decay, name), std) for name, std in noise.items()}
+    lost = {name: mask for name, mask in lost.items() if mask.mean() < _MOST_LOST}
+    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.asarray(decay.valid)
+    for mask in lost.values():
+        valid = valid & ~mask
+    record, decay = decay, decay.with_(valid=valid)
+    alignment = _align(decay)
+    corrected = correct(decay, alignment) if alignment is not None else decay
+    motion = reconstruct(corrected.with_(release=release.settle))
+    motion = _cut(motion, max(release.end - release.settle, 0))
+    if len(motion.displacement) < 16:
+        raise NotIdentifiable("The motion after the release is too short; record at least four cycles.")
+    force = _force(decay, release, motion)
+    restoring = -motion.acceleration if force is None else force - motion.acceleration
+    base = regress(restoring, _base_columns(motion), moving(motion))
+    k, _, mu_0 = base.strengths
+    if not k > 0.0:
+        raise NotIdentifiable("The motion shows no restoring force: is the displacement's sign reversed?")
+    frequency = float(np.sqrt(k))
+    zero = -base.constant / k
+    length = _length(motion, frequency, max(mu_0, 0.0) / k, noise)
+    if length * frequency / (2.0 * np.pi * decay.rate) < _SHORTEST_CYCLES:
+        raise NotIdentifiable(
+            f"Only {length * frequency / (2.0 * np.pi * decay.rate):.1f} cycles of free motion stand above friction "
+            "and noise; record at least four, from a larger release."
+        )
+    motion = _cut(motion, length)
+    motion = _shifted(motion, zero)
+    lost = {name: mask[release.settle :][: len(motion.displacement)] for name, mask in lost.items()}
+    span = _span(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty).with_(
+        force=None if force is None else force[:length], force_known=decay.mass is not None
+    )
+    span = _without_reversals(span, motion, max(mu_0, 0.0))
+    thin = _thinning(len(span), decay.rate, frequency)
+    return Setting(
+        _thinned(span.with_(prelude=_prelude(corrected, release, zero)), thin),
+        _thinned_motion(motion, thin),
+        frequency,
+        alignment,
+        zero,
+        known,
+        {name: mask[::thin] for name, mask in lost.items()},
+        _rest_of(record, release),
+    )
+
+
+def _liveliest(decay: FreeDecay, release: Release) -> Release:
+    """Return the stretch of the largest motion in a driven record, which has no decay to be followed from its start."""
+    reading = next(r for c in CHANNELS if (r := getattr(decay, c)) is not None)
+    if len(reading) <= _LONG:
+        return release
+    power = np.cumsum(np.square(reading - np.mean(reading)))
+    first = int(np.argmax(power[_LONG:] - power[:-_LONG]))
+    return replace(release, settle=first, end=first + _LONG)
+
+
+def _force(decay: FreeDecay, release: Release, motion: Motion) -> Array | None:
+    """Return the external force per unit mass along the motion (n,), the mass by equation error unless it is known."""
+    if decay.force is None or not decay.driven:
+        return None
+    force = decay.force[release.settle :][: len(motion.displacement)]
+    if decay.mass is not None:
+        return force
+    columns = np.column_stack([_base_columns(motion), -force])
+    return np.asarray(regress(-motion.acceleration, columns, moving(motion)).strengths[-1] * force)
+
+
+def _rest_of(decay: FreeDecay, release: Release) -> Rest | None:
+    first, last = release.rest
+    if last - first < _SHORTEST_REST:
+        return None
+    part = slice(first, last)
+    return Rest(
+        decay.time[first:last] - release.time_s,
+        {c: np.asarray(getattr(decay, c))[part] for c in CHANNELS if getattr(decay, c) is not None},
+    )
+
+
+def _thinning(samples: int, rate: float, frequency: float) -> int:
+    if samples <= _LONG:
+        return 1
+    return max(1, min(int(2.0 * np.pi * rate / frequency / _DENSEST), samples // (_LONG // 2)))
+
+
+def _thinned(span: Span, thin: int) -> Span:
+    if thin == 1:
+        return span
+    return span.with_(
+        rate=span.rate / thin,
+        readings={c: r[::thin] for c, r in span.readings.items()},
+        used={c: m[::thin] for c, m in span.used.items()},
+        lead=-(-span.lead // thin),
+        force=None if span.force is None else span.force[::thin],
+    )
+
+
+def _thinned_motion(motion: Motion, thin: int) -> Motion:
+    if thin == 1:
+        return motion
+    part = slice(None, None, thin)
+    return replace(
+        motion,
+        rate=motion.rate / thin,
+        displacement=motion.displacement[part],
+        velocity=motion.velocity[part],
+        acceleration=motion.acceleration[part],
+        valid=motion.valid[part],
+    )
+
+
+def _align(decay: FreeDecay) -> Alignment | None:
+    if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
+        return None
+    try:
+        return align(decay)
+    except NotIdentifiable:
+        return None
+
+
+def _cut(motion: Motion, samples: int) -> Motion:
+    part = slice(0, samples)
+    return replace(
+        motion,
+        displacement=motion.displacement[part],
+        velocity=motion.velocity[part],
+        acceleration=motion.acceleration[part],
+        valid=motion.valid[part],
+    )
+
+
+def _shifted(motion: Motion, zero: float) -> Motion:
+    return replace(motion, displacement=motion.displacement - zero)
+
+
+def _without_reversals(span: Span, motion: Motion, friction: float) -> Span:
+    """Leave out acceleration readings of which it is left to chance on which side of dry friction's jump they lie.
+
+    `friction` is Coulomb's, per unit mass: the velocity between samples is wrong by up to a quarter of its jump times
+    the interval where the jump falls.
+    """
+    if "acceleration" not in span.used:
+        return span
+    timing = np.abs(motion.acceleration) * _REVERSAL_MARGIN / motion.rate
+    margin = timing + 4.0 * (motion.noise_velocity or 0.0) + 0.5 * friction / motion.rate
+    clear = np.abs(motion.velocity) >= margin
+    return span.with_(used=span.used | {"acceleration": span.used["acceleration"] & clear})
+
+
+def _prelude(decay: FreeDecay, release: Release, zero: float) -> Prelude | None:
+    """Return the motion from just before the release to the start of the span; None when the rest was not seen."""
+    before = _PRELUDE_SAMPLES
+    first = release.index - before
+    if decay.displacement is None or release.rest[1] - release.rest[0] < before or first < release.rest[0]:
+        return None
+    motion = reconstruct(decay.with_(release=max(first - _PRELUDE_MARGIN, 0)))
+    skip = first - motion.start
+    part = slice(skip, release.settle - motion.start + 1)
+    time = decay.time[first : release.settle + 1] - release.time_s
+    return Prelude(time, motion.displacement[part] - zero, motion.velocity[part])
+
+
+def _base_columns(motion: Motion) -> Array:
+    return np.column_stack([motion.displacement, motion.velocity, np.sign(motion.velocity)])
+
+
+def _length(motion: Motion, frequency: float, stuck: float, noise: dict[str, float]) -> int:
+    """Number of samples until the amplitude falls to a few times the band in which the mass can stick, or the noise.
+
+    The amplitude is read from the velocity, which a drifting zero does not touch: its peaks are w (A - mu_0/k).
+    """
+    amplitude = np.abs(motion.velocity) / frequency
+    floors = [noise["displacement"]] if "displacement" in noise else []
+    floors += [noise["velocity"] / frequency] if "velocity" in noise else []
+    floors += [noise["acceleration"] / frequency**2] if "acceleration" in noise else []
+    limit = 2.0 * stuck + 8.0 * min(floors)
+    above = np.flatnonzero(amplitude > limit)
+    return int(above[-1]) + 1 if len(above) else 0
+
+
+def _span(
+    decay: FreeDecay,
+    release: Release,
+    motion: Motion,
+    frequency: float,
+    noise: dict[str, float],
+    alignment: Alignment | None,
+    lost: dict[str, Mask],
+    gain_uncertainty: float,
+) -> Span:
+    start, length = release.settle, len(motion.displacement)
+    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.asarray(decay.valid)
+    lag = alignment.lag.value if alignment is not None else 0.0
+    reach = _LAG_REACH * 2.0 * np.pi / frequency
+    lead = int(np.ceil((abs(lag) + 0.2 * reach) * decay.rate)) + 1 if alignment is not None else 1
+    part = slice(start, start + length)
+    readings, used = {}, {}
+    for channel in CHANNELS:
+        values = getattr(decay, channel)
+        if values is not None:
+            readings[channel] = values[part]
+            mask = valid[part].copy()
+            mask[:lead] = False
+            if channel in lost:
+                mask &= ~lost[channel]
+            used[channel] = mask
+    return Span(
+        rate=decay.rate,
+        time=(start - release.time_s * decay.rate) / decay.rate,
+        readings=readings,
+        used=used,
+        sigma={c: noise[c] for c in readings},
+        lead=lead,
+        lag=lag,
+        lag_reach=reach,
+        gain_uncertainty=gain_uncertainty,
+        unit=decay.unit,
+    )

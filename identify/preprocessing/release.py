@@ -1,0 +1,331 @@
+"""The release: where in a record the motion becomes free."""
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.ndimage import binary_dilation, maximum_filter1d, median_filter, minimum_filter1d
+
+from identify.arrays import Array, Mask
+from identify.errors import NotIdentifiable
+from identify.preprocessing.noise import floor_above_motion
+from identify.preprocessing.onset import Onset, locate
+from identify.signal.fractional_delay import bridge
+from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree
+
+ReleaseKind = Literal["displaced", "impulse", "in_motion"]
+
+HAND_S = 0.030
+"""The hand has surely let go this long after the release (it takes 20 ms at most, and channels differ by 3 ms)."""
+
+LEAD_S = 0.015
+"""The rest ends this long before the release: half a slow hand, and an early channel."""
+
+UNFREE_SHARE = 0.35
+"""A force beyond the springs' of this share of theirs is a hand: friction and damping are far smaller."""
+
+POINTS_PER_PERIOD = 48
+"""The coarse search looks at block means of about this many samples a period."""
+
+
+@dataclass(frozen=True)
+class Release:
+    """Where the motion becomes free.
+
+    `time_s` (sub-sample, from the first sample) and its standard error `std_s`; `index` is the first
+    sample of free motion; `settle` is the first sample at which the hand has surely let go (use it as the start of
+    fits); `end` is one past the last sample of motion (after it the mass is stuck, or the record ends).
+    `kind` is "displaced" (held away from zero, then let go), "impulse" (an initial velocity) or
+    "in_motion" (the record begins in mid-decay). `rest` is the half-open range of samples at rest
+    before it, (0, 0) when there is none.
+    """
+
+    time_s: float
+    std_s: float
+    index: int
+    settle: int
+    end: int
+    kind: ReleaseKind
+    rest: tuple[int, int]
+
+
+class _Channel(NamedTuple):
+    values: Array
+    derivative: int
+    noise: float
+
+
+class _Burst(NamedTuple):
+    """A sustained oscillation, in samples: where it may have begun and where it had died or the next one begins."""
+
+    start: int
+    stop: int
+    amplitude: float
+    from_record_start: bool
+
+
+def find_release(
+    rate: float,
+    displacement: Array | None = None,
+    velocity: Array | None = None,
+    acceleration: Array | None = None,
+    valid: Mask | None = None,
+) -> Release:
+    """Return the release with the largest motion in a record; see `find_releases`."""
+    found = _search(rate, displacement, velocity, acceleration, valid)
+    return max(found, key=lambda item: item[0])[1]
+
+
+def find_releases(
+    rate: float,
+    displacement: Array | None = None,
+    velocity: Array | None = None,
+    acceleration: Array | None = None,
+    valid: Mask | None = None,
+) -> tuple[Release, ...]:
+    """Return every release in a record, in order.
+
+    Channels have shape (n,), one clock of `rate` Hz and any unit; at least one is given. A release is the start of
+    an oscillation that lasts: a bump or the pull that displaces the mass does not ring. Times are on the
+    acceleration's clock where there is one. Raises NotIdentifiable when nothing in the record oscillates freely.
+    """
+    return tuple(release for _, release in _search(rate, displacement, velocity, acceleration, valid))
+
+
+def _search(
+    rate: float,
+    displacement: Array | None,
+    velocity: Array | None,
+    acceleration: Array | None,
+    valid: Mask | None,
+) -> list[tuple[float, Release]]:
+    channels = _channels((displacement, velocity, acceleration), valid)
+    lead = channels[0]
+    frequency = dominant_frequency(lead.values, rate, lead.derivative)
+    if frequency <= 0.0 or len(lead.values) * frequency / rate < 2.5:
+        raise NotIdentifiable(
+            "No free oscillation was found in the record: it needs at least three cycles after a release."
+        )
+    period = rate / frequency
+    bursts = _bursts(lead, period)
+    if not bursts:
+        raise NotIdentifiable(
+            "Nothing in the record oscillates above its noise: check the channel, or release from further away."
+        )
+    return [
+        (burst.amplitude, _release(rate, channels, period, burst, i, bursts))
+        for i, burst in enumerate(bursts)
+    ]
+
+
+def _channels(given: tuple[Array | None, Array | None, Array | None], valid: Mask | None) -> list[_Channel]:
+    channels = []
+    for derivative, values in enumerate(given):
+        if values is None:
+            continue
+        known = np.isfinite(values) if valid is None else np.isfinite(values) & valid
+        clean = _without_spikes(bridge(np.asarray(values, dtype=float), known))
+        channels.append(_Channel(clean, derivative, floor_above_motion(clean, known).std))
+    if not channels:
+        raise ValueError("a release needs a displacement, a velocity or an acceleration")
+    return channels
+
+
+def _without_spikes(values: Array) -> Array:
+    """Replace single samples far off the cubic through their neighbours.
+
+    A spike of height s puts its neighbours off by 2 s/3, a jump puts the samples on either side off equally: it stays.
+    """
+    if len(values) < 16:
+        return values
+    padded = np.pad(values, 2, mode="edge")
+    cubic = np.correlate(padded, np.array([-1.0, 4.0, 0.0, 4.0, -1.0]) / 6.0, "valid")
+    off = np.abs(values - cubic)
+    beside = np.maximum(np.pad(off[1:], (0, 1)), np.pad(off[:-1], (1, 0)))
+    spike = (off > 1.25 * beside) & (off > 12.0 * float(np.median(off)) + 0.03 * float(np.ptp(values)))
+    return np.where(spike, cubic, values)
+
+
+def _bursts(lead: _Channel, period: float) -> list[_Burst]:
+    """Find sustained oscillations by their running amplitude: a steep rise, then more than a pulse."""
+    step = max(1, round(period / POINTS_PER_PERIOD))
+    coarse = _coarse(lead, step, period)
+    turn = period / step
+    amplitude = running_amplitude(coarse, max(4, round(turn)))
+    n, lap = len(coarse), max(4, round(turn))
+    floor = max(6.0 * lead.noise / np.sqrt(step * turn), 0.05 * float(amplitude.max()))
+    bursts: list[_Burst] = []
+    position = 0
+    while position < n:
+        above = np.flatnonzero(amplitude[position:] > floor)
+        if len(above) == 0:
+            break
+        first = position + int(above[0])
+        peak = first + int(np.argmax(amplitude[first : first + 4 * lap]))
+        later = amplitude[min(peak + round(1.6 * lap), n - 1)]
+        if later < 0.1 * amplitude[peak] and peak + 1.6 * lap < n:
+            position = max(peak + lap, first + 1)
+            continue
+        half = np.flatnonzero(amplitude[first : peak + 1] < 0.5 * amplitude[peak])
+        start = first + int(half[-1]) if len(half) else first
+        stop = _where_it_ends(amplitude, peak, floor, lap)
+        bursts.append(
+            _Burst(
+                start * step, min(stop * step, len(lead.values)), float(amplitude[peak]), start <= 1.2 * lap
+            )
+        )
+        position = max(stop, peak + 1)
+    return bursts
+
+
+def _where_it_ends(amplitude: Array, peak: int, floor: float, lap: int) -> int:
+    """The first place after the peak that is below the floor, or from which the amplitude rises steeply again."""
+    n = len(amplitude)
+    lowest = np.minimum.accumulate(amplitude[peak:])
+    rises = np.flatnonzero((amplitude[peak:] > 1.8 * lowest) & (amplitude[peak:] > floor))
+    rise = int(rises[0]) if len(rises) else n - peak
+    below = np.flatnonzero(amplitude[peak:] < 0.4 * floor)
+    end = int(below[0]) if len(below) else n - peak
+    if rise < end:
+        return peak + int(np.argmin(amplitude[peak : peak + rise + 1]))
+    return peak + end
+
+
+def _coarse(channel: _Channel, step: int, period: float) -> Array:
+    """Block means; an acceleration is freed of blows shorter than a twelfth of a period by a running median."""
+    means = _block_means(channel.values, step)
+    if channel.derivative < 2:
+        return means
+    width = 2 * max(1, round(period / step / 12.0)) + 1
+    return np.asarray(median_filter(means, width, mode="nearest"), dtype=np.float64)
+
+
+def _block_means(values: Array, step: int) -> Array:
+    count = len(values) // step
+    means: Array = values[: count * step].reshape(count, step).mean(axis=1)
+    return means
+
+
+def _release(
+    rate: float, channels: list[_Channel], period: float, burst: _Burst, number: int, bursts: list[_Burst]
+) -> Release:
+    earliest = bursts[number - 1].stop if number else 0
+    onsets = [(channel, _onset(rate, channel, period, burst, earliest)) for channel in channels]
+    found = [(channel, onset) for channel, onset in onsets if onset is not None]
+    n = len(channels[0].values)
+    end = _end_of_motion(channels[0], period, burst)
+    if not found:
+        start = earliest if number else 0
+        return Release(start / rate, 0.0, start, start, end, "in_motion", (0, 0))
+    onset = _most_trusted(found)[1]
+    time_s = onset.place / rate
+    index = int(np.ceil(onset.place - 1e-9))
+    letting_go = min(max(HAND_S * rate, 0.05 * period), period) + (
+        2.0 * onset.std if onset.std > 1.0 else 0.0
+    )
+    settle = min(index + max(1, int(np.ceil(letting_go))), n - 1)
+    rest = _rest(channels, found, rate, period, onset.place, earliest)
+    kind: ReleaseKind = "displaced" if abs(found[0][1].displaced) >= abs(found[0][1].impulse) else "impulse"
+    return Release(time_s, onset.std / rate, index, settle, max(end, settle), kind, rest)
+
+
+def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earliest: int) -> Onset | None:
+    """Where the hand's force ends, coarsely, then by the change-point fit; None when nothing held the mass."""
+    step = max(1, round(period / POINTS_PER_PERIOD))
+    coarse = _coarse(channel, step, period)
+    turn = period / step
+    first = max(int(burst.start / step - 1.2 * turn), earliest // step, 0)
+    last = min(int(burst.start / step + 2.0 * turn) + 1, len(coarse))
+    if last - first < 8:
+        return None
+    noise = channel.noise / np.sqrt(step)
+    size = float(np.std(coarse[last - round(turn) : last])) * np.sqrt(2.0)
+    force, uncertainty = unfree(coarse[first:last], turn, noise, 0.08 * size)
+    runs = _runs(np.abs(force) > max(UNFREE_SHARE * size, 4.0 * uncertainty))
+    runs = [run for run in runs if run[1] < last - first - 2]
+    if not runs or size <= 0.0:
+        return None
+    begin, stop = max(runs, key=lambda run: float(np.sum(force[run[0] : run[1]] ** 2)))
+    around = (first + stop - 0.5) * step
+    push = min(0.5 * HAND_S * rate, 0.1 * period) + 1.0
+    onset = locate(channel.values, period, channel.derivative, around, max(0.15 * period, 2.0), push)
+    if onset is not None and onset.misfit < 0.5 * onset.misfit_without:
+        return onset
+    before = coarse[max(first + stop - round(turn), 0) : first + stop - round(0.1 * turn)]
+    if (
+        stop - begin < 0.1 * turn
+        or len(before) < 4
+        or _swing(before) > 0.6 * _swing(coarse[last - round(turn) : last])
+    ):
+        return None
+    level = float(coarse[first + stop - 1] - coarse[first + stop : last].mean())
+    return Onset(around, 0.05 * period, level, 0.0, level, 0.0, 0.0)
+
+
+def _swing(values: Array) -> float:
+    time = np.arange(len(values), dtype=float)
+    return float(
+        np.std(
+            values - np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, values, 1))
+        )
+    )
+
+
+def _most_trusted(found: list[tuple[_Channel, Onset]]) -> tuple[_Channel, Onset]:
+    """The acceleration's onset, unless another channel's is clearly the sharper one."""
+    last = found[-1]
+    sharpest = min(found, key=lambda item: item[1].std)
+    return last if last[1].std <= max(1.0, 3.0 * sharpest[1].std) else sharpest
+
+
+def _rest(
+    channels: list[_Channel],
+    found: list[tuple[_Channel, Onset]],
+    rate: float,
+    period: float,
+    onset: float,
+    earliest: int,
+) -> tuple[int, int]:
+    """The quiet samples before the onset; an earlier stretch when there are too few next to it."""
+    stop = int(np.floor(onset - max(2.0, min(LEAD_S * rate, 0.25 * period))))
+    if stop - earliest < 4:
+        return (0, 0)
+    quiet = np.ones(stop - earliest, dtype=bool)
+    for channel, begun in found:
+        size = max(abs(begun.displaced), abs(begun.impulse))
+        span = max(3, min(round(period / 4.0), (stop - earliest) // 3))
+        quiet &= _still(channel.values[earliest:stop], span, max(8.0 * channel.noise, 0.02 * size))
+    runs = _runs(quiet)
+    if not runs:
+        return (0, 0)
+    first, last = runs[-1]
+    if last < len(quiet) - 2 or last - first < 24:
+        first, last = max(runs, key=lambda run: run[1] - run[0])
+    return (earliest + first, earliest + last) if last - first >= 4 else (0, 0)
+
+
+def _still(values: Array, span: int, tolerance: float) -> Mask:
+    """Where the channel stays within the tolerance over a window of `span` samples that holds the sample."""
+    spread = maximum_filter1d(values, span, mode="nearest") - minimum_filter1d(values, span, mode="nearest")
+    calm = spread <= tolerance
+    grown: Mask = binary_dilation(calm, np.ones(span, dtype=bool))
+    return grown
+
+
+def _runs(quiet: Mask) -> list[tuple[int, int]]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], quiet.astype(np.int8), [0]])))
+    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _end_of_motion(channel: _Channel, period: float, burst: _Burst) -> int:
+    """One past the last sample that differs from where the mass comes to rest, or where the burst stops."""
+    n = len(channel.values)
+    stop = min(burst.stop, n)
+    tail = channel.values[max(stop - round(0.5 * period), 0) : min(stop + round(period), n)]
+    if stop >= n or len(tail) < 4:
+        return n
+    level = float(np.median(tail))
+    tolerance = max(5.0 * channel.noise, 0.003 * burst.amplitude)
+    first = max(burst.start, 0)
+    moving = np.flatnonzero(np.abs(channel.values[first:stop] - level) > tolerance)
+    return first + int(moving[-1]) + 1 if len(moving) else stop

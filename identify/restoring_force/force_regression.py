@@ -1,0 +1,174 @@
+"""The regression of the restoring force: eq. (17) under the windows, for every damping order."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.free_decay import FreeDecay
+from identify.restoring_force.force_window import Span, noise_velocity
+from identify.restoring_force.surface import Polynomial
+from identify.restoring_force.velocity_sign import (
+    Direction,
+    band_of_reversals,
+    direction_of,
+    refine_reversals,
+    rows_of_sign,
+)
+from identify.signal.covariance import correlated_covariance, misfit_covariance
+from identify.signal.weak_form import (
+    LeastSquares,
+    Windows,
+    band_of,
+    factor_of,
+    is_positive,
+    rows_of,
+    solve,
+    whiten,
+    widened,
+)
+
+_MISFIT = 2.0  # chi-square per degree beyond which noise alone does not explain what is left
+_SHARES = (0.0, 1e-4, 1e-3, 1e-2)  # of a missing force in what is left; more would throw the resonance away
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Eq. (17) solved for one damping order; `clear` is how many standard errors its highest
+    damping stands from zero."""
+
+    order: int
+    solution: LeastSquares
+    clear: float
+    covariance: Array
+    polynomial: Polynomial
+    force_gain: float
+
+
+def fit_orders(
+    span: Span, windows: Windows, max_order: int, stiffness_orders: tuple[int, ...], decay: FreeDecay
+) -> list[Fit]:
+    """Solve eq. (17) for every damping order, with one covariance of the rows.
+
+    A first solution of first order says how large the friction's jump is and where the resonance lies.
+    """
+    motion, w = span.motion, span.angular_frequency
+    u, v, a = (span.cut(x) for x in (motion.displacement, motion.velocity, motion.acceleration))
+    force = None if span.force is None else span.cut(span.force)
+    unknown_mass = force is not None and decay.mass is None
+    others = [u**j for j in stiffness_orders] + [np.ones_like(u)]
+    if force is not None and decay.mass is None:
+        others.append(-force)
+    powers = [np.abs(v) ** i * np.sign(v) for i in range(1, max(max_order, 1) + 1)]
+    consistent = span.noise[0][0] == "consistent"
+
+    def rows(direction: Direction) -> Array:
+        pull = np.zeros_like(u) if force is None or unknown_mass else force
+        sums = rows_of(windows, windows.kernel, np.stack([v, *powers, *others, pull - a]))
+        sums[:, 0] = rows_of_sign(windows, direction)
+        if consistent:  # phi vanishes at its ends, so derivatives may pass from the motion to the window
+            centred = (u - np.mean(u))[None]
+            sums[:, -1:] = rows_of(windows, windows.kernel, pull[None])
+            sums[:, -1:] -= rows_of(windows, windows.curvature, centred)
+            sums[:, 1:2] = -rows_of(windows, windows.slope, centred)
+        return sums
+
+    direction = direction_of(v)
+    factor = factor_of(_covariance(span, windows, 0.0, w**2))
+    first = _solved(rows(direction), factor, 1, len(others))
+    mu_0, mu_1, k_1 = first.values[0], first.values[1], first.values[2] if 1 in stiffness_orders else w**2
+
+    direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w, span.blur)
+    band = _covariance(span, windows, mu_1, k_1)
+    band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, noise_velocity(span))
+    found = rows(direction)
+    best = _solved(found, factor_of(band), max(max_order, 1), len(others))
+    misfit = best.chi_square > _MISFIT
+    if misfit:
+        band = band + _equation_error(span, windows, found, band, max(max_order, 1), len(others))
+    factor = factor_of(band)
+    solutions = [_solved(found, factor, order, len(others)) for order in range(max_order + 1)]
+    # all reversals too late by one time: small, but no number of cycles averages it out
+    late = Direction(
+        direction.before, np.where(direction.at < 1, direction.at - span.late * motion.rate, 1.0)
+    )
+    common = whiten(factor, mu_0 * (rows_of_sign(windows, late) - found[:, 0])[:, None])
+    return [_fit(solution, common, stiffness_orders, unknown_mass, misfit) for solution in solutions]
+
+
+def _equation_error(span: Span, windows: Windows, rows: Array, band: Array, order: int, others: int) -> Array:
+    """Covariance of the rows for a white force that the equation lacks, as strong as is most likely.
+
+    Without it, rows that noise hardly touches may be believed beyond what the model can say; how much of what is
+    left is noise of the channels, larger than was measured, and how much a force, the rows themselves tell.
+    """
+    white = band_of(windows, windows.kernel, span.motion.rate, np.ones_like)
+    unit = float(np.mean(band[0]) / np.mean(white[0]))
+    best, unlikely = 0.0, np.inf
+    for share in _SHARES:
+        factor = factor_of(band + share * unit * white)
+        left = _solved(rows, factor, order, others).chi_square
+        this = len(rows) * np.log(left) + 2 * float(np.sum(np.log(factor[0])))
+        if this < unlikely:
+            best, unlikely = share, this
+    return np.asarray(best * unit * white)
+
+
+def _solved(rows: Array, factor: Array, order: int, others: int) -> LeastSquares:
+    kept = [*range(order + 1), *range(rows.shape[1] - 1 - others, rows.shape[1])]
+    white = whiten(factor, rows[:, kept])
+    return solve(white[:, :-1], white[:, -1])
+
+
+def _fit(
+    solution: LeastSquares, common: Array, stiffness_orders: tuple[int, ...], unknown_mass: bool, misfit: bool
+) -> Fit:
+    order = len(solution.values) - len(stiffness_orders) - 2 - unknown_mass
+    residual = solution.white.reshape(-1, 2).T.ravel()
+    gain = solution.gain.reshape(len(solution.gain), -1, 2).swapaxes(1, 2).reshape(len(solution.gain), -1)
+    if misfit:
+        covariance = correlated_covariance(residual, gain, len(residual), len(gain))
+    else:
+        covariance = solution.covariance + misfit_covariance(residual, gain, len(residual), len(gain))
+    shift = solution.gain @ common
+    covariance = covariance + shift @ shift.T
+    clear = abs(float(solution.values[order])) / float(np.sqrt(covariance[order, order]))
+    if misfit:
+        covariance = widened(covariance, solution)
+    stiffness = {
+        j: float(chi) for j, chi in zip(stiffness_orders, solution.values[order + 1 :], strict=False)
+    }
+    offset = float(solution.values[order + 1 + len(stiffness_orders)])
+    force_gain = float(solution.values[-1]) if unknown_mass else 1.0
+    return Fit(
+        order,
+        solution,
+        clear,
+        covariance,
+        Polynomial(solution.values[: order + 1], stiffness, offset),
+        force_gain,
+    )
+
+
+def _covariance(span: Span, windows: Windows, mu_1: float, k_1: float) -> Array:
+    """Covariance of the rows: what each channel's noise does to both sides of the equation of motion."""
+    elastic = k_1 * windows.kernel - mu_1 * windows.slope
+    kernels = {"consistent": windows.curvature + elastic, "elastic": elastic, "inertial": windows.kernel}
+    w = span.angular_frequency
+    rate = span.motion.rate
+    bands = [band_of(windows, kernels[name], rate, _above(level, w)) for name, level in span.noise]
+    total = np.asarray(np.sum(bands, axis=0))
+    if is_positive(total):
+        return total
+    # a steep spectrum reaches further than the band that is kept: take it as white, at its level at the resonance
+    bands = [
+        float(level(np.array([w]))[0]) * band_of(windows, kernels[name], rate, np.ones_like)
+        for name, level in span.noise
+    ]
+    return np.asarray(np.sum(bands, axis=0))
+
+
+def _above(spectrum: Callable[[Array], Array], w: float) -> Callable[[Array], Array]:
+    """Hold a spectrum that rises towards zero frequency at its value at a third of the natural one."""
+    return lambda at: spectrum(np.maximum(at, w / 3))

@@ -1,0 +1,176 @@
+"""The span that the restoring force is fitted on: the motion, where it is free and large, and its noise."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from identify.arrays import Array, Mask
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+from identify.preprocessing.decimation import flat_frequency
+from identify.preprocessing.motion import Motion
+from identify.preprocessing.noise import noise_of
+from identify.preprocessing.usable import CHANNELS, first_free_sample, last_large_sample, require_cycles
+from identify.signal.smoothing import slope, smooth
+
+_FEWEST_CYCLES = 3.5  # windows of two cycles, and room to slide them
+_FEWEST_SAMPLES = 8.0  # a cycle, where one channel must give the others
+_STOP_AT_DRY_ZONE = 2.5  # fit down to this many times mu_0 / w0^2, as the wavelet identification does
+_STOP_AT_NOISE = 6.0
+_REACH = 2  # samples from a reversal over which the friction's jump is smeared
+_CALM_HARMONICS = 8.0  # kept of a coarse displacement, times the natural frequency
+_ROUGH = 0.2  # of the acceleration, beyond which it is mostly noise
+_BLUR_CYCLES = 0.03  # by which the smoothing of a lone displacement rounds a kink
+_LATE = 1e-5  # of a cycle, by which all reversals may be misplaced alike
+_LATE_ALONE = 4e-5  # where smoothing has rounded them
+_SURE_SIGN = 3.0  # standard errors of the velocity below which its sign is noise
+
+Noises = tuple[tuple[str, Callable[[Array], Array]], ...]
+"""What is noisy ("consistent" motion, or the "elastic" and the "inertial" side alone), and its variance by frequency."""
+
+
+@dataclass(frozen=True, eq=False)
+class Span:
+    """The part of the motion that identifies, with the spectra of its noise and the recorded force."""
+
+    motion: Motion
+    first: int
+    stop: int
+    valid: Mask
+    angular_frequency: float
+    force: Array | None
+    noise: Noises
+
+    @property
+    def blur(self) -> int:
+        """Samples to either side of a reversal over which smoothing has rounded the velocity."""
+        if self.motion.source != "displacement":
+            return 0
+        return int(_BLUR_CYCLES * 2 * np.pi * self.motion.rate / self.angular_frequency)
+
+    @property
+    def late(self) -> float:
+        """Time (s) by which all reversals may be placed too late alike: the least of it stays after all care."""
+        share = _LATE_ALONE if self.blur else _LATE
+        return share * 2 * np.pi / self.angular_frequency
+
+    def cut(self, values: Array) -> Array:
+        """Return the span's part of `values`, which are as long as the motion."""
+        return values[self.first : self.stop]
+
+
+def calmed(motion: Motion) -> Motion:
+    """Smooth a motion whose acceleration is mostly noise, as two differentiations of a coarse displacement leave it."""
+    frequency = flat_frequency(motion.velocity, motion.rate)
+    corner = _CALM_HARMONICS * frequency / motion.rate
+    if motion.source != "displacement" or not 0 < corner < 0.3:
+        return motion
+    displacement = smooth(motion.displacement, corner, motion.valid)
+    velocity = slope(displacement, motion.rate)
+    acceleration = slope(velocity, motion.rate)
+    rough = np.mean((motion.acceleration - acceleration)[motion.valid] ** 2)
+    if rough < _ROUGH**2 * np.mean(acceleration[motion.valid] ** 2):
+        return motion
+    return replace(
+        motion, displacement=displacement, velocity=velocity, acceleration=acceleration, noise_velocity=None
+    )
+
+
+def noise_levels(decay: FreeDecay) -> dict[str, float]:
+    """Return the noise of each channel present: as measured, or read off the record; never quite zero."""
+    present = [name for name in CHANNELS if getattr(decay, name) is not None]
+    levels = {name: getattr(decay, f"noise_{name}") for name in present}
+    if not all(levels.values()):
+        measured = noise_of(decay)
+        levels = {name: level or measured[name].std for name, level in levels.items()}
+    return {
+        name: max(level, 1e-9 * float(np.nanstd(getattr(decay, name))), 1e-300)
+        for name, level in levels.items()
+    }
+
+
+def noise_of_agreeing(decay: FreeDecay) -> Noises:
+    """Variance by frequency of the displacement that all channels together give."""
+    powers = {"displacement": 0, "velocity": 2, "acceleration": 4}
+    levels = noise_levels(decay)
+    if "displacement" in levels:
+        levels.pop("velocity", None)  # the motion is made without it
+
+    def spectrum(w: Array) -> Array:
+        information = sum(w ** powers[name] / level**2 for name, level in levels.items())
+        return np.asarray(1 / information)
+
+    return (("consistent", spectrum),)
+
+
+def span_of(decay: FreeDecay, motion: Motion, noise: Noises) -> Span:
+    """Return the span of a motion: after the hand, above sticking and noise; all of it where a force drives it.
+
+    Raises NotIdentifiable when it holds no oscillation or too few cycles.
+    """
+    finite = (
+        np.isfinite(motion.displacement) & np.isfinite(motion.velocity) & np.isfinite(motion.acceleration)
+    )
+    valid = motion.valid & finite
+    frequency = flat_frequency(motion.displacement, motion.rate)
+    if frequency <= 0:
+        raise NotIdentifiable("no oscillation stands out of the motion; release from a larger amplitude")
+    w = 2 * np.pi * frequency
+    force = None if decay.force is None else decay.force[motion.start :]
+    first = 0 if force is not None else max(0, first_free_sample(decay, frequency) - motion.start)
+    stop = len(valid)
+    require_cycles(stop - first, motion.rate, frequency, _FEWEST_CYCLES)
+    if motion.rate < _FEWEST_SAMPLES * frequency and "and" not in motion.source:
+        raise NotIdentifiable(
+            f"{motion.rate / frequency:.1f} samples a cycle are too few to tell the velocity from the "
+            f"{motion.source} alone; record at {2 * _FEWEST_SAMPLES * frequency:.3g} Hz or faster"
+        )
+    span = Span(motion, first, stop, valid[first:stop], w, force, noise)
+    if force is not None:
+        return span
+    cycle = max(3, int(motion.rate / frequency))
+    speed = np.where(valid, np.abs(motion.velocity), 0.0)[first:]
+    largest = np.max(np.lib.stride_tricks.sliding_window_view(np.pad(speed, (0, cycle)), cycle), axis=1)
+    envelope = largest[: len(speed)] / w
+    quiet = _STOP_AT_NOISE * float(np.sqrt(noise[0][1](np.array([w]))[0]))
+    dry = 0.04 * float(np.max(envelope))
+    for _ in range(2):
+        stop = first + last_large_sample(envelope, max(quiet, _STOP_AT_DRY_ZONE * dry))
+        stop = min(max(stop, first + int(_FEWEST_CYCLES * motion.rate / frequency) + 1), len(valid))
+        span = Span(motion, first, stop, valid[first:stop], w, None, noise)
+        dry = max(0.0, _dry_friction(span)) / w**2
+    stop = first + last_large_sample(envelope, max(quiet, _STOP_AT_DRY_ZONE * dry))
+    stop = min(max(stop, first + int(_FEWEST_CYCLES * motion.rate / frequency) + 1), len(valid))
+    return Span(motion, first, stop, valid[first:stop], w, None, noise)
+
+
+def _dry_friction(span: Span) -> float:
+    """Plain least squares of eq. (15) of first order: a first value for mu_0."""
+    u, v, a = (
+        span.cut(x) for x in (span.motion.displacement, span.motion.velocity, span.motion.acceleration)
+    )
+    columns = np.stack([np.sign(v), v, u, np.ones_like(u)], axis=1)[span.valid]
+    scale = np.linalg.norm(columns, axis=0) + 1e-300
+    return float((np.linalg.lstsq(columns / scale, -a[span.valid], rcond=None)[0] / scale)[0])
+
+
+def points_of(span: Span) -> NDArray[np.int_]:
+    """Samples of the span whose force and sign of velocity can be trusted, as indices into the motion."""
+    v = span.cut(span.motion.velocity)
+    turned = np.zeros(len(v), dtype=np.bool_)
+    reversal = np.flatnonzero(v[1:] * v[:-1] <= 0)
+    reach = min(_REACH, int(0.05 * 2 * np.pi * span.motion.rate / span.angular_frequency))
+    for shift in range(1 - reach, reach + 1):
+        turned[np.clip(reversal + shift, 0, len(v) - 1)] = True
+    least = _SURE_SIGN * (span.motion.noise_velocity or 0.0)
+    return np.asarray(span.first + np.flatnonzero(span.valid & ~turned & (np.abs(v) > least)))
+
+
+def noise_velocity(span: Span) -> float:
+    """Return the standard error of a velocity of the motion, m/s."""
+    if span.motion.noise_velocity is not None:
+        return span.motion.noise_velocity
+    w = np.array([span.angular_frequency])
+    return float(w[0] * np.sqrt(span.noise[0][1](w)[0]))

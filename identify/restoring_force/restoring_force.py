@@ -1,0 +1,224 @@
+"""The restoring force surface, eqs. (13)-(19)."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from identify.arrays import Array, frozen
+from identify.errors import NotIdentifiable
+from identify.estimate import Estimate
+from identify.free_decay import FreeDecay
+from identify.preprocessing.decimation import thinned
+from identify.preprocessing.motion import Motion, reconstruct
+from identify.preprocessing.spikes import without_spikes
+from identify.preprocessing.usable import valid_samples
+from identify.restoring_force.force_regression import Fit, fit_orders
+from identify.restoring_force.force_window import (
+    Noises,
+    Span,
+    calmed,
+    noise_levels,
+    noise_of_agreeing,
+    points_of,
+    span_of,
+)
+from identify.restoring_force.surface import Section, grid_of, sections_of
+from identify.signal.order_selection import choose_order
+from identify.signal.smoothing import slope
+from identify.signal.weak_form import place_windows
+from identify.units import damping_unit, stiffness_unit, with_mass
+
+__all__ = [
+    "RestoringForceResult",
+    "Section",
+    "identify_restoring_force",
+    "identify_restoring_force_as_recorded",
+]
+
+_FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold no damping
+
+
+@dataclass(frozen=True, eq=False)
+class RestoringForceResult:
+    """What the restoring force surface says.
+
+    `stiffness` is K (N/m with a mass, 1/s^2 without); `damping` holds mu_i per unit mass by order
+    i = 0..`order` (0 is sgn v); `stiffness_by_order` every displacement order that was kept; `offset` the
+    constant force per unit mass. `mse_percent_by_order` is eq. (18) for damping orders 0..max (fig. 3b),
+    `significance_percent` eq. (19) by term name. Points used, shape (n,): `time` (s, on the record's
+    clock), `displacement`, `velocity`, `force` (per unit mass, eq. 14) and `force_fit`. The surface on a grid:
+    `grid_displacement` (p,), `grid_velocity` (q,), `surface` (q, p) fitted, `visited` (q, p) counts of points.
+    Sections at v = 0 and u = 0. `stiffness_per_mass` (1/s^2) leaves the mass's uncertainty out. `mass` is what a
+    recorded force says of the mass, in the force's unit over m/s^2, when none was given; None otherwise.
+    """
+
+    stiffness: Estimate
+    stiffness_by_order: dict[int, Estimate]
+    damping: tuple[Estimate, ...]
+    offset: Estimate
+    order: int
+    reason: str
+    mse_percent: float
+    mse_percent_by_order: tuple[float, ...]
+    significance_percent: dict[str, float]
+    source: str
+    time: Array
+    displacement: Array
+    velocity: Array
+    force: Array
+    force_fit: Array
+    grid_displacement: Array
+    grid_velocity: Array
+    surface: Array
+    visited: Array
+    section_zero_velocity: Section
+    section_zero_displacement: Section
+    stiffness_per_mass: Estimate
+    mass: Estimate | None = None
+
+
+def identify_restoring_force(
+    decay: FreeDecay, max_order: int = 3, stiffness_orders: tuple[int, ...] = (1,)
+) -> RestoringForceResult:
+    """Identify the restoring force of a decay whose channels are aligned.
+
+    `max_order` is the highest order of damping tried, `stiffness_orders` the displacement orders of eq. (15).
+    With a recorded `force` the equation is driven (eq. 14): as force per unit mass where the mass is known, else
+    with one more unknown, 1/m. Since the motion's parts agree with each other whatever small lag is left,
+    the lag's standard error adds nothing here; see `identify_restoring_force_as_recorded` for what it does
+    otherwise. Raises NotIdentifiable when there is too little to identify.
+    """
+    decay, begins = thinned(without_spikes(decay))
+    motion = calmed(reconstruct(decay))
+    result = _identify(decay, motion, noise_of_agreeing(decay), max_order, stiffness_orders)
+    return replace(result, time=frozen(result.time + begins))
+
+
+def identify_restoring_force_as_recorded(
+    decay: FreeDecay, max_order: int = 3, stiffness_orders: tuple[int, ...] = (1,)
+) -> RestoringForceResult:
+    """Identify the restoring force from displacement and acceleration as they are, each taken at its word.
+
+    The paper's first attempt: a displacement late by tau adds w0^2 tau to mu_1. Raises NotIdentifiable
+    without both channels.
+    """
+    if decay.displacement is None or decay.acceleration is None:
+        raise NotIdentifiable("the restoring force as recorded needs a displacement and an acceleration")
+    after = slice(decay.release, None)
+    displacement, acceleration = decay.displacement[after], decay.acceleration[after]
+    motion = Motion(
+        decay.rate,
+        decay.release,
+        frozen(displacement),
+        frozen(slope(displacement, decay.rate)),
+        frozen(acceleration),
+        valid_samples(decay)[after],
+        "displacement and acceleration, as recorded",
+    )
+    levels = noise_levels(decay)
+    noise = (
+        ("elastic", lambda w: np.full_like(w, levels["displacement"] ** 2)),
+        ("inertial", lambda w: np.full_like(w, levels["acceleration"] ** 2)),
+    )
+    return _identify(decay, motion, noise, max_order, stiffness_orders)
+
+
+def _identify(
+    decay: FreeDecay,
+    motion: Motion,
+    noise: Noises,
+    max_order: int,
+    stiffness_orders: tuple[int, ...],
+) -> RestoringForceResult:
+    span = span_of(decay, motion, noise)
+    windows = place_windows(span.valid, motion.rate, span.angular_frequency)
+    if 2 * len(windows.first) < max_order + len(stiffness_orders) + 4:
+        raise NotIdentifiable("gaps leave too few whole stretches of two cycles; record again without losses")
+    points = points_of(span)
+    fits = fit_orders(span, windows, max_order, stiffness_orders, decay)
+    clear = [fit.clear for fit in fits]
+    misfits = [fit.solution.chi_square for fit in fits]
+    order, reason = choose_order(range(max_order + 1), misfits, clear, [_FALL] * len(fits), "damping")
+    return _result(decay, span, fits, fits[order], reason, points)
+
+
+def _mse_percent(force: Array, fit: Array) -> float:
+    return float(100 * np.mean((force - fit) ** 2) / np.var(force))
+
+
+def _result(
+    decay: FreeDecay, span: Span, fits: list[Fit], chosen: Fit, reason: str, points: NDArray[np.int_]
+) -> RestoringForceResult:
+    motion = span.motion
+    u, v = motion.displacement[points], motion.velocity[points]
+    if len(points) < 8:
+        raise NotIdentifiable("hardly a sample moves faster than its noise; release from a larger amplitude")
+
+    def measured(fit: Fit) -> Array:
+        pull = np.zeros(len(points)) if span.force is None else fit.force_gain * span.force[points]
+        return np.asarray(pull - motion.acceleration[points])
+
+    force, polynomial = measured(chosen), chosen.polynomial
+    force_fit = polynomial(u, v)
+    spread = np.sqrt(np.diag(chosen.covariance))
+    terms = {_damping_name(i): mu * np.abs(v) ** i * np.sign(v) for i, mu in enumerate(polynomial.damping)}
+    terms |= {_power("u", j): chi * u**j for j, chi in polynomial.stiffness.items()}
+    orders = list(polynomial.stiffness)
+    per_mass = {
+        j: Estimate(float(chi), float(spread[chosen.order + 1 + at]), stiffness_unit(j, False, decay.unit))
+        for at, (j, chi) in enumerate(polynomial.stiffness.items())
+    }
+    by_order = {
+        j: with_mass(value, j, decay.mass, decay.mass_std, decay.unit) for j, value in per_mass.items()
+    }
+    grid_u, grid_v, surface, visited = grid_of(polynomial, u, v)
+    at_rest, at_zero = sections_of(polynomial, u, v, force)
+    mass = None
+    if span.force is not None and decay.mass is None:
+        gain = chosen.force_gain
+        mass = Estimate(1 / gain, float(spread[-1]) / gain**2, "force/acceleration")
+    return RestoringForceResult(
+        stiffness=by_order[orders[0]],
+        stiffness_by_order=by_order,
+        damping=tuple(
+            Estimate(float(mu), float(spread[i]), damping_unit(i, decay.unit))
+            for i, mu in enumerate(polynomial.damping)
+        ),
+        offset=Estimate(
+            polynomial.offset, float(spread[chosen.order + 1 + len(orders)]), damping_unit(0, decay.unit)
+        ),
+        order=chosen.order,
+        reason=reason,
+        mse_percent=_mse_percent(force, force_fit),
+        mse_percent_by_order=tuple(_mse_percent(measured(fit), fit.polynomial(u, v)) for fit in fits),
+        significance_percent={
+            name: float(100 * np.var(term) / np.var(force)) for name, term in terms.items()
+        },
+        source=motion.source,
+        time=frozen((motion.start + points) / motion.rate),
+        displacement=frozen(u),
+        velocity=frozen(v),
+        force=frozen(force),
+        force_fit=frozen(force_fit),
+        grid_displacement=grid_u,
+        grid_velocity=grid_v,
+        surface=surface,
+        visited=visited,
+        section_zero_velocity=at_rest,
+        section_zero_displacement=at_zero,
+        stiffness_per_mass=per_mass[orders[0]],
+        mass=mass,
+    )
+
+
+def _damping_name(order: int) -> str:
+    if order == 0:
+        return "sgn(v)"
+    if order % 2:
+        return _power("v", order)
+    return f"{_power('|v|', order)} sgn(v)"
+
+
+def _power(symbol: str, order: int) -> str:
+    return symbol if order == 1 else f"{symbol}^{order}"

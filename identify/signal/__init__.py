@@ -1,0 +1,1 @@
+"""Signal processing: filters, spectra, derivatives and oscillations of sampled records."""

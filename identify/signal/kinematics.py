@@ -1,0 +1,201 @@
+"""Kinematics: what two channels of one motion say of each other, whatever the forces are.
+
+With u the lower channel (displacement, or velocity) and a the higher one (acceleration), the samples obey
+    N a = g H u + N d + noise,
+where H is a difference of order 2 (or 1) read at a fractional lag, N a short symmetric average that
+makes the difference exact for smooth motion (Numerov's formula and its next order), g a gain and d a slow
+offset. Only differences enter, so the unknown state at either end of the record is left free. The
+covariance of the noise, S_a N N' + g^2 S_u H H', is banded: the likelihood costs O(n).
+"""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
+
+from identify.arrays import Array
+from identify.signal.fractional_delay import HALF_WIDTH, lagrange_slope_taps, lagrange_taps, split_shift
+
+AVERAGES = {
+    2: (-2, np.array([-1.0, 24.0, 194.0, 24.0, -1.0]) / 240.0),
+    1: (-2, np.array([11.0, -93.0, 802.0, 802.0, -93.0, 11.0]) / 1440.0),
+}
+"""First offset and weights of N: the mean of the higher channel over the difference (Numerov 1924; Stoermer)."""
+
+DIFFERENCES = {2: (-1, np.array([1.0, -2.0, 1.0])), 1: (0, np.array([-1.0, 1.0]))}
+"""First offset and weights of the difference of the lower channel."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two channels of one motion and the variance of each sample, shape (n,).
+
+    `order` is the number of derivatives from `low` to `high`. A lost sample has been bridged and has a
+    variance as large as the motion itself, which is how it is left out. `jumps` is a variance of `high`
+    next to small jumps, which widens the standard errors but not the weights: weights that follow the jumps
+    would bias the lag. `excess` is taken off the averages N a (see `identify.signal.reversals`).
+    """
+
+    low: Array
+    high: Array
+    order: int
+    rate: float
+    variance_low: Array
+    variance_high: Array
+    jumps: Array
+    excess: Array
+
+
+def cut(pair: Pair, start: int, stop: int | None = None) -> Pair:
+    """Return the samples from `start` up to `stop` of a pair."""
+    span = slice(start, stop)
+    arrays = (pair.low, pair.high, pair.variance_low, pair.variance_high, pair.jumps, pair.excess)
+    low, high, variance_low, variance_high, jumps, excess = (values[span] for values in arrays)
+    return Pair(low, high, pair.order, pair.rate, variance_low, variance_high, jumps, excess)
+
+
+class Stencil(NamedTuple):
+    """Weights on consecutive samples: row i reads samples i + first ... i + first + len(taps) - 1."""
+
+    first: int
+    taps: Array
+
+    def apply(self, values: Array, rows: range) -> Array:
+        """Return the rows' sums, shape (len(rows),)."""
+        segment = values[rows.start + self.first : rows.stop + self.first + len(self.taps) - 1]
+        return np.correlate(segment, self.taps, "valid")
+
+    def transpose(self, rows_values: Array, rows: range, n: int) -> Array:
+        """Return the adjoint: what each of the n samples receives from the rows, shape (n,)."""
+        result = np.zeros(n)
+        spread = np.convolve(rows_values, self.taps)
+        result[rows.start + self.first : rows.start + self.first + len(spread)] = spread
+        return result
+
+    def band(self, variance: Array, rows: range) -> Array:
+        """Return the covariance of the rows in lower banded form, shape (len(taps), len(rows))."""
+        p = len(self.taps)
+        segment = variance[rows.start + self.first : rows.stop + self.first + p - 1]
+        products = np.zeros((p, p))
+        for k in range(p):
+            products[k:, k] = self.taps[k:] * self.taps[: p - k]
+        windows = np.lib.stride_tricks.sliding_window_view(segment, p)
+        return np.ascontiguousarray((windows @ products).T)
+
+
+@dataclass(frozen=True, eq=False)
+class Agreement:
+    """The most likely relation of a pair near one lag and gain.
+
+    `parameters` and `covariance` belong to gain, lag (s) and the coefficients of the slow offset.
+    `low` and `high` are the smoothed channels that obey the relation exactly, on the lower channel's and the higher
+    channel's own clock; `residual` is the whitened misfit, one number a row.
+    """
+
+    gain: float
+    lag: float
+    offset: Array
+    covariance: Array
+    low: Array
+    high: Array
+    residual: Array
+    chi_square: float
+    degrees: int
+    rows: range
+
+
+def difference(order: int, rate: float, fraction: float, whole: int) -> Stencil:
+    """Return H: the difference of the lower channel `whole + fraction` samples later, per s^order."""
+    first, taps = DIFFERENCES[order]
+    if fraction == 0.0:
+        return Stencil(first + whole, taps * rate**order)
+    return Stencil(first + whole - HALF_WIDTH, np.convolve(lagrange_taps(fraction), taps) * rate**order)
+
+
+def difference_slope(order: int, rate: float, fraction: float, whole: int) -> Stencil:
+    """Return the derivative of H with respect to the lag, per s^(order + 1)."""
+    first, taps = DIFFERENCES[order]
+    return Stencil(
+        first + whole - HALF_WIDTH, np.convolve(lagrange_slope_taps(fraction), taps) * rate ** (order + 1)
+    )
+
+
+def agree(
+    pair: Pair, lag: float, gain: float, *, free: bool = True, slow_terms: int = 2, steps: int = 4
+) -> Agreement:
+    """Return the maximum-likelihood gain and lag (if `free`) and slow offset of a pair.
+
+    Gauss-Newton on r' C^-1 r with C the covariance at the present lag and gain. The columns for gain and
+    lag are made from the smoothed motion, which makes this the exact gradient with the true motion profiled
+    out (errors in variables) and keeps the noise of the channels out of the regressors.
+    """
+    n = len(pair.low)
+    smooth_low = pair.low
+    result: Agreement | None = None
+    for _ in range(steps if free else 1):
+        whole, fraction = split_shift(lag * pair.rate)
+        h = difference(pair.order, pair.rate, fraction, whole)
+        average = Stencil(*AVERAGES[pair.order])
+        rows = _rows(n, h, average)
+        slow = _slow_columns(pair, average, rows, slow_terms)
+        columns = slow
+        if free:
+            slope = difference_slope(pair.order, pair.rate, fraction, whole)
+            columns = np.column_stack([h.apply(smooth_low, rows), gain * slope.apply(smooth_low, rows), slow])
+        averages = average.apply(pair.high, rows) - pair.excess[rows.start : rows.stop]
+        residual = averages - gain * h.apply(pair.low, rows)
+        factor = cholesky_banded(_covariance(pair, average, h, gain, rows), lower=True, check_finite=False)
+        weighted = cho_solve_banded((factor, True), columns, check_finite=False)
+        covariance = np.linalg.inv(columns.T @ weighted)
+        change = covariance @ (weighted.T @ residual)
+        misfit = residual - columns @ change
+        influence = np.column_stack(
+            [average.transpose(column, rows, n) for column in (weighted @ covariance).T]
+        )
+        widened = covariance + influence.T @ (pair.jumps[:, None] * influence)
+        score = cho_solve_banded((factor, True), misfit, check_finite=False)
+        smooth_low = pair.low + gain * pair.variance_low * h.transpose(score, rows, n)
+        smooth_high = pair.high - pair.variance_high * average.transpose(score, rows, n)
+        chi_square = float(misfit @ score)
+        slow_part = change[2:] if free else change
+        offset = _slow_offset(n, slow_part)
+        result = Agreement(gain, lag, offset, widened, smooth_low, smooth_high - offset, _whiten(factor, misfit), chi_square,
+                           len(rows) - columns.shape[1], rows)  # fmt: skip
+        if free:
+            gain, lag = gain + float(change[0]), lag + float(change[1])
+            result = replace(result, gain=gain, lag=lag)
+            if abs(change[1]) < 1e-3 * np.sqrt(covariance[1, 1]) and abs(change[0]) < 1e-3 * np.sqrt(
+                covariance[0, 0]
+            ):
+                break
+    assert result is not None
+    return result
+
+
+def _rows(n: int, h: Stencil, average: Stencil) -> range:
+    start = max(0, -h.first, -average.first)
+    stop = min(n, n - h.first - len(h.taps) + 1, n - average.first - len(average.taps) + 1)
+    return range(start, max(stop, start))
+
+
+def _covariance(pair: Pair, average: Stencil, h: Stencil, gain: float, rows: range) -> Array:
+    low = gain * gain * h.band(pair.variance_low, rows)
+    high = average.band(pair.variance_high, rows)
+    band = np.zeros((max(len(low), len(high)), len(rows)))
+    band[: len(low)] += low
+    band[: len(high)] += high
+    return band
+
+
+def _slow_columns(pair: Pair, average: Stencil, rows: range, terms: int) -> Array:
+    time = np.linspace(-1.0, 1.0, len(pair.low))
+    return np.column_stack([average.apply(time**k, rows) for k in range(terms)])
+
+
+def _slow_offset(n: int, coefficients: Array) -> Array:
+    return np.linspace(-1.0, 1.0, n)[:, None] ** np.arange(len(coefficients)) @ coefficients
+
+
+def _whiten(factor: Array, misfit: Array) -> Array:
+    return solve_banded((factor.shape[0] - 1, 0), factor, misfit, check_finite=False).astype(np.float64)

@@ -1,0 +1,189 @@
+"""The equation of motion under sliding windows: eq. (15) where its information lies, with noise that is known.
+
+A sample of eq. (15) is mostly noise: differentiation lifts it, while what damping does hides near the natural
+frequency. So both sides are summed under short windows `W(s) e^{-iws}` that slide over the record. Every window
+gives two rows of the same linear equation (17), in the same unknowns. A window phi vanishes smoothly at its ends, so
+`sum phi u'' = sum phi'' u`: where acceleration, velocity and displacement agree with each other, all three are read off
+the displacement. Its noise n enters a row as `sum n (phi'' - mu_1 phi' + k_1 phi)`, almost nothing at the natural
+frequency; the covariance of the rows follows, and is banded.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+from scipy.linalg import cholesky_banded, solve_banded
+
+from identify.arrays import Array, Mask
+from identify.signal.morlet import Complex
+
+WINDOW_CYCLES = 2.0
+ROWS_PER_CYCLE = 4
+_JITTER = 1e-4  # of the rows' variance: neighbouring windows share most of their samples
+_TAIL = 4  # steps over which coloured noise of two windows that no longer overlap may still agree
+
+
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Windows of one length that start at samples `first` (w,), multiples of `step`.
+
+    `kernel`, `slope`, `curvature` are phi and its derivatives, complex, shape (l,); `turn` is the angular
+    frequency in rad/sample.
+    """
+
+    first: NDArray[np.int_]
+    step: int
+    kernel: Complex
+    slope: Complex
+    curvature: Complex
+    turn: float
+
+    def integral(self, place: Array) -> Complex:
+        """Return the integral of phi from its start to `place` (samples from the window's first), any shape.
+
+        sin^4 is five exponentials, and so is its product with the wave.
+        """
+        length = len(self.kernel)
+        run = place + 0.5
+        total = np.zeros(np.shape(place), dtype=np.complex128)
+        for wave, share in ((0, 3 / 8), (1, -1 / 4), (-1, -1 / 4), (2, 1 / 16), (-2, 1 / 16)):
+            beta = 2 * np.pi * wave / length - self.turn
+            total += share * run * np.exp(0.5j * beta * run) * np.sinc(beta * run / (2 * np.pi))
+        return np.asarray(total * np.exp(0.5j * self.turn * length))
+
+
+def place_windows(valid: Mask, rate: float, angular_frequency: float) -> Windows:
+    """Place windows of two cycles, four starts a cycle, wherever all their samples are `valid` (n,)."""
+    cycle = 2 * np.pi * rate / angular_frequency
+    length = max(8, round(WINDOW_CYCLES * cycle))
+    step = max(1, round(cycle / ROWS_PER_CYCLE))
+    angle = np.pi * (np.arange(length) + 0.5) / length
+    turn = np.pi * rate / length
+    window = np.sin(angle) ** 4
+    slope = 4 * np.sin(angle) ** 3 * np.cos(angle) * turn
+    curvature = (12 * np.sin(angle) ** 2 * np.cos(angle) ** 2 - 4 * np.sin(angle) ** 4) * turn**2
+    w = angular_frequency
+    wave = np.exp(-1j * w * (np.arange(length) - 0.5 * (length - 1)) / rate)
+    lost = np.concatenate([[0], np.cumsum(~valid)])
+    first = np.arange(0, max(len(valid) - length + 1, 0), step)
+    first = first[lost[first + length] == lost[first]]
+    return Windows(
+        first,
+        step,
+        window * wave,
+        (slope - 1j * w * window) * wave,
+        (curvature - 2j * w * slope - w**2 * window) * wave,
+        w / rate,
+    )
+
+
+def rows_of(windows: Windows, kernel: Complex, columns: Array) -> Array:
+    """Return the sums of `columns` (p, n) under `kernel` (l,), real and imaginary parts in turn, shape (2w, p)."""
+    views = np.lib.stride_tricks.sliding_window_view(columns, len(kernel), axis=1)
+    sums = views[:, windows.first] @ np.stack([kernel.real, kernel.imag], axis=1)
+    return sums.transpose(1, 2, 0).reshape(-1, len(columns))
+
+
+def band_of(windows: Windows, kernel: Complex, rate: float, spectrum: Callable[[Array], Array]) -> Array:
+    """Return the covariance of the rows for noise summed under `kernel` (l,), in lower banded form.
+
+    `spectrum` gives the variance of a sample by angular frequency (rad/s); white noise is a constant.
+    """
+    overlap = (len(kernel) - 1) // windows.step + _TAIL
+    width = 2 * (overlap + 1)
+    length = fft.next_fast_len(2 * (len(kernel) + (_TAIL + 1) * windows.step))
+    level = spectrum(np.abs(2 * np.pi * fft.fftfreq(length, 1 / rate)))
+    parts = (fft.fft(kernel.real, length), fft.fft(kernel.imag, length))
+    apart = np.arange(overlap + 1) * windows.step
+    # shared[a, b, d]: covariance of part a of a window with part b of the window d steps later
+    shared = np.array(
+        [[fft.ifft(np.conj(a) * b * level).real[-apart % length] for b in parts] for a in parts]
+    )
+    n = 2 * len(windows.first)
+    band = np.zeros((width, n))
+    for later in range(min(overlap + 1, len(windows.first))):
+        distance = (windows.first[later:] - windows.first[: len(windows.first) - later]) // windows.step
+        near = distance <= overlap
+        for a in range(2):
+            for b in range(2):
+                offset = 2 * later + b - a
+                if 0 <= offset < width:
+                    values = np.where(near, shared[a, b, np.minimum(distance, overlap)], 0.0)
+                    band[offset, a : a + 2 * len(values) : 2] = values
+    return band
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSquares:
+    """Solution of weighted rows.
+
+    `values` (p,) with their `covariance` (p, p); `design` (2w, p) are the whitened rows, `gain` (p, 2w)
+    carries whitened rows into the values; `white` (2w,) are the whitened residuals and `chi_square` their mean
+    square over the degrees of freedom.
+    """
+
+    values: Array
+    design: Array
+    gain: Array
+    covariance: Array
+    white: Array
+    degrees: int
+    chi_square: float
+
+
+def factor_of(band: Array) -> Array:
+    """Return the banded Cholesky factor of the rows' covariance."""
+    raised = band.copy()
+    raised[0] += _JITTER * np.max(band[0])
+    return np.asarray(cholesky_banded(raised, lower=True, check_finite=False))
+
+
+def is_positive(band: Array) -> bool:
+    """Return whether a banded covariance has a Cholesky factor."""
+    try:
+        factor_of(band)
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+def solve(white: Array, right: Array) -> LeastSquares:
+    """Solve whitened rows (m, p) c = `right` (m,) by SVD, as the paper does eq. (17)."""
+    scale = np.linalg.norm(white, axis=0) + 1e-300
+    left, singular, across = np.linalg.svd(white / scale, full_matrices=False)
+    kept = np.where(singular > 1e-10 * singular[0], 1 / singular, 0.0)
+    inverse = (across.T * kept) @ left.T / scale[:, None]
+    values = inverse @ right
+    residual = right - white @ values
+    degrees = max(1, len(right) - white.shape[1])
+    return LeastSquares(
+        values, white, inverse, inverse @ inverse.T, residual, degrees, float(residual @ residual) / degrees
+    )
+
+
+def widened(covariance: Array, solution: LeastSquares, blocks: int = 6) -> Array:
+    """Return `covariance` (p, p) raised to what the solution does when one stretch of the record is left out.
+
+    The jackknife over `blocks` stretches: a model that fails differently at large and at small amplitudes shows
+    it there, however smooth its residual.
+    """
+    rows = len(solution.white)
+    edges = np.linspace(0, rows, blocks + 1).astype(int)
+    moves = []
+    for a, b in pairwise(edges):
+        share = solution.gain[:, a:b] @ solution.design[a:b]  # of the solution that these rows hold
+        moves.append(
+            -np.linalg.pinv(np.eye(len(share)) - share) @ solution.gain[:, a:b] @ solution.white[a:b]
+        )
+    spread = np.sqrt((blocks - 1) / blocks * np.sum((np.array(moves) - np.mean(moves, axis=0)) ** 2, axis=0))
+    stated = np.sqrt(np.diag(covariance)) + 1e-300
+    raised = np.maximum(1.0, spread / stated)
+    return np.asarray(covariance * np.outer(raised, raised))
+
+
+def whiten(factor: Array, columns: Array) -> Array:
+    """Return L^-1 `columns` for the lower banded Cholesky `factor` L."""
+    return np.asarray(solve_banded((len(factor) - 1, 0), factor, columns, check_finite=False))

@@ -1,0 +1,1 @@
+"""Identification by the wavelet envelope, section 2 of the paper."""

@@ -1,0 +1,209 @@
+"""One channel's ridge, fitted: envelope and phase freed of the transform's own bias.
+
+Averaging is first order in the damping, a window is one-sided at the ends of a record, and dry friction
+shifts the displacement's phase. All three are the same for the measured decay and for a computed one with
+nearly the same parameters. So the fitted model is integrated exactly, sent through the same transform, and
+what the transform then shows beyond the averaged model is taken off the measurement; a few rounds suffice.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from identify.arrays import Array, Mask
+from identify.signal.averaging import backbone_factors, envelope_factors
+from identify.signal.morlet import Ridge, prepare_ridge, transform
+from identify.wavelet.envelope import (
+    EnvelopeFit,
+    PhaseFit,
+    cumulative,
+    fit_envelope,
+    fit_phase,
+    solve_integrated,
+)
+from identify.wavelet.stick_slip import Decay, simulate_decay
+
+WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
+POINTS_PER_CYCLE = 8
+_MOST_POINTS = 400
+_SETTLED = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Observed:
+    """One channel of the span, ready for the ridge.
+
+    `samples` (n,) are the channel's, `derivatives` 0, 1 or 2 says how often displacement was differentiated to give it,
+    `noise` its white-noise standard deviation; `points` are the samples at which the ridge is
+    fitted, `weight` (m,) and `variance` (m,) the weight and the variance of the envelope there.
+    """
+
+    samples: Array
+    valid: Mask
+    rate: float
+    derivatives: int
+    angular_frequency: float
+    noise: float
+    ridge: Ridge
+    points: NDArray[np.int_]
+    weight: Array
+    variance: Array
+
+    @property
+    def step(self) -> float:
+        """Time between two fitted points, s."""
+        return float((self.points[1] - self.points[0]) / self.rate)
+
+    @property
+    def independent(self) -> float:
+        """Number of independent points: the window's noise is correlated over 2 sqrt(pi) widths."""
+        return float(len(self.samples) / (2 * np.sqrt(np.pi) * self.ridge.width) + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class RidgeFit:
+    """Envelope and phase models, with the measured envelope (m) and phase (rad) freed of bias, shape (m,).
+
+    `bias_envelope` and `bias_phase` are what was taken off; `settled` says whether another round would change
+    nothing. `step` is the time between points, s. `mixing` carries parameters gained by averaging into those of
+    the exact decay, where the two differ by more than a little.
+    """
+
+    envelope_fit: EnvelopeFit
+    phase_fit: PhaseFit
+    stiffness_orders: tuple[int, ...]
+    envelope: Array
+    phase: Array
+    bias_envelope: Array
+    bias_phase: Array
+    step: float
+    settled: bool = False
+    mixing: Array | None = None
+
+    @property
+    def order(self) -> int:
+        """The damping order."""
+        return len(self.envelope_fit.parameters) - 2
+
+
+def observe(
+    samples: Array, valid: Mask, rate: float, derivatives: int, angular_frequency: float, noise: float
+) -> Observed:
+    """Prepare the ridge of one channel at `angular_frequency` (rad/s)."""
+    cycle = 2 * np.pi * rate / angular_frequency
+    every = max(1, int(cycle / POINTS_PER_CYCLE), -(-len(samples) // _MOST_POINTS))
+    points = np.arange(0, len(samples), every)
+    ridge = prepare_ridge(valid, angular_frequency / rate, WIDTH_CYCLES * cycle, points)
+    inside = np.sqrt(np.pi) * ridge.width
+    widening = np.trace(ridge.solution[:, :2, 1:3], axis1=1, axis2=2) / 2
+    widening = np.maximum(widening * np.sqrt(2 * np.pi) * ridge.width / 2, 1.0)
+    variance = noise**2 / inside * widening / angular_frequency ** (2 * derivatives) + 1e-300
+    weight = np.where(ridge.support > 0.3, 1 / np.sqrt(widening), 0.0)
+    return Observed(
+        samples, valid, rate, derivatives, angular_frequency, noise, ridge, points, weight, variance
+    )
+
+
+def envelope_and_phase(observed: Observed, samples: Array) -> tuple[Array, Array, Array]:
+    """Return displacement's envelope, phase (rad) and frequency (rad/s) at the points, shape (m,)."""
+    p, q = transform(observed.ridge, samples)
+    envelope = np.abs(p) / observed.angular_frequency**observed.derivatives
+    expected = observed.angular_frequency * observed.points / observed.rate
+    phase = np.unwrap(np.angle(p * np.exp(-1j * expected))) + expected - observed.derivatives * np.pi / 2
+    slope = np.imag(q * np.conj(p)) / np.maximum(np.abs(p) ** 2, 1e-300)
+    return envelope, phase, (slope + observed.ridge.frequency) * observed.rate
+
+
+def phase_model(parameters: Array, envelope: Array, step: float, orders: tuple[int, ...]) -> Array:
+    """Return phi(0) + sum d_i int k^(i-1) dt at the points of `envelope` (m,), as `fit_phase` fits it."""
+    slopes = np.zeros(len(envelope))
+    for order, slope in zip(orders, parameters[1:], strict=True):
+        slopes += slope * envelope ** (order - 1)
+    return np.asarray(parameters[0] + cumulative(slopes, step))
+
+
+def parameters_of(
+    envelope_fit: EnvelopeFit, phase_fit: PhaseFit, orders: tuple[int, ...]
+) -> tuple[Array, Array]:
+    """Return the stiffness k_1, k_2, ... (zero at even orders) and the damping mu_0, ... per unit mass."""
+    w = phase_fit.parameters[1]
+    damping = envelope_fit.parameters[1:] / envelope_factors(w, len(envelope_fit.parameters) - 2)
+    stiffness = np.zeros(max(orders))
+    factors = backbone_factors(orders)
+    for order, slope, factor in zip(orders, phase_fit.parameters[1:], factors, strict=True):
+        stiffness[order - 1] = w**2 if order == 1 else 2 * w * slope / factor
+    return stiffness, damping
+
+
+def exact_decay(
+    observed: Observed, envelope_fit: EnvelopeFit, phase_fit: PhaseFit, orders: tuple[int, ...]
+) -> Decay:
+    """Integrate the fitted model over the span from the fitted first amplitude and phase."""
+    stiffness, damping = parameters_of(envelope_fit, phase_fit, orders)
+    amplitude, phase = envelope_fit.parameters[0], phase_fit.parameters[0]
+    loss = -np.polynomial.polynomial.polyval(amplitude, envelope_fit.parameters[1:])
+    velocity = loss * np.cos(phase) - phase_fit.parameters[1] * amplitude * np.sin(phase)
+    return simulate_decay(
+        amplitude * np.cos(phase), velocity, stiffness, damping, 1 / observed.rate, len(observed.samples)
+    )
+
+
+def channel_of(decay: Decay, derivatives: int) -> Array:
+    """Return the displacement, velocity or acceleration of a computed decay."""
+    return (decay.displacement, decay.velocity, decay.acceleration)[derivatives]
+
+
+def first_fit(observed: Observed, order: int, orders: tuple[int, ...]) -> RidgeFit:
+    """Fit the ridge as it comes, by eqs. (9)-(12), with nothing taken off yet."""
+    envelope, phase, _ = envelope_and_phase(observed, observed.samples)
+    zero = np.zeros(len(envelope))
+    start = solve_integrated(envelope, observed.step, order, observed.weight)
+    fitted = fit_envelope(envelope, observed.step, start, observed.weight)
+    phases = fit_phase(phase, envelope, observed.step, orders, observed.weight)
+    return RidgeFit(fitted, phases, orders, envelope, phase, zero, zero, observed.step)
+
+
+def other_order(observed: Observed, fit: RidgeFit, order: int) -> EnvelopeFit:
+    """Fit another damping order to the envelope of `fit`, as it stands freed of bias."""
+    start = solve_integrated(fit.envelope, observed.step, order, observed.weight)
+    return fit_envelope(fit.envelope, observed.step, start, observed.weight, rounds=2)
+
+
+def other_backbone(observed: Observed, fit: RidgeFit, orders: tuple[int, ...]) -> PhaseFit:
+    """Fit other stiffness orders to the phase of `fit`, as it stands freed of bias."""
+    return fit_phase(fit.phase, np.abs(fit.envelope), observed.step, orders, observed.weight)
+
+
+def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 6) -> RidgeFit:
+    """Take the transform's own bias off, as the model `fit` shows it, and fit again, until nothing changes.
+
+    "Nothing" is a twentieth of the envelope's noise; at most `rounds` times.
+    """
+    for _ in range(rounds):
+        decay = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
+        seen, phase, _ = envelope_and_phase(observed, channel_of(decay, observed.derivatives))
+        bias_envelope = seen - fit.envelope_fit.fit
+        bias_phase = phase - fit.phase_fit.fit
+        bias_phase -= 2 * np.pi * np.round(np.median(bias_phase) / (2 * np.pi))
+        more, later = bias_envelope - fit.bias_envelope, bias_phase - fit.bias_phase
+        envelope, phases = fit.envelope - more, fit.phase - later
+        size = np.abs(envelope)
+        fitted = fit_envelope(envelope, observed.step, fit.envelope_fit.parameters, observed.weight, rounds=1)
+        phase_fit = fit_phase(phases, size, observed.step, fit.stiffness_orders, observed.weight)
+        change = np.maximum(np.abs(more), np.abs(later) * size) * (observed.weight > 0)
+        settled = bool(np.all(change < _SETTLED * np.sqrt(observed.variance)))
+        fit = RidgeFit(
+            fitted,
+            phase_fit,
+            fit.stiffness_orders,
+            envelope,
+            phases,
+            bias_envelope,
+            bias_phase,
+            fit.step,
+            settled,
+        )
+        if settled:
+            break
+    return fit

@@ -1,0 +1,80 @@
+"""The spread of what the ridge says: the channel's noise carried through the transform, and the misfit."""
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.signal.covariance import misfit_covariance
+from identify.signal.morlet import Complex, weights_on_samples
+from identify.wavelet.envelope import EnvelopeFit, PhaseFit
+from identify.wavelet.ridge_fit import Observed, RidgeFit
+
+
+def spreads_of(observed: Observed, fit: RidgeFit) -> tuple[Array, Array]:
+    """Return the standard errors of k(0), c_0, ... and of phi(0), w_1, ... of `fit`.
+
+    White noise of the samples carried through the transform, and the misfit where there is one.
+    """
+    gain, phase_gain = fit.envelope_fit.gain, fit.phase_fit.gain
+    cut = len(gain)
+    on_points = np.concatenate([gain + 0j, 1j * phase_gain / _amplitude(fit)]) * _turn(observed, fit)
+    covariance = _carried(observed, on_points)
+    spread = np.sqrt(observed.variance)
+    covariance[:cut, :cut] += _misfit(observed, fit.envelope - fit.envelope_fit.fit, spread, gain, cut)
+    covariance[cut:, cut:] += _misfit(
+        observed, fit.phase - fit.phase_fit.fit, spread / _amplitude(fit), phase_gain, len(phase_gain)
+    )
+    if fit.mixing is not None:
+        covariance = fit.mixing @ covariance @ fit.mixing.T
+    errors = np.sqrt(np.diag(covariance))
+    return errors[:cut], errors[cut:]
+
+
+def clearances_of_envelopes(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> list[float]:
+    """Return how many standard errors the highest coefficient of each trial stands from zero."""
+    gains = np.stack([trial.gain[-1] for trial in trials])
+    variances = np.diag(_noise_in_envelope(observed, fit, gains)).copy()
+    for at, trial in enumerate(trials):
+        left, spread = fit.envelope - trial.fit, np.sqrt(observed.variance)
+        variances[at] += _misfit(observed, left, spread, gains[at : at + 1], len(trial.gain))[0, 0]
+    highest = np.abs([trial.parameters[-1] for trial in trials])
+    return [float(x) for x in highest / np.sqrt(variances + 1e-300)]
+
+
+def clearances_of_phases(observed: Observed, fit: RidgeFit, trials: list[PhaseFit]) -> list[float]:
+    """Return how many standard errors the highest stiffness of each trial stands from zero."""
+    gains = np.stack([trial.gain[-1] for trial in trials])
+    variances = np.diag(_noise_in_phase(observed, fit, gains)).copy()
+    for at, trial in enumerate(trials):
+        left, spread = fit.phase - trial.fit, np.sqrt(observed.variance) / _amplitude(fit)
+        variances[at] += _misfit(observed, left, spread, gains[at : at + 1], len(trial.gain))[0, 0]
+    highest = np.abs([trial.parameters[-1] for trial in trials])
+    return [float(x) for x in highest / np.sqrt(variances + 1e-300)]
+
+
+def _misfit(observed: Observed, left: Array, spread: Array, gain: Array, parameters: int) -> Array:
+    used = observed.weight > 0
+    return misfit_covariance(
+        left[used] / spread[used], gain[:, used] * spread[used], observed.independent, parameters
+    )
+
+
+def _amplitude(fit: RidgeFit) -> Array:
+    return np.asarray(np.maximum(np.abs(fit.envelope), 1e-3 * np.max(np.abs(fit.envelope))))
+
+
+def _noise_in_envelope(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
+    return _carried(observed, gain * _turn(observed, fit))
+
+
+def _noise_in_phase(observed: Observed, fit: RidgeFit, gain: Array) -> Array:
+    return _carried(observed, 1j * gain * _turn(observed, fit) / _amplitude(fit))
+
+
+def _turn(observed: Observed, fit: RidgeFit) -> Complex:
+    scale = observed.angular_frequency**observed.derivatives
+    return np.asarray(np.exp(1j * (fit.phase + fit.bias_phase + observed.derivatives * np.pi / 2)) / scale)
+
+
+def _carried(observed: Observed, on_points: Complex) -> Array:
+    rows = weights_on_samples(observed.ridge, on_points)
+    return observed.noise**2 * rows @ rows.T

@@ -1,0 +1,227 @@
+"""The wavelet identification: envelope and instantaneous frequency on the Morlet ridge, eqs. (5)-(12)."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from identify.arrays import Array, Mask, frozen, frozen_mask
+from identify.estimate import Estimate
+from identify.free_decay import FreeDecay
+from identify.preprocessing.decimation import thinned
+from identify.preprocessing.spikes import without_spikes
+from identify.preprocessing.usable import CHANNELS
+from identify.signal.averaging import backbone_factors, envelope_factors
+from identify.signal.fractional_delay import bridge
+from identify.signal.hilbert import hilbert_envelope
+from identify.signal.morlet import scalogram
+from identify.signal.order_selection import choose_order
+from identify.units import damping_unit, stiffness_unit, with_mass
+from identify.wavelet.envelope import EnvelopeFit, PhaseFit
+from identify.wavelet.ridge_fit import (
+    Observed,
+    RidgeFit,
+    channel_of,
+    envelope_and_phase,
+    exact_decay,
+    first_fit,
+    other_backbone,
+    other_order,
+    parameters_of,
+)
+from identify.wavelet.ridge_newton import settle
+from identify.wavelet.ridge_span import observe_span
+from identify.wavelet.ridge_spread import (
+    clearances_of_envelopes,
+    clearances_of_phases,
+    spreads_of,
+)
+
+STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
+_CHANGES_OF_MODEL = 3  # the orders may be chosen again once the chosen model's bias has been taken off
+_FALL = 0.85  # of the lower order's misfit, where the higher one leaves hardly more than noise
+_KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
+_TRUSTED = 0.9  # share of the window that must hold samples
+
+
+@dataclass(frozen=True, eq=False)
+class WaveletResult:
+    """What the envelope and the instantaneous frequency say.
+
+    `stiffness` is K (N/m with a mass, 1/s^2 without); `damping` holds mu_i per unit mass by order
+    i = 0..`order`; `stiffness_by_order` the odd orders that the backbone asks for (1; 1, 3; or 1, 3, 5).
+    `mse_percent_by_order` is the misfit of the envelope for orders 0..max (fig. 3a); `reason` and
+    `stiffness_reason` say why the orders were chosen. Arrays on the ridge, shape (n,): `time` (s, on the
+    record's clock), `envelope`, `envelope_fit` (m), `frequency` (Hz), `trusted` (False near the ends).
+    The envelope is free of the transform's own bias, at the ends too. `reconstruction` is the decay rebuilt
+    from the parameters on `time`, in the unit of `channel`. `scalogram` (frequencies, times) is
+    the modulus on `scalogram_frequency` (Hz) and `scalogram_time` (s). `backbone_amplitude` (m) and
+    `backbone_frequency` (Hz) are the backbone, `backbone_fit` its averaged model; `hilbert_envelope` is the
+    older reference on `time`. `stiffness_per_mass` (1/s^2) leaves the mass's uncertainty out.
+    """
+
+    stiffness: Estimate
+    stiffness_by_order: dict[int, Estimate]
+    damping: tuple[Estimate, ...]
+    order: int
+    reason: str
+    mse_percent_by_order: tuple[float, ...]
+    channel: str
+    time: Array
+    envelope: Array
+    envelope_fit: Array
+    frequency: Array
+    trusted: Mask
+    reconstruction: Array
+    scalogram: Array
+    scalogram_frequency: Array
+    scalogram_time: Array
+    backbone_amplitude: Array
+    backbone_frequency: Array
+    hilbert_envelope: Array
+    backbone_fit: Array
+    stiffness_per_mass: Estimate
+    stiffness_reason: str
+
+
+def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
+    """Identify stiffness and damping from the envelope and the phase of one channel.
+
+    Displacement is used where there is one, else velocity, else acceleration. `max_order` is the highest
+    order of damping that is tried, eq. (4). Raises NotIdentifiable when there is too little to identify.
+    Standard errors come from the channel's noise (`noise_*`; measured on the span where unknown) carried
+    through the transform, and grow with what the model leaves unexplained.
+    """
+    decay, begins = thinned(without_spikes(decay))
+    start, observed = observe_span(decay)
+    fit = settle(observed, first_fit(observed, min(1, max_order), (1,)))
+    for _ in range(_CHANGES_OF_MODEL):
+        trials = [other_order(observed, fit, order) for order in range(max_order + 1)]
+        backbones = [other_backbone(observed, fit, orders) for orders in STIFFNESS_ORDERS]
+        order, reason = _choose_damping(observed, fit, trials)
+        best, stiffness_reason = _choose_stiffness(observed, fit, backbones)
+        orders = STIFFNESS_ORDERS[best]
+        if order == fit.order and orders == fit.stiffness_orders:
+            break
+        fit = replace(fit, envelope_fit=trials[order], phase_fit=backbones[best], stiffness_orders=orders)
+        fit = settle(observed, fit)
+    misfits = tuple(trial.mse_percent for trial in trials)
+    begins += start / decay.rate
+    return _result(decay, begins, observed, fit, misfits, (reason, stiffness_reason))
+
+
+def _choose_damping(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> tuple[int, str]:
+    clear = clearances_of_envelopes(observed, fit, trials)
+    noise = 100 * float(np.mean(observed.variance) / np.var(fit.envelope))
+    misfits = [trial.mse_percent for trial in trials]
+    return choose_order(range(len(trials)), misfits, clear, _worth(misfits, noise), "damping")
+
+
+def _choose_stiffness(observed: Observed, fit: RidgeFit, trials: list[PhaseFit]) -> tuple[int, str]:
+    weight = np.abs(fit.envelope) * observed.weight
+    misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
+    clear = clearances_of_phases(observed, fit, trials)
+    noise = float(np.mean(observed.variance * observed.weight**2))
+    order, reason = choose_order((1, 3, 5), misfits, clear, _worth(misfits, noise), "stiffness")
+    return (order - 1) // 2, reason
+
+
+def _worth(misfits: list[float], noise: float) -> list[float]:
+    """The fall of the misfit that pays for an order: a little where it comes down to the noise, else a knee."""
+    return [_FALL if misfit < 2 * noise else _KNEE for misfit in misfits]
+
+
+def _result(
+    decay: FreeDecay,
+    begins: float,
+    observed: Observed,
+    fit: RidgeFit,
+    misfits: tuple[float, ...],
+    reasons: tuple[str, str],
+) -> WaveletResult:
+    by_order, damping = _estimates(decay, observed, fit)
+    stiffness = {
+        order: with_mass(value, order, decay.mass, decay.mass_std, decay.unit)
+        for order, value in by_order.items()
+    }
+    computed = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
+    reconstruction = channel_of(computed, observed.derivatives)
+    level = np.mean(observed.samples[observed.valid] - reconstruction[observed.valid])
+    time = begins + np.arange(len(observed.samples)) / decay.rate
+    ridge = _curves(observed, fit, reconstruction)
+    modulus, ladder, columns = _scalogram(observed)
+    trusted = ridge["support"] > _TRUSTED
+    return WaveletResult(
+        stiffness=stiffness[1],
+        stiffness_by_order=stiffness,
+        damping=damping,
+        order=fit.order,
+        reason=reasons[0],
+        mse_percent_by_order=misfits,
+        channel=CHANNELS[observed.derivatives],
+        time=frozen(time),
+        envelope=frozen(ridge["envelope"]),
+        envelope_fit=frozen(ridge["model"]),
+        frequency=frozen(ridge["frequency"]),
+        trusted=frozen_mask(trusted),
+        reconstruction=frozen(reconstruction + level),
+        scalogram=frozen(modulus),
+        scalogram_frequency=frozen(ladder),
+        scalogram_time=frozen(columns + time[0]),
+        backbone_amplitude=frozen(ridge["envelope"][trusted]),
+        backbone_frequency=frozen(ridge["frequency"][trusted]),
+        hilbert_envelope=frozen(
+            hilbert_envelope(observed.samples) / observed.angular_frequency**observed.derivatives
+        ),
+        backbone_fit=frozen(ridge["averaged"][trusted]),
+        stiffness_per_mass=by_order[1],
+        stiffness_reason=reasons[1],
+    )
+
+
+def _estimates(
+    decay: FreeDecay, observed: Observed, fit: RidgeFit
+) -> tuple[dict[int, Estimate], tuple[Estimate, ...]]:
+    """Stiffness per unit mass by order, and damping, with their standard errors."""
+    stiffness, damping = parameters_of(fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
+    w = fit.phase_fit.parameters[1]
+    of_envelope, of_phase = spreads_of(observed, fit)
+    damping_std = of_envelope[1:] / envelope_factors(w, fit.order)
+    stiffness_std = 2 * w * of_phase[1:] / backbone_factors(fit.stiffness_orders)
+    by_order = {
+        order: Estimate(float(stiffness[order - 1]), float(std), stiffness_unit(order, False, decay.unit))
+        for order, std in zip(fit.stiffness_orders, stiffness_std, strict=True)
+    }
+    return by_order, tuple(
+        Estimate(float(value), float(std), damping_unit(i, decay.unit))
+        for i, (value, std) in enumerate(zip(damping, damping_std, strict=True))
+    )
+
+
+def _curves(observed: Observed, fit: RidgeFit, reconstruction: Array) -> dict[str, Array]:
+    """Envelope and frequency (Hz) freed of bias, and their models, at every sample: model plus what it leaves."""
+    every, points = np.arange(len(observed.samples)), observed.points
+    model = np.interp(every, points, fit.envelope_fit.fit)
+    averaged = np.zeros(len(every))
+    for order, slope in zip(fit.stiffness_orders, fit.phase_fit.parameters[1:], strict=True):
+        averaged += slope * model ** (order - 1) / (2 * np.pi)
+    measured, _, frequency = envelope_and_phase(observed, observed.samples)
+    seen, _, seen_frequency = envelope_and_phase(observed, reconstruction)
+    beyond = (frequency - seen_frequency) / (2 * np.pi)
+    return {
+        "envelope": model + np.interp(every, points, measured - seen),
+        "model": model,
+        "frequency": averaged + np.interp(every, points, beyond),
+        "averaged": averaged,
+        "support": np.interp(every, points, observed.ridge.support),
+    }
+
+
+def _scalogram(observed: Observed) -> tuple[Array, Array, Array]:
+    ladder = np.geomspace(0.4, 2.5, 40) * observed.angular_frequency / (2 * np.pi)
+    ladder = ladder[ladder < 0.5 * observed.rate]
+    coarse = max(1, int(observed.rate / (6 * ladder[-1])))
+    samples = bridge(observed.samples, observed.valid)
+    whole = len(samples) // coarse * coarse
+    averaged = samples[:whole].reshape(-1, coarse).mean(axis=1)
+    modulus, columns = scalogram(averaged, observed.rate / coarse, ladder, 200, 1.0)
+    return modulus, ladder, columns

@@ -1,0 +1,1 @@
+"""What the operator can have done: capture, identify, compare, diagnose, refine."""

@@ -1,0 +1,102 @@
+"""One release from a board into a session, with the operator watching."""
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from daq.capture import CaptureObserver, CaptureSettings, capture
+from daq.errors import StorageError
+from daq.failover import elsewhere_in_temporary_folder
+from daq.session import Session
+from station.operations.new_session import new_folder
+from station.output import progress
+from station.story.identification import Identification
+from station.text.capture_progress import Several, Watch
+
+
+@dataclass(frozen=True)
+class Screen:
+    """The live viewer, when there is one: `url` is where it listens."""
+
+    url: str | None
+    observers: tuple[CaptureObserver, ...]
+
+
+def record(
+    port: str, settings: CaptureSettings, folder: Path, with_viewer: bool, spare: Path | None = None
+) -> tuple[Session, str | None]:
+    """Capture one release; return the sealed session and the URL of the live viewer, None without one.
+
+    Where the disk fails, the session goes into a new folder under `spare`, or where the operator says.
+    """
+    with live_screen(settings.rate_hz, with_viewer) as screen, Watch() as watch:
+        session = capture(port, settings, folder, Several((watch, *screen.observers)), another_place(spare))
+    return session, screen.url
+
+
+def another_place(spare: Path | None) -> Callable[[StorageError], Path | None] | None:
+    """Return who is asked for another folder when the disk fails: `spare` once, then the operator at a terminal.
+
+    None without either: a disk that fails before the capture is then refused at once. What no answer finds a place
+    for goes among the system's temporary files.
+    """
+    asks = sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
+    if spare is None and not asks:
+        return None
+    places = [] if spare is None else [spare]
+
+    def offer(error: StorageError) -> Path | None:
+        progress(str(error))
+        folder = new_folder(places.pop()) if places else _asked() if asks else None
+        if folder is None:
+            return elsewhere_in_temporary_folder(error)
+        progress(f"the session goes to {folder}")
+        return folder
+
+    return offer
+
+
+def _asked() -> Path | None:
+    """Ask the operator for a folder; None without an answer: what is in memory must not hang on one."""
+    try:
+        answer = click.prompt(
+            "another folder for the session (Enter: a temporary one)",
+            default="",
+            show_default=False,
+            err=True,
+        )
+    except click.Abort:
+        return None
+    return new_folder(Path(answer)) if answer.strip() else None
+
+
+@contextlib.contextmanager
+def live_screen(rate: float, with_viewer: bool) -> Iterator[Screen]:
+    """Open a live viewer where one is wanted and a window can be opened."""
+    if with_viewer:
+        from station.views.viewer import has_screen
+
+        if has_screen():
+            from station.views.live import LiveViewer
+
+            with LiveViewer(rate) as live:
+                yield Screen(live.url, (live.view,))
+                return
+        progress("no screen here: no live view")
+    yield Screen(None, ())
+
+
+def show_result(url: str | None, session: Session, result: Identification) -> Path:
+    """Keep the viewer's recording in the session, and show it in the live viewer when there is one."""
+    from station.operations.identifying import write_view
+
+    file = write_view(session, result)
+    if url is not None:
+        from station.views import show
+
+        show.send(url, session.folder.name, result)
+    return file

@@ -1,0 +1,200 @@
+"""What `station doctor` looks at, one function a subject; each returns findings: PASS, WARN or FAIL, and the remedy."""
+
+import importlib.metadata
+import os
+import platform
+import shutil
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+
+from daq.board_sample import BoardSample
+from daq.port_facts import PortFacts
+from daq.wiring_check import suspicions, swings
+
+PACKAGES = ("numpy", "scipy", "numba", "pyserial", "rerun-sdk", "pydantic", "rich")
+SPACE_MB = (50, 1000)
+SLOW_SYNC_S = 0.25  # what the raw log promises to be behind at most
+LATENCY_MS = 16
+CLOCK_LIMIT = 0.005
+MOVES = 20.0  # times the noise
+
+
+class Grade(StrEnum):
+    """How a check ended."""
+
+    PASS = "PASS"
+    WARN = "WARN"
+    FAIL = "FAIL"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One check: what was looked at, what was found (with units), and the remedy unless it passed."""
+
+    grade: Grade
+    check: str
+    found: str
+    remedy: str = ""
+
+
+def versions() -> Iterator[Finding]:
+    """Check Python and the packages."""
+    yield Finding(Grade.PASS, "Python", f"{platform.python_version()} on {platform.system()}")
+    found, missing = [], []
+    for name in PACKAGES:
+        try:
+            found.append(f"{name} {importlib.metadata.version(name)}")
+        except importlib.metadata.PackageNotFoundError:
+            missing.append(name)
+    if missing:
+        remedy = "install the station again: pip install ."
+        yield Finding(Grade.FAIL, "packages", f"missing: {', '.join(missing)}", remedy)
+    else:
+        yield Finding(Grade.PASS, "packages", ", ".join(found))
+
+
+def disk(sessions: Path) -> Iterator[Finding]:
+    """Check space and sync time where sessions will be written; writes one small file and removes it."""
+    folder = next(p for p in (sessions, *sessions.absolute().parents) if p.is_dir())
+    free = shutil.disk_usage(folder).free / 1e6
+    grade = Grade.FAIL if free < SPACE_MB[0] else Grade.WARN if free < SPACE_MB[1] else Grade.PASS
+    yield Finding(grade, "disk space", f"{free:,.0f} MB free in {folder}", "make room, or use another disk")
+    try:
+        slowest = _sync_time(folder)
+    except OSError as error:
+        remedy = "choose another folder for the sessions, or mend its permissions"
+        yield Finding(Grade.FAIL, "disk", f"{folder} cannot be written: {error.strerror}", remedy)
+        return
+    grade = Grade.WARN if slowest > SLOW_SYNC_S else Grade.PASS
+    yield Finding(
+        grade, "disk sync", f"{slowest * 1e3:.1f} ms at most of 5", "use a local disk for the sessions"
+    )
+
+
+def _sync_time(folder: Path) -> float:
+    file = folder / f".doctor-{os.getpid()}"
+    slowest = 0.0
+    try:
+        with file.open("xb") as stream:
+            for _ in range(5):
+                stream.write(bytes(4096))
+                stream.flush()
+                began = time.perf_counter()
+                os.fsync(stream.fileno())
+                slowest = max(slowest, time.perf_counter() - began)
+    finally:
+        file.unlink(missing_ok=True)
+    return slowest
+
+
+def port(name: str, facts: PortFacts) -> Iterator[Finding]:
+    """Check a port from outside: there, permitted, free, quick."""
+    if not facts.exists:
+        yield Finding(Grade.FAIL, "port", f"{name} is not there", "plug the board in; see `station ports`")
+        return
+    if not facts.permitted:
+        remedy = "join its group: sudo usermod -aG dialout $USER, then log in again"
+        yield Finding(Grade.FAIL, "permission", f"{name} may not be opened by this user", remedy)
+    if facts.holders:
+        who = ", ".join(f"{program} (process {pid})" for program, pid in facts.holders)
+        yield Finding(Grade.WARN, "held by", who, "close that program")
+    if facts.latency_ms is not None:
+        grade = Grade.WARN if facts.latency_ms >= LATENCY_MS else Grade.PASS
+        remedy = "lower it: echo 1 | sudo tee /sys/class/tty/NAME/device/latency_timer"
+        yield Finding(grade, "latency", f"{facts.latency_ms} ms in the adapter", remedy)
+
+
+def board(sample: BoardSample) -> Iterator[Finding]:
+    """Check what a board sent: losses, levels and noise by channel, its rate, its wiring."""
+    hello, recording = sample.hello, sample.recording
+    seconds = len(recording.valid) / recording.rate
+    yield Finding(Grade.PASS, "handshake", f"{hello.board}, firmware {hello.firmware}")
+    lost = int((~recording.valid).sum())
+    yield Finding(
+        Grade.WARN if lost or sample.damaged else Grade.PASS,
+        "line",
+        f"{lost} of {len(recording.valid)} samples lost, {sample.damaged} frames damaged in {seconds:.1f} s",
+        "a shorter cable, another hub, or a slower rate",
+    )
+    yield from _levels(sample)
+    yield _rate(sample)
+    yield from _wiring(sample)
+
+
+def _noise(samples: np.ndarray) -> float:
+    """Standard deviation by third differences: a slow motion under the noise does not count."""
+    if len(samples) < 8:
+        return float("nan")
+    return float(np.median(np.abs(np.diff(samples, 3))) / 0.6745 / np.sqrt(20))
+
+
+def _levels(sample: BoardSample) -> Iterator[Finding]:
+    recording = sample.recording
+    for channel, all_samples in zip(recording.channels, recording.samples, strict=True):
+        samples = all_samples[recording.valid]
+        level, noise, span = float(samples.mean()), _noise(samples), float(np.ptp(samples))
+        told = f"level {level:.4g}, noise {noise:.2g}, span {span:.2g} {channel.unit}"
+        grade, remedy = Grade.PASS, ""
+        if span == 0.0:
+            grade, remedy = Grade.FAIL, "not one code of change: check the sensor, its supply and its wire"
+        elif _at_end(channel.low, samples.min(), channel.resolution) or _at_end(
+            channel.high, samples.max(), channel.resolution
+        ):
+            grade, remedy = Grade.FAIL, "at the end of its range: centre the sensor, or take a wider range"
+        yield Finding(grade, channel.name, told, remedy)
+
+
+def _at_end(end: float | None, value: float, step: float | None) -> bool:
+    return end is not None and abs(value - end) <= 1.01 * (step or 0.0)
+
+
+def _rate(sample: BoardSample) -> Finding:
+    said, clock = sample.recording.rate, sample.clock
+    if clock is None or not np.isfinite(clock.std):
+        return Finding(Grade.WARN, "rate", f"{said:g} Hz by the board, too few frames to check it")
+    told = f"{said:g} Hz by the board, {clock.rate:.2f} +- {clock.std:.2f} Hz by this computer"
+    off = abs(clock.rate / said - 1) > max(CLOCK_LIMIT, 5 * clock.std / said)
+    return Finding(Grade.FAIL if off else Grade.PASS, "rate", told, "correct the rate in the firmware")
+
+
+def _wiring(sample: BoardSample) -> Iterator[Finding]:
+    recording = sample.recording
+    x, a = recording.channel("displacement"), recording.channel("acceleration")
+    if x is None or a is None:
+        return
+    x, a = x[recording.valid], a[recording.valid]
+    if not (np.ptp(x) and np.ptp(a)):
+        return
+    start = _swinging_from(x)
+    if start is None or np.ptp(a) < MOVES * _noise(a):
+        yield Finding(
+            Grade.WARN,
+            "wiring",
+            "not checked: the mass rests",
+            "swing it and run `station doctor --seconds 10`",
+        )
+        return
+    found = suspicions(x[start:], a[start:], recording.rate)
+    for suspicion in found:
+        yield Finding(
+            Grade.FAIL if suspicion.certain else Grade.WARN, "wiring", suspicion.reason, suspicion.advice
+        )
+    if not found:
+        yield Finding(Grade.PASS, "wiring", "displacement and acceleration agree in sign, scale and channel")
+
+
+def _swinging_from(x: np.ndarray) -> int | None:
+    """Return where x first goes to the other side of its middle in a swing, None when it does not swing."""
+    centred = x - x[-len(x) // 8 :].mean()
+    if np.ptp(x) < MOVES * _noise(x):
+        return None
+    big, crossings = swings(centred)
+    if crossings < 4:
+        return None
+    signs = np.sign(centred[big])
+    return int(big[np.flatnonzero(signs[1:] != signs[:-1])[0]])

@@ -1,0 +1,258 @@
+"""The mystery: a simulated board hides something; compare, diagnose, add, and only then look at what it was."""
+
+import json
+import secrets
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.text import Text
+
+from daq.session import Session
+from daq.session_info import SessionInfo
+from identify.fitting.model_error import errors_of
+from station.exits import Problem
+from station.operations.capturing import record
+from station.operations.comparing import compare_session
+from station.operations.diagnosing import diagnose_bench, keep
+from station.operations.identifying import options_for
+from station.operations.new_session import capture_settings, new_folder
+from station.operations.refining import add, open_refinement
+from station.operations.session_set import Bench, make_ready
+from station.operations.simulated_board import double
+from station.output import print_json, progress, screen
+from station.results.ladder import KeptLadder, ladder_document
+from station.settings import Settings
+from station.text.diagnosis_text import show_diagnosis, size
+from station.text.ladder_text import show_ladder
+
+MASS_KG = 21.36
+SEEDS = 1000
+MOST_PLACES = 3
+BOARD = "mocks.mystery"
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """What came out: the session, the diagnosis, the ladder, and, looked at last, the truth."""
+
+    seed: int
+    session: Session
+    diagnosis: dict[str, Any]
+    ladder: KeptLadder
+    truth: dict[str, Any]
+
+    @property
+    def found(self) -> tuple[str, ...]:
+        """What the diagnosis named."""
+        return tuple(self.diagnosis["named"])
+
+    @property
+    def right(self) -> bool:
+        """Whether what was hidden is what was named first, or stands beside it as not told apart."""
+        hidden = self.truth["hidden"]
+        return bool(self.found) and self.found[0] == hidden
+
+
+def play(
+    settings: Settings,
+    seed: int | None,
+    speed: float,
+    pty: bool,
+    folder: Path | None,
+    no_viewer: bool,
+    as_json: bool,
+) -> None:
+    """Run the whole story; a seed of None is drawn."""
+    console = screen()
+    say = _silent if as_json else _teller(console)
+    chosen = secrets.randbelow(SEEDS) if seed is None else seed
+    say(
+        f"THE MYSTERY, number {chosen}",
+        "A simulated board starts as a program of its own. Something is hidden in its bench: a force that the usual "
+        "model (stiffness, dry and viscous friction) does not have, or a faulty sensor. This program is not told "
+        "what. Let us record one release and find out.",
+    )
+    info = SessionInfo(specimen=f"mystery {chosen}", mass_kg=MASS_KG, operator="demo")
+    wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
+    where = folder or new_folder(settings.sessions, f"mystery_{chosen}")
+    with TemporaryDirectory() as aside:
+        sealed_envelope = Path(aside) / "truth.json"
+        with double(chosen, speed, pty, "--truth", str(sealed_envelope), module=BOARD) as port:
+            progress(f"a simulated board answers at {port}")
+            session, url = record(port, wanted, where, not no_viewer)
+        solved = _solve(session, settings, say, console if not as_json else None, chosen, sealed_envelope)
+    if as_json:
+        print_json(_document(solved))
+    else:
+        _reveal(console, solved, say)
+    if not no_viewer:
+        from station.operations.viewer_tabs import show_ladder as show
+
+        opened = open_refinement(session, settings)
+        if show(opened, url):
+            progress("the viewer shows the ladder: step along its timeline `rung`")
+
+
+Say = Callable[[str, str], None]
+
+
+def _solve(
+    session: Session, settings: Settings, say: Say, console: Console | None, seed: int, envelope: Path
+) -> Solved:
+    bench = Bench((session,), (make_ready(session, settings),))
+    say(
+        "1. COMPARE: how well does the usual model explain the recording?",
+        "The model is fitted, then run freely from the release, and laid over the measurement.",
+    )
+    refinement = open_refinement(session, settings)
+    _compare(session, settings, console)
+    say(
+        "2. DIAGNOSE: what is missing?",
+        "Every effect that the library knows is added in turn, refitted, and judged by what chance alone would do.",
+    )
+    _, document = diagnose_bench(bench, tell=progress)
+    keep(bench, document)
+    if console is not None:
+        show_diagnosis(console, document)
+    ladder = refinement.ladder
+    if document["named"]:
+        say(
+            "3. ADD: the model gets it, and the error falls",
+            f"station refine {session.folder} --add {document['named'][0]}",
+        )
+        for name in document["named"]:
+            ladder = add(replace(refinement, ladder=ladder), name)
+        if console is not None:
+            show_ladder(console, session.folder.name, ladder)
+    else:
+        say("3. ADD: nothing", "The diagnosis names no effect, so none is added.")
+    if not envelope.is_file():
+        raise Problem("the simulated board did not say what it had hidden; start it again")
+    truth = json.loads(envelope.read_text(encoding="utf-8"))
+    return Solved(seed, session, document, ladder, truth)
+
+
+def _compare(session: Session, settings: Settings, console: Console | None) -> None:
+    compared, _ = compare_session(session, options_for(session, settings))
+    if console is None:
+        return
+    start, found = compared.start, compared.comparison
+    error = errors_of(start)
+    console.print(
+        Padding(
+            Text(
+                f"force error {size(error.force_mse_percent)} %, motion error {size(error.motion_percent)} % "
+                f"over {error.horizon_s:.1f} s. "
+                f"Small? It is {size(error.chi_square)} times what noise explains "
+                f"(1.00 ± {error.floor_std:.2f} is the floor)."
+            ),
+            (0, 1, 1, 1),
+        )
+    )
+    for place in found.places[:MOST_PLACES]:
+        console.print(Padding(Text(f"- {place.text}"), (0, 1, 0, 1)))
+    console.print(Padding(Text(found.cause), (1, 1, 0, 1)))
+
+
+def _reveal(console: Console, solved: Solved, say: Say) -> None:
+    truth = solved.truth
+    hidden = truth["hidden"]
+    say("4. WHAT WAS HIDDEN: the envelope is opened only now", "")
+    strength = 100.0 * next(iter(truth["strengths"].values()), 0.0)
+    console.print(
+        Padding(
+            Text(
+                f"{hidden}, {strength:.2f} % of {'the force' if truth['kind'] == 'physics' else 'one channel'}",
+                style="bold",
+            ),
+            (0, 1),
+        )
+    )
+    for line in _side_by_side(solved):
+        console.print(Padding(Text(line), (0, 1)))
+    console.print()
+    console.print(Padding(_verdict(solved), (0, 1)))
+    console.print()
+    folder = solved.session.folder
+    for line in (
+        f" all of it is in {folder}",
+        f" look:      station view {folder}",
+        f" try:       station refine {folder} --reset --auto",
+        f" again:     station demo --mystery {solved.seed}     another: station demo --mystery",
+    ):
+        console.print(line, markup=False, soft_wrap=True)
+
+
+def _side_by_side(solved: Solved) -> list[str]:
+    """Return the hidden effect's parameters, and those found where it was found, each with its unit."""
+    true = {
+        "linear_stiffness.k": solved.truth["stiffness_per_mass"],
+        "coulomb_friction.mu_0": solved.truth["mu_0"],
+        "viscous_damping.mu_1": solved.truth["mu_1"],
+    }
+    for effect, values in solved.truth["parameters"].items():
+        true |= {f"{effect}.{name}": value for name, value in values.items()}
+    lines = []
+    for name, value in true.items():
+        estimate = solved.ladder.top.parameters.get(name)
+        if not isinstance(value, int | float) or name.endswith(
+            ".phase"
+        ):  # it counts from another instant there
+            continue
+        if estimate is None:
+            if name.split(".")[0] == solved.truth["hidden"]:
+                lines.append(f"{name:<30}{value:>11.5g}")
+            continue
+        std = "" if estimate["std"] is None else f" ± {estimate['std']:.2g}"
+        lines.append(f"{name:<30}{value:>11.5g}   found {estimate['value']:.6g}{std} {estimate['unit']}")
+    return lines
+
+
+def _verdict(solved: Solved) -> Text:
+    hidden, chi_square = solved.truth["hidden"], solved.ladder.top.error.chi2
+    if solved.right:
+        return Text(
+            f"FOUND: {hidden} was named, and what is left is {size(chi_square)} times the noise.",
+            style="bold green",
+        )
+    if solved.found:
+        rivals = solved.diagnosis["suspects"][0]["confusable_with"]
+        told = " It did say that the two are easily taken for each other." if hidden in rivals else ""
+        return Text(f"NOT FOUND: {solved.found[0]} was named instead of {hidden}.{told}", style="bold red")
+    verdict = solved.diagnosis["verdict"].replace("_", " ")
+    return Text(f"NOT NAMED: the verdict was '{verdict}', and {hidden} was there.", style="bold yellow")
+
+
+def _document(solved: Solved) -> dict[str, Any]:
+    return {
+        "seed": solved.seed,
+        "session": str(solved.session.folder),
+        "diagnosis": solved.diagnosis,
+        "ladder": ladder_document(solved.session, solved.ladder),
+        "hidden": {
+            "effect": solved.truth["hidden"],
+            "kind": solved.truth["kind"],
+            "strengths": solved.truth["strengths"],
+            "parameters": solved.truth["parameters"],
+        },
+        "right": solved.right,
+    }
+
+
+def _teller(console: Console) -> Say:
+    def say(title: str, text: str) -> None:
+        console.print()
+        console.rule(Text(title, style="bold cyan"), align="left")
+        if text:
+            console.print(Padding(Text(text), (0, 1, 1, 1)))
+
+    return say
+
+
+def _silent(title: str, text: str) -> None:
+    """Tell nothing."""

@@ -1,0 +1,54 @@
+"""A session to be: its folder, what is known of the specimen, and how it is captured."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+from daq.capture import CaptureSettings
+from daq.session_info import SessionInfo
+from station.settings import Settings
+
+
+def new_folder(sessions: Path, prefix: str = "release") -> Path:
+    """Return a folder for a new session, named by the time, that does not exist yet."""
+    stamp = time.strftime("%Y%m%d_%H%M%S")
+    folder, number = sessions / f"{prefix}_{stamp}", 1
+    while folder.exists():
+        number += 1
+        folder = sessions / f"{prefix}_{stamp}_{number}"
+    return folder
+
+
+def session_info(
+    settings: Settings,
+    mass: float | None,
+    mass_std: float | None,
+    specimen: str | None,
+    operator: str | None,
+) -> SessionInfo:
+    """Return a session's metadata from options, else from the settings."""
+    known = settings.specimen
+    return SessionInfo(
+        operator=operator if operator is not None else known.operator,
+        specimen=specimen if specimen is not None else known.name,
+        mass_kg=mass if mass is not None else known.mass_kg,
+        mass_std_kg=mass_std if mass is not None or mass_std is not None else known.mass_std_kg,
+    )
+
+
+def capture_settings(settings: Settings, info: SessionInfo, **timing: Any) -> CaptureSettings:
+    """Return how to capture: options where they were given, else the settings."""
+
+    def chosen(option: str, default: float) -> float:
+        given = timing.get(option)
+        return default if given is None else float(given)
+
+    known = settings.capture
+    return CaptureSettings(
+        duration_s=chosen("duration", known.duration),
+        rate_hz=chosen("rate", known.rate),
+        pre_trigger_s=chosen("pre_trigger", known.pre_trigger),
+        trigger_timeout_s=chosen("patience", known.patience),
+        trigger_level=timing.get("level"),
+        info=info,
+    )

@@ -1,0 +1,177 @@
+"""Refine: one effect in or out of a session's model, or a climb to the floor; the ladder is kept."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from daq.session import Session
+from identify.diagnosis.refine import Rung, add_effect, climb, first_rung, remove_effect
+from identify.effects.effect import Effect
+from identify.effects.library import find_effect
+from identify.fitting.baseline import ADEQUATE
+from identify.preprocessing.equation_error import moving
+from identify.preprocessing.prepared_decay import Setting
+from station.exits import UsageProblem
+from station.operations.session_set import chosen_model, make_ready, whole_library
+from station.results.ladder import Errors, KeptLadder, KeptRung, kept, read_ladder, write_ladder
+from station.results.models import known_model, name_of, parsed_effect
+from station.settings import Settings
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """A session's ladder with what it takes to go on: `library` and `setting`."""
+
+    session: Session
+    setting: Setting
+    library: tuple[Effect, ...]
+    ladder: KeptLadder
+
+
+def open_refinement(
+    session: Session,
+    settings: Settings,
+    model_file: Path | None = None,
+    effects_file: Path | None = None,
+    gain_percent: float | None = None,
+    *,
+    reset: bool = False,
+) -> Refinement:
+    """Open the ladder of a session; begin one where there is none, where a model is given, or on `reset`.
+
+    A ladder that begins is not kept before its first step, or before `write_ladder`.
+    Raises NotIdentifiable when the session holds too little.
+    """
+    library = whole_library(effects_file)
+    ladder = None if reset or model_file is not None else read_ladder(session)
+    if gain_percent is None and ladder is not None:
+        gain_percent = ladder.gain_percent
+    setting = make_ready(session, settings, gain_percent)
+    if ladder is None:
+        model, known, expressions = chosen_model(model_file, (setting,), library)
+        rung = first_rung((setting,), model, known)
+        ladder = KeptLadder(
+            rungs=(kept(rung, expressions),),
+            present=0,
+            floor=floor_of(setting, rung),
+            gain_percent=gain_percent,
+        )
+    return Refinement(session, setting, library, ladder)
+
+
+def floor_of(setting: Setting, rung: Rung) -> Errors:
+    """Return what noise alone leaves of the three errors."""
+    motion, span = setting.motion, rung.fit.spans[0]
+    used = moving(motion)
+    channel = span.channels[0]
+    noise = motion.noise_acceleration or 0.0
+    return Errors(
+        force_mse_percent=float(100.0 * noise**2 / np.var(setting.restoring[used])),
+        motion_percent=float(
+            100.0 * span.sigma[channel] / np.std(span.readings[channel][span.used[channel]])
+        ),
+        chi2=1.0,
+    )
+
+
+def rung_again(refinement: Refinement, rung: KeptRung) -> Rung:
+    """Return a kept rung with its fit, found again from its values."""
+    known = known_model(rung.model, "the ladder", refinement.library)
+    return first_rung((refinement.setting,), known.model, known.values | rung.nuisances)
+
+
+def add(refinement: Refinement, wanted: str) -> KeptLadder:
+    """Add an effect of the library, of the user's file, or an expression as "magnet = a*u/(1+(u/b)**2)"."""
+    expressions = refinement.ladder.top.model.expressions
+    if "=" in wanted:
+        effect = _parsed(wanted, refinement.library)
+        expressions = (*(text for text in expressions if name_of(text) != effect.name), wanted)
+    else:
+        effect = _found(wanted, refinement.library)
+    top = rung_again(refinement, refinement.ladder.top)
+    try:
+        rung = add_effect(top, effect, library=refinement.library)
+    except ValueError as error:
+        raise UsageProblem(f"{wanted}: {error}") from error
+    return _extended(
+        refinement, (kept(rung, expressions),), _manual(rung, f"as asked, {effect.name} was added")
+    )
+
+
+def remove(refinement: Refinement, name: str) -> KeptLadder:
+    """Take an effect out of the present model."""
+    top = rung_again(refinement, refinement.ladder.top)
+    if name not in top.effects:
+        raise UsageProblem(f"{name} is not in the model: {', '.join(top.effects)}")
+    if len(top.effects) == 1:
+        raise UsageProblem(f"{name} is all that the model has; add something before removing it")
+    rung = remove_effect(top, name)
+    expressions = refinement.ladder.top.model.expressions
+    return _extended(refinement, (kept(rung, expressions),), _manual(rung, f"as asked, {name} was removed"))
+
+
+def climb_on(refinement: Refinement, tell: Tell) -> KeptLadder:
+    """Add what is missing until nothing is; `tell` is told each rung."""
+    top = refinement.ladder.top
+    expressions = top.model.expressions
+    known = known_model(top.model, "the ladder", refinement.library)
+    settings = (refinement.setting,)
+
+    def told(rung: Rung, words: str) -> None:
+        tell(f"{words}: chi2 {rung.error.chi_square:.3g} ({' + '.join(rung.effects)})")
+
+    found, _ = climb(
+        settings, known.model, library=refinement.library, known=known.values | top.nuisances, progress=told
+    )
+    new = tuple(kept(rung, expressions) for rung in found.rungs[1:])
+    return _extended(refinement, new, (found.stopped_because, found.verdict))
+
+
+def go_to(refinement: Refinement, number: int) -> KeptLadder:
+    """Make rung `number` (0 is the first) the present model; the rungs above it stay until something is added."""
+    ladder = refinement.ladder
+    if not 0 <= number < len(ladder.rungs):
+        raise UsageProblem(f"--to {number}: the ladder has rungs 0 to {len(ladder.rungs) - 1}")
+    changed = ladder.with_(present=number, stopped_because=f"gone back to rung {number}", verdict=None)
+    if number == ladder.present:
+        changed = ladder
+    write_ladder(refinement.session, changed)
+    return changed
+
+
+def _extended(refinement: Refinement, new: tuple[KeptRung, ...], why: tuple[str, str | None]) -> KeptLadder:
+    ladder = refinement.ladder
+    rungs = (*ladder.rungs[: ladder.present + 1], *new)
+    changed = ladder.with_(rungs=rungs, present=len(rungs) - 1, stopped_because=why[0], verdict=why[1])
+    write_ladder(refinement.session, changed)
+    return changed
+
+
+def _manual(rung: Rung, done: str) -> tuple[str, str | None]:
+    chi_square, spread = rung.error.chi_square, rung.error.floor_std
+    if chi_square <= 1.0 + ADEQUATE * spread:
+        return f"{done}; the noise floor is reached", None
+    return f"{done}; {chi_square:.3g} times the noise is left", None
+
+
+def _found(name: str, library: tuple[Effect, ...]) -> Effect:
+    try:
+        return find_effect(name, library)
+    except KeyError as error:
+        raise UsageProblem(
+            f"no effect is called '{name}'; see `station effects`, or write one as \"magnet = a*u/(1+(u/b)**2)\""
+        ) from error
+
+
+def _parsed(text: str, library: tuple[Effect, ...]) -> Effect:
+    try:
+        effect = parsed_effect(text)
+    except ValueError as error:
+        raise UsageProblem(str(error)) from error
+    if any(effect.name == other.name for other in library):
+        raise UsageProblem(f"{effect.name} is in the library already; choose another name for your own")
+    return effect

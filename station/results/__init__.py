@@ -1,0 +1,1 @@
+"""What is kept: one typed document for each result."""

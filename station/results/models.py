@@ -1,0 +1,214 @@
+"""A model as a file: effects, variants and values, checked when they are read; reading runs no code."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from identify.effects.effect import Effect
+from identify.effects.library import LIBRARY
+from identify.estimate import Estimate
+from identify.fitting.fit import Fit
+from identify.model.model import Model, Term
+from station.exits import UsageProblem
+
+LARGEST = 1 << 20
+LONGEST = 200
+
+ParseEffect = Callable[[str], Effect]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class Value(_Part):
+    """A parameter's value, its standard error (None where the record does not tell) and its unit."""
+
+    value: float = Field(allow_inf_nan=False)
+    std: float | None = Field(default=None, ge=0, allow_inf_nan=False)
+    unit: str = Field(default="", max_length=64)
+
+
+class EffectEntry(_Part):
+    """One effect: its name, inner values that are held and the channel at fault, and its parameters."""
+
+    effect: str = Field(max_length=64)
+    held: dict[str, float | str] = Field(default_factory=dict)
+    parameters: dict[str, Value] = Field(default_factory=dict)
+
+
+class ModelFile(_Part):
+    """A model with its values; `expressions` are effects that the user wrote on the command line."""
+
+    format: Literal[1] = 1
+    equation: str = Field(default="", max_length=10_000)
+    effects: tuple[EffectEntry, ...] = Field(min_length=1, max_length=40, strict=False)
+    expressions: tuple[str, ...] = Field(default=(), max_length=20, strict=False)
+
+
+@dataclass(frozen=True, eq=False)
+class KnownModel:
+    """A model that was read: its terms, and its values by "effect.parameter"."""
+
+    model: Model
+    values: dict[str, float]
+    expressions: tuple[str, ...] = ()
+
+
+def model_file(fit: Fit, expressions: tuple[str, ...] = ()) -> ModelFile:
+    """Return a fitted model as it is kept; `expressions` that it does not use are left out."""
+    entries = tuple(
+        EffectEntry(
+            effect=term.effect.name,
+            held=dict(term.held),
+            parameters={name: as_value(found) for name, found in parameters_of(fit, term).items()},
+        )
+        for term in fit.model.terms
+    )
+    used = tuple(text for text in expressions if name_of(text) in fit.model)
+    return ModelFile(equation=fit.model.equation, effects=entries, expressions=used)
+
+
+def parameters_of(fit: Fit, term: Term) -> dict[str, Estimate]:
+    """Return the fitted parameters of one term; a sensor's fault has one for each release, and the first counts."""
+    found: dict[str, Estimate] = {}
+    for parameter in term.free:
+        name = f"{term.effect.name}.{parameter.name}"
+        for key in (name, f"{name}[0]"):
+            if key in fit.values:
+                found[parameter.name] = fit.values[key]
+                break
+    return found
+
+
+def as_value(estimate: Estimate) -> Value:
+    """Return an estimate as it is kept."""
+    std = float(estimate.std)
+    return Value(value=float(estimate.value), std=std if math.isfinite(std) else None, unit=estimate.unit)
+
+
+def name_of(expression: str) -> str:
+    """Return the name that "magnet = a*u" gives to its effect."""
+    return expression.partition("=")[0].strip()
+
+
+def written(model: ModelFile) -> str:
+    """Return the text of a model file."""
+    return model.model_dump_json(indent=2) + "\n"
+
+
+def read_model(
+    file: Path, library: tuple[Effect, ...] = LIBRARY, parse: ParseEffect | None = None
+) -> KnownModel:
+    """Read and check a model file; UsageProblem that names the file and the entry that is wrong."""
+    try:
+        with file.open("rb") as stream:
+            content = stream.read(LARGEST + 1)
+    except OSError as error:
+        raise UsageProblem(f"the model {file} cannot be read: {error.strerror or error}") from error
+    if len(content) > LARGEST:
+        raise UsageProblem(f"the model {file} is larger than any model is; give the file that refine wrote")
+    try:
+        model = ModelFile.model_validate_json(content)
+    except ValidationError as error:
+        raise UsageProblem(f"the model {file}: {first_fault(error)}") from error
+    return known_model(model, f"the model {file}", library, parse)
+
+
+def first_fault(error: ValidationError) -> str:
+    """Return where a document is wrong and how, in a sentence."""
+    first = error.errors(include_url=False, include_input=False)[0]
+    entry = ".".join(str(part) for part in first["loc"])
+    return short(f"{entry}: {first['msg']}" if entry else str(first["msg"]))
+
+
+def short(text: str) -> str:
+    """Return a text in one line that fits a message, however much of a file it quotes."""
+    line = " ".join(text.split())
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
+
+
+def known_model(
+    model: ModelFile, where: str, library: tuple[Effect, ...] = LIBRARY, parse: ParseEffect | None = None
+) -> KnownModel:
+    """Return a model with its effects looked up; UsageProblem, beginning with `where`, when one does not fit."""
+    by_name = {effect.name: effect for effect in library} | _expressions(model, where, parse)
+    terms: list[Term] = []
+    values: dict[str, float] = {}
+    for entry in model.effects:
+        effect = by_name.get(entry.effect)
+        if effect is None:
+            raise UsageProblem(
+                f"{where}: no effect is called '{entry.effect}'; see `station effects`, or give the file that "
+                "defines it with --effects"
+            )
+        term = Term(effect, _held(entry, effect, where))
+        if any(term.effect.name == other.effect.name and term.channel == other.channel for other in terms):
+            raise UsageProblem(f"{where}: {entry.effect} stands in it twice")
+        terms.append(term)
+        values |= _values(entry, term, where)
+    return KnownModel(Model(tuple(terms)), values, model.expressions)
+
+
+def _expressions(model: ModelFile, where: str, parse: ParseEffect | None) -> dict[str, Effect]:
+    if not model.expressions:
+        return {}
+    try:
+        return {effect.name: effect for effect in map(parse or parsed_effect, model.expressions)}
+    except ValueError as error:
+        raise UsageProblem(f"{where}: {short(str(error))}") from error
+
+
+def parsed_effect(text: str) -> Effect:
+    """Return the effect that an expression describes; ValueError, in a sentence, when it describes none."""
+    from identify.effects.user import parse_effect
+
+    effect: Effect = parse_effect(text)
+    return effect
+
+
+def _held(entry: EffectEntry, effect: Effect, where: str) -> dict[str, float | str]:
+    for variant in effect.variants:
+        if dict(variant) == entry.held:
+            return dict(variant)
+    choices = " or ".join(str(dict(variant)) for variant in effect.variants)
+    raise UsageProblem(f"{where}: {entry.effect}: `held` is {short(str(entry.held))}; it can be {choices}")
+
+
+def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
+    free = {parameter.name: parameter for parameter in term.free}
+    unknown = set(entry.parameters) - set(free)
+    if unknown:
+        raise UsageProblem(
+            f"{where}: {entry.effect} has no parameter {short(', '.join(sorted(unknown)))}; it has {', '.join(free)}"
+        )
+    judged_apart = term.effect.kind == "sensor" and term.effect.observe is None
+    missing = set() if judged_apart else set(free) - set(entry.parameters)
+    if missing:
+        raise UsageProblem(f"{where}: {entry.effect}: no value for {', '.join(sorted(missing))}")
+    values: dict[str, float] = {}
+    for name, given in entry.parameters.items():
+        low, high = free[name].low, free[name].high
+        if not low <= given.value <= high:
+            raise UsageProblem(
+                f"{where}: {entry.effect}: {name} = {given.value:g} is outside {low:g} to {high:g}"
+            )
+        values[f"{entry.effect}.{name}"] = given.value
+    return values
+
+
+def as_plain(model: ModelFile) -> dict[str, Any]:
+    """Return a model as `--json` shows it."""
+    return {
+        "effects": [entry.effect for entry in model.effects],
+        "equation": model.equation,
+        "parameters": {
+            f"{entry.effect}.{name}": value.model_dump()
+            for entry in model.effects
+            for name, value in entry.parameters.items()
+        },
+    }

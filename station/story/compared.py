@@ -1,0 +1,17 @@
+"""A model as fitted to a session, and where it fails."""
+
+from dataclasses import dataclass
+
+from identify.comparison.compare import Comparison
+from identify.fitting.baseline import Start
+from identify.preprocessing.prepared_decay import Setting
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """A model as fitted to the session `name`, and where it fails."""
+
+    name: str
+    setting: Setting
+    start: Start
+    comparison: Comparison

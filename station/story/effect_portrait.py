@@ -1,0 +1,83 @@
+"""An effect at typical values: its force along cycles of several sizes, and what it does to decay and frequency."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from identify.effects.effect import Effect, Scales
+from identify.model.equivalent_linearisation import Signature, average
+from identify.model.measured_path import effect_force
+from identify.model.model import Term
+
+Array = NDArray[np.float64]
+
+AMPLITUDE = 0.02
+
+FREQUENCY = 2.0 * np.pi * 4.0
+
+SHARE = 0.01
+
+_POINTS = 4000
+
+_CYCLES = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Portrait:
+    """An effect at typical values: 20 mm, 4 Hz, and a force of about 1 % of the springs'.
+
+    `displacement`, `velocity`, `force` (n,) of one settled cycle at the largest amplitude; `signature` over amplitudes.
+    """
+
+    values: dict[str, float]
+    displacement: Array
+    velocity: Array
+    force: Array
+    signature: Signature
+
+
+def portray(effect: Effect) -> Portrait:
+    """Return the portrait of a physical effect; raises ValueError for a fault of a sensor, which has no force."""
+    if effect.kind != "physics":
+        raise ValueError(f"{effect.name} is a fault of a sensor: it has no force to draw")
+    values = _typical(effect)
+    time = np.arange(_POINTS * _CYCLES) / (_POINTS * FREQUENCY / (2.0 * np.pi))
+    u, v = AMPLITUDE * np.cos(FREQUENCY * time), -AMPLITUDE * FREQUENCY * np.sin(FREQUENCY * time)
+    term = Term(effect)
+    named = {f"{effect.name}.{name}": value for name, value in values.items() if "." not in name} | {
+        name: value for name, value in values.items() if "." in name
+    }
+    if effect.rest is not None:
+        rest = effect.rest(AMPLITUDE, np.array([values[p.name] for p in effect.parameters]))
+        named |= {f"{effect.name}.state{j}": state for j, state in enumerate(rest)}
+    force = effect_force(term, named, time, u, v)
+    target = SHARE * FREQUENCY**2 * AMPLITUDE
+    largest = float(np.max(np.abs(force[-_POINTS:])))
+    factor = target / largest if largest > 0 else 1.0
+    values[effect.strength.name] *= factor
+    last = slice(len(time) - _POINTS, None)
+    amplitudes = np.linspace(0.05, 1.0, 39) * AMPLITUDE
+    moment = 1.0 if effect.borrows else 0.0
+    signature = average(effect, values, FREQUENCY, amplitudes, time=moment)
+    return Portrait(values, u[last], v[last], force[last] * factor, signature)
+
+
+def _typical(effect: Effect) -> dict[str, float]:
+    scales = Scales(
+        AMPLITUDE,
+        FREQUENCY,
+        8.0,
+        256.0,
+        {"displacement": AMPLITUDE, "acceleration": AMPLITUDE * FREQUENCY**2},
+        {"displacement": ((9.3, 1e-4, 1.0),)},
+    )
+    starts = effect.starts(scales)
+    inner = [p for p in effect.parameters[1:] if p.name not in effect.variants[0]]
+    middle = starts[len(starts) // 2] if starts else ()
+    values = {effect.strength.name: 1.0}
+    values |= {p.name: value for p, value in zip(inner, middle, strict=False)}
+    values |= {name: float(value) for name, value in effect.variants[0].items()}
+    for parameter in effect.parameters:
+        values.setdefault(parameter.name, 1.0)
+    return values | dict.fromkeys(effect.borrows, FREQUENCY**2)

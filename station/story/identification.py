@@ -1,0 +1,29 @@
+"""What the pipeline found out about one release."""
+
+from dataclasses import dataclass
+
+from identify.free_decay import FreeDecay
+from identify.preprocessing.alignment import Alignment
+from identify.preprocessing.release import Release
+from identify.restoring_force.restoring_force import RestoringForceResult
+from identify.wavelet.wavelet import WaveletResult
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """Everything the story tells about one release.
+
+    `decay` is the release as it was recorded, with the noise of each channel; `aligned` the same with the
+    displacement moved by the lag (`decay` itself where there was nothing to align). A result that could
+    not be had is None, and `refusals` says why under the step's name. `without_alignment` is what the
+    restoring force says of the channels as they were recorded.
+    """
+
+    decay: FreeDecay
+    release: Release
+    alignment: Alignment | None
+    aligned: FreeDecay
+    wavelet: WaveletResult | None
+    restoring_force: RestoringForceResult | None
+    without_alignment: RestoringForceResult | None
+    refusals: dict[str, str]

@@ -1,0 +1,150 @@
+"""Effects in words, and as charts of 80 columns made of letters."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from identify.effects.effect import Effect, Parameter
+from station.story.effect_portrait import AMPLITUDE, FREQUENCY, Array, Portrait
+
+HEIGHT = 9
+WIDTH = 34
+
+
+def show_list(console: Console, effects: Sequence[Effect]) -> None:
+    """Print every effect with its equation, physics first."""
+    for kind, title in (
+        ("physics", "Physics: forces per unit mass"),
+        ("sensor", "Sensors: faults of a reading"),
+    ):
+        console.print(Text(f"\n {title}", style="bold"))
+        table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 1), show_header=False)
+        table.add_column(no_wrap=True, style="cyan")
+        table.add_column(overflow="fold")
+        for effect in effects:
+            if effect.kind == kind:
+                table.add_row(Text(effect.name), Text(f"{effect.title}: {effect.equation}"))
+        console.print(table)
+    console.print("\n More of one: station effects NAME", markup=False)
+
+
+def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> None:
+    """Print one effect: what it is, its parameters, how it shows, how to prove it, and its charts."""
+    console.print(Text(f"\n {effect.name}: {effect.title}", style="bold"))
+    console.print(
+        _line("equation", f"{effect.equation}" + (" (per unit mass)" if effect.kind == "physics" else ""))
+    )
+    console.print(
+        _line("kind", "a force" if effect.kind == "physics" else "a fault of a sensor, not a force")
+    )
+    for parameter in effect.parameters:
+        console.print(_line(parameter.name, f"{parameter.meaning}, {parameter.unit}, {bounds(parameter)}"))
+    for name in effect.borrows:
+        console.print(_line("uses", name))
+    console.print(_line("shows as", effect.tell))
+    console.print(_line("proof", effect.proof))
+    if effect.confusable_with:
+        console.print(_line("confusable", ", ".join(effect.confusable_with)))
+    if portrait is None:
+        return
+    typical = ", ".join(f"{name} {value:.3g}" for name, value in portrait.values.items() if "." not in name)
+    note = f"{AMPLITUDE * 1e3:g} mm at {FREQUENCY / 2 / np.pi:g} Hz, the largest force 1 % of the springs': {typical}"
+    console.print(_line("drawn for", note))
+    console.print()
+    for line in charts(portrait):
+        console.print(f" {line}", markup=False)
+
+
+def _line(label: str, text: str) -> Table:
+    line = Table.grid(padding=(0, 1))
+    line.add_column(width=12)
+    line.add_column(overflow="fold")
+    line.add_row(Text(f" {label}", style="cyan"), Text(text))
+    return line
+
+
+def bounds(parameter: Parameter) -> str:
+    """Return what physics allows of a parameter, in words."""
+    low, high = parameter.low, parameter.high
+    if np.isfinite(low) and np.isfinite(high):
+        return f"from {low:g} to {high:g}"
+    if np.isfinite(low):
+        return f"at least {low:g}"
+    return f"at most {high:g}" if np.isfinite(high) else "of either sign"
+
+
+def charts(portrait: Portrait) -> list[str]:
+    """Return force over u and v, and damping and frequency over amplitude, as lines of at most 78 letters."""
+    found = portrait.signature
+    amplitude = found.amplitude * 1e3
+    first = _side_by_side(
+        _chart("force over displacement", portrait.displacement * 1e3, portrait.force, "mm", "m/s^2"),
+        _chart("force over velocity", portrait.velocity, portrait.force, "m/s", "m/s^2"),
+    )
+    second = _side_by_side(
+        _chart("damping over amplitude", amplitude, found.damping, "mm", "1/s"),
+        _chart("frequency over amplitude", amplitude, 50.0 * found.stiffening / FREQUENCY**2, "mm", "%"),
+    )
+    return [*first, "", *second]
+
+
+def _chart(title: str, x: Array, y: Array, x_unit: str, y_unit: str) -> list[str]:
+    low, high = float(np.min(y)), float(np.max(y))
+    if high - low < 1e-9 * max(abs(high), abs(low), 1e-9):
+        low, high = low - 1.0, high + 1.0
+    if abs(high) < 1e-12:
+        low, high = min(low, -1e-12), high
+    columns = np.clip(
+        ((x - x.min()) / max(np.ptp(x), 1e-300) * (WIDTH - 1)).round().astype(int), 0, WIDTH - 1
+    )
+    rows = np.clip(((high - y) / (high - low) * (HEIGHT - 1)).round().astype(int), 0, HEIGHT - 1)
+    canvas = np.full((HEIGHT, WIDTH), " ")
+    if low < 0.0 < high:
+        canvas[round(high / (high - low) * (HEIGHT - 1))] = "·"
+    canvas[rows, columns] = "*"
+    top = f"{title} [{y_unit}]"
+    lines = [top, f"{high:.3g}"]
+    lines += ["|" + "".join(row) for row in canvas]
+    left, right = f"{x.min():.3g}", f"{x.max():.3g} {x_unit}"
+    return [*lines, f"{low:.3g}", f" {left}{right:>{WIDTH - len(left)}}"]
+
+
+def _side_by_side(left: list[str], right: list[str]) -> list[str]:
+    return [f"{one:<{WIDTH + 5}}{other}".rstrip() for one, other in zip(left, right, strict=True)]
+
+
+def as_document(effect: Effect, portrait: Portrait | None) -> dict[str, Any]:
+    """Return an effect as a plain document."""
+    document: dict[str, Any] = {
+        "name": effect.name,
+        "title": effect.title,
+        "kind": effect.kind,
+        "equation": effect.equation,
+        "parameters": [
+            {
+                "name": p.name,
+                "unit": p.unit,
+                "meaning": p.meaning,
+                "low": p.low if np.isfinite(p.low) else None,
+                "high": p.high if np.isfinite(p.high) else None,
+            }
+            for p in effect.parameters
+        ],
+        "borrows": list(effect.borrows),
+        "tell": effect.tell,
+        "proof": effect.proof,
+        "confusable_with": list(effect.confusable_with),
+    }
+    if portrait is not None:
+        document["signature"] = {
+            "values": portrait.values,
+            "frequency_rad_s": FREQUENCY,
+            "amplitude_m": portrait.signature.amplitude.tolist(),
+            "damping_1_s": portrait.signature.damping.tolist(),
+            "change_of_w2_1_s2": portrait.signature.stiffening.tolist(),
+        }
+    return document

@@ -1,0 +1,129 @@
+"""The ladder in the terminal: rung by rung what was added, the three errors, what moved; the floor comes last."""
+
+import math
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from station.results.ladder import KeptLadder, KeptRung
+from station.text.diagnosis_text import number, size
+
+MOST_MOVED = 3
+MOVED = 2.0
+
+
+def show_ladder(console: Console, name: str, ladder: KeptLadder) -> None:
+    """Print the ladder of a session up to the present rung, and which rungs are above it."""
+    console.print()
+    console.print(Text(f" {name}: the error, rung by rung", style="bold"))
+    console.print()
+    console.print(Padding(_table(ladder), (0, 0, 0, 1)))
+    console.print()
+    for line in _below(ladder):
+        console.print(Padding(Text(line), (0, 1)))
+    console.print()
+
+
+def _table(ladder: KeptLadder) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
+    table.add_column("rung", justify="right")
+    table.add_column("effect", no_wrap=True)
+    table.add_column("force\nMSE %", justify="right")
+    table.add_column("motion\n%", justify="right")
+    table.add_column("chi2", justify="right")
+    table.add_column("change", justify="right")
+    table.add_column("", width=12)
+    largest = max((rung.error.chi2 or 1.0 for rung in ladder.rungs), default=1.0)
+    before: KeptRung | None = None
+    for place, rung in enumerate(ladder.rungs):
+        above = place > ladder.present
+        style = "dim" if above else "bold" if place == ladder.present else ""
+        error = rung.error
+        cells = (
+            str(place),
+            step(rung),
+            size(error.force_mse_percent),
+            size(error.motion_percent),
+            size(error.chi2),
+            "" if before is None else change(before.error.chi2, error.chi2),
+            bar(error.chi2, largest),
+        )
+        table.add_row(*(Text(cell, style=style) for cell in cells))
+        before = rung
+    floor = ladder.floor
+    table.add_row(
+        *(
+            Text(cell, style="green")
+            for cell in (
+                "",
+                "floor (noise alone)",
+                size(floor.force_mse_percent),
+                size(floor.motion_percent),
+                f"1 ± {ladder.top.chi2_std:.2f}",
+                "",
+                "",
+            )
+        )
+    )
+    return table
+
+
+def step(rung: KeptRung) -> str:
+    """Return what a rung did to the model."""
+    if rung.added:
+        return f"+ {rung.added}"
+    if rung.removed:
+        return f"- {rung.removed}"
+    return "base model" if len(rung.effects) < 4 else f"model of {len(rung.effects)} effects"
+
+
+def change(before: float | None, after: float | None) -> str:
+    """Return by how much something fell or rose, as a factor or in %."""
+    if not before or not after:
+        return ""
+    if before >= 2 * after > 0:
+        return f"÷ {before / after:.3g}"
+    if after >= 2 * before > 0:
+        return f"x {after / before:.3g}"
+    percent = 100 * (after - before) / abs(before)
+    return f"{percent:+.1f} %" if abs(percent) >= 0.1 else f"{percent:+.2g} %"
+
+
+def bar(chi_square: float | None, largest: float, width: int = 12) -> str:
+    """Return chi-square on a logarithmic scale from the floor (nothing) to the largest."""
+    if chi_square is None or chi_square <= 1.05 or largest <= 1.05:
+        return ""
+    return "█" * max(1, round(width * math.log(chi_square) / math.log(max(largest, 2.0))))
+
+
+def moved(before: KeptRung, after: KeptRung) -> list[str]:
+    """Return the parameters that the step moved most, in standard errors of the fit before."""
+    found = []
+    for name, value in after.parameters.items():
+        old = before.parameters.get(name)
+        if old is None:
+            found.append((math.inf, f"{name} = {number(value)}, new"))
+            continue
+        std = max(old["std"] or 0.0, value["std"] or 0.0)
+        errors = abs(value["value"] - old["value"]) / std if std > 0 else 0.0
+        if errors > MOVED:
+            by = ", ".join(filter(None, (change(old["value"], value["value"]), f"{errors:.0f} std. errors")))
+            found.append((errors, f"{name} {number(value)} ({by})"))
+    found.sort(key=lambda entry: -entry[0])
+    new = sum(1 for weight, _ in found if math.isinf(weight))
+    return [text for _, text in found[: new + MOST_MOVED]]
+
+
+def _below(ladder: KeptLadder) -> list[str]:
+    lines = []
+    if ladder.present > 0:
+        before = ladder.rungs[ladder.present - 1]
+        lines += [f"moved: {text}" for text in moved(before, ladder.top)]
+    if ladder.stopped_because:
+        lines.append(f"{ladder.stopped_because[0].upper()}{ladder.stopped_because[1:]}.")
+    above = len(ladder.rungs) - 1 - ladder.present
+    if above:
+        lines.append(f"{above} rung{'s' if above > 1 else ''} above: `--to N` goes there, adding drops them.")
+    return lines

@@ -1,0 +1,241 @@
+"""The paper's Table 1 (each release) and Table 2 (mean and standard deviation), for any number of sessions."""
+
+import csv
+import io
+import math
+from dataclasses import dataclass
+from statistics import fmean, stdev
+from typing import Any
+
+from station.quantities import shown
+
+METHODS = (("wavelet", "WT"), ("restoring_force", "RFS"))
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One column of the tables: its name, its unit, and where it stands in an identification's document."""
+
+    name: str
+    unit: str
+    order: int | None
+
+    def of(self, method: dict[str, Any] | None) -> tuple[float, float] | None:
+        """Return value and standard error of one method, or None."""
+        if method is None:
+            return None
+        if self.order is None:
+            found = method["stiffness"]
+        elif self.order < len(method["damping"]):
+            found = method["damping"][self.order]
+        else:
+            return None
+        return (float(found["value"]), float(found["std"]))
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Value and standard error (Table 1) or mean and standard deviation (Table 2)."""
+
+    value: float
+    std: float
+
+
+@dataclass(frozen=True)
+class Row:
+    """One session: its name, the amplitude just after its release with its unit, and a cell for each column."""
+
+    session: str
+    amplitude: float | None
+    unit: str
+    cells: tuple[Cell | None, ...]
+
+
+@dataclass(frozen=True)
+class Tables:
+    """Table 1 as rows and columns; Table 2 as one line for each method."""
+
+    columns: tuple[tuple[str, str, str], ...]
+    rows: tuple[Row, ...]
+    summary: tuple[tuple[str, tuple[Cell | None, ...]], ...]
+
+
+def make_tables(documents: list[dict[str, Any]]) -> Tables:
+    """Make both tables of identification documents (see `station.results.document`)."""
+    quantities = _quantities(documents)
+    columns = tuple((q.name, label, q.unit) for q in quantities for _, label in METHODS)
+    rows = tuple(
+        Row(
+            document["session"],
+            document["release"].get("amplitude"),
+            document["record"]["unit"],
+            tuple(_cell(q.of(document[method])) for q in quantities for method, _ in METHODS),
+        )
+        for document in documents
+    )
+    summary = tuple(
+        (label, tuple(_mean([q.of(document[method]) for document in documents]) for q in quantities))
+        for method, label in METHODS
+    )
+    return Tables(columns, rows, summary)
+
+
+def _quantities(documents: list[dict[str, Any]]) -> list[Quantity]:
+    methods = [d[name] for d in documents for name, _ in METHODS if d[name] is not None]
+    if not methods:
+        return []
+    most = max(len(method["damping"]) for method in methods)
+    quantities = []
+    for order in range(most):
+        unit = next(m["damping"][order]["unit"] for m in methods if len(m["damping"]) > order)
+        quantities.append(Quantity(f"mu_{order}", unit, order))
+    units = sorted({method["stiffness"]["unit"] for method in methods})
+    return [*quantities, Quantity("K", " or ".join(units), None)]
+
+
+def _cell(found: tuple[float, float] | None) -> Cell | None:
+    return None if found is None else Cell(*found)
+
+
+def _mean(found: list[tuple[float, float] | None]) -> Cell | None:
+    values = [pair[0] for pair in found if pair is not None and math.isfinite(pair[0])]
+    if not values:
+        return None
+    return Cell(fmean(values), stdev(values) if len(values) > 1 else math.nan)
+
+
+def number(value: float, std: float) -> str:
+    """Return a value with as many decimals as two figures of its error have."""
+    if not math.isfinite(value):
+        return "-"
+    decimals = 4 if not (math.isfinite(std) and std > 0) else max(0, min(8, 1 - math.floor(math.log10(std))))
+    return f"{value:.{decimals}f}"
+
+
+def as_json(tables: Tables) -> dict[str, Any]:
+    """Return both tables as a document."""
+    names = [f"{name} ({method})" for name, method, _ in tables.columns]
+    quantities = [(name, unit) for name, _, unit in tables.columns[::2]]
+    return {
+        "table_1": [
+            {"session": row.session, "amplitude": row.amplitude, "amplitude_unit": row.unit}
+            | {
+                key: None if cell is None else {"value": cell.value, "std": cell.std, "unit": unit}
+                for key, cell, (_, _, unit) in zip(names, row.cells, tables.columns, strict=True)
+            }
+            for row in tables.rows
+        ],
+        "table_2": [
+            {"method": method}
+            | {
+                name: None if cell is None else {"mean": cell.value, "std": cell.std, "unit": unit}
+                for (name, unit), cell in zip(quantities, cells, strict=True)
+            }
+            for method, cells in tables.summary
+        ],
+    }
+
+
+def as_csv(tables: Tables) -> str:
+    """Return both tables as CSV, one under the other, each with a header that carries the units."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    header = ["session", "amplitude", "amplitude unit"]
+    for name, method, unit in tables.columns:
+        header += [f"{name} ({method}) [{unit}]", f"std {name} ({method}) [{unit}]"]
+    writer.writerow(header)
+    for row in tables.rows:
+        line: list[object] = [row.session, "" if row.amplitude is None else f"{row.amplitude:.6g}", row.unit]
+        for cell in row.cells:
+            line += ["", ""] if cell is None else [repr(cell.value), repr(cell.std)]
+        writer.writerow(line)
+    writer.writerow([])
+    header = ["method"]
+    for name, _, unit in tables.columns[::2]:
+        header += [f"mean {name} [{unit}]", f"std {name} [{unit}]"]
+    writer.writerow(header)
+    for method, cells in tables.summary:
+        line = [method]
+        for cell in cells:
+            line += ["", ""] if cell is None else [repr(cell.value), repr(cell.std)]
+        writer.writerow(line)
+    return out.getvalue()
+
+
+def as_latex(tables: Tables) -> str:
+    """Return both tables as LaTeX tabulars, without packages."""
+    kinds = "l" + "r" * (len(tables.columns) + 1)
+    lines = [f"\\begin{{tabular}}{{{kinds}}}", "\\hline"]
+    heads = [f"{_symbol(name)} ({method})" for name, method, _ in tables.columns]
+    lines.append(" & ".join(["Release", "Amplitude", *heads]) + " \\\\")
+    units = [f"{_unit(unit)}" for _, _, unit in tables.columns]
+    lines.append(" & ".join(["", "", *units]) + " \\\\ \\hline")
+    for row in tables.rows:
+        cells = [_pair(cell) for cell in row.cells]
+        amplitude = "--" if row.amplitude is None else f"{row.amplitude:.4f} {row.unit}"
+        lines.append(" & ".join([_escaped(row.session), amplitude, *cells]) + " \\\\")
+    lines += ["\\hline", "\\end{tabular}", ""]
+    lines += [f"\\begin{{tabular}}{{l{'r' * len(tables.columns)}}}", "\\hline"]
+    heads = []
+    for name, _, unit in tables.columns[::2]:
+        heads += [f"{_symbol(name)} [{_unit(unit)}]", f"$\\sigma$ {_symbol(name)}"]
+    lines.append(" & ".join(["", *heads]) + " \\\\ \\hline")
+    for method, means in tables.summary:
+        line = [method]
+        for cell in means:
+            line += ["--", "--"] if cell is None else [number(cell.value, cell.std), _spread(cell)]
+        lines.append(" & ".join(line) + " \\\\")
+    lines += ["\\hline", "\\end{tabular}", ""]
+    return "\n".join(lines)
+
+
+def _pair(cell: Cell | None) -> str:
+    return "--" if cell is None else f"${number(cell.value, cell.std)} \\pm {_spread(cell)}$"
+
+
+def _spread(cell: Cell) -> str:
+    return f"{cell.std:.2g}" if math.isfinite(cell.std) else "--"
+
+
+def _symbol(name: str) -> str:
+    return "$K$" if name == "K" else f"$\\mu_{{{name.removeprefix('mu_')}}}$"
+
+
+def _unit(unit: str) -> str:
+    return unit.replace("^2", "$^2$").replace("^3", "$^3$")
+
+
+def _escaped(text: str) -> str:
+    return "".join(f"\\{sign}" if sign in "_#%&${}" else sign for sign in text)
+
+
+def as_text(tables: Tables) -> str:
+    """Return both tables as text within 80 columns where the names allow it."""
+    out = ["Table 1. Identified parameters, one line a release (± one standard error)", ""]
+    width = max([7, *(len(row.session) for row in tables.rows)])
+    width = min(width, 24)
+    for first in range(0, len(tables.columns), 2):
+        name, _, unit = tables.columns[first]
+        out.append(
+            f"{'release':<{width}}  {'amplitude':>10}  {f'{name} (WT)':>18}  {f'{name} (RFS)':>18}  {unit}"
+        )
+        for row in tables.rows:
+            amplitude = "-" if row.amplitude is None else _length(row.amplitude, row.unit)
+            cells = [_plain(cell) for cell in row.cells[first : first + 2]]
+            out.append(f"{row.session[-width:]:<{width}}  {amplitude:>10}  {cells[0]:>18}  {cells[1]:>18}")
+        out.append("")
+    out.append(f"Table 2. Mean and standard deviation over {len(tables.rows)} releases")
+    out.append("")
+    out.append(f"{'':<8}" + "".join(f"  {f'{name} [{unit}]':>20}" for name, _, unit in tables.columns[::2]))
+    for method, means in tables.summary:
+        out.append(f"{method:<8}" + "".join(f"  {_plain(cell):>20}" for cell in means))
+    return "\n".join(out) + "\n"
+
+
+def _plain(cell: Cell | None) -> str:
+    return "-" if cell is None else f"{number(cell.value, cell.std)} ± {_spread(cell)}"
+
+
+def _length(value: float, unit: str) -> str:
+    factor, text = shown("displacement", unit)
+    return f"{value * factor:.4g} {text}"

@@ -1,0 +1,159 @@
+"""A result in one screenful of 80 columns, in words and units that a person understands."""
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from identify.estimate import Estimate
+from station.quantities import damping_name, shown, written
+from station.story.identification import Identification
+
+KINDS = {
+    "displaced": "held away, then let go",
+    "impulse": "set going by an impulse",
+    "in_motion": "already moving at the start",
+}
+
+
+def show_identification(console: Console, name: str, result: Identification) -> None:
+    """Print one identification: the release, the lag, both methods side by side, why, and what next."""
+    console.print()
+    console.print(Text(f" {name}", style="bold"))
+    for label, text in _facts(result):
+        console.print(_line(label, text))
+    console.print()
+    console.print(Padding(parameters(result), (0, 0, 0, 1)))
+    console.print()
+    for label, text in _reasons(result):
+        console.print(_line(label, text))
+    console.print()
+
+
+def _line(label: str, text: str) -> Table:
+    line = Table.grid(padding=(0, 1))
+    line.add_column(width=11)
+    line.add_column(overflow="fold")
+    line.add_row(Text(f" {label}", style="cyan"), Text(text))
+    return line
+
+
+def _facts(result: Identification) -> list[tuple[str, str]]:
+    decay, release = result.decay, result.release
+    names = [
+        n for n in ("displacement", "velocity", "acceleration", "force") if getattr(decay, n) is not None
+    ]
+    lost = 0 if decay.valid is None else int((~decay.valid).sum())
+    unit = "kg m^2" if decay.unit == "rad" else "kg"
+    mass = "mass not given: per unit mass" if decay.mass is None else f"{decay.mass:g} {unit}"
+    facts = [
+        ("record", f"{len(decay)} samples at {decay.rate:g} Hz ({' and '.join(names)}), {mass}"),
+        ("release", f"at {release.time_s:.4f} s: {KINDS.get(release.kind, release.kind)}"),
+    ]
+    if lost:
+        facts.append(("lost", f"{lost} samples, marked and left out"))
+    noise = _noise(result)
+    if noise:
+        facts.append(("noise", noise))
+    facts.append(("lag", _lag(result)))
+    return facts
+
+
+def _noise(result: Identification) -> str:
+    decay = result.decay
+    parts = []
+    for name in ("displacement", "velocity", "acceleration"):
+        noise = getattr(decay, f"noise_{name}")
+        if noise is not None:
+            factor, unit = shown(name, decay.unit, fine=True)
+            parts.append(f"{name} {noise * factor:.3g} {unit}")
+    return f"{', '.join(parts)} rms" if parts else ""
+
+
+def _lag(result: Identification) -> str:
+    found = result.alignment
+    if found is None:
+        return result.refusals.get("alignment", "not sought")
+    late = "late" if found.lag.value >= 0 else "early"
+    lag = Estimate(abs(found.lag.value) * 1e6, found.lag.std * 1e6, "us")
+    text = f"displacement {late} by {written(lag)} us, corrected; gain {written(found.gain)}"
+    return f"{text}. {found.caution}" if found.caution else text
+
+
+def parameters(result: Identification) -> Table:
+    """Return the table of both methods side by side."""
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
+    table.add_column("")
+    table.add_column("unit")
+    table.add_column("wavelet", justify="right")
+    table.add_column("restoring force", justify="right")
+    for row in rows(result):
+        table.add_row(*row)
+    return table
+
+
+def rows(result: Identification) -> list[tuple[str, str, str, str]]:
+    """Return (name, unit, by the wavelet, by the restoring force) for each parameter, written out."""
+    both = (result.wavelet, result.restoring_force)
+    lines = [_row("stiffness K", [None if method is None else method.stiffness for method in both])]
+    most = max((len(method.damping) for method in both if method is not None), default=0)
+    for order in range(most):
+        values = [
+            method.damping[order] if method is not None and order < len(method.damping) else None
+            for method in both
+        ]
+        lines.append(_row(damping_name(order), values))
+    highest = {order for method in both if method is not None for order in method.stiffness_by_order}
+    for order in sorted(highest - {1}):
+        values = [None if method is None else method.stiffness_by_order.get(order) for method in both]
+        if any(value is not None and abs(value.value) > 2 * value.std for value in values):
+            lines.append(_row(f"stiffness of order {order}", values))
+    weighed = None if result.restoring_force is None else result.restoring_force.mass
+    if weighed is not None:
+        lines.append(_row("mass, by the force", [None, weighed]))
+    chosen = ["none" if method is None else str(method.order) for method in both]
+    lines.append(("damping order", "", chosen[0], chosen[1]))
+    errors = ["" if m is None else f"{m.mse_percent_by_order[m.order]:.3g}" for m in both]
+    lines.append(("error left (MSE)", "%", errors[0], errors[1]))
+    return lines
+
+
+def _row(name: str, values: list[Estimate | None]) -> tuple[str, str, str, str]:
+    unit = next((value.unit for value in values if value is not None), "")
+    cells = ["-" if value is None else written(value) for value in values]
+    return (name, unit, cells[0], cells[1])
+
+
+def _reasons(result: Identification) -> list[tuple[str, str]]:
+    reasons = []
+    if result.wavelet is not None:
+        reasons.append(("wavelet", result.wavelet.reason))
+    if result.restoring_force is not None:
+        reasons.append(("force", result.restoring_force.reason))
+    for step, label in (("wavelet", "wavelet"), ("restoring_force", "force")):
+        if step in result.refusals:
+            reasons.append((label, f"not identified: {result.refusals[step]}"))
+    warning = uncorrected(result)
+    if warning:
+        reasons.append(("without", warning))
+    return reasons
+
+
+def uncorrected(result: Identification) -> str:
+    """Return what the lag would have done to the restoring force's viscous damping, or ""."""
+    with_, without = result.restoring_force, result.without_alignment
+    if with_ is None or without is None or len(with_.damping) < 2 or len(without.damping) < 2:
+        return ""
+    right, wrong = with_.damping[1], without.damping[1]
+    return (
+        f"the lag corrected, the restoring force would have said mu_1 = {wrong.value:.3f} {wrong.unit} "
+        f"instead of {right.value:.3f}"
+    )
+
+
+def next_steps(console: Console, folder: Path) -> None:
+    """Print where everything is and what to do next."""
+    console.print(Text(f" everything is in {folder}", style="dim"), soft_wrap=True)
+    console.print(f" next: station view {folder}", markup=False, soft_wrap=True)

@@ -1,0 +1,98 @@
+"""The shelf: the sessions that the page offers, newest first, each with its portrait."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from daq.errors import StationError
+from daq.session import SessionSummary, State, list_sessions
+from station.workbench import view_models
+from station.workbench.worker import Cancelled, Crew, Failed, Job
+
+MOST = 200
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One session: its key in addresses, its folder, and a line of words; `portrait` None while it is being made."""
+
+    key: str
+    folder: Path
+    date: str
+    verdict: str
+    problem: str
+    portrait: view_models.Portrait | None
+
+
+class Shelf:
+    """The sessions of a folder and those named on the command line; portraits are made by workers and remembered."""
+
+    def __init__(self, sessions: Path, named: tuple[Path, ...], crew: Crew) -> None:
+        self.sessions = sessions
+        self.problem = ""
+        self._named = tuple(folder.resolve() for folder in named)
+        self._crew = crew
+        self._portraits: dict[tuple[Path, int], view_models.Portrait] = {}
+        self._making = False
+
+    def entries(self) -> tuple[Entry, ...]:
+        """Return the sessions, those of the command line first, then the newest."""
+        self.problem = ""
+        found: dict[str, Entry] = {}
+        try:
+            for summary in self._summaries():
+                entry = self._entry(summary)
+                found.setdefault(entry.key, entry)
+        except StationError as error:
+            self.problem = str(error)
+        return tuple(found.values())[:MOST]
+
+    def _summaries(self) -> Iterator[SessionSummary]:
+        for parent in dict.fromkeys(folder.parent for folder in self._named):
+            yield from (s for s in list_sessions(parent) if s.folder.resolve() in self._named)
+        if self.sessions.is_dir():
+            yield from reversed(list_sessions(self.sessions))
+
+    def folder_of(self, key: str) -> Path | None:
+        """Return the folder of a session by its key; None when there is none (nothing outside can be named)."""
+        return next((entry.folder for entry in self.entries() if entry.key == key), None)
+
+    def _entry(self, summary: SessionSummary) -> Entry:
+        folder, info = summary.folder.resolve(), summary.info
+        if info is None:
+            return Entry(folder.name, folder, "", "damaged", summary.problem, None)
+        date = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
+        word = info.verdict if info.verdict and info.state is not State.ABORTED else info.state.value
+        return Entry(folder.name, folder, date, word, "", self._portraits.get(_stamp(folder)))
+
+    async def make_portraits(self) -> bool:
+        """Make the portraits that are missing, one at a time; True where one was made."""
+        if self._making:
+            return False
+        self._making = True
+        made = False
+        try:
+            for entry in self.entries():
+                if entry.portrait is None and not entry.problem and entry.verdict != State.RECORDING.value:
+                    portrait = await self._portrait(entry.folder)
+                    self._portraits[_stamp(entry.folder)] = portrait
+                    made = True
+        finally:
+            self._making = False
+        return made
+
+    async def _portrait(self, folder: Path) -> view_models.Portrait:
+        try:
+            found: view_models.Portrait = await self._crew.do(Job(), "portraits", "portrait", folder)
+        except Cancelled:
+            return view_models.Portrait("", [], "")
+        except Failed as failure:
+            return view_models.Portrait("", [], str(failure))
+        return found
+
+
+def _stamp(folder: Path) -> tuple[Path, int]:
+    try:
+        return folder, (folder / "raw.log").stat().st_mtime_ns
+    except OSError:
+        return folder, 0

@@ -1,0 +1,117 @@
+"""A desk: one session as every tab that shows it sees it. One computation at a time; each change has a number."""
+
+import asyncio
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from station.workbench import view_models
+from station.workbench.worker import Cancelled, Crew, Failed, Job
+
+
+@dataclass(frozen=True)
+class Running:
+    """A computation under way: what it is called, since when (monotonic s), and whether it may take long."""
+
+    title: str
+    since: float
+    long: bool
+
+
+class Desk:
+    """The state of one session on the page; `version` grows with every change."""
+
+    def __init__(self, folder: Path, crew: Crew) -> None:
+        self.folder = folder
+        self.view: view_models.View | None = None
+        self.prints: dict[str, view_models.Print] = {}
+        self.problem = ""
+        self.notice = ""
+        self.said = ""
+        self.running: Running | None = None
+        self.version = 0
+        self._crew = crew
+        self._job: Job | None = None
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    @property
+    def busy(self) -> bool:
+        """Whether a computation is under way."""
+        return self.running is not None
+
+    def open(self) -> None:
+        """Look at the session unless it is known as its results stand."""
+        from station.workbench.build_view_models import results_stamp
+
+        if self.busy or (self.view is not None and self.view.stamp == results_stamp(self.folder)):
+            return
+        self.start("Reading and fitting", "look")
+
+    def start(self, title: str, task: str, *arguments: Any, long: bool = False) -> bool:
+        """Begin a task that returns a view; False while another is under way."""
+        if self.busy:
+            self.notice = f"{self.running.title if self.running else ''} is under way; wait, or cancel it"
+            self.version += 1
+            return False
+        self.running = Running(title, time.monotonic(), long)
+        self.said, self.notice, self.problem = "", "", ""
+        self._job = Job()
+        self.version += 1
+        running = asyncio.get_running_loop().create_task(self._run(self._job, task, arguments))
+        self._tasks.add(running)
+        running.add_done_callback(self._tasks.discard)
+        return True
+
+    def cancel(self) -> None:
+        """End the computation that is under way; what was kept before stays."""
+        if self._job is not None:
+            job = self._job
+            asyncio.get_running_loop().run_in_executor(None, job.cancel)
+
+    async def _run(self, job: Job, task: str, arguments: tuple[Any, ...]) -> None:
+        title = self.running.title if self.running else task
+        try:
+            found = await self._crew.do(job, str(self.folder), task, self.folder, *arguments, tell=self._tell)
+            if isinstance(found, tuple):
+                self.view, self.prints = found
+            else:
+                if self.view is not None and found.diagnosis != self.view.diagnosis:
+                    self.prints = {}  # a command has diagnosed since
+                self.view = found
+        except Cancelled:
+            self.notice = f"{title}: cancelled; nothing was changed"
+        except Failed as failure:
+            if self.view is None:
+                self.problem = str(failure)
+            else:
+                self.notice = str(failure)
+        finally:
+            self.running, self._job = None, None
+            self.version += 1
+        if self.view is not None and self.view.diagnosis is not None and not self.prints:
+            await self._find_prints()
+
+    async def _find_prints(self) -> None:
+        try:
+            self.prints = await self._crew.do(Job(), str(self.folder), "prints", self.folder)
+        except (Cancelled, Failed):
+            return
+        self.version += 1
+
+    def _tell(self, text: str) -> None:
+        self.said = text
+
+
+@dataclass
+class Desks:
+    """All desks by session folder."""
+
+    crew: Crew
+    known: dict[Path, Desk] = field(default_factory=dict)
+
+    def at(self, folder: Path) -> Desk:
+        """Return the desk of a session."""
+        if folder not in self.known:
+            self.known[folder] = Desk(folder, self.crew)
+        return self.known[folder]
