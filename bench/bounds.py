@@ -7,9 +7,9 @@ import numpy as np
 
 from bench.diagnosis import EFFECTS, Case, setting_of
 from identify.errors import NotIdentifiable
-from identify.fitting.baseline import begin
+from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
-from identify.fitting.initial_values import starting_values
+from identify.fitting.initial_values import initial_values
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
@@ -45,10 +45,10 @@ def expected_drop(job: tuple[str, float, int]) -> float:
             rest=release.rest,
         )
         setting = prepare(decay, release)
-        span = setting.span.with_(sigma=dict(_NOISE))
-        setting = replace(setting, span=span)
+        span = setting.window.with_(sigma=dict(_NOISE))
+        setting = replace(setting, window=span)
         return fit(
-            base_model(), (span,), starting_values((setting,), base_model(), {}), setting.frequency
+            base_model(), (span,), initial_values((setting,), base_model(), {}), setting.frequency
         ).chi_square
     except (NotIdentifiable, ValueError):
         return float("nan")
@@ -57,7 +57,7 @@ def expected_drop(job: tuple[str, float, int]) -> float:
 def scores(seed: int) -> list[float]:
     """Return the errors of K, mu_0, mu_1 and lag over their Cramer-Rao bounds, on a record with nothing hidden."""
     setting, truth = setting_of(Case(None, 0.0, 7000 + seed))
-    values = begin((setting,), base_model()).fit.values
+    values = fit_baseline((setting,), base_model()).fit.values
     known = {
         "linear_stiffness.k": truth["stiffness_per_mass"],
         "coulomb_friction.mu_0": truth["mu_0"],

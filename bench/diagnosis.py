@@ -16,7 +16,7 @@ from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.refine import climb
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.preprocessing.prepared_decay import Setting, prepare
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from identify.preprocessing.release import find_release
 from mocks.forces import OUTSIDE_THE_LIBRARY
 from mocks.generate import PHYSICS, draw
@@ -64,7 +64,7 @@ class Outcome:
     scores: dict[str, float]
 
 
-def setting_of(case: Case) -> tuple[Setting, dict[str, Any]]:
+def setting_of(case: Case) -> tuple[PreparedDecay, dict[str, Any]]:
     """Draw a case and make it ready as the station would, and return its truth beside it."""
     sample = draw(case.hidden, case.strength, case.seed)
     release = find_release(sample.rate, sample.displacement, None, sample.acceleration)

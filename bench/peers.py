@@ -26,7 +26,7 @@ from identify.fitting.initial_values import scales_of, term_starts
 from identify.model.measured_path import force_along
 from identify.model.model import Term
 from identify.preprocessing.equation_error import moving
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 TITLE = "Peers on the same records"
 NO_COLUMN = ("hysteresis", "maxwell_element", "second_mass", "harmonic_forcing")
@@ -68,7 +68,7 @@ Picks = dict[str, dict[tuple[float, ...], Pick]]
 """By peer and by setting of the peer."""
 
 
-def columns_of(setting: Setting) -> tuple[list[str], np.ndarray]:
+def columns_of(setting: PreparedDecay) -> tuple[list[str], np.ndarray]:
     """Return the columns that a library of functions of u, v, t can have, and the effect that each stands for."""
     motion = setting.motion
     scales = scales_of(setting, {})
@@ -88,7 +88,7 @@ def columns_of(setting: Setting) -> tuple[list[str], np.ndarray]:
     return names, np.column_stack([*columns, np.ones(len(columns[0]))])
 
 
-def _pinned(setting: Setting) -> tuple[list[str], np.ndarray, np.ndarray]:
+def _pinned(setting: PreparedDecay) -> tuple[list[str], np.ndarray, np.ndarray]:
     """Return names, candidate columns of length 1 and target, masked, with the known terms projected out."""
     names, table = columns_of(setting)
     used = moving(setting.motion)
@@ -107,7 +107,7 @@ def _pinned(setting: Setting) -> tuple[list[str], np.ndarray, np.ndarray]:
     )
 
 
-def _sindy(setting: Setting) -> Picks:
+def _sindy(setting: PreparedDecay) -> Picks:
     import pysindy
 
     names, columns, target = _pinned(setting)
@@ -132,7 +132,7 @@ def _sindy(setting: Setting) -> Picks:
     }
 
 
-def _surface(setting: Setting) -> Picks:
+def _surface(setting: PreparedDecay) -> Picks:
     """Fit a polynomial of u and v with sgn v; name the effect of the extra term with the largest significance (eq. 19)."""
     motion = setting.motion
     used = moving(motion)

@@ -32,8 +32,8 @@ def _said(name: str, options: dict, folder: Path) -> list[str]:
     from daq.importing.options import ImportOptions
     from daq.session_info import SessionInfo
     from station.exits import code_of
-    from station.operations.diagnosing import diagnose_bench
-    from station.operations.session_set import open_bench
+    from station.operations.diagnosing import diagnose_sessions
+    from station.operations.session_set import open_sessions
     from station.results.sessions import import_file
     from station.settings import Settings
 
@@ -42,9 +42,9 @@ def _said(name: str, options: dict, folder: Path) -> list[str]:
         session = import_file(
             file, folder / Path(name).stem, folder, ImportOptions(**options), SessionInfo()
         ).sessions[0]
-        bench = open_bench((str(session.folder),), Settings())
+        bench = open_sessions((str(session.folder),), Settings())
         began = time.perf_counter()
-        found, document = diagnose_bench(bench)
+        found, document = diagnose_sessions(bench)
     except Exception as error:
         if code_of(error) == 1:
             raise
@@ -70,8 +70,8 @@ def _said(name: str, options: dict, folder: Path) -> list[str]:
 def _hidden(folder: Path) -> str:
     from daq.importing.options import ImportOptions
     from daq.session_info import SessionInfo
-    from station.operations.diagnosing import diagnose_bench
-    from station.operations.session_set import open_bench
+    from station.operations.diagnosing import diagnose_sessions
+    from station.operations.session_set import open_sessions
     from station.results.sessions import import_file
     from station.settings import Settings
 
@@ -82,7 +82,7 @@ def _hidden(folder: Path) -> str:
         session = import_file(
             DATA / "hidden" / truth["file"], place, folder, ImportOptions(), SessionInfo()
         ).sessions[0]
-        found = diagnose_bench(open_bench((str(session.folder),), Settings()))[0]
+        found = diagnose_sessions(open_sessions((str(session.folder),), Settings()))[0]
         told = f"{found.verdict} {' + '.join(found.named)}".strip()
         if not _right(truth["hidden"], found.verdict, set(found.named)):
             wrong.append(f"{truth['file']} ({truth['hidden']}): {told}")

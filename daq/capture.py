@@ -14,7 +14,7 @@ from daq.capture_settings import CaptureSettings
 from daq.decode import Block
 from daq.description_checks import Window
 from daq.errors import DataLost, NoRelease, ProtocolError, Rebooted, Stalled, StationError
-from daq.failover import Elsewhere, Keeper
+from daq.failover import FallbackFolder, SessionWriter
 from daq.link import GIVE_UP_S, WARN_S, Link
 from daq.observer import CaptureObserver
 from daq.port import Port, open_port
@@ -38,7 +38,7 @@ def capture(
     settings: CaptureSettings,
     folder: Path,
     observer: CaptureObserver | None = None,
-    elsewhere: Elsewhere | None = None,
+    elsewhere: FallbackFolder | None = None,
 ) -> Session:
     """Capture one release from the board at `port` into the new session `folder`, and return it sealed.
 
@@ -54,9 +54,9 @@ def capture(
     with Link(opened, log) as link:
         link.handshake()
         link.configure(settings.rate_hz)
-        story = _Story(link, settings, observer or CaptureObserver())
+        story = _Capture(link, settings, observer or CaptureObserver())
         info = story.describe()
-        keeper = Keeper.begin(folder, info, log, elsewhere, story.space())
+        keeper = SessionWriter.begin(folder, info, log, elsewhere, story.space())
         try:
             story.run()
         except BaseException as error:
@@ -65,7 +65,7 @@ def capture(
         return story.seal(keeper)
 
 
-class _Story:
+class _Capture:
     """The steps of one capture; each returns when the next may begin."""
 
     def __init__(self, link: Link, settings: CaptureSettings, observer: CaptureObserver) -> None:
@@ -274,7 +274,7 @@ class _Story:
         self._name = name
         self.observer.state(name, detail)
 
-    def give_up(self, keeper: Keeper, error: BaseException) -> None:
+    def give_up(self, keeper: SessionWriter, error: BaseException) -> None:
         """Keep what was received; the error carries the folder."""
         reason = str(error) or ("interrupted" if isinstance(error, KeyboardInterrupt) else repr(error))
         try:
@@ -284,7 +284,7 @@ class _Story:
         if isinstance(error, StationError):
             error.session = session.folder
 
-    def seal(self, keeper: Keeper) -> Session:
+    def seal(self, keeper: SessionWriter) -> Session:
         """Seal the session; DataLost when more stayed lost than the settings allow."""
         session = self._finish(keeper, State.SEALED, "")
         self._state("sealed", f"{session.info.verdict}: {session.folder}")
@@ -298,7 +298,7 @@ class _Story:
             )
         return session
 
-    def _finish(self, keeper: Keeper, state: State, reason: str) -> Session:
+    def _finish(self, keeper: SessionWriter, state: State, reason: str) -> Session:
         return keeper.finish(
             state,
             reason,
@@ -319,7 +319,7 @@ class _Story:
 class _Until:
     """A time limit by the host's clock and by the board's samples, whichever is over first."""
 
-    def __init__(self, story: _Story, seconds: float, by_samples: bool = True) -> None:
+    def __init__(self, story: _Capture, seconds: float, by_samples: bool = True) -> None:
         self._assembly = story.link.assembly
         self._time = time.monotonic() + seconds
         self._sample = self._assembly.expected + seconds * story.rate if by_samples else float("inf")

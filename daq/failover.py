@@ -12,7 +12,7 @@ from daq.session_folder import Session
 from daq.session_info import SessionInfo, State
 from daq.storage import require_space
 
-Elsewhere = Callable[[StorageError], Path | None]
+FallbackFolder = Callable[[StorageError], Path | None]
 PLACES = 10
 
 
@@ -24,18 +24,18 @@ def elsewhere_in_temporary_folder(error: StorageError) -> Path | None:
         return None
 
 
-class Keeper:
+class SessionWriter:
     """A session that is being written, and where it goes when its disk fails."""
 
-    def __init__(self, session: Session, log: RawLog, elsewhere: Elsewhere | None) -> None:
+    def __init__(self, session: Session, log: RawLog, elsewhere: FallbackFolder | None) -> None:
         self._session = session
         self._log = log
         self._elsewhere = elsewhere or elsewhere_in_temporary_folder
 
     @classmethod
     def begin(
-        cls, folder: Path, info: SessionInfo, log: RawLog, elsewhere: Elsewhere | None, space: int
-    ) -> "Keeper":
+        cls, folder: Path, info: SessionInfo, log: RawLog, elsewhere: FallbackFolder | None, space: int
+    ) -> "SessionWriter":
         """Create the session, in another place when the first refuses and `elsewhere` offers one."""
         for _ in range(PLACES):
             try:

@@ -56,7 +56,7 @@ WARN_S = 0.5
 GIVE_UP_S = 2.0
 RESEND_FOR_S = 30.0
 
-Happening = Block | Gap
+StreamEvent = Block | Gap
 Arrival = tuple[float, Frame]
 
 
@@ -69,7 +69,7 @@ class Link:
         self.assembly = Assembly()
         self.last_frame = time.monotonic()
         self.bytes_received = 0
-        self.on_happening: Callable[[Happening], None] = lambda happening: None
+        self.on_happening: Callable[[StreamEvent], None] = lambda happening: None
         self._decoder = Decoder()
         self._queue: queue.SimpleQueue[Arrival | StationError] = queue.SimpleQueue()
         self._gone: StationError | None = None

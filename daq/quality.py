@@ -28,7 +28,7 @@ EARLY_SHARE = 0.1
 EARLY_SWING = 0.25
 
 
-class Word(StrEnum):
+class Grade(StrEnum):
     """The verdict in a word."""
 
     OK = "OK"
@@ -41,7 +41,7 @@ class Verdict(BaseModel):
 
     model_config = ConfigDict(frozen=True)
 
-    word: Word
+    word: Grade
     reasons: tuple[str, ...] = ()
     advice: tuple[str, ...] = ()
 
@@ -51,21 +51,21 @@ class Verdict(BaseModel):
 
 class _Findings:
     def __init__(self) -> None:
-        self.found: list[tuple[Word, str, str]] = []
+        self.found: list[tuple[Grade, str, str]] = []
 
     def reject(self, reason: str, advice: str = "") -> None:
-        self.found.append((Word.REJECT, reason, advice))
+        self.found.append((Grade.REJECT, reason, advice))
 
     def usable(self, reason: str, advice: str = "") -> None:
-        self.found.append((Word.USABLE, reason, advice))
+        self.found.append((Grade.USABLE, reason, advice))
 
     def verdict(self) -> Verdict:
-        for word in (Word.REJECT, Word.USABLE):
+        for word in (Grade.REJECT, Grade.USABLE):
             if any(found[0] is word for found in self.found):
                 break
         else:
-            return Verdict(word=Word.OK)
-        ordered = sorted(self.found, key=lambda found: found[0] is not Word.REJECT)
+            return Verdict(word=Grade.OK)
+        ordered = sorted(self.found, key=lambda found: found[0] is not Grade.REJECT)
         advice = dict.fromkeys(found[2] for found in ordered if found[2])
         return Verdict(word=word, reasons=tuple(found[1] for found in ordered), advice=tuple(advice))
 

@@ -21,7 +21,7 @@ from daq.manifest import (
     write_manifest,
 )
 from daq.noise_history import usual_noise
-from daq.quality import Verdict, Word, judge
+from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog, Record, read
 from daq.recording import Channel, Recording
 from daq.session_info import SensorInfo, SessionInfo, State
@@ -209,7 +209,7 @@ class Session:
         try:
             recording = assembly.recording()
         except DataLost:
-            nothing = Verdict(word=Word.REJECT, reasons=("no sample was received",))
+            nothing = Verdict(word=Grade.REJECT, reasons=("no sample was received",))
             return nothing, (), Counts(planned=planned or 0)
         usual = usual_noise(self.folder, self.info)
         verdict = judge(recording, assembly, planned, self.info.noise, check_clock, usual)

@@ -7,19 +7,19 @@ import numpy as np
 
 from identify.arrays import Array, frozen
 from identify.comparison.compare_cycles import CycleErrors, compare_cycles
-from identify.comparison.discrepancies import NONE, Place, worst_places
-from identify.comparison.discrepancy_text import Words
+from identify.comparison.discrepancies import NONE, Discrepancy, find_discrepancies
+from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.harmonics import Harmonics, compare_harmonics
 from identify.comparison.kinematic_check import KinematicCheck, check_kinematics
-from identify.comparison.multiple_shooting import Tracking, track
+from identify.comparison.multiple_shooting import MultipleShooting, shoot
 from identify.comparison.phase_plane import PhasePlane, compare_phase_plane
-from identify.comparison.residual_tone import ResidualLine, find_line
-from identify.comparison.zero_drift import SlowFault, find_slow_fault
+from identify.comparison.residual_tone import ResidualTone, find_residual_tone
+from identify.comparison.zero_drift import ZeroDrift, find_zero_drift
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import force_misfit, force_mse_percent
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.noise import Noise
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 _UNKNOWN_FLOOR = 0.05
 _SURE = 4.0
@@ -56,8 +56,8 @@ class Comparison:
     phase_plane: PhasePlane
     harmonics: Harmonics
     kinematics: KinematicCheck | None
-    slow_fault: SlowFault | None
-    places: tuple[Place, ...]
+    zero_drift: ZeroDrift | None
+    places: tuple[Discrepancy, ...]
     summary: str
     cause: str
     time: Array
@@ -69,32 +69,34 @@ class Comparison:
 
 
 def compare(
-    setting: Setting, fit: Fit, floor: Mapping[str, Noise] | None = None, *, mass: float | None = None
+    prepared: PreparedDecay, fit: Fit, floor: Mapping[str, Noise] | None = None, *, mass: float | None = None
 ) -> Comparison:
     """Compare a model fitted to one release with the measurement.
 
     `floor` tells where the noise of each channel came from and how well it is known; the noise itself is what the fit
     was made with. With a `mass` (kg) forces are told in N.
     """
-    span = fit.spans[0]
+    window = fit.windows[0]
     known = _floor(fit, floor)
     doubt = max((n.uncertainty / n.std for n in known.values() if n.std > 0), default=_UNKNOWN_FLOOR)
-    tracking = track(setting, fit)
-    cycles = compare_cycles(tracking)
-    plane = compare_phase_plane(tracking)
-    kinematics = check_kinematics(setting, span, fit.frequency, doubt)
+    shooting = shoot(prepared, fit)
+    cycles = compare_cycles(shooting)
+    plane = compare_phase_plane(shooting)
+    kinematics = check_kinematics(prepared, window, fit.frequency, doubt)
     factors = tuple(
         (1.0 + doubt) * max(1.0, np.sqrt(left)) for left in (plane.chi_square_after, cycles.chi_square_after)
     )
-    slow, line = find_slow_fault(tracking), find_line(tracking)
-    places = worst_places(plane, cycles, line, Words(span.unit, mass), (factors[0], factors[1]))
-    force_error, force_floor, residual = _force_error(setting, fit)
-    channel = span.channels[0]
-    used = span.used[channel]
+    slow, line = find_zero_drift(shooting), find_residual_tone(shooting)
+    places = find_discrepancies(
+        plane, cycles, line, DiscrepancyText(window.unit, mass), (factors[0], factors[1])
+    )
+    force_error, force_floor, residual = _force_error(prepared, fit)
+    channel = window.channels[0]
+    used = window.used[channel]
     left = fit.residual(channel)[used]
-    shown = span.readings[channel][used]
+    shown = window.readings[channel][used]
     chi_square_std = float(np.hypot(np.sqrt(2.0 / max(fit.degrees, 1)), 2.0 * doubt))
-    horizon = len(span) / span.rate
+    horizon = len(window) / window.rate
     return Comparison(
         force_error=force_error,
         force_floor=force_floor,
@@ -106,45 +108,47 @@ def compare(
         chi_square_std=chi_square_std,
         floor=known,
         cycles=cycles,
-        free_run_misfit=_misfit_by_cycle(fit, tracking),
+        free_run_misfit=_misfit_by_cycle(fit, shooting),
         phase_plane=plane,
-        harmonics=compare_harmonics(tracking),
+        harmonics=compare_harmonics(shooting),
         kinematics=kinematics,
         places=places,
         summary=NONE if not places else f"{places[0].text[0].upper()}{places[0].text[1:]}.",
-        slow_fault=slow,
+        zero_drift=slow,
         cause=_cause(fit.reduced, chi_square_std, kinematics, slow, line),
-        time=frozen(span.clock),
-        displacement=frozen(setting.motion.displacement),
-        velocity=frozen(setting.motion.velocity),
+        time=frozen(window.clock),
+        displacement=frozen(prepared.motion.displacement),
+        velocity=frozen(prepared.motion.velocity),
         residual_force=frozen(residual),
-        unit=span.unit,
+        unit=window.unit,
         mass=mass,
     )
 
 
 def _floor(fit: Fit, floor: Mapping[str, Noise] | None) -> dict[str, Noise]:
-    span = fit.spans[0]
+    window = fit.windows[0]
     if floor is None:
-        return {c: Noise(s, _UNKNOWN_FLOOR * s, "given with the fit") for c, s in span.sigma.items()}
-    return {c: Noise(span.sigma[c], floor[c].uncertainty, floor[c].source) for c in span.channels}
+        return {c: Noise(s, _UNKNOWN_FLOOR * s, "given with the fit") for c, s in window.sigma.items()}
+    return {c: Noise(window.sigma[c], floor[c].uncertainty, floor[c].source) for c in window.channels}
 
 
-def _force_error(setting: Setting, fit: Fit) -> tuple[float, float, Array]:
+def _force_error(prepared: PreparedDecay, fit: Fit) -> tuple[float, float, Array]:
     """Eq. (18) and its floor in %, and measured less model force per unit mass (n,) along the measured motion."""
-    measured, residual = force_misfit(setting, fit)
-    used = moving(setting.motion)
+    measured, residual = force_misfit(prepared, fit)
+    used = moving(prepared.motion)
     scale = 100.0 / float(np.var(measured[used]))
-    noise = setting.motion.noise_acceleration or 0.0
-    return force_mse_percent(setting, measured, residual), scale * noise**2, residual
+    noise = prepared.motion.noise_acceleration or 0.0
+    return force_mse_percent(prepared, measured, residual), scale * noise**2, residual
 
 
-def _misfit_by_cycle(fit: Fit, tracking: Tracking) -> Array:
-    span = fit.spans[0]
+def _misfit_by_cycle(fit: Fit, shooting: MultipleShooting) -> Array:
+    window = fit.windows[0]
     misfit = []
-    for stretch in tracking.stretches:
-        part = slice(stretch.start, stretch.stop)
-        squares = [((fit.residual(c)[part] / span.sigma[c]) ** 2)[span.used[c][part]] for c in span.channels]
+    for segment in shooting.segments:
+        part = slice(segment.start, segment.stop)
+        squares = [
+            ((fit.residual(c)[part] / window.sigma[c]) ** 2)[window.used[c][part]] for c in window.channels
+        ]
         joined = np.concatenate(squares)
         misfit.append(float(np.sqrt(np.mean(joined))) if len(joined) else np.nan)
     return frozen(misfit)
@@ -154,8 +158,8 @@ def _cause(
     chi_square: float,
     std: float,
     kinematics: KinematicCheck | None,
-    slow: SlowFault | None,
-    line: ResidualLine | None,
+    slow: ZeroDrift | None,
+    line: ResidualTone | None,
 ) -> str:
     dynamic = (chi_square - 1.0) / std
     if kinematics is None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array, frozen
-from identify.comparison.multiple_shooting import Tracking
+from identify.comparison.multiple_shooting import MultipleShooting
 from identify.comparison.residual_force import nuisances, respond_in
 
 _SHARE = 0.01
@@ -31,17 +31,17 @@ class CycleErrors:
     chi_square_after: float
 
 
-def compare_cycles(tracking: Tracking) -> CycleErrors:
+def compare_cycles(shooting: MultipleShooting) -> CycleErrors:
     """Return the errors of the tracked model in every cycle.
 
     The state at the start of each cycle is found from the readings around it; in between, a change of stiffness
     and one of viscous damping make the model arrive where the next cycle begins. All cycles are solved at once,
     with lag, gain and offset of the acceleration as common unknowns.
     """
-    span, stretches = tracking.span, tracking.stretches
-    count = len(stretches)
-    omega = tracking.frequency
-    common = nuisances(tracking)
+    window, segments = shooting.window, shooting.segments
+    count = len(segments)
+    omega = shooting.frequency
+    common = nuisances(shooting)
     extra = common.shape[1]
     unknowns = 2 * (count + 1) + extra
     normal = np.zeros((unknowns, unknowns))
@@ -50,27 +50,27 @@ def compare_cycles(tracking: Tracking) -> CycleErrors:
     fixed = np.zeros(2 * count)
     left = 0.0
     per_energy = np.zeros(count)
-    for j, stretch in enumerate(stretches):
-        until = stretches[j + 1].begin if j + 1 < count else stretch.stop - 1
-        part = slice(stretch.begin, stretch.stop)
-        u, v = tracking.displacement[part], tracking.velocity[part]
-        patterns = _SHARE * np.column_stack([tracking.stiffness * u, omega * v])
-        response, end = respond_in(tracking, stretch, patterns, until)
+    for j, segment in enumerate(segments):
+        until = segments[j + 1].begin if j + 1 < count else segment.stop - 1
+        part = slice(segment.begin, segment.stop)
+        u, v = shooting.displacement[part], shooting.velocity[part]
+        patterns = _SHARE * np.column_stack([shooting.stiffness * u, omega * v])
+        response, end = respond_in(shooting, segment, patterns, until)
         inverse = np.linalg.inv(end)
-        gap = stretches[j + 1].departure - stretch.arrival if j + 1 < count else np.zeros(2)
+        gap = segments[j + 1].departure - segment.arrival if j + 1 < count else np.zeros(2)
         columns = np.hstack(
             [
-                stretch.variation - response @ (inverse @ stretch.carry),
+                segment.variation - response @ (inverse @ segment.carry),
                 response @ inverse,
-                common[stretch.rows],
+                common[segment.rows],
             ]
         )
-        rest = tracking.misfit[stretch.rows] - response @ (inverse @ gap)
+        rest = shooting.misfit[segment.rows] - response @ (inverse @ gap)
         places = np.r_[2 * j : 2 * j + 4, unknowns - extra : unknowns]
         normal[np.ix_(places, places)] += columns.T @ columns
         gradient[places] += columns.T @ rest
         left += float(rest @ rest)
-        turn[2 * j : 2 * j + 2, 2 * j : 2 * j + 2] = -inverse @ stretch.carry
+        turn[2 * j : 2 * j + 2, 2 * j : 2 * j + 2] = -inverse @ segment.carry
         turn[2 * j : 2 * j + 2, 2 * j + 2 : 2 * j + 4] = inverse
         fixed[2 * j : 2 * j + 2] = inverse @ gap
         per_energy[j] = _SHARE * omega * np.mean(v**2) * 2.0 * np.pi / omega
@@ -83,14 +83,14 @@ def compare_cycles(tracking: Tracking) -> CycleErrors:
     errors = factors * kappa[order]
     covariance = (turn @ inverse @ turn.T)[np.ix_(order, order)] * np.outer(factors, factors)
     std = np.sqrt(np.diag(covariance))
-    sweep = np.hypot(tracking.displacement, tracking.velocity / omega)
+    sweep = np.hypot(shooting.displacement, shooting.velocity / omega)
     return CycleErrors(
-        frozen([span.time + 0.5 * (s.start + s.stop) / span.rate for s in stretches]),
-        frozen([float(np.mean(sweep[s.start : s.stop])) for s in stretches]),
+        frozen([window.time + 0.5 * (s.start + s.stop) / window.rate for s in segments]),
+        frozen([float(np.mean(sweep[s.start : s.stop])) for s in segments]),
         frozen(errors[:count]),
         frozen(std[:count]),
         frozen(errors[count:]),
         frozen(std[count:]),
         frozen(covariance),
-        left / max(len(tracking.misfit) - unknowns, 1),
+        left / max(len(shooting.misfit) - unknowns, 1),
     )

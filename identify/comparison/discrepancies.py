@@ -7,9 +7,9 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.comparison.compare_cycles import CycleErrors
-from identify.comparison.discrepancy_text import Words
+from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import PhasePlane
-from identify.comparison.residual_tone import ResidualLine
+from identify.comparison.residual_tone import ResidualTone
 
 MOST = 5
 NONE = "No place stands out of the noise."
@@ -21,7 +21,7 @@ _SHARE_OF_WORST = 0.1
 
 
 @dataclass(frozen=True)
-class Place:
+class Discrepancy:
     """One place where the model fails: `kind` says how it was seen, `size` by how much, in `unit`.
 
     `kind` is "force over displacement", "force over velocity", "frequency", "energy" or "line".
@@ -50,13 +50,13 @@ class _Candidate:
     way: int
 
 
-def worst_places(
+def find_discrepancies(
     plane: PhasePlane,
     cycles: CycleErrors,
-    line: ResidualLine | None,
-    words: Words,
+    line: ResidualTone | None,
+    words: DiscrepancyText,
     doubt: tuple[float, float],
-) -> tuple[Place, ...]:
+) -> tuple[Discrepancy, ...]:
     """Return at most five places, the most significant first; none when nothing stands out of the noise.
 
     `doubt` are factors >= 1 on the standard errors of the forces and of the cycles: what is unsure about
@@ -95,7 +95,7 @@ def worst_places(
     if line is not None:
         text, unit = words.at_frequency(line.frequency, line.amplitude, line.channel, line.channels)
         std = line.amplitude / line.significance
-        places.append(Place("line", text, line.amplitude, std, line.amplitude, unit, line.significance))
+        places.append(Discrepancy("line", text, line.amplitude, std, line.amplitude, unit, line.significance))
     places.sort(key=lambda place: -place.significance)
     return tuple(places[:MOST])
 
@@ -184,8 +184,8 @@ def _told(
     factor: float,
     plane: PhasePlane,
     cycles: CycleErrors,
-    words: Words,
-) -> Place:
+    words: DiscrepancyText,
+) -> Discrepancy:
     size = float(candidate.weights @ values)
     largest = _largest(candidate, values, size, plane, cycles)
     low, high = candidate.levels
@@ -204,7 +204,7 @@ def _told(
             float(np.max(cycles.amplitude[low : high + 1])),
         )
         text, scale, unit = words.over_cycles(candidate.kind, largest, times, amplitudes)
-    return Place(
+    return Discrepancy(
         candidate.kind, text, scale * size, scale * candidate.std * factor, scale * largest, unit, abs(score)
     )
 

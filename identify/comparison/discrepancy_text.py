@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Words:
+class DiscrepancyText:
     """Puts places into words for a displacement in `unit` ("m", "rad" ...) and a mass in kg, None when unknown."""
 
     unit: str = "m"

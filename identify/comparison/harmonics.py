@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array, frozen
-from identify.comparison.multiple_shooting import Tracking
+from identify.comparison.multiple_shooting import MultipleShooting
 from identify.comparison.residual_force import estimate_extra_force
 
 HIGHEST = 5
@@ -30,13 +30,13 @@ class Harmonics:
     significance: Array
 
 
-def compare_harmonics(tracking: Tracking) -> Harmonics:
+def compare_harmonics(shooting: MultipleShooting) -> Harmonics:
     """Return the harmonics, up to the fifth where the rate allows, of the force that the tracked model lacks."""
-    angle = np.arctan2(-tracking.velocity / tracking.frequency, tracking.displacement)
-    top = int(min(HIGHEST, max(1, np.floor(0.4 * tracking.span.rate * 2.0 * np.pi / tracking.frequency))))
+    angle = np.arctan2(-shooting.velocity / shooting.frequency, shooting.displacement)
+    top = int(min(HIGHEST, max(1, np.floor(0.4 * shooting.window.rate * 2.0 * np.pi / shooting.frequency))))
     orders = np.arange(top + 1)
     patterns = np.column_stack([np.cos(n * angle) for n in orders] + [-np.sin(n * angle) for n in orders[1:]])
-    found = estimate_extra_force(tracking, patterns)
+    found = estimate_extra_force(shooting, patterns)
     cosine, cosine_std = found.size[: top + 1], found.std[: top + 1]
     sine = np.concatenate([[0.0], found.size[top + 1 :]])
     sine_std = np.concatenate([[0.0], found.std[top + 1 :]])

@@ -6,8 +6,8 @@ import numpy as np
 
 from identify.arrays import Array, Mask, frozen
 from identify.comparison.multiple_shooting import delayed
-from identify.preprocessing.fit_window import Span
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.fit_window import FitWindow
+from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.smoothing import slope, smooth
 
 _BAND = 5.0
@@ -39,33 +39,33 @@ class KinematicCheck:
 
 
 def check_kinematics(
-    setting: Setting, span: Span, frequency: float, floor_error: float
+    prepared: PreparedDecay, window: FitWindow, frequency: float, floor_error: float
 ) -> KinematicCheck | None:
     """Compare both channels with the one motion that suits them best; None with a single channel.
 
     `floor_error` is the relative standard error of the noise floor.
     """
-    aligned, motion = setting.alignment, setting.motion
-    if aligned is None or not span.paired:
+    aligned, motion = prepared.alignment, prepared.motion
+    if aligned is None or not window.paired:
         return None
-    low = "displacement" if "displacement" in span.readings else "velocity"
-    noise_high = span.sigma["acceleration"] / abs(aligned.gain.value)
-    high = span.readings["acceleration"] / aligned.gain.value - motion.acceleration
-    read = delayed(motion.displacement, motion.velocity, motion.acceleration, aligned.lag.value, span.rate)
-    left = span.readings[low] - read[0 if low == "displacement" else 1]
-    inside = motion.valid & span.used["acceleration"] & span.used[low] & ~_near_reversals(motion.velocity)
+    low = "displacement" if "displacement" in window.readings else "velocity"
+    noise_high = window.sigma["acceleration"] / abs(aligned.gain.value)
+    high = window.readings["acceleration"] / aligned.gain.value - motion.acceleration
+    read = delayed(motion.displacement, motion.velocity, motion.acceleration, aligned.lag.value, window.rate)
+    left = window.readings[low] - read[0 if low == "displacement" else 1]
+    inside = motion.valid & window.used["acceleration"] & window.used[low] & ~_near_reversals(motion.velocity)
     high, left = _without_slow(high, inside), _without_slow(left, inside)
-    total = float(np.sum((high[inside] / noise_high) ** 2) + np.sum((left[inside] / span.sigma[low]) ** 2))
+    total = float(np.sum((high[inside] / noise_high) ** 2) + np.sum((left[inside] / window.sigma[low]) ** 2))
     degrees = max(int(inside.sum()) - 6, 1)
-    corner = _BAND * frequency / (2.0 * np.pi * span.rate)
+    corner = _BAND * frequency / (2.0 * np.pi * window.rate)
     disagreement = smooth(np.where(inside, high, 0.0), corner) - _derivative(
-        smooth(np.where(inside, left, 0.0), corner), span.rate, 2 if low == "displacement" else 1
+        smooth(np.where(inside, left, 0.0), corner), window.rate, 2 if low == "displacement" else 1
     )
     return KinematicCheck(
         total / degrees,
         float(np.hypot(np.sqrt(2.0 / degrees), 2.0 * floor_error)),
         frozen(disagreement),
-        _expected(noise_high, span.sigma[low], corner, span.rate, 2 if low == "displacement" else 1),
+        _expected(noise_high, window.sigma[low], corner, window.rate, 2 if low == "displacement" else 1),
     )
 
 

@@ -15,14 +15,14 @@ from identify.fitting.fit import Fit
 from identify.fitting.problem import Problem
 from identify.model.measured_path import states_along
 from identify.model.simulate import Response
-from identify.preprocessing.fit_window import Span
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.fit_window import FitWindow
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 _STEP = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class Segment:
     """About one cycle: samples `start` to `stop` - 1 of the span are compared, the run begins at `begin`.
 
     `variation` holds what a change of the state at `begin` does to the whitened readings, shape (rows, 2), per
@@ -41,7 +41,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, eq=False)
-class Tracking:
+class MultipleShooting:
     """The model tracked along one span.
 
     `displacement`, `velocity`, `acceleration` (n,) of the tracked model, on the acceleration's clock and from the
@@ -50,8 +50,8 @@ class Tracking:
     part, and `step` its exact step, tell how readings respond to a small extra force.
     """
 
-    span: Span
-    stretches: tuple[Stretch, ...]
+    window: FitWindow
+    segments: tuple[Segment, ...]
     displacement: Array
     velocity: Array
     acceleration: Array
@@ -68,39 +68,39 @@ class Tracking:
         """Return changes of the readings, (n, columns) a channel, as whitened rows (rows, columns)."""
         columns = next(iter(change.values())).shape[1]
         out = np.empty((len(self.misfit), columns))
-        for stretch in self.stretches:
-            at = stretch.rows.start
-            for channel in self.span.channels:
-                used = np.flatnonzero(self.span.used[channel][stretch.start : stretch.stop]) + stretch.start
-                out[at : at + len(used)] = change[channel][used] / self.span.sigma[channel]
+        for segment in self.segments:
+            at = segment.rows.start
+            for channel in self.window.channels:
+                used = np.flatnonzero(self.window.used[channel][segment.start : segment.stop]) + segment.start
+                out[at : at + len(used)] = change[channel][used] / self.window.sigma[channel]
                 at += len(used)
         return out
 
     def without_states(self, rows: Array) -> Array:
         """Return whitened rows (rows, columns) less what the state at the start of each stretch explains."""
         out = np.array(rows)
-        for stretch in self.stretches:
-            basis = np.linalg.qr(stretch.variation)[0]
-            part = out[stretch.rows]
-            out[stretch.rows] = part - basis @ (basis.T @ part)
+        for segment in self.segments:
+            basis = np.linalg.qr(segment.variation)[0]
+            part = out[segment.rows]
+            out[segment.rows] = part - basis @ (basis.T @ part)
         return out
 
 
-def track(setting: Setting, fit: Fit) -> Tracking:
+def shoot(prepared: PreparedDecay, fit: Fit) -> MultipleShooting:
     """Run a fitted model (of one span) along the measured motion, cycle by cycle."""
-    span, motion = fit.spans[0], setting.motion
+    window, motion = fit.windows[0], prepared.motion
     values = {name: found.value for name, found in fit.values.items()}
-    aligned = setting.alignment
+    aligned = prepared.alignment
     lag = aligned.lag.value if aligned is not None else 0.0
     gain = aligned.gain.value if aligned is not None else 1.0
-    u = motion.displacement + setting.zero - values.get("displacement_offset", setting.zero)
+    u = motion.displacement + prepared.zero - values.get("displacement_offset", prepared.zero)
     v = motion.velocity
     sizes = (float(np.max(np.abs(u))), float(np.max(np.abs(u))) * fit.frequency)
-    pieces = _pieces(span, u, v, fit.frequency)
-    problem, thetas = _problem(fit, span, pieces, u, v, values, lag)
-    n = len(span)
+    pieces = _pieces(window, u, v, fit.frequency)
+    problem, thetas = _problem(fit, window, pieces, u, v, values, lag)
+    n = len(window)
     kept = {name: np.zeros(n) for name in ("displacement", "velocity", "acceleration")}
-    stretches: list[Stretch] = []
+    segments: list[Segment] = []
     misfits: list[Array] = []
     row = 0
     for i, (begin, start, stop) in enumerate(pieces):
@@ -113,21 +113,21 @@ def track(setting: Setting, fit: Fit) -> Tracking:
             moved = thetas.copy()
             moved[place] += _STEP * size
             runs.append(problem.respond(moved, i))
-        seen = [_readings(run, span, lag, gain, values) for run in runs]
+        seen = [_readings(run, window, lag, gain, values) for run in runs]
         part = slice(start - begin, stop - begin)
-        used = {c: span.used[c][start:stop] for c in span.channels}
+        used = {c: window.used[c][start:stop] for c in window.channels}
         misfit = np.concatenate(
             [
-                ((span.readings[c][start:stop] - seen[0][c][part]) / span.sigma[c])[used[c]]
-                for c in span.channels
+                ((window.readings[c][start:stop] - seen[0][c][part]) / window.sigma[c])[used[c]]
+                for c in window.channels
             ]
         )
         variation = np.column_stack(
             [
                 np.concatenate(
                     [
-                        ((s[c][part] - seen[0][c][part]) / span.sigma[c] / _STEP)[used[c]]
-                        for c in span.channels
+                        ((s[c][part] - seen[0][c][part]) / window.sigma[c] / _STEP)[used[c]]
+                        for c in window.channels
                     ]
                 )
                 for s in seen[1:]
@@ -146,14 +146,14 @@ def track(setting: Setting, fit: Fit) -> Tracking:
             values_kept[begin if i == 0 else start : stop] = getattr(runs[0], name)[
                 0 if i == 0 else start - begin : stop - begin
             ]
-        stretches.append(
-            Stretch(begin, start, stop, slice(row, row + len(misfit)), variation, carry, departure, states[0])
+        segments.append(
+            Segment(begin, start, stop, slice(row, row + len(misfit)), variation, carry, departure, states[0])
         )
         misfits.append(misfit)
         row += len(misfit)
-    return Tracking(
-        span,
-        tuple(stretches),
+    return MultipleShooting(
+        window,
+        tuple(segments),
         kept["displacement"],
         kept["velocity"],
         kept["acceleration"],
@@ -167,7 +167,7 @@ def track(setting: Setting, fit: Fit) -> Tracking:
         one_step(
             values.get("linear_stiffness.k", fit.frequency**2),
             values.get("viscous_damping.mu_1", 0.0),
-            1.0 / span.rate,
+            1.0 / window.rate,
         ),
     )
 
@@ -196,21 +196,21 @@ def _tag(i: int, pieces: list[tuple[int, int, int]]) -> str:
     return f"[{i}]" if len(pieces) > 1 else ""
 
 
-def _pieces(span: Span, u: Array, v: Array, frequency: float) -> list[tuple[int, int, int]]:
+def _pieces(window: FitWindow, u: Array, v: Array, frequency: float) -> list[tuple[int, int, int]]:
     """Return (begin, start, stop) of each stretch: from one rising passage of the middle to the next."""
     n = len(u)
     turns = np.unwrap(np.arctan2(u, v / frequency)) / (2.0 * np.pi)
     turns = np.maximum.accumulate(turns)
     edges = np.flatnonzero(np.diff(np.floor(turns)) > 0) + 1
-    period = 2.0 * np.pi / frequency * span.rate
-    edges = edges[(edges > span.lead + 0.5 * period) & (edges < n - 0.5 * period)]
-    bounds = [span.lead, *[int(e) for e in edges], n]
-    return [(start - span.lead, start, stop) for start, stop in pairwise(bounds)]
+    period = 2.0 * np.pi / frequency * window.rate
+    edges = edges[(edges > window.lead + 0.5 * period) & (edges < n - 0.5 * period)]
+    bounds = [window.lead, *[int(e) for e in edges], n]
+    return [(start - window.lead, start, stop) for start, stop in pairwise(bounds)]
 
 
 def _problem(
     fit: Fit,
-    span: Span,
+    window: FitWindow,
     pieces: list[tuple[int, int, int]],
     u: Array,
     v: Array,
@@ -218,12 +218,14 @@ def _problem(
     lag: float,
 ) -> tuple[Problem, Array]:
     """Return the model on one short span a stretch, and the unknowns at which it runs along the measured motion."""
-    reach = span.lead + 2
-    spans = tuple(_short(span, begin, min(stop + reach, len(span) + reach)) for begin, _, stop in pieces)
-    problem = Problem(fit.model, spans, fit.frequency)
+    reach = window.lead + 2
+    windows = tuple(
+        _short(window, begin, min(stop + reach, len(window) + reach)) for begin, _, stop in pieces
+    )
+    problem = Problem(fit.model, windows, fit.frequency)
     thetas = np.array([values.get(unknown.name, 0.0) for unknown in problem.unknowns])
     memories = {
-        term.effect.name: states_along(term, values, span.clock, u, v)
+        term.effect.name: states_along(term, values, window.clock, u, v)
         for term in fit.model.terms
         if term.effect.rates is not None
     }
@@ -241,26 +243,26 @@ def _problem(
     return problem, thetas
 
 
-def _short(span: Span, begin: int, end: int) -> Span:
+def _short(window: FitWindow, begin: int, end: int) -> FitWindow:
     """Return samples `begin` to `end` - 1 of a span, held on beyond its end."""
-    take = np.minimum(np.arange(begin, end), len(span) - 1)
-    return span.with_(
-        time=span.time + begin / span.rate,
-        readings={c: r[take] for c, r in span.readings.items()},
-        used={c: m[take] for c, m in span.used.items()},
-        force=None if span.force is None else span.force[take],
+    take = np.minimum(np.arange(begin, end), len(window) - 1)
+    return window.with_(
+        time=window.time + begin / window.rate,
+        readings={c: r[take] for c, r in window.readings.items()},
+        used={c: m[take] for c, m in window.used.items()},
+        force=None if window.force is None else window.force[take],
     )
 
 
 def _readings(
-    run: Response, span: Span, lag: float, gain: float, values: dict[str, float]
+    run: Response, window: FitWindow, lag: float, gain: float, values: dict[str, float]
 ) -> dict[str, Array]:
     """Return what the sensors show of a run, before any fault of theirs: lag, gain and offsets applied."""
     seen: dict[str, Array] = {}
-    u, v = delayed(run.displacement, run.velocity, run.acceleration, lag, span.rate)
-    for channel in span.channels:
+    u, v = delayed(run.displacement, run.velocity, run.acceleration, lag, window.rate)
+    for channel in window.channels:
         if channel == "acceleration":
-            seen[channel] = (gain if span.paired else 1.0) * run.acceleration
+            seen[channel] = (gain if window.paired else 1.0) * run.acceleration
         else:
             seen[channel] = u if channel == "displacement" else v
         seen[channel] = seen[channel] + values.get(f"{channel}_offset", 0.0)

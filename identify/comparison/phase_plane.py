@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array, frozen
-from identify.comparison.multiple_shooting import Tracking
+from identify.comparison.multiple_shooting import MultipleShooting
 from identify.comparison.residual_force import estimate_extra_force
 
 _KNOWN = 8.0
@@ -67,9 +67,9 @@ class PhasePlane:
         )
 
 
-def compare_phase_plane(tracking: Tracking) -> PhasePlane:
+def compare_phase_plane(shooting: MultipleShooting) -> PhasePlane:
     """Return the force that the tracked model lacks, as one constant in each bin of the phase plane."""
-    u, v = tracking.displacement, tracking.velocity
+    u, v = shooting.displacement, shooting.velocity
     across = _odd(len(u))
     along = across - 1
     reach_u, reach_v = (float(np.max(np.abs(x))) * (1.0 + 1e-9) for x in (u, v))
@@ -79,7 +79,7 @@ def compare_phase_plane(tracking: Tracking) -> PhasePlane:
     row = np.clip(np.searchsorted(edges_v, v, side="right") - 1, 0, along - 1)
     code, member = np.unique(row * across + column, return_inverse=True)
     patterns = (member[:, None] == np.arange(len(code))).astype(float)
-    found = estimate_extra_force(tracking, patterns)
+    found = estimate_extra_force(shooting, patterns)
     known = found.std < _KNOWN * np.median(found.std)
     bins = np.column_stack([code // across, code % across])[known]
     force, std = np.full((along, across), np.nan), np.full((along, across), np.nan)

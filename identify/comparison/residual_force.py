@@ -6,11 +6,11 @@ import numpy as np
 from numba import njit
 
 from identify.arrays import Array
-from identify.comparison.multiple_shooting import Stretch, Tracking
+from identify.comparison.multiple_shooting import MultipleShooting, Segment
 
 
 @dataclass(frozen=True, eq=False)
-class ExtraForce:
+class ResidualForce:
     """Sizes of force patterns (patterns,), m/s^2 on the left of u'' + ... = 0, and their covariance.
 
     `chi_square_after` is the reduced chi-square that they leave within the cycles.
@@ -26,7 +26,9 @@ class ExtraForce:
         return np.sqrt(np.diag(self.covariance))
 
 
-def estimate_extra_force(tracking: Tracking, patterns: Array, faults: Array | None = None) -> ExtraForce:
+def estimate_extra_force(
+    shooting: MultipleShooting, patterns: Array, faults: Array | None = None
+) -> ResidualForce:
     """Least squares of what the tracked model leaves on the response to patterns (n, patterns) of force.
 
     `faults` (rows, faults) are whitened columns of what a sensor may add; their sizes follow those of the patterns.
@@ -34,14 +36,14 @@ def estimate_extra_force(tracking: Tracking, patterns: Array, faults: Array | No
     kinematics alone determines. A pattern that the readings do not feel has a standard error as large as the
     springs' force.
     """
-    asked = respond_to(tracking, patterns)
+    asked = respond_to(shooting, patterns)
     if faults is not None:
         asked = np.hstack([asked, faults])
-    columns = np.hstack([asked, nuisances(tracking)])
-    both = tracking.without_states(np.column_stack([columns, tracking.misfit]))
+    columns = np.hstack([asked, nuisances(shooting)])
+    both = shooting.without_states(np.column_stack([columns, shooting.misfit]))
     columns, misfit = both[:, :-1], both[:, -1]
     count = asked.shape[1]
-    largest = tracking.stiffness * tracking.sizes[0]
+    largest = shooting.stiffness * shooting.sizes[0]
     prior = np.full(columns.shape[1], 1.0)
     prior[: patterns.shape[1]] = 1.0 / largest**2
     normal = columns.T @ columns
@@ -50,66 +52,68 @@ def estimate_extra_force(tracking: Tracking, patterns: Array, faults: Array | No
     gradient = columns.T @ misfit
     size = inverse @ gradient
     left = float(misfit @ misfit - gradient @ size)
-    degrees = len(misfit) - 2 * len(tracking.stretches) - columns.shape[1]
-    return ExtraForce(size[:count], inverse[:count, :count], left / max(degrees, 1))
+    degrees = len(misfit) - 2 * len(shooting.segments) - columns.shape[1]
+    return ResidualForce(size[:count], inverse[:count, :count], left / max(degrees, 1))
 
 
-def respond_to(tracking: Tracking, patterns: Array) -> Array:
+def respond_to(shooting: MultipleShooting, patterns: Array) -> Array:
     """Return the whitened change of the readings (rows, patterns) under extra forces (n, patterns), per m/s^2."""
-    out = np.empty((len(tracking.misfit), patterns.shape[1]))
-    for stretch in tracking.stretches:
-        x, v = _filtered(tracking.step, patterns[stretch.begin : stretch.stop])
-        out[stretch.rows] = _seen(tracking, stretch, x, v, patterns[stretch.begin : stretch.stop])
+    out = np.empty((len(shooting.misfit), patterns.shape[1]))
+    for segment in shooting.segments:
+        x, v = _filtered(shooting.step, patterns[segment.begin : segment.stop])
+        out[segment.rows] = _seen(shooting, segment, x, v, patterns[segment.begin : segment.stop])
     return out
 
 
-def respond_in(tracking: Tracking, stretch: Stretch, patterns: Array, until: int) -> tuple[Array, Array]:
+def respond_in(
+    shooting: MultipleShooting, segment: Segment, patterns: Array, until: int
+) -> tuple[Array, Array]:
     """Return what forces (samples of the stretch, patterns) do from its beginning on.
 
     The whitened change of the readings (rows of the stretch, patterns), and the change of displacement and velocity
     at sample `until`, in natural sizes, (2, patterns).
     """
-    x, v = _filtered(tracking.step, patterns)
-    at = until - stretch.begin
-    end = np.vstack([x[at] / tracking.sizes[0], v[at] / tracking.sizes[1]])
-    return _seen(tracking, stretch, x, v, patterns), end
+    x, v = _filtered(shooting.step, patterns)
+    at = until - segment.begin
+    end = np.vstack([x[at] / shooting.sizes[0], v[at] / shooting.sizes[1]])
+    return _seen(shooting, segment, x, v, patterns), end
 
 
-def _seen(tracking: Tracking, stretch: Stretch, x: Array, v: Array, patterns: Array) -> Array:
-    seen = slice(stretch.start - stretch.begin, None)
+def _seen(shooting: MultipleShooting, segment: Segment, x: Array, v: Array, patterns: Array) -> Array:
+    seen = slice(segment.start - segment.begin, None)
     x, v = x[seen], v[seen]
-    a = -patterns[seen] - tracking.damping * v - tracking.stiffness * x
-    change = read_change(tracking, x, v, a)
-    span = tracking.span
-    part = slice(stretch.start, stretch.stop)
-    return np.vstack([change[c][span.used[c][part]] / span.sigma[c] for c in span.channels])
+    a = -patterns[seen] - shooting.damping * v - shooting.stiffness * x
+    change = read_change(shooting, x, v, a)
+    window = shooting.window
+    part = slice(segment.start, segment.stop)
+    return np.vstack([change[c][window.used[c][part]] / window.sigma[c] for c in window.channels])
 
 
-def read_change(tracking: Tracking, x: Array, v: Array, a: Array) -> dict[str, Array]:
+def read_change(shooting: MultipleShooting, x: Array, v: Array, a: Array) -> dict[str, Array]:
     """Return what the sensors show of a small change of displacement, velocity and acceleration."""
-    lag = tracking.lag
+    lag = shooting.lag
     change = {
         "displacement": x - lag * v + 0.5 * lag * lag * a,
         "velocity": v - lag * a,
-        "acceleration": a * (tracking.gain if tracking.span.paired else 1.0),
+        "acceleration": a * (shooting.gain if shooting.window.paired else 1.0),
     }
-    return {channel: change[channel] for channel in tracking.span.channels}
+    return {channel: change[channel] for channel in shooting.window.channels}
 
 
-def nuisances(tracking: Tracking) -> Array:
+def nuisances(shooting: MultipleShooting) -> Array:
     """Whitened columns of lag, gain and the acceleration's offset, each in a natural size; none for a single channel."""
-    span = tracking.span
-    n = len(span)
-    if not span.paired:
-        return np.zeros((len(tracking.misfit), 0))
-    change = {channel: np.zeros((n, 3)) for channel in span.channels}
+    window = shooting.window
+    n = len(window)
+    if not window.paired:
+        return np.zeros((len(shooting.misfit), 0))
+    change = {channel: np.zeros((n, 3)) for channel in window.channels}
     if "displacement" in change:
-        change["displacement"][:, 0] = -tracking.velocity * 1e-2 / tracking.frequency
+        change["displacement"][:, 0] = -shooting.velocity * 1e-2 / shooting.frequency
     if "velocity" in change:
-        change["velocity"][:, 0] = -tracking.acceleration * 1e-2 / tracking.frequency
-    change["acceleration"][:, 1] = tracking.acceleration * 1e-2
-    change["acceleration"][:, 2] = 1e-2 * tracking.stiffness * tracking.sizes[0]
-    return tracking.whitened(change)
+        change["velocity"][:, 0] = -shooting.acceleration * 1e-2 / shooting.frequency
+    change["acceleration"][:, 1] = shooting.acceleration * 1e-2
+    change["acceleration"][:, 2] = 1e-2 * shooting.stiffness * shooting.sizes[0]
+    return shooting.whitened(change)
 
 
 def _filtered(step: Array, patterns: Array) -> tuple[Array, Array]:

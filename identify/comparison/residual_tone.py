@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
-from identify.comparison.multiple_shooting import Tracking
-from identify.preprocessing.fit_window import CHANNELS, Span
+from identify.comparison.multiple_shooting import MultipleShooting
+from identify.preprocessing.fit_window import CHANNELS, FitWindow
 
 _APART = 0.3
 _HIGH = 6.5
@@ -16,7 +16,7 @@ _EXPECTED = 40.0
 
 
 @dataclass(frozen=True)
-class ResidualLine:
+class ResidualTone:
     """The strongest line: `frequency` Hz, `amplitude` in the unit of `channel`, `significance` in standard errors.
 
     `channels` are those of several in which it is seen. `sensor` is True when the other channel lacks it where a
@@ -31,20 +31,20 @@ class ResidualLine:
     sensor: bool
 
 
-def find_line(tracking: Tracking) -> ResidualLine | None:
+def find_residual_tone(shooting: MultipleShooting) -> ResidualTone | None:
     """Return the strongest line away from multiples of the motion's frequency, as far as chance is not its cause.
 
     The spectrum is measured against its own median where that is above the noise, so that a broad misfit is no
     line. Chance reaches the limit in 1 % of records.
     """
-    span = tracking.span
-    n = len(span)
-    left = _by_channel(tracking)
+    window = shooting.window
+    n = len(window)
+    left = _by_channel(shooting)
     size = 2 * n
-    frequency = np.fft.rfftfreq(size, 1.0 / span.rate)
-    turns = frequency * 2.0 * np.pi / tracking.frequency
+    frequency = np.fft.rfftfreq(size, 1.0 / window.rate)
+    turns = frequency * 2.0 * np.pi / shooting.frequency
     allowed = np.abs(turns - np.round(turns)) > np.where(turns < _HIGH, _APART, _APART_HIGH)
-    allowed &= (turns > _APART) & (frequency < 0.49 * span.rate)
+    allowed &= (turns > _APART) & (frequency < 0.49 * window.rate)
     if np.count_nonzero(allowed) < 16:
         return None
     taper = np.hanning(n)
@@ -59,29 +59,31 @@ def find_line(tracking: Tracking) -> ResidualLine | None:
     if peak < np.log(len(frequency) * len(powers) / 0.01):
         return None
     near = slice(max(at - 2, 0), at + 3)
-    wave = np.exp(-2j * np.pi * frequency[at] * np.arange(n) / span.rate)
-    amplitude = 2.0 * abs(np.sum(left[channel] * taper * wave)) / np.sum(taper) * span.sigma[channel]
-    return ResidualLine(
+    wave = np.exp(-2j * np.pi * frequency[at] * np.arange(n) / window.rate)
+    amplitude = 2.0 * abs(np.sum(left[channel] * taper * wave)) / np.sum(taper) * window.sigma[channel]
+    return ResidualTone(
         float(frequency[at]),
         float(amplitude),
         channel,
-        tuple(c for c in span.channels if len(span.channels) > 1 and float(np.max(powers[c][near])) > _SEEN),
+        tuple(
+            c for c in window.channels if len(window.channels) > 1 and float(np.max(powers[c][near])) > _SEEN
+        ),
         float(np.sqrt(2.0 * peak)),
-        _is_no_motion(span, channel, powers, at, 2.0 * np.pi * float(frequency[at])),
+        _is_no_motion(window, channel, powers, at, 2.0 * np.pi * float(frequency[at])),
     )
 
 
-def _is_no_motion(span: Span, channel: str, powers: dict[str, Array], at: int, omega: float) -> bool:
+def _is_no_motion(window: FitWindow, channel: str, powers: dict[str, Array], at: int, omega: float) -> bool:
     near = slice(max(at - 2, 0), at + 3)
     if float(powers[channel][at]) < 0.5 * float(np.max(powers[channel])):
         return False
-    for other in span.channels:
+    for other in window.channels:
         if other == channel:
             continue
         ratio = (
             omega ** (CHANNELS.index(other) - CHANNELS.index(channel))
-            * span.sigma[channel]
-            / span.sigma[other]
+            * window.sigma[channel]
+            / window.sigma[other]
         )
         expected = float(powers[channel][at]) * ratio**2
         if expected > _EXPECTED and float(np.max(powers[other][near])) < 0.25 * expected:
@@ -89,15 +91,15 @@ def _is_no_motion(span: Span, channel: str, powers: dict[str, Array], at: int, o
     return False
 
 
-def _by_channel(tracking: Tracking) -> dict[str, Array]:
+def _by_channel(shooting: MultipleShooting) -> dict[str, Array]:
     """What the tracked model leaves with the states free, per channel on the span's clock, in units of the noise."""
-    span = tracking.span
-    left = tracking.without_states(tracking.misfit[:, None])[:, 0]
-    series = {c: np.zeros(len(span)) for c in span.channels}
-    for stretch in tracking.stretches:
-        at = stretch.rows.start
-        for channel in span.channels:
-            used = np.flatnonzero(span.used[channel][stretch.start : stretch.stop]) + stretch.start
+    window = shooting.window
+    left = shooting.without_states(shooting.misfit[:, None])[:, 0]
+    series = {c: np.zeros(len(window)) for c in window.channels}
+    for segment in shooting.segments:
+        at = segment.rows.start
+        for channel in window.channels:
+            used = np.flatnonzero(window.used[channel][segment.start : segment.stop]) + segment.start
             series[channel][used] = left[at : at + len(used)]
             at += len(used)
     return series

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
-from identify.comparison.multiple_shooting import Tracking
+from identify.comparison.multiple_shooting import MultipleShooting
 from identify.comparison.residual_force import estimate_extra_force
 
 _ORDERS = (1, 2, 3)
@@ -18,35 +18,35 @@ _BINS = 7
 
 
 @dataclass(frozen=True)
-class SlowFault:
+class ZeroDrift:
     """How far the zero of the acceleration moves (m/s^2, from its lowest to its highest), in standard errors."""
 
     size: float
     significance: float
 
 
-def find_slow_fault(tracking: Tracking) -> SlowFault | None:
+def find_zero_drift(shooting: MultipleShooting) -> ZeroDrift | None:
     """Return the slow change of the acceleration's zero beside any force of u and v; None without a second channel."""
-    span = tracking.span
-    if not span.paired:
+    window = shooting.window
+    if not window.paired:
         return None
-    clock = np.linspace(-1.0, 1.0, len(span))
+    clock = np.linspace(-1.0, 1.0, len(window))
     shapes = np.column_stack([np.polynomial.legendre.legval(clock, np.eye(n + 1)[n]) for n in _ORDERS])
-    change = {c: np.zeros(shapes.shape) for c in span.channels}
-    change["acceleration"] = shapes * span.sigma["acceleration"]
-    patterns = _coarse_bins(tracking)
-    found = estimate_extra_force(tracking, patterns, tracking.whitened(change))
+    change = {c: np.zeros(shapes.shape) for c in window.channels}
+    change["acceleration"] = shapes * window.sigma["acceleration"]
+    patterns = _coarse_bins(shooting)
+    found = estimate_extra_force(shooting, patterns, shooting.whitened(change))
     count = patterns.shape[1]
     size, covariance = found.size[count:], found.covariance[count:, count:]
     score = float(size @ np.linalg.solve(covariance, size)) / max(1.0, found.chi_square_after)
     # Wilson and Hilferty (1931): chi-square of three degrees of freedom as a normal score.
     normal = ((score / 3.0) ** (1.0 / 3.0) - (1.0 - 2.0 / 27.0)) / np.sqrt(2.0 / 27.0)
-    return SlowFault(float(np.ptp(shapes @ size)) * span.sigma["acceleration"], float(normal))
+    return ZeroDrift(float(np.ptp(shapes @ size)) * window.sigma["acceleration"], float(normal))
 
 
-def _coarse_bins(tracking: Tracking) -> Array:
-    u = tracking.displacement / tracking.sizes[0]
-    v = tracking.velocity / max(float(np.max(np.abs(tracking.velocity))), 1e-300)
+def _coarse_bins(shooting: MultipleShooting) -> Array:
+    u = shooting.displacement / shooting.sizes[0]
+    v = shooting.velocity / max(float(np.max(np.abs(shooting.velocity))), 1e-300)
     column = np.clip(((u + 1.0) / 2.0 * _BINS).astype(int), 0, _BINS - 1)
     row = np.clip(((v + 1.0) / 2.0 * (_BINS - 1)).astype(int), 0, _BINS - 2)
     code, member = np.unique(row * _BINS + column, return_inverse=True)

@@ -8,21 +8,21 @@ import numpy as np
 from identify.arrays import Array
 from identify.diagnosis.explain import explain
 from identify.diagnosis.next_experiment import next_experiment
-from identify.diagnosis.nonparametric_force import FreeForm, free_form
-from identify.diagnosis.null_distribution import Chance
+from identify.diagnosis.nonparametric_force import NonparametricForce, nonparametric_force
+from identify.diagnosis.null_distribution import NullDistribution
 from identify.diagnosis.rest_evidence import at_rest
 from identify.diagnosis.search import Pair, chances, pairs, singles
 from identify.diagnosis.suspects import Candidate
 from identify.effects.effect import Effect, Kind
 from identify.effects.library import LIBRARY
 from identify.estimate import Estimate
-from identify.fitting.baseline import Start, begin, force_along_motion, settle
-from identify.fitting.corrected_faults import Fault, corrected_faults
+from identify.fitting.baseline import Baseline, fit_baseline, force_along_motion, refit_at_floor
+from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
-from identify.fitting.segments import episodes
+from identify.fitting.segments import segments
 from identify.model.model import Model, Term, base_model
-from identify.preprocessing.fit_window import Span
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.fit_window import FitWindow
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 Verdict = Literal["missing_effect", "sensor_fault", "nothing_missing", "unknown_effect", "not_enough_data"]
 
@@ -80,13 +80,13 @@ class Diagnosis:
     something is missing that has no name.
     """
 
-    start: Start
+    start: Baseline
     verdict: Verdict
     suspects: tuple[Suspect, ...]
     together: tuple[str, ...]
-    findings: tuple[Fault, ...]
+    findings: tuple[CorrectedFault, ...]
     final: Fit
-    shape: FreeForm | None
+    shape: NonparametricForce | None
     explanation: str
     next_experiment: str
 
@@ -99,31 +99,31 @@ class Diagnosis:
 
 
 def diagnose(
-    settings: tuple[Setting, ...],
+    decays: tuple[PreparedDecay, ...],
     model: Model | None = None,
     *,
     library: tuple[Effect, ...] = LIBRARY,
     known: dict[str, float] | None = None,
 ) -> Diagnosis:
     """Return what a model (stiffness, Coulomb and viscous friction unless given) lacks on one or more releases."""
-    settings = tuple(episode for setting in settings for episode in episodes(setting))
-    start = begin(settings, model or base_model(), known)
+    decays = tuple(segment for prepared in decays for segment in segments(prepared))
+    start = fit_baseline(decays, model or base_model(), known)
     tried = singles(start, library)
     chance = chances(start, library)
     dispersion = _dispersion(start, tried)
     faults = tuple(
-        f for f in corrected_faults(start.settings, start.fit) if f.term.effect.name not in start.fit.model
+        f for f in corrected_faults(start.decays, start.fit) if f.term.effect.name not in start.fit.model
     )
     ranked = _rank(start, tried, chance, dispersion)
     judgement = _judge(start, ranked, faults, library)
     verdict, together, final, shape = judgement.verdict, judgement.together, judgement.final, judgement.shape
     suspects = _suspects(start, judgement, faults)
-    settled = settle(start.settings, final) if final is not start.fit else start
+    settled = refit_at_floor(start.decays, final) if final is not start.fit else start
     final = settled.fit
     if suspects and suspects[0].fit is judgement.final:
         suspects = (replace(suspects[0], error_after=settled.reduced(final)), *suspects[1:])
     suspects = _with_held_out(start, suspects)
-    cycles = len(start.fit.spans[0]) / start.fit.spans[0].rate * start.fit.frequency / (2.0 * np.pi)
+    cycles = len(start.fit.windows[0]) / start.fit.windows[0].rate * start.fit.frequency / (2.0 * np.pi)
     if cycles < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
     findings = tuple(f for f in faults if _significant(f))
@@ -148,15 +148,15 @@ class _Ranked:
     p_value: float
 
 
-def _dispersion(start: Start, tried: tuple[Candidate, ...]) -> float:
+def _dispersion(start: Baseline, tried: tuple[Candidate, ...]) -> float:
     """Return by how much a misfit that nothing explains widens chance: 1 where the best refit reaches a sure floor."""
     best = min((c.fit for c in tried if c.plausible), key=lambda found: found.chi_square, default=start.fit)
     if start.adequate(best) and start.floor_is_sure:
         return 1.0
     lengths = []
-    for i, span in enumerate(best.spans):
-        for channel in span.channels:
-            residual = np.where(span.used[channel], best.residual(channel, i), 0.0)
+    for i, window in enumerate(best.windows):
+        for channel in window.channels:
+            residual = np.where(window.used[channel], best.residual(channel, i), 0.0)
             lengths.append(_correlation_length(residual))
     return max(1.0, best.reduced * float(np.mean(lengths)))
 
@@ -174,12 +174,12 @@ def _correlation_length(values: Array) -> float:
 
 
 def _rank(
-    start: Start, tried: tuple[Candidate, ...], chance: Chance, dispersion: float
+    start: Baseline, tried: tuple[Candidate, ...], chance: NullDistribution, dispersion: float
 ) -> tuple[_Ranked, ...]:
     ranked = []
     for candidate in tried:
         drop = candidate.gain / dispersion
-        evidence = chance.surprise(candidate.name, drop) + at_rest(start.settings, candidate)
+        evidence = chance.surprise(candidate.name, drop) + at_rest(start.decays, candidate)
         p_value = chance.p_value(candidate.name, drop) if evidence > 0.0 else 1.0
         ranked.append(_Ranked(candidate, evidence, p_value))
     return tuple(sorted(ranked, key=_order))
@@ -191,7 +191,7 @@ def _order(entry: _Ranked) -> tuple[int, float]:
     return tier, -entry.evidence
 
 
-def _significant(fault: Fault) -> bool:
+def _significant(fault: CorrectedFault) -> bool:
     return fault.drop > 12.0
 
 
@@ -203,12 +203,15 @@ class _Judgement:
     ranked: tuple[_Ranked, ...]
     together: tuple[str, ...]
     final: Fit
-    shape: FreeForm | None
+    shape: NonparametricForce | None
     corrected: bool = False
 
 
 def _judge(
-    start: Start, ranked: tuple[_Ranked, ...], faults: tuple[Fault, ...], library: tuple[Effect, ...]
+    start: Baseline,
+    ranked: tuple[_Ranked, ...],
+    faults: tuple[CorrectedFault, ...],
+    library: tuple[Effect, ...],
 ) -> _Judgement:
     top = ranked[0] if ranked else None
     if top is None or top.p_value >= (ALPHA if start.floor_is_sure else _ALPHA_GUESSED):
@@ -242,7 +245,7 @@ def _judge(
     return _Judgement(_kind_of(best), ranked, (), best.fit, shape)
 
 
-def _of_pair(ranked: tuple[_Ranked, ...], pair: Pair, shape: FreeForm | None) -> _Judgement:
+def _of_pair(ranked: tuple[_Ranked, ...], pair: Pair, shape: NonparametricForce | None) -> _Judgement:
     """Return the judgement that names a pair, the one that is better alone first."""
     names = (pair.first.name, pair.second.name)
     lead = next(entry for entry in ranked if entry.candidate.name in names)
@@ -255,12 +258,14 @@ def _kind_of(candidate: Candidate) -> Verdict:
     return "missing_effect" if candidate.term.effect.kind == "physics" else "sensor_fault"
 
 
-def _free(start: Start, found: Fit) -> FreeForm:
-    largest = max(start.settings, key=lambda setting: setting.amplitude)
-    return free_form(largest, force_along_motion(largest, found))
+def _free(start: Baseline, found: Fit) -> NonparametricForce:
+    largest = max(start.decays, key=lambda prepared: prepared.amplitude)
+    return nonparametric_force(largest, force_along_motion(largest, found))
 
 
-def _suspects(start: Start, judgement: _Judgement, faults: tuple[Fault, ...]) -> tuple[Suspect, ...]:
+def _suspects(
+    start: Baseline, judgement: _Judgement, faults: tuple[CorrectedFault, ...]
+) -> tuple[Suspect, ...]:
     """Return the suspects in order: first what the verdict names, if it names any."""
     ranked, entries = judgement.ranked, []
     for entry in ranked:
@@ -318,9 +323,9 @@ def _suspects(start: Start, judgement: _Judgement, faults: tuple[Fault, ...]) ->
     )
 
 
-def _with_held_out(start: Start, suspects: tuple[Suspect, ...]) -> tuple[Suspect, ...]:
+def _with_held_out(start: Baseline, suspects: tuple[Suspect, ...]) -> tuple[Suspect, ...]:
     """Ask the first few suspects what they predict of cycles they were not fitted to."""
-    base = _held_out_error(start.fit, start.fit.spans)
+    base = _held_out_error(start.fit, start.fit.windows)
     asked = []
     for rank, suspect in enumerate(suspects):
         if (
@@ -329,25 +334,25 @@ def _with_held_out(start: Start, suspects: tuple[Suspect, ...]) -> tuple[Suspect
             and suspect.fit is not start.fit
             and suspect.p_value < ALPHA
         ):
-            gain = base - _held_out_error(suspect.fit, start.fit.spans)
+            gain = base - _held_out_error(suspect.fit, start.fit.windows)
             suspect = replace(suspect, held_out_gain=gain)
         asked.append(suspect)
     return tuple(asked)
 
 
-def _held_out_error(found: Fit, spans: tuple[Span, ...]) -> float:
+def _held_out_error(found: Fit, windows: tuple[FitWindow, ...]) -> float:
     """Return chi-square on every second pair of cycles, of a fit to the others."""
     kept, held = [], []
-    for span in spans:
-        cycle = np.floor(span.clock * found.frequency / (2.0 * np.pi)).astype(int) % 2 == 0
-        kept.append(span.with_(used={c: m & cycle for c, m in span.used.items()}))
-        held.append(span.with_(used={c: m & ~cycle for c, m in span.used.items()}))
+    for window in windows:
+        cycle = np.floor(window.clock * found.frequency / (2.0 * np.pi)).astype(int) % 2 == 0
+        kept.append(window.with_(used={c: m & cycle for c, m in window.used.items()}))
+        held.append(window.with_(used={c: m & ~cycle for c, m in window.used.items()}))
     values = dict(zip(found.names, found.theta.tolist(), strict=True))
-    refit = fit(found.model, tuple(kept), values, found.frequency, patience=1.0)
+    refit = fit(found.model, tuple(kept), values, found.frequency, tolerance=1.0)
     total = 0.0
-    for i, span in enumerate(held):
-        for channel in span.channels:
-            used = span.used[channel]
-            off = (span.readings[channel] - refit.predicted[i][channel])[used] / span.sigma[channel]
+    for i, window in enumerate(held):
+        for channel in window.channels:
+            used = window.used[channel]
+            off = (window.readings[channel] - refit.predicted[i][channel])[used] / window.sigma[channel]
             total += float(off @ off)
     return total

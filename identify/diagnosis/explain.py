@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from identify.diagnosis.nonparametric_force import FreeForm
+from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.estimate import Estimate
-from identify.fitting.baseline import Start
-from identify.fitting.corrected_faults import Fault
+from identify.fitting.baseline import Baseline
+from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
 
 if TYPE_CHECKING:
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 def explain(
-    start: Start,
+    start: Baseline,
     verdict: str,
     suspects: tuple[Suspect, ...],
     together: tuple[str, ...],
-    findings: tuple[Fault, ...],
+    findings: tuple[CorrectedFault, ...],
     final: Fit,
-    shape: FreeForm | None,
+    shape: NonparametricForce | None,
 ) -> str:
     """Return why the verdict is what it is, with numbers and the alternatives that remain."""
     floor = f"1.00 +- {start.spread:.2f}"
@@ -53,9 +53,9 @@ def _named(
     together: tuple[str, ...],
     before: float,
     floor: str,
-    start: Start,
+    start: Baseline,
     final: Fit,
-    shape: FreeForm | None,
+    shape: NonparametricForce | None,
 ) -> str:
     cause = "Missing is" if top.kind == "physics" else "A sensor is at fault:"
     where = f" in the {top.term.channel} channel" if top.term.channel else ""
@@ -76,16 +76,18 @@ def _named(
         second = f"This record does not tell it from {', '.join(close)}."
     elif others and others[0].p_value < 0.05:
         rival = f"{others[0].effect.name}, leaves {_size(others[0].error_after)}"
-        second = f"The next best, {rival}; the sign of the first is: {top.effect.tell}."
+        second = f"The next best, {rival}; the sign of the first is: {top.effect.symptom}."
     else:
-        second = f"No other effect explains it; its sign is: {top.effect.tell}."
+        second = f"No other effect explains it; its sign is: {top.effect.symptom}."
     if shape is not None and not start.adequate(final):
         rest = f"{_size(final.reduced)} times the noise"
         second += f" What remains ({rest}) follows no force in displacement, velocity or time."
     return f"{first} {second}"
 
 
-def _unknown(before: float, floor: str, top: Suspect | None, final: Fit, shape: FreeForm | None) -> str:
+def _unknown(
+    before: float, floor: str, top: Suspect | None, final: Fit, shape: NonparametricForce | None
+) -> str:
     first = f"Something is missing that the library does not name: the model leaves {_size(before)} times the noise"
     if top is not None and top.p_value < 0.05:
         first += f", and the best named effect, {top.effect.name}, still {_size(top.error_after)}"
@@ -111,11 +113,11 @@ def _finding(top: Suspect, before: float, floor: str) -> str:
     return (
         f"A sensor is at fault: {top.effect.title}{where} ({top.effect.name}: {numbers}); without allowing for it the "
         f"reduced chi-square is {_size(before)}, with it {_size(top.error_after)}, the floor being {floor}. "
-        f"The forces are not affected once it is corrected; {top.effect.proof}."
+        f"The forces are not affected once it is corrected; {top.effect.confirming_test}."
     )
 
 
-def _limit(start: Start, suspects: tuple[Suspect, ...]) -> str:
+def _limit(start: Baseline, suspects: tuple[Suspect, ...]) -> str:
     detail = [
         s for s in suspects if s.effect.name in ("cubic_stiffness", "quadratic_damping") and s.fit is not None
     ]

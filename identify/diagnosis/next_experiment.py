@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from identify.fitting.baseline import Start
+from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.problem import Problem
-from identify.preprocessing.fit_window import Span
+from identify.preprocessing.fit_window import FitWindow
 
 if TYPE_CHECKING:
     from identify.diagnosis.diagnose import Suspect
@@ -29,11 +29,11 @@ _DRIVES = (
 _WORTH = 25.0
 
 
-def next_experiment(start: Start, verdict: str, suspects: tuple[Suspect, ...]) -> str:
+def next_experiment(start: Baseline, verdict: str, suspects: tuple[Suspect, ...]) -> str:
     """Return what to record next, in a sentence; simulated where two suspects compete."""
     rivals = [s for s in suspects if s.kind == "physics" and s.fit is not None and s.fit is not start.fit]
     amplitude, unit = _amplitude(start)
-    driven = start.settings[0].span.force is not None
+    driven = start.decays[0].window.force is not None
     if verdict == "nothing_missing" and driven:
         return "The same force at half and at one and a half times its level would show effects that hide at this one."
     if verdict == "nothing_missing":
@@ -44,12 +44,12 @@ def next_experiment(start: Start, verdict: str, suspects: tuple[Suspect, ...]) -
     if verdict == "not_enough_data":
         return "Record at least eight seconds or ten cycles, from the largest amplitude that is safe."
     if verdict == "sensor_fault":
-        proof = suspects[0].effect.proof
-        return f"{proof[0].upper()}{proof[1:]}."
-    if verdict == "unknown_effect" or len(rivals) < 2 or len(start.settings) > 1:
+        confirming_test = suspects[0].effect.confirming_test
+        return f"{confirming_test[0].upper()}{confirming_test[1:]}."
+    if verdict == "unknown_effect" or len(rivals) < 2 or len(start.decays) > 1:
         if verdict == "missing_effect":
-            proof = suspects[0].effect.proof
-            return f"To prove it: {proof}."
+            confirming_test = suspects[0].effect.confirming_test
+            return f"To prove it: {confirming_test}."
         if driven:
             return "Drive it at half and at twice the level: the shape of the missing force must be the same in each."
         return (
@@ -65,7 +65,7 @@ def next_experiment(start: Start, verdict: str, suspects: tuple[Suspect, ...]) -
     if best < _WORTH:
         return (
             f"No other {'level' if driven else 'release'} would separate {first.effect.name} from {second.effect.name} "
-            f"on this bench; instead: {first.effect.proof}."
+            f"on this bench; instead: {first.effect.confirming_test}."
         )
     return (
         f"To separate {first.effect.name} from {second.effect.name}, record {words}: there they differ by "
@@ -73,12 +73,12 @@ def next_experiment(start: Start, verdict: str, suspects: tuple[Suspect, ...]) -
     )
 
 
-def _amplitude(start: Start) -> tuple[float, str]:
-    setting = max(start.settings, key=lambda s: s.amplitude)
-    side = float(np.sign(setting.motion.displacement[0])) or 1.0
-    unit = setting.span.unit
+def _amplitude(start: Baseline) -> tuple[float, str]:
+    prepared = max(start.decays, key=lambda s: s.amplitude)
+    side = float(np.sign(prepared.motion.displacement[0])) or 1.0
+    unit = prepared.window.unit
     scale, name = (1e3, "mm") if unit == "m" else (1.0, unit)
-    return scale * side * setting.amplitude, name
+    return scale * side * prepared.amplitude, name
 
 
 def _shared(name: str) -> bool:
@@ -89,19 +89,19 @@ def _apart(first: Fit | None, second: Fit | None, factor: float) -> float:
     """Return by how much chi-square would favour `first`, were it true, over `second` on one more release."""
     if first is None or second is None:
         return 0.0
-    span = first.spans[0]
+    window = first.windows[0]
     moved = first.theta.copy()
     names = list(first.names)
     for i, name in enumerate(names):
         if name in ("displacement", "velocity") or ".state" in name:
             moved[i] *= factor
-    if span.force is not None:
-        span = span.with_(force=factor * span.force)
-    problem = Problem(first.model, (span,), first.frequency)
+    if window.force is not None:
+        window = window.with_(force=factor * window.force)
+    problem = Problem(first.model, (window,), first.frequency)
     predicted = problem.read(moved, 0, problem.respond(moved, 0))
     if not all(np.isfinite(values).all() for values in predicted.values()):
         return 0.0
-    record: Span = replace(span, readings=predicted)
+    record: FitWindow = replace(window, readings=predicted)
     known = dict(zip(second.names, second.theta.tolist(), strict=True))
     start = {name: value for name, value in known.items() if _shared(name)}
     for name in (
@@ -114,5 +114,5 @@ def _apart(first: Fit | None, second: Fit | None, factor: float) -> float:
         if name in known:
             scale = factor if name in ("displacement", "velocity") or ".state" in name else 1.0
             start |= {f"{name}[0]": known[name], f"{name}[1]": known[name] * scale}
-    joint = fit(second.model, (second.spans[0], record), start, second.frequency, patience=1.0)
+    joint = fit(second.model, (second.windows[0], record), start, second.frequency, tolerance=1.0)
     return max(joint.chi_square - second.chi_square, 0.0)

@@ -12,7 +12,7 @@ from scipy.interpolate import BSpline
 
 from identify.arrays import Array, Mask, frozen
 from identify.preprocessing.equation_error import moving
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 _KNOTS = {
     "displacement": 24,
@@ -37,7 +37,7 @@ class Shape:
 
 
 @dataclass(frozen=True, eq=False)
-class FreeForm:
+class NonparametricForce:
     """What the free form explains of a model's misfit in the acceleration.
 
     `before` and `after` are the misfit's mean squares in units of the noise, on readings held out by whole cycles;
@@ -59,21 +59,21 @@ class FreeForm:
         )
 
 
-def free_form(setting: Setting, force: Array) -> FreeForm:
+def nonparametric_force(prepared: PreparedDecay, force: Array) -> NonparametricForce:
     """Explain what a model's force, shape (n,) along the setting's motion (m/s^2), leaves of the acceleration.
 
     Coordinates are added one after the other while they lower the misfit on the cycles held out.
     """
-    motion = setting.motion
+    motion = prepared.motion
     used = moving(motion, sigmas=4.0)
-    misfit = setting.restoring - force
+    misfit = prepared.restoring - force
     noise = max(motion.noise_acceleration or 0.0, 1e-300)
-    cycle = np.floor(setting.time * setting.frequency / (2.0 * np.pi)).astype(int)
+    cycle = np.floor(prepared.time * prepared.frequency / (2.0 * np.pi)).astype(int)
     folds = [used & (cycle % 2 == parity) for parity in (0, 1)]
-    inside = [_within(setting, used & ~fold, fold) for fold in folds]
+    inside = [_within(prepared, used & ~fold, fold) for fold in folds]
     if min(int(fold.sum()) for fold in folds) < 60 or not all(mask.any() for mask in inside):
-        return FreeForm(1.0, 1.0, ())
-    blocks = _blocks(setting)
+        return NonparametricForce(1.0, 1.0, ())
+    blocks = _blocks(prepared)
     chosen: list[str] = []
     constant = np.ones((len(misfit), 1))
     best = before = _held_out(constant, [], misfit, folds, inside)
@@ -88,16 +88,16 @@ def free_form(setting: Setting, force: Array) -> FreeForm:
             break
         best = trials[name]
         chosen.append(name)
-    shapes = _shapes(setting, blocks, misfit, used)
+    shapes = _shapes(prepared, blocks, misfit, used)
     shapes = tuple(sorted(shapes, key=lambda s: chosen.index(s.coordinate) if s.coordinate in chosen else 99))
-    return FreeForm(before / noise**2, best / noise**2, shapes, tuple(chosen))
+    return NonparametricForce(before / noise**2, best / noise**2, shapes, tuple(chosen))
 
 
-def _within(setting: Setting, fitted: Mask, held: Mask) -> Mask:
+def _within(prepared: PreparedDecay, fitted: Mask, held: Mask) -> Mask:
     """Return the held-out readings that lie where the fitted ones have been, so that nothing is extrapolated."""
-    motion = setting.motion
+    motion = prepared.motion
     mask = held.copy()
-    for values in (motion.displacement, motion.velocity, setting.time):
+    for values in (motion.displacement, motion.velocity, prepared.time):
         mask &= (values >= values[fitted].min()) & (values <= values[fitted].max())
     return mask
 
@@ -139,24 +139,24 @@ def _penalised(constant: Array, blocks: list[Array], misfit: Array, used: Mask, 
     )
 
 
-def _coordinates(setting: Setting) -> dict[str, tuple[Array, Array, str]]:
-    motion = setting.motion
-    unit = setting.span.unit
+def _coordinates(prepared: PreparedDecay) -> dict[str, tuple[Array, Array, str]]:
+    motion = prepared.motion
+    unit = prepared.window.unit
     sign = np.sign(motion.velocity)
     return {
         "displacement": (motion.displacement, np.ones_like(sign), unit),
         "velocity": (motion.velocity, np.ones_like(sign), f"{unit}/s"),
         "friction over displacement": (motion.displacement, sign, unit),
         "friction over speed": (np.abs(motion.velocity), sign, f"{unit}/s"),
-        "time (stiffness)": (setting.time, motion.displacement, "s"),
-        "time (damping)": (setting.time, motion.velocity, "s"),
-        "time (friction)": (setting.time, sign, "s"),
+        "time (stiffness)": (prepared.time, motion.displacement, "s"),
+        "time (damping)": (prepared.time, motion.velocity, "s"),
+        "time (friction)": (prepared.time, sign, "s"),
     }
 
 
-def _blocks(setting: Setting) -> dict[str, Array]:
+def _blocks(prepared: PreparedDecay) -> dict[str, Array]:
     result = {}
-    for name, (position, factor, _) in _coordinates(setting).items():
+    for name, (position, factor, _) in _coordinates(prepared).items():
         count = _KNOTS.get(name, _KNOTS["time"])
         result[name] = _splines(position, count) * factor[:, None]
     return result
@@ -169,11 +169,13 @@ def _splines(position: Array, count: int) -> Array:
     return np.asarray(BSpline.design_matrix(np.clip(position, low, high), knots, 3).toarray())
 
 
-def _shapes(setting: Setting, blocks: dict[str, Array], misfit: Array, used: Mask) -> tuple[Shape, ...]:
+def _shapes(
+    prepared: PreparedDecay, blocks: dict[str, Array], misfit: Array, used: Mask
+) -> tuple[Shape, ...]:
     """Return each coordinate's own regression of the misfit, the one that explains most first."""
     ranked = []
     target = misfit - misfit[used].mean()
-    for name, (position, _, unit) in _coordinates(setting).items():
+    for name, (position, _, unit) in _coordinates(prepared).items():
         constant = np.ones((len(target), 1))
         weights = _penalised(constant, [blocks[name]], target, used, 1e-2)
         left = float(np.sum((target - np.column_stack([constant, blocks[name]]) @ weights)[used] ** 2))
@@ -182,7 +184,7 @@ def _shapes(setting: Setting, blocks: dict[str, Array], misfit: Array, used: Mas
         edges = np.linspace(low, high, 41)
         middle = 0.5 * (edges[1:] + edges[:-1])
         bins = np.clip(np.digitize(position[used], edges) - 1, 0, 39)
-        factor = np.sign(setting.motion.velocity[used]) if "friction" in name else np.ones(int(used.sum()))
+        factor = np.sign(prepared.motion.velocity[used]) if "friction" in name else np.ones(int(used.sum()))
         count = np.maximum(np.bincount(bins, minlength=40), 1)
         mean = np.bincount(bins, weights=target[used] * factor, minlength=40) / count
         square = np.bincount(bins, weights=target[used] ** 2, minlength=40) / count

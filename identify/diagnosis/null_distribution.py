@@ -19,7 +19,7 @@ from identify.fitting.initial_values import rest_states, scales_of, term_starts
 from identify.fitting.problem import Problem
 from identify.model.measured_path import force_along
 from identify.model.model import Term
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 _DRAWS = 400
 _PROBE = 1e-3
@@ -28,7 +28,7 @@ _LINE_EFFECTS = ("mains_hum", "harmonic_forcing")
 
 
 @dataclass(frozen=True, eq=False)
-class Chance:
+class NullDistribution:
     """Null distributions of the drop of chi-square, by effect name, and of the search over all of them.
 
     `drops` maps an effect to its draws, sorted; `search` holds the largest surprise (-ln p) of each draw over
@@ -48,28 +48,33 @@ class Chance:
         return float(np.exp(-_surprise(self.search, np.array([surprise]), slope=1.0)[0]))
 
 
-def chance_of(
-    settings: tuple[Setting, ...], base: Fit, terms: tuple[Term, ...], *, seed: int = 0, draws: int = _DRAWS
-) -> Chance:
+def null_distribution(
+    decays: tuple[PreparedDecay, ...],
+    base: Fit,
+    terms: tuple[Term, ...],
+    *,
+    seed: int = 0,
+    draws: int = _DRAWS,
+) -> NullDistribution:
     """Draw what each suspect would gain by chance; the same seed gives the same draws."""
     random = np.random.default_rng(seed)
     theta = base.theta
-    problem = Problem(base.model, base.spans, base.frequency)
+    problem = Problem(base.model, base.windows, base.frequency)
     _, jacobian = problem.linearise(theta)
     size = np.linalg.norm(jacobian, axis=0)
     tangent = np.linalg.qr(jacobian / np.where(size > 0.0, size, 1.0))[0]
     noise = random.standard_normal((len(jacobian), draws))
-    scales = scales_of(settings[0], dict.fromkeys(base.spans[0].channels, ()))
+    scales = scales_of(decays[0], dict.fromkeys(base.windows[0].channels, ()))
     drops: dict[str, Array] = {}
     for term in terms:
         name = term.effect.name
         if name in _LINE_EFFECTS:
             best = _line_drops(base, term, noise)
         else:
-            best = _column_drops(settings, base, term, scales, tangent, noise)
+            best = _column_drops(decays, base, term, scales, tangent, noise)
         drops[name] = np.maximum(drops[name], best) if name in drops else best
     search = np.max([_surprise(np.sort(d), d) for d in drops.values()], axis=0)
-    return Chance({name: np.sort(d) for name, d in drops.items()}, np.sort(search))
+    return NullDistribution({name: np.sort(d) for name, d in drops.items()}, np.sort(search))
 
 
 def _surprise(draws: Array, values: Array, slope: float = 0.5) -> Array:
@@ -82,16 +87,14 @@ def _surprise(draws: Array, values: Array, slope: float = 0.5) -> Array:
 
 
 def _column_drops(
-    settings: tuple[Setting, ...], base: Fit, term: Term, scales: Scales, tangent: Array, noise: Array
+    decays: tuple[PreparedDecay, ...], base: Fit, term: Term, scales: Scales, tangent: Array, noise: Array
 ) -> Array:
-    problem = Problem(base.model.plus(term), base.spans, base.frequency)
+    problem = Problem(base.model.plus(term), base.windows, base.frequency)
     known = dict(zip(base.names, base.theta.tolist(), strict=True))
-    before = Problem(base.model, base.spans, base.frequency).residuals(base.theta)
+    before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
     best = np.zeros(noise.shape[1])
     for start in _fine_starts(term, scales):
-        block = [
-            problem.residuals(theta) - before for theta in _probes(settings, problem, term, known, start)
-        ]
+        block = [problem.residuals(theta) - before for theta in _probes(decays, problem, term, known, start)]
         block = [column for column in block if np.isfinite(column).all() and np.linalg.norm(column) > 1e-9]
         if not block:
             continue
@@ -130,24 +133,24 @@ def _fine_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
 
 
 def _probes(
-    settings: tuple[Setting, ...],
+    decays: tuple[PreparedDecay, ...],
     problem: Problem,
     term: Term,
     known: dict[str, float],
     start: dict[str, float],
 ) -> list[Array]:
     """Return points near the base at which the term is weakly present, one for each of its linear freedoms."""
-    tags = [f"[{i}]" for i in range(len(settings))] if len(settings) > 1 else [""]
+    tags = [f"[{i}]" for i in range(len(decays))] if len(decays) > 1 else [""]
     effect = term.effect
     if effect.kind == "sensor":
         point = known | {f"{n}{tag}": v for n, v in start.items() for tag in tags}
         return [np.array([point.get(u.name, 0.0) for u in problem.unknowns])]
-    largest = max(settings, key=lambda setting: setting.amplitude)
+    largest = max(decays, key=lambda prepared: prepared.amplitude)
     inner = {n: v for n, v in known.items() if "." in n} | start
     values = {p.name: inner[f"{effect.name}.{p.name}"] for p in term.free[1:]}
-    borrowed = {"linear_stiffness.k": largest.frequency**2}
+    shared = {"linear_stiffness.k": largest.frequency**2}
     motion = largest.motion
-    force = force_along(term, values, largest.time, motion.displacement, motion.velocity, borrowed)
+    force = force_along(term, values, largest.time, motion.displacement, motion.velocity, shared)
     rms = float(np.sqrt(np.mean(force**2)))
     if not rms > 0.0:
         return []
@@ -168,26 +171,26 @@ def _line_drops(base: Fit, term: Term, noise: Array) -> Array:
     """Best line by chance: the largest peak of the periodogram of the noise, over all frequencies."""
     best = np.zeros(noise.shape[1])
     first = 0
-    for span in base.spans:
+    for window in base.windows:
         spectra = {}
-        for channel in span.channels:
-            used = span.used[channel]
-            padded = np.zeros((len(span), noise.shape[1]))
+        for channel in window.channels:
+            used = window.used[channel]
+            padded = np.zeros((len(window), noise.shape[1]))
             padded[used] = noise[first : first + int(used.sum())]
             first += int(used.sum())
-            spectra[channel] = np.fft.rfft(padded, 2 * len(span), axis=0) / np.sqrt(
+            spectra[channel] = np.fft.rfft(padded, 2 * len(window), axis=0) / np.sqrt(
                 max(int(used.sum()), 1) / 2.0
             )
         if term.effect.kind == "sensor":
             if term.channel in spectra:
                 best = np.maximum(best, np.max(np.abs(spectra[term.channel][2:-2]) ** 2, axis=0))
             continue
-        omega = 2.0 * np.pi * np.fft.rfftfreq(2 * len(span), 1.0 / span.rate)
+        omega = 2.0 * np.pi * np.fft.rfftfreq(2 * len(window), 1.0 / window.rate)
         weight = {"displacement": np.ones_like(omega), "velocity": omega * 1j, "acceleration": -(omega**2)}
-        sizes = {c: np.abs(weight[c]) / span.sigma[c] for c in spectra}
+        sizes = {c: np.abs(weight[c]) / window.sigma[c] for c in spectra}
         total = np.sqrt(sum(s**2 for s in sizes.values()))
         together = sum(
-            spectra[c] * np.conj(weight[c] / span.sigma[c] / np.maximum(total, 1e-300))[:, None]
+            spectra[c] * np.conj(weight[c] / window.sigma[c] / np.maximum(total, 1e-300))[:, None]
             for c in spectra
         )
         best = np.maximum(best, np.max(np.abs(together[2:-2]) ** 2, axis=0))

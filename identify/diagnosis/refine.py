@@ -8,13 +8,13 @@ from identify.diagnosis.suspects import JUDGED_APART, candidate_terms, try_terms
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY, find_effect
 from identify.errors import NotIdentifiable
-from identify.fitting.baseline import Start, begin, settle
+from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
 from identify.fitting.corrected_faults import corrected_faults
 from identify.fitting.fit import Fit, fit
-from identify.fitting.model_error import Error, errors_of
-from identify.fitting.segments import episodes
+from identify.fitting.model_error import ModelError, errors_of
+from identify.fitting.segments import segments
 from identify.model.model import Model, Term, base_model
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 _MOST_RUNGS = 5
 _STILL_EARNS = 12.0
@@ -27,8 +27,8 @@ class Rung:
 
     added: str
     removed: str
-    start: Start
-    error: Error
+    start: Baseline
+    error: ModelError
 
     @property
     def fit(self) -> Fit:
@@ -56,11 +56,11 @@ class Ladder:
 
 
 def first_rung(
-    settings: tuple[Setting, ...], model: Model | None = None, known: dict[str, float] | None = None
+    decays: tuple[PreparedDecay, ...], model: Model | None = None, known: dict[str, float] | None = None
 ) -> Rung:
     """Return the rung on which a ladder stands: a model (the base model unless given) as fitted."""
-    pieces = tuple(episode for setting in settings for episode in episodes(setting))
-    return _rung(begin(pieces, model or base_model(), known))
+    pieces = tuple(segment for prepared in decays for segment in segments(prepared))
+    return _rung(fit_baseline(pieces, model or base_model(), known))
 
 
 def add_effect(rung: Rung, effect: Effect, *, library: tuple[Effect, ...] = LIBRARY) -> Rung:
@@ -73,11 +73,11 @@ def add_effect(rung: Rung, effect: Effect, *, library: tuple[Effect, ...] = LIBR
         raise ValueError(f"{effect.name} is in the model already")
     if effect.name in JUDGED_APART:
         return _own_up(rung, effect)
-    terms = candidate_terms(start.fit.model, (effect,), start.fit.spans[0])
-    tried = try_terms(start.settings, start.fit, terms)
+    terms = candidate_terms(start.fit.model, (effect,), start.fit.windows[0])
+    tried = try_terms(start.decays, start.fit, terms)
     if not tried:
         raise NotIdentifiable(f"This record has no channel that could show {effect.name}.")
-    return replace(_rung(settle(start.settings, tried[0].fit)), added=effect.name)
+    return replace(_rung(refit_at_floor(start.decays, tried[0].fit)), added=effect.name)
 
 
 def remove_effect(rung: Rung, name: str) -> Rung:
@@ -85,12 +85,12 @@ def remove_effect(rung: Rung, name: str) -> Rung:
     start = rung.start
     model = start.fit.model.minus(name)
     known = dict(zip(start.fit.names, start.fit.theta.tolist(), strict=True))
-    found = fit(model, start.fit.spans, known, start.fit.frequency)
-    return replace(_rung(settle(start.settings, found)), removed=name)
+    found = fit(model, start.fit.windows, known, start.fit.frequency)
+    return replace(_rung(refit_at_floor(start.decays, found)), removed=name)
 
 
 def climb(
-    settings: tuple[Setting, ...],
+    decays: tuple[PreparedDecay, ...],
     model: Model | None = None,
     *,
     library: tuple[Effect, ...] = LIBRARY,
@@ -101,13 +101,13 @@ def climb(
 
     `progress` is called with each new rung and a sentence. Returns the ladder and the last diagnosis.
     """
-    rungs = [first_rung(settings, model, known)]
+    rungs = [first_rung(decays, model, known)]
     own = set(rungs[0].effects)
     progress(rungs[0], "the model to begin with")
     while True:
         top = rungs[-1]
         here = dict(zip(top.fit.names, top.fit.theta.tolist(), strict=True))
-        found = diagnose(settings, top.fit.model, library=library, known=here)
+        found = diagnose(decays, top.fit.model, library=library, known=here)
         reason = _reason_to_stop(found, len(rungs))
         if reason:
             return Ladder(tuple(rungs), reason, found.verdict), found
@@ -152,10 +152,10 @@ def _backwards(rung: Rung, kept: set[str]) -> list[Rung]:
 def _own_up(rung: Rung, effect: Effect) -> Rung:
     """Name in the model a fault that every fit has corrected already."""
     start = rung.start
-    found = [f.term for f in corrected_faults(start.settings, start.fit) if f.term.effect.name == effect.name]
+    found = [f.term for f in corrected_faults(start.decays, start.fit) if f.term.effect.name == effect.name]
     model = start.fit.model.plus(found[0] if found else Term(effect))
     return replace(_rung(replace(start, fit=replace(start.fit, model=model))), added=effect.name)
 
 
-def _rung(start: Start) -> Rung:
+def _rung(start: Baseline) -> Rung:
     return Rung("", "", start, errors_of(start))

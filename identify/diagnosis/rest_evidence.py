@@ -3,10 +3,10 @@
 import numpy as np
 
 from identify.diagnosis.suspects import Candidate
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 
-def at_rest(settings: tuple[Setting, ...], candidate: Candidate) -> float:
+def at_rest(decays: tuple[PreparedDecay, ...], candidate: Candidate) -> float:
     """Return how much better a sensor's fault explains the rest before the release than a constant, in nats.
 
     Negative where the fault ought to show at rest and does not; 0 for everything that says nothing of the rest.
@@ -15,15 +15,15 @@ def at_rest(settings: tuple[Setting, ...], candidate: Candidate) -> float:
     if not effect.shows_at_rest or effect.observe is None:
         return 0.0
     total = 0.0
-    for i, setting in enumerate(settings):
-        if setting.rest is None or channel not in setting.rest.readings:
+    for i, prepared in enumerate(decays):
+        if prepared.rest is None or channel not in prepared.rest.readings:
             continue
-        tag = f"[{i}]" if len(settings) > 1 else ""
+        tag = f"[{i}]" if len(decays) > 1 else ""
         p = np.array([candidate.fit.values[f"{effect.name}.{q.name}{tag}"].value for q in effect.parameters])
-        readings = setting.rest.readings[channel]
+        readings = prepared.rest.readings[channel]
         still = readings - readings.mean()
-        fault = effect.observe(setting.rest.time, np.zeros(len(readings)), p)
+        fault = effect.observe(prepared.rest.time, np.zeros(len(readings)), p)
         left = still - (fault - fault.mean())
-        sigma = max(candidate.fit.spans[i].sigma[channel], float(np.std(left)) * 0.5)
+        sigma = max(candidate.fit.windows[i].sigma[channel], float(np.std(left)) * 0.5)
         total += 0.5 * float(still @ still - left @ left) / sigma**2
     return total

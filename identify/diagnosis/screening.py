@@ -14,31 +14,31 @@ from identify.fitting.initial_values import term_starts
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
 from identify.preprocessing.equation_error import moving
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 _INDEPENDENT = 1e-6
 """Share of a column that the model and the other column must leave free."""
 
 
 def promising_pairs(
-    setting: Setting, model: Model, terms: tuple[Term, ...], scales: Scales
+    prepared: PreparedDecay, model: Model, terms: tuple[Term, ...], scales: Scales
 ) -> tuple[tuple[str, str], ...]:
     """Return the pairs of effects by name, the one that leaves least of the restoring force first.
 
     Each effect is tried at all starting values of its inner parameters; strengths are free and of either sign.
     Faults of sensors are no forces, and are left out.
     """
-    names, columns = _columns(setting, terms, scales)
+    names, columns = _columns(prepared, terms, scales)
     if len(columns) < 2:
         return ()
-    used = moving(setting.motion)
-    _, known = _columns(setting, tuple(t for t in model.terms if t.effect.kind == "physics"), scales)
+    used = moving(prepared.motion)
+    _, known = _columns(prepared, tuple(t for t in model.terms if t.effect.kind == "physics"), scales)
     basis = np.linalg.qr(np.column_stack([*known, np.ones(len(used))])[used])[0]
     design = _unit(np.column_stack(columns)[used])
     free = design - basis @ (basis.T @ design)
     size = np.linalg.norm(free, axis=0)
     free = np.where(size > _INDEPENDENT, free / np.maximum(size, _INDEPENDENT), 0.0)
-    left = setting.restoring[used] - basis @ (basis.T @ setting.restoring[used])
+    left = prepared.restoring[used] - basis @ (basis.T @ prepared.restoring[used])
     explained = _explained_by_two(free.T @ left, free.T @ free)
     best: dict[tuple[str, str], float] = {}
     for i, j in combinations(range(len(names)), 2):
@@ -48,16 +48,18 @@ def promising_pairs(
     return tuple(sorted(best, key=lambda pair: -best[pair]))
 
 
-def _columns(setting: Setting, terms: tuple[Term, ...], scales: Scales) -> tuple[list[str], list[Array]]:
+def _columns(
+    prepared: PreparedDecay, terms: tuple[Term, ...], scales: Scales
+) -> tuple[list[str], list[Array]]:
     """Return the finite forces of unit strength along the motion, (n,) each, and the names of their effects."""
-    motion, borrowed = setting.motion, {"linear_stiffness.k": setting.frequency**2}
+    motion, shared = prepared.motion, {"linear_stiffness.k": prepared.frequency**2}
     names, columns = [], []
     for term in terms:
         if term.effect.kind != "physics":
             continue
         for start in term_starts(term, scales):
             inner = {name.split(".")[1]: value for name, value in start.items()}
-            force = force_along(term, inner, setting.time, motion.displacement, motion.velocity, borrowed)
+            force = force_along(term, inner, prepared.time, motion.displacement, motion.velocity, shared)
             if np.isfinite(force).all():
                 names.append(term.effect.name)
                 columns.append(force)

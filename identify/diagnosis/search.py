@@ -3,12 +3,12 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from identify.diagnosis.null_distribution import Chance, chance_of
+from identify.diagnosis.null_distribution import NullDistribution, null_distribution
 from identify.diagnosis.screening import promising_pairs
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
-from identify.fitting.baseline import Start
+from identify.fitting.baseline import Baseline
 from identify.fitting.initial_values import scales_of
 from identify.model.model import Term
 
@@ -23,16 +23,16 @@ _POLISHED_BESIDE_BEST = 10
 _SCREENED = 6
 
 
-def singles(start: Start, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
+def singles(start: Baseline, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
     """Return the model refitted with each effect it lacks, best first."""
-    terms = candidate_terms(start.fit.model, library, start.fit.spans[0])
-    return try_terms(start.settings, start.fit, terms)
+    terms = candidate_terms(start.fit.model, library, start.fit.windows[0])
+    return try_terms(start.decays, start.fit, terms)
 
 
-def chances(start: Start, library: tuple[Effect, ...] = LIBRARY) -> Chance:
+def chances(start: Baseline, library: tuple[Effect, ...] = LIBRARY) -> NullDistribution:
     """Return what each effect would gain by chance if nothing were missing."""
-    terms = candidate_terms(start.fit.model, library, start.fit.spans[0])
-    return chance_of(start.settings, start.fit, terms)
+    terms = candidate_terms(start.fit.model, library, start.fit.windows[0])
+    return null_distribution(start.decays, start.fit, terms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Pair:
 
 
 def pairs(
-    start: Start, tried: tuple[Candidate, ...], library: tuple[Effect, ...] = LIBRARY
+    start: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...] = LIBRARY
 ) -> tuple[Pair, ...]:
     """Return the most promising pairs of effects, best first.
 
@@ -62,7 +62,7 @@ def pairs(
     for stage in (_screened, _greedy):
         for first, terms in stage(start, tried, library):
             polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
-            seconds = try_terms(start.settings, first.fit, terms, polished=polished)
+            seconds = try_terms(start.decays, first.fit, terms, polished=polished)
             if seconds:
                 found.append(Pair(first, seconds[0]))
             if start.floor_is_sure and _reached(start, found):
@@ -72,20 +72,20 @@ def pairs(
     return tuple(sorted(found, key=lambda pair: (not pair.plausible, pair.second.score)))
 
 
-def _reached(start: Start, found: list[Pair]) -> bool:
+def _reached(start: Baseline, found: list[Pair]) -> bool:
     return any(pair.plausible and start.adequate(pair.second.fit) for pair in found)
 
 
 def _screened(
-    start: Start, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
+    start: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[tuple[Candidate, tuple[Term, ...]]]:
     """Yield the first of each screened pair with the terms of its second, which is begun from several starts.
 
     So the one with more inner parameters is the second; of two alike the one that is worse alone.
     """
     ranks = {candidate.name: rank for rank, candidate in enumerate(tried)}
-    largest = max(start.settings, key=lambda setting: setting.amplitude)
-    terms = candidate_terms(start.fit.model, library, start.fit.spans[0])
+    largest = max(start.decays, key=lambda prepared: prepared.amplitude)
+    terms = candidate_terms(start.fit.model, library, start.fit.windows[0])
     scales = scales_of(largest, residual_lines(start.fit))
     for pair in promising_pairs(largest, start.fit.model, terms, scales)[:_SCREENED]:
         if all(name in ranks for name in pair):
@@ -96,11 +96,11 @@ def _screened(
 
 
 def _greedy(
-    start: Start, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
+    start: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[tuple[Candidate, tuple[Term, ...]]]:
     """Yield the best single candidates with what may go with them; two forces are left to the screening but once."""
     for rank, first in enumerate(_distinct(tried)):
-        terms = candidate_terms(first.fit.model, library, first.fit.spans[0])
+        terms = candidate_terms(first.fit.model, library, first.fit.windows[0])
         whole = rank == 0 or first.term.effect.kind == "sensor"
         yield first, terms if whole else tuple(term for term in terms if term.effect.kind == "sensor")
 

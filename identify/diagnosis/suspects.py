@@ -10,18 +10,18 @@ from identify.arrays import Array, Mask
 from identify.effects.effect import Effect, Scales
 from identify.fitting.fit import Fit, fit, fit_at
 from identify.fitting.initial_values import (
+    initial_values,
     regress_model,
     rest_states,
     scales_of,
-    starting_values,
     term_starts,
 )
-from identify.fitting.levenberg_marquardt import descend
+from identify.fitting.levenberg_marquardt import minimise
 from identify.fitting.problem import Problem
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
-from identify.preprocessing.fit_window import Span
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.fit_window import FitWindow
+from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.spectrum import strongest_lines
 
 JUDGED_APART = ("channel_lag", "channel_gain", "dropouts")
@@ -54,26 +54,26 @@ class Candidate:
 def residual_lines(found: Fit) -> dict[str, tuple[tuple[float, float, float], ...]]:
     """Return the strongest lines of each channel's residual, over all spans: (Hz, amplitude, phase at the release)."""
     lines: dict[str, tuple[tuple[float, float, float], ...]] = {}
-    for i, span in enumerate(found.spans):
-        for channel in span.channels:
-            residual = np.where(span.used[channel], found.residual(channel, i), 0.0)[span.lead :]
-            time = span.time + span.lead / span.rate
-            lines[channel] = lines.get(channel, ()) + strongest_lines(residual, span.rate, time, _LINES)
+    for i, window in enumerate(found.windows):
+        for channel in window.channels:
+            residual = np.where(window.used[channel], found.residual(channel, i), 0.0)[window.lead :]
+            time = window.time + window.lead / window.rate
+            lines[channel] = lines.get(channel, ()) + strongest_lines(residual, window.rate, time, _LINES)
     return lines
 
 
-def candidate_terms(model: Model, library: Iterable[Effect], span: Span) -> tuple[Term, ...]:
+def candidate_terms(model: Model, library: Iterable[Effect], window: FitWindow) -> tuple[Term, ...]:
     """Return every effect and variant that the model lacks and that the channels of a span can show.
 
     Over the episodes of a long release each has offsets of its own, which leaves slow faults of a sensor nothing to say.
     """
     terms = []
     for effect in library:
-        if effect.name in JUDGED_APART or (span.episode and effect.kind == "sensor"):
+        if effect.name in JUDGED_APART or (window.segment and effect.kind == "sensor"):
             continue
         for variant in effect.variants:
             channel = variant.get("channel")
-            if channel is not None and channel not in span.readings:
+            if channel is not None and channel not in window.readings:
                 continue
             if any(t.effect.name == effect.name and t.channel == (channel or "") for t in model.terms):
                 continue
@@ -82,19 +82,19 @@ def candidate_terms(model: Model, library: Iterable[Effect], span: Span) -> tupl
 
 
 def try_terms(
-    settings: tuple[Setting, ...], base: Fit, terms: tuple[Term, ...], *, polished: int = _POLISHED
+    decays: tuple[PreparedDecay, ...], base: Fit, terms: tuple[Term, ...], *, polished: int = _POLISHED
 ) -> tuple[Candidate, ...]:
     """Refit the model with each term added; return the best variant of each effect, best first.
 
     From each start the term's inner parameters are held at first, so that all others can make room for it. The most
     promising ones, `polished` of them, are then fitted freely.
     """
-    scales = scales_of(settings[0], residual_lines(base))
+    scales = scales_of(decays[0], residual_lines(base))
     slope = _slope(base)
     with ThreadPoolExecutor() as pool:
         begun = [
             b
-            for b in pool.map(lambda term: _begin(settings, base, slope, term, scales), terms)
+            for b in pool.map(lambda term: _begin(decays, base, slope, term, scales), terms)
             if b is not None
         ]
         begun.sort(key=lambda beginning: beginning.cost)
@@ -107,10 +107,10 @@ def try_terms(
     return tuple(sorted(best.values(), key=lambda candidate: candidate.score))
 
 
-def try_term(settings: tuple[Setting, ...], base: Fit, term: Term) -> Candidate | None:
+def try_term(decays: tuple[PreparedDecay, ...], base: Fit, term: Term) -> Candidate | None:
     """Refit the model with one term added; None when it has nowhere to start."""
-    scales = scales_of(settings[0], residual_lines(base))
-    begun = _begin(settings, base, _slope(base), term, scales)
+    scales = scales_of(decays[0], residual_lines(base))
+    begun = _begin(decays, base, _slope(base), term, scales)
     return None if begun is None else _finish(base, begun, scales)
 
 
@@ -146,21 +146,21 @@ def _slope(base: Fit) -> _Slope | None:
     """Return the slope of a fitted model; None where it is so far off that another place is searched."""
     if base.reduced >= _FAR_OFF:
         return None
-    problem = Problem(base.model, base.spans, base.frequency)
+    problem = Problem(base.model, base.windows, base.frequency)
     return _Slope(problem, problem.linearise(base.theta)[1])
 
 
 def _begin(
-    settings: tuple[Setting, ...], base: Fit, slope: _Slope | None, term: Term, scales: Scales
+    decays: tuple[PreparedDecay, ...], base: Fit, slope: _Slope | None, term: Term, scales: Scales
 ) -> _Beginning | None:
-    problem = Problem(base.model.plus(term), base.spans, base.frequency)
+    problem = Problem(base.model.plus(term), base.windows, base.frequency)
     inner = np.array([u.name.split("[")[0] in _inner_names(term) for u in problem.unknowns])
     best: _Beginning | None = None
-    for start in _promising(settings, base, problem.model, term, term_starts(term, scales)):
+    for start in _promising(decays, base, problem.model, term, term_starts(term, scales)):
         theta = np.array([start.get(u.name, 0.0) for u in problem.unknowns])
         theta = np.clip(theta, problem.low, problem.high)
         begun = None if slope is None else slope.begin(problem, theta, inner)
-        found = descend(problem, theta, steps=_FIRST_STEPS, patience=1.0, held=inner, begun=begun)
+        found = minimise(problem, theta, steps=_FIRST_STEPS, tolerance=1.0, held=inner, begun=begun)
         if best is None or found.cost < best.cost:
             best = _Beginning(term, problem, found.theta, found.cost)
     return best
@@ -168,7 +168,7 @@ def _begin(
 
 def _finish(base: Fit, begun: _Beginning, scales: Scales) -> Candidate:
     start = {u.name: float(t) for u, t in zip(begun.problem.unknowns, begun.theta, strict=True)}
-    return judged(fit(begun.problem.model, base.spans, start, base.frequency), base, begun.term, scales)
+    return judged(fit(begun.problem.model, base.windows, start, base.frequency), base, begun.term, scales)
 
 
 def _leave(base: Fit, begun: _Beginning, scales: Scales) -> Candidate:
@@ -193,18 +193,22 @@ def judged(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
 
 
 def _promising(
-    settings: tuple[Setting, ...], base: Fit, model: Model, term: Term, starts: tuple[dict[str, float], ...]
+    decays: tuple[PreparedDecay, ...],
+    base: Fit,
+    model: Model,
+    term: Term,
+    starts: tuple[dict[str, float], ...],
 ) -> list[dict[str, float]]:
     """Return complete starting points: the base's values with the term added at the strength of the equation error.
 
     Where the base is far off, all values come from the equation error. The best few by equation error are kept.
     """
     known = dict(zip(base.names, base.theta.tolist(), strict=True))
-    tags = [f"[{i}]" for i in range(len(settings))] if len(settings) > 1 else [""]
+    tags = [f"[{i}]" for i in range(len(decays))] if len(decays) > 1 else [""]
     if term.effect.kind == "sensor":
-        scales = scales_of(settings[0], {})
+        scales = scales_of(decays[0], {})
         return [_with_fault(known, term, start, tags, scales) for start in starts]
-    largest = max(settings, key=lambda setting: setting.amplitude)
+    largest = max(decays, key=lambda prepared: prepared.amplitude)
     strength = f"{term.effect.name}.{term.effect.strength.name}"
     place = [t.effect.name for t in model.terms if t.effect.kind == "physics"].index(term.effect.name)
     ranked: list[tuple[float, dict[str, float]]] = []
@@ -216,7 +220,7 @@ def _promising(
     ranked.sort(key=lambda entry: entry[0])
     points = []
     for rss, inner in ranked[:_STARTS]:
-        point = starting_values(settings, model, inner)
+        point = initial_values(decays, model, inner)
         if not np.isfinite(rss):
             point[strength] = 1e-3 * _one_percent(largest, term, inner)
         if base.reduced < _FAR_OFF:
@@ -241,11 +245,11 @@ def _with_fault(
     return point
 
 
-def _one_percent(setting: Setting, term: Term, inner: dict[str, float]) -> float:
+def _one_percent(prepared: PreparedDecay, term: Term, inner: dict[str, float]) -> float:
     """Return the strength at which an effect's rms force is a hundredth of the total."""
     values = {p.name: inner[f"{term.effect.name}.{p.name}"] for p in term.free[1:]}
-    borrowed = {"linear_stiffness.k": setting.frequency**2}
-    motion = setting.motion
-    force = force_along(term, values, setting.time, motion.displacement, motion.velocity, borrowed)
+    shared = {"linear_stiffness.k": prepared.frequency**2}
+    motion = prepared.motion
+    force = force_along(term, values, prepared.time, motion.displacement, motion.velocity, shared)
     size = float(np.sqrt(np.mean(force**2)))
     return 0.01 * float(np.sqrt(np.mean(motion.acceleration**2))) / size if size > 0.0 else 0.0

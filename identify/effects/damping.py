@@ -11,8 +11,8 @@ VISCOUS_DAMPING = Effect(
     kind="physics",
     equation="mu_1 v",
     parameters=(Parameter("mu_1", "1/s", "viscous damping per unit mass", 0.0, inf),),
-    tell="exponential decay",
-    proof="the decrement is the same at every amplitude",
+    symptom="exponential decay",
+    confirming_test="the decrement is the same at every amplitude",
 )
 
 
@@ -28,8 +28,8 @@ QUADRATIC_DAMPING = Effect(
     equation="c2 v |v|",
     parameters=(Parameter("c2", "1/m", "drag per unit mass", 0.0, inf),),
     force=_quadratic,
-    tell="the decrement grows in proportion to the amplitude",
-    proof="release from twice the amplitude: the extra decrement doubles",
+    symptom="the decrement grows in proportion to the amplitude",
+    confirming_test="release from twice the amplitude: the extra decrement doubles",
     confusable_with=("cubic_damping", "position_dependent_damping"),
 )
 
@@ -46,8 +46,8 @@ CUBIC_DAMPING = Effect(
     equation="c3 v^3",
     parameters=(Parameter("c3", "s/m^2", "cubic damping per unit mass", 0.0, inf),),
     force=_cubic,
-    tell="the decrement grows with the square of the amplitude, third harmonic in phase with v",
-    proof="release from twice the amplitude: the extra decrement grows fourfold",
+    symptom="the decrement grows with the square of the amplitude, third harmonic in phase with v",
+    confirming_test="release from twice the amplitude: the extra decrement grows fourfold",
     confusable_with=("quadratic_damping", "position_dependent_damping"),
 )
 
@@ -64,7 +64,7 @@ POSITION_DEPENDENT_DAMPING = Effect(
     equation="c12 u^2 v",
     parameters=(Parameter("c12", "1/(m^2 s)", "damping per unit mass and squared displacement", 0.0, inf),),
     force=_position_dependent,
-    tell="the decrement grows with the square of the amplitude, opposite third harmonic",
-    proof="the section of the restoring force at u = 0 stays straight",
+    symptom="the decrement grows with the square of the amplitude, opposite third harmonic",
+    confirming_test="the section of the restoring force at u = 0 stays straight",
     confusable_with=("cubic_damping", "quadratic_damping"),
 )

@@ -69,16 +69,17 @@ class Effect:
     The force is proportional to the first parameter, the strength; the others are inner parameters.
     `force`, `friction` and `rates` are compiled functions of (t, u, v, z, p): `friction` is a level >= 0 that
     acts against the velocity, `rates` drives `states` internal states `z`, two at most; `t` counts from the release.
-    `borrows` names parameters of other effects that follow the effect's own in `p`.
-    `rest(u, p)` gives the internal states of a mass that has been held at `u` for long; where it `forgets` how it came
-    there, these are its states at the release, otherwise they are unknowns of the fit.
+    `shared_parameters` names parameters of other effects that follow the effect's own in `p`.
+    `equilibrium_state(u, p)` gives the internal states of a mass that has been held at `u` for long; with
+    `fading_memory`, how it came there does not matter and these are its states at the release, otherwise they are
+    unknowns of the fit.
     `observe(time, reading, p)` is a sensor's fault: it changes the predicted readings of one channel.
     `starts(scales)` lists starting values of the inner parameters, `sensor_starts(scales, channel)` of all
     parameters of a sensor's fault, of which those `held_at_first` act out of proportion. A fault that `shows_at_rest`
     is looked for there too; `seems_lag(start, scales)` is by how much it makes its channel seem early (s).
     `variants` are alternatives (inner values that are held, or the channel at fault) that are tried each and of
     which the best counts. `plausible(values, scales)` is False where another effect is the better name for the same
-    force. `kinked` forces want a finer step.
+    force. `nonsmooth` forces want a finer step.
     """
 
     name: str
@@ -86,19 +87,19 @@ class Effect:
     kind: Kind
     equation: str
     parameters: tuple[Parameter, ...]
-    tell: str
-    proof: str
+    symptom: str
+    confirming_test: str
     force: Any = None
     friction: Any = None
     rates: Any = None
-    rest: Callable[[float, Array], tuple[float, float]] | None = None
+    equilibrium_state: Callable[[float, Array], tuple[float, float]] | None = None
     observe: Callable[[Array, Array, Array], Array] | None = None
     states: int = 0
-    forgets: bool = True
+    fading_memory: bool = True
     held_at_first: tuple[str, ...] = ()
     shows_at_rest: bool = False
     seems_lag: Callable[[tuple[float, ...], Scales], float] | None = None
-    borrows: tuple[str, ...] = ()
+    shared_parameters: tuple[str, ...] = ()
     starts: Callable[[Scales], tuple[tuple[float, ...], ...]] = field(default=lambda scales: ((),))
     sensor_starts: Callable[[Scales, str], tuple[tuple[float, ...], ...]] = field(
         default=lambda scales, channel: ((0.0,),)
@@ -106,10 +107,10 @@ class Effect:
     variants: tuple[dict[str, float | str], ...] = ({},)
     plausible: Callable[[dict[str, float], Scales], bool] = field(default=lambda values, scales: True)
     confusable_with: tuple[str, ...] = ()
-    kinked: bool = False
+    nonsmooth: bool = False
 
     def __post_init__(self) -> None:
-        if not 1 <= len(self.parameters) + len(self.borrows) <= PARAMETERS:
+        if not 1 <= len(self.parameters) + len(self.shared_parameters) <= PARAMETERS:
             raise ValueError(f"effect {self.name}: 1 to {PARAMETERS} parameters, not {len(self.parameters)}")
 
     @property

@@ -11,8 +11,8 @@ COULOMB_FRICTION = Effect(
     kind="physics",
     equation="mu_0 sgn v",
     parameters=(Parameter("mu_0", "m/s^2", "friction force per unit mass", 0.0, inf),),
-    tell="straight-line decay that stops off zero",
-    proof="the mass comes to rest off the spring's zero, within mu_0/k of it",
+    symptom="straight-line decay that stops off zero",
+    confirming_test="the mass comes to rest off the spring's zero, within mu_0/k of it",
 )
 
 
@@ -37,8 +37,8 @@ STRIBECK_FRICTION = Effect(
     ),
     friction=_stribeck,
     starts=_speed_starts,
-    tell="extra loss near the end of the decay",
-    proof="a release from a quarter of the amplitude decays faster than the model says",
+    symptom="extra loss near the end of the decay",
+    confirming_test="a release from a quarter of the amplitude decays faster than the model says",
     confusable_with=("coulomb_friction", "quadratic_damping", "position_dependent_friction"),
 )
 
@@ -57,7 +57,7 @@ POSITION_DEPENDENT_FRICTION = Effect(
         Parameter("slope", "1/s^2", "growth of the friction with displacement, per unit mass", 0.0, inf),
     ),
     friction=_position_dependent,
-    tell="loss per cycle like viscous damping, but the force jumps at every reversal in proportion to amplitude",
-    proof="the jump of the acceleration at the reversals grows with the amplitude",
+    symptom="loss per cycle like viscous damping, but the force jumps at every reversal in proportion to amplitude",
+    confirming_test="the jump of the acceleration at the reversals grows with the amplitude",
     confusable_with=("viscous_damping", "hysteresis"),
 )

@@ -35,13 +35,13 @@ HYSTERESIS = Effect(
     force=_hysteresis,
     rates=_hysteresis_rates,
     states=1,
-    forgets=False,
-    rest=lambda u, p: (copysign(min(abs(u), float(p[1])), u), 0.0),
+    fading_memory=False,
+    equilibrium_state=lambda u, p: (copysign(min(abs(u), float(p[1])), u), 0.0),
     starts=_yield_starts,
-    tell="a loop in the plane of displacement and force; softer at large amplitude",
-    proof="the loss per cycle stops growing once the amplitude is well above the yield displacement",
+    symptom="a loop in the plane of displacement and force; softer at large amplitude",
+    confirming_test="the loss per cycle stops growing once the amplitude is well above the yield displacement",
     confusable_with=("coulomb_friction", "freeplay", "position_dependent_friction"),
-    kinked=True,
+    nonsmooth=True,
 )
 
 
@@ -71,10 +71,10 @@ MAXWELL_ELEMENT = Effect(
     force=_maxwell,
     rates=_maxwell_rates,
     states=1,
-    rest=lambda u, p: (u, 0.0),
+    equilibrium_state=lambda u, p: (u, 0.0),
     starts=_time_starts,
-    tell="at one frequency it looks like stiffness and viscous damping; it shows only in the transient",
-    proof="add a known mass: the damping changes with frequency as k1 tau/(1 + w^2 tau^2)",
+    symptom="at one frequency it looks like stiffness and viscous damping; it shows only in the transient",
+    confirming_test="add a known mass: the damping changes with frequency as k1 tau/(1 + w^2 tau^2)",
     confusable_with=("viscous_damping", "linear_stiffness", "ac_coupling"),
 )
 
@@ -109,10 +109,10 @@ SECOND_MASS = Effect(
     force=_second_mass,
     rates=_second_mass_rates,
     states=2,
-    rest=lambda u, p: (u, 0.0),
+    equilibrium_state=lambda u, p: (u, 0.0),
     starts=_line_starts,
     plausible=lambda values, scales: abs(values["w2"] / scales.frequency - 1.0) > 0.1,
-    tell="a second line that starts at the release and dies by itself; beats",
-    proof="clamp or remove the suspected part: the second line is gone",
+    symptom="a second line that starts at the release and dies by itself; beats",
+    confirming_test="clamp or remove the suspected part: the second line is gone",
     confusable_with=("harmonic_forcing", "linear_stiffness"),
 )

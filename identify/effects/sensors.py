@@ -25,8 +25,8 @@ CHANNEL_LAG = Effect(
     kind="sensor",
     equation="u(t - lag)",
     parameters=(Parameter("lag", "s", "delay of the displacement (or velocity) behind the acceleration"),),
-    tell="the error of a = D^2 u is proportional to the jerk",
-    proof="normal: every record is corrected for it",
+    symptom="the error of a = D^2 u is proportional to the jerk",
+    confirming_test="normal: every record is corrected for it",
 )
 
 CHANNEL_GAIN = Effect(
@@ -35,8 +35,8 @@ CHANNEL_GAIN = Effect(
     kind="sensor",
     equation="(1 + error) a",
     parameters=(Parameter("error", "1", "gain of the acceleration relative to the displacement, less one"),),
-    tell="the error of a = D^2 u is proportional to the acceleration",
-    proof="calibrate both sensors against one reference",
+    symptom="the error of a = D^2 u is proportional to the acceleration",
+    confirming_test="calibrate both sensors against one reference",
 )
 
 
@@ -54,8 +54,8 @@ OFFSET_DRIFT = Effect(
     sensor_starts=lambda scales, channel: ((1e-4 * scales.peaks[channel] / scales.duration,),),
     shows_at_rest=True,
     variants=_BOTH,
-    tell="the mean of one channel moves steadily, and the other does not follow",
-    proof="record ten seconds without motion: the zero still moves",
+    symptom="the mean of one channel moves steadily, and the other does not follow",
+    confirming_test="record ten seconds without motion: the zero still moves",
     confusable_with=("quadratic_stiffness", "bilinear_stiffness"),
 )
 
@@ -81,8 +81,8 @@ CLIPPING = Effect(
     sensor_starts=_limit_starts,
     held_at_first=("limit",),
     variants=_BOTH,
-    tell="flat peaks in one channel only, at one level",
-    proof="release from a smaller amplitude, or choose a larger range",
+    symptom="flat peaks in one channel only, at one level",
+    confirming_test="release from a smaller amplitude, or choose a larger range",
     confusable_with=("end_stop", "cubic_stiffness"),
 )
 
@@ -129,8 +129,8 @@ AC_COUPLING = Effect(
     ),
     seems_lag=lambda start, scales: 2.0 * pi * start[0] / scales.frequency**2,
     variants=_BOTH,
-    tell="one channel leads in phase, the more the slower the motion, and forgets its mean",
-    proof="hold the mass off its zero: the reading creeps back",
+    symptom="one channel leads in phase, the more the slower the motion, and forgets its mean",
+    confirming_test="hold the mass off its zero: the reading creeps back",
     confusable_with=("channel_lag", "maxwell_element", "viscous_damping"),
 )
 
@@ -167,8 +167,8 @@ MAINS_HUM = Effect(
         values["f"] > _HUM_FROM * scales.frequency / (2.0 * pi) and not near_harmonic(values["f"], scales)
     ),
     variants=_BOTH,
-    tell="a line in one channel only, there before the release",
-    proof="record at rest: the line is there; move the cables or the supply: it changes",
+    symptom="a line in one channel only, there before the release",
+    confirming_test="record at rest: the line is there; move the cables or the supply: it changes",
     confusable_with=("harmonic_forcing",),
 )
 
@@ -179,6 +179,6 @@ DROPOUTS = Effect(
     equation="single readings stand still or fall to zero",
     parameters=(Parameter("share", "1", "share of the readings that are wrong", 0.0, 1.0),),
     variants=_BOTH,
-    tell="isolated readings of one channel far off its neighbours, while the other channel runs on",
-    proof="record again with another cable; compare where the readings fail",
+    symptom="isolated readings of one channel far off its neighbours, while the other channel runs on",
+    confirming_test="record again with another cable; compare where the readings fail",
 )

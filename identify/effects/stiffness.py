@@ -11,8 +11,8 @@ LINEAR_STIFFNESS = Effect(
     kind="physics",
     equation="k u",
     parameters=(Parameter("k", "1/s^2", "stiffness per unit mass", 0.0, inf),),
-    tell="one frequency at every amplitude",
-    proof="the frequency stays the same when the release amplitude is changed",
+    symptom="one frequency at every amplitude",
+    confirming_test="the frequency stays the same when the release amplitude is changed",
 )
 
 
@@ -28,8 +28,8 @@ CUBIC_STIFFNESS = Effect(
     equation="k3 u^3",
     parameters=(Parameter("k3", "1/(m^2 s^2)", "cubic stiffness per unit mass"),),
     force=_cubic,
-    tell="the frequency moves with the square of the amplitude, alike in both directions",
-    proof="release from twice the amplitude: the frequency shift grows fourfold",
+    symptom="the frequency moves with the square of the amplitude, alike in both directions",
+    confirming_test="release from twice the amplitude: the frequency shift grows fourfold",
     confusable_with=("quintic_stiffness", "end_stop", "time_varying_stiffness", "freeplay"),
 )
 
@@ -46,8 +46,8 @@ QUADRATIC_STIFFNESS = Effect(
     equation="k2 u^2",
     parameters=(Parameter("k2", "1/(m s^2)", "quadratic stiffness per unit mass"),),
     force=_quadratic,
-    tell="the mean position moves with the square of the amplitude; second harmonic",
-    proof="release from the opposite side: the shift of the mean keeps its sign",
+    symptom="the mean position moves with the square of the amplitude; second harmonic",
+    confirming_test="release from the opposite side: the shift of the mean keeps its sign",
     confusable_with=("bilinear_stiffness", "offset_drift"),
 )
 
@@ -64,8 +64,8 @@ QUINTIC_STIFFNESS = Effect(
     equation="k5 u^5",
     parameters=(Parameter("k5", "1/(m^4 s^2)", "quintic stiffness per unit mass"),),
     force=_quintic,
-    tell="the frequency moves with the fourth power of the amplitude",
-    proof="releases from two amplitudes: the shift grows as the fourth power",
+    symptom="the frequency moves with the fourth power of the amplitude",
+    confirming_test="releases from two amplitudes: the shift grows as the fourth power",
     confusable_with=("cubic_stiffness", "end_stop"),
 )
 
@@ -102,10 +102,10 @@ END_STOP = Effect(
     starts=_gap_starts,
     variants=({"side": 1.0}, {"side": -1.0}, {"side": 0.0}),
     plausible=lambda values, scales: values["gap"] > _PLAY_SHARE * scales.amplitude,
-    tell="nothing happens below the gap; above it the force has a kink",
-    proof="release from just below the gap: the effect is gone",
+    symptom="nothing happens below the gap; above it the force has a kink",
+    confirming_test="release from just below the gap: the effect is gone",
     confusable_with=("freeplay", "cubic_stiffness", "quintic_stiffness", "bilinear_stiffness", "clipping"),
-    kinked=True,
+    nonsmooth=True,
 )
 
 
@@ -130,10 +130,10 @@ FREEPLAY = Effect(
     force=_freeplay,
     starts=_play_starts,
     plausible=lambda values, scales: values["gap"] <= _PLAY_SHARE * scales.amplitude,
-    tell="softer at small amplitude",
-    proof="release from a few times the gap: the frequency falls further",
+    symptom="softer at small amplitude",
+    confirming_test="release from a few times the gap: the frequency falls further",
     confusable_with=("end_stop", "cubic_stiffness", "time_varying_stiffness", "hysteresis"),
-    kinked=True,
+    nonsmooth=True,
 )
 
 
@@ -149,8 +149,8 @@ BILINEAR_STIFFNESS = Effect(
     equation="kb max(u, 0)",
     parameters=(Parameter("kb", "1/s^2", "extra stiffness on the positive side, per unit mass"),),
     force=_bilinear,
-    tell="one half-cycle shorter than the other at every amplitude; even harmonics",
-    proof="the half-cycles keep their difference at small amplitude",
+    symptom="one half-cycle shorter than the other at every amplitude; even harmonics",
+    confirming_test="the half-cycles keep their difference at small amplitude",
     confusable_with=("quadratic_stiffness", "end_stop"),
-    kinked=True,
+    nonsmooth=True,
 )

@@ -17,10 +17,10 @@ TIME_VARYING_STIFFNESS = Effect(
     kind="physics",
     equation="k rate t u",
     parameters=(Parameter("rate", "1/s", "relative change of the stiffness per second since the release"),),
-    borrows=("linear_stiffness.k",),
+    shared_parameters=("linear_stiffness.k",),
     force=_time_varying,
-    tell="the frequency moves with time, not with amplitude",
-    proof="a second release at a quarter of the amplitude: the drift with time is the same",
+    symptom="the frequency moves with time, not with amplitude",
+    confirming_test="a second release at a quarter of the amplitude: the drift with time is the same",
     confusable_with=("cubic_stiffness", "freeplay"),
 )
 
@@ -47,7 +47,7 @@ HARMONIC_FORCING = Effect(
     force=_forcing,
     starts=_line_starts,
     plausible=lambda values, scales: not near_harmonic(values["f"], scales),
-    tell="a line that does not decay, in both channels, with the ratio -w^2",
-    proof="record without a release: the line is still there",
+    symptom="a line that does not decay, in both channels, with the ratio -w^2",
+    confirming_test="record without a release: the line is still there",
     confusable_with=("second_mass", "mains_hum"),
 )

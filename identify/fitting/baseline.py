@@ -8,10 +8,10 @@ from identify.arrays import Array
 from identify.fitting.corrected_faults import FEWEST_LOST, allowance
 from identify.fitting.fit import Fit, fit
 from identify.fitting.floor import Floor, refine_floor
-from identify.fitting.initial_values import regress_model, starting_values
+from identify.fitting.initial_values import initial_values, regress_model
 from identify.model.model import Model
 from identify.preprocessing.dropouts import stale
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 ADEQUATE = 3.0
 """Standard errors by which a reduced chi-square may exceed 1 and still count as at the floor."""
@@ -24,10 +24,10 @@ _STALE_OFF = 3.5
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
+class Baseline:
     """A model fitted to releases, and the floor it is measured against."""
 
-    settings: tuple[Setting, ...]
+    decays: tuple[PreparedDecay, ...]
     fit: Fit
     floors: tuple[Floor, ...]
 
@@ -40,13 +40,13 @@ class Start:
     def floor_is_sure(self) -> bool:
         """Whether a misfit above the floor cannot be noise: it was seen at rest, and two channels bear each other out."""
         return all(
-            setting.span.paired and all("rest" in noise.source for noise in setting.noise.values())
-            for setting in self.settings
+            prepared.window.paired and all("rest" in noise.source for noise in prepared.noise.values())
+            for prepared in self.decays
         )
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square with the faults that are corrected but not named in the model counted in."""
-        extra, readings = allowance(self.settings, found, found.model)
+        extra, readings = allowance(self.decays, found, found.model)
         return (found.chi_square + extra) / max(found.degrees + readings, 1)
 
     def adequate(self, found: Fit) -> bool:
@@ -55,46 +55,48 @@ class Start:
         return found.reduced <= 1.0 + max(ADEQUATE * self.spread, doubt)
 
 
-def begin(settings: tuple[Setting, ...], model: Model, known: dict[str, float] | None = None) -> Start:
+def fit_baseline(
+    decays: tuple[PreparedDecay, ...], model: Model, known: dict[str, float] | None = None
+) -> Baseline:
     """Fit a model and settle the floor with its residual; `known` are values to begin from, by unknown's name."""
-    spans = tuple(setting.span for setting in settings)
-    frequency = settings[0].frequency
-    start = known if known is not None else starting_values(settings, model, {})
-    found = fit(model, spans, start, frequency)
-    mended = tuple(_without_stale(setting, found, i) for i, setting in enumerate(settings))
-    if any(new is not old for new, old in zip(mended, settings, strict=True)):
+    windows = tuple(prepared.window for prepared in decays)
+    frequency = decays[0].frequency
+    start = known if known is not None else initial_values(decays, model, {})
+    found = fit(model, windows, start, frequency)
+    mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
+    if any(new is not old for new, old in zip(mended, decays, strict=True)):
         values = dict(zip(found.names, found.theta.tolist(), strict=True))
-        found = fit(model, tuple(setting.span for setting in mended), values, frequency)
-    return settle(mended, found)
+        found = fit(model, tuple(prepared.window for prepared in mended), values, frequency)
+    return refit_at_floor(mended, found)
 
 
-def _without_stale(setting: Setting, found: Fit, i: int) -> Setting:
+def _without_stale(prepared: PreparedDecay, found: Fit, i: int) -> PreparedDecay:
     """Leave out the stale readings that only a fit can tell, in channels that are known to lose readings."""
-    lost, used = dict(setting.lost), dict(setting.span.used)
-    for channel, mask in setting.lost.items():
+    lost, used = dict(prepared.lost), dict(prepared.window.used)
+    for channel, mask in prepared.lost.items():
         if int(mask.sum()) < FEWEST_LOST:
             continue
-        off = np.abs(found.residual(channel, i)) > _STALE_OFF * setting.span.sigma[channel]
-        further = stale(setting.span.readings[channel]) & off & used[channel]
+        off = np.abs(found.residual(channel, i)) > _STALE_OFF * prepared.window.sigma[channel]
+        further = stale(prepared.window.readings[channel]) & off & used[channel]
         if further.any():
             lost[channel] = mask | further
             used[channel] = used[channel] & ~further
-    if all(lost[channel] is setting.lost[channel] for channel in lost):
-        return setting
-    return replace(setting, lost=lost, span=setting.span.with_(used=used))
+    if all(lost[channel] is prepared.lost[channel] for channel in lost):
+        return prepared
+    return replace(prepared, lost=lost, window=prepared.window.with_(used=used))
 
 
-def settle(settings: tuple[Setting, ...], found: Fit) -> Start:
+def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
     """Return a fit measured against the floor that its own residual shows."""
-    floors = refine_floor(found, tuple(setting.noise for setting in settings))
-    spans = tuple(floor.on(span) for floor, span in zip(floors, found.spans, strict=True))
+    floors = refine_floor(found, tuple(prepared.noise for prepared in decays))
+    windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))
     values = dict(zip(found.names, found.theta.tolist(), strict=True))
-    return Start(settings, fit(found.model, spans, values, found.frequency), floors)
+    return Baseline(decays, fit(found.model, windows, values, found.frequency), floors)
 
 
-def force_along_motion(setting: Setting, found: Fit) -> Array:
+def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:
     """Return the force per unit mass of a fitted model along the measured motion, strengths by equation error, (n,)."""
     inner = {
         n: float(t) for n, t in zip(found.names, found.theta, strict=True) if "." in n and ".state" not in n
     }
-    return setting.restoring - regress_model(setting, found.model, inner).residual
+    return prepared.restoring - regress_model(prepared, found.model, inner).residual

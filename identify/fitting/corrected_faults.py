@@ -8,7 +8,7 @@ from identify.effects.sensors import CHANNEL_GAIN, DROPOUTS
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Model, Term
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 UNSTATED_GAIN_UNCERTAINTY = 2e-4
 """Relative uncertainty allowed to a pair of channels whose calibration says nothing."""
@@ -17,7 +17,7 @@ FEWEST_LOST = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Fault:
+class CorrectedFault:
     """A sensor's fault that is corrected in every fit: what it would add to chi-square if it were not allowed for.
 
     `drop` is that chi-square, in units of the noise; `parameters` what was found; `term` names it in a model.
@@ -29,26 +29,26 @@ class Fault:
     parameters: dict[str, Estimate]
 
 
-def corrected_faults(settings: tuple[Setting, ...], fit: Fit) -> tuple[Fault, ...]:
+def corrected_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[CorrectedFault, ...]:
     """Return the faults that a fit has allowed for, each with what it would cost to do without; largest first."""
-    faults = [f for f in (_gain(settings, fit), *_lost(settings, fit)) if f is not None]
+    faults = [f for f in (_gain(decays, fit), *_lost(decays, fit)) if f is not None]
     return tuple(sorted(faults, key=lambda fault: -fault.drop))
 
 
-def allowance(settings: tuple[Setting, ...], fit: Fit, model: Model) -> tuple[float, int]:
+def allowance(decays: tuple[PreparedDecay, ...], fit: Fit, model: Model) -> tuple[float, int]:
     """Return the chi-square and the readings of corrected faults that a model does not own up to."""
-    unnamed = [f for f in corrected_faults(settings, fit) if f.term.effect.name not in model]
+    unnamed = [f for f in corrected_faults(decays, fit) if f.term.effect.name not in model]
     return sum(f.drop for f in unnamed), sum(f.readings for f in unnamed)
 
 
-def _gain(settings: tuple[Setting, ...], fit: Fit) -> Fault | None:
+def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
     drop, weights, values = 0.0, [], []
-    for i, setting in enumerate(settings):
-        name = "gain" if len(settings) == 1 else f"gain[{i}]"
+    for i, prepared in enumerate(decays):
+        name = "gain" if len(decays) == 1 else f"gain[{i}]"
         if name not in fit.values or not np.isfinite(fit.values[name].std):
             continue
         gain = fit.values[name]
-        allowed = setting.span.gain_uncertainty or UNSTATED_GAIN_UNCERTAINTY
+        allowed = prepared.window.gain_uncertainty or UNSTATED_GAIN_UNCERTAINTY
         inflated = gain.std**2 * max(fit.reduced, 1.0) + allowed**2
         if not np.isfinite(inflated):  # the motion ran away
             continue
@@ -59,23 +59,23 @@ def _gain(settings: tuple[Setting, ...], fit: Fit) -> Fault | None:
         return None
     mean = float(np.average(values, weights=weights))
     error = Estimate(mean, float(np.sum(weights) ** -0.5), "1")
-    return Fault(Term(CHANNEL_GAIN), drop, 0, {"error": error})
+    return CorrectedFault(Term(CHANNEL_GAIN), drop, 0, {"error": error})
 
 
-def _lost(settings: tuple[Setting, ...], fit: Fit) -> list[Fault]:
+def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
     faults = []
-    for channel in fit.spans[0].channels:
+    for channel in fit.windows[0].channels:
         drop, count, total = 0.0, 0, 0
-        for i, (setting, span) in enumerate(zip(settings, fit.spans, strict=True)):
-            lost = setting.lost.get(channel)
-            if lost is None or channel not in span.readings:
+        for i, (prepared, window) in enumerate(zip(decays, fit.windows, strict=True)):
+            lost = prepared.lost.get(channel)
+            if lost is None or channel not in window.readings:
                 continue
-            off = fit.residual(channel, i)[lost[: len(span)]] / span.sigma[channel]
+            off = fit.residual(channel, i)[lost[: len(window)]] / window.sigma[channel]
             off = off[np.isfinite(off)]
             drop += float(np.sum(off**2))
             count += len(off)
-            total += len(span)
+            total += len(window)
         if count >= FEWEST_LOST:
             share = Estimate(count / total, float(np.sqrt(count)) / total, "1")
-            faults.append(Fault(Term(DROPOUTS, {"channel": channel}), drop, count, {"share": share}))
+            faults.append(CorrectedFault(Term(DROPOUTS, {"channel": channel}), drop, count, {"share": share}))
     return faults

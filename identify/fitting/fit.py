@@ -6,10 +6,10 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.estimate import Estimate
-from identify.fitting.levenberg_marquardt import descend, descend_fully
+from identify.fitting.levenberg_marquardt import minimise, minimise_fully
 from identify.fitting.problem import Problem
 from identify.model.model import Model
-from identify.preprocessing.fit_window import Span
+from identify.preprocessing.fit_window import FitWindow
 
 _GROWTH = (3.0, 8.0, 20.0, 50.0, 120.0)
 _FAR_OFF = 30.0
@@ -21,12 +21,12 @@ class Fit:
 
     `values` holds every unknown by name with its standard error; `chi_square` the sum of squares in units of the
     noise, `degrees` its degrees of freedom. `predicted` are the readings the model gives, a dictionary a span.
-    `outcome` is a sentence: what was reached, or what to do next; `unknowable` names parameters that this
+    `outcome` is a sentence: what was reached, or what to do next; `unidentifiable` names parameters that this
     record does not determine. `theta` and `covariance` belong to `names`.
     """
 
     model: Model
-    spans: tuple[Span, ...]
+    windows: tuple[FitWindow, ...]
     names: tuple[str, ...]
     theta: Array
     covariance: Array
@@ -36,7 +36,7 @@ class Fit:
     predicted: tuple[dict[str, Array], ...]
     converged: bool
     outcome: str
-    unknowable: tuple[str, ...]
+    unidentifiable: tuple[str, ...]
     frequency: float
 
     @property
@@ -46,7 +46,7 @@ class Fit:
 
     def residual(self, channel: str, i: int = 0) -> Array:
         """Return reading less prediction, SI, shape (n,), of one channel of span i."""
-        return self.spans[i].readings[channel] - self.predicted[i][channel]
+        return self.windows[i].readings[channel] - self.predicted[i][channel]
 
     def correlation(self, first: str, second: str) -> float:
         """Return the correlation of two unknowns' errors."""
@@ -56,21 +56,21 @@ class Fit:
 
 def fit(
     model: Model,
-    spans: tuple[Span, ...],
+    windows: tuple[FitWindow, ...],
     start: dict[str, float],
     frequency: float,
     *,
-    patience: float = 0.02,
+    tolerance: float = 0.02,
 ) -> Fit:
-    """Fit a model to spans from starting values by name (see `starting_values`); the window grows where it is needed."""
-    whole = Problem(model, spans, frequency)
+    """Fit a model to spans from starting values by name (see `initial_values`); the window grows where it is needed."""
+    whole = Problem(model, windows, frequency)
     theta = np.array([start.get(u.name, 0.0) for u in whole.unknowns])
     theta = np.clip(theta, whole.low, whole.high)
     first = whole.residuals(theta)
     far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
     if far:
-        theta = _grow(model, spans, theta, frequency)
-    found = descend_fully(whole, theta, patience=patience)
+        theta = _grow(model, windows, theta, frequency)
+    found = minimise_fully(whole, theta, tolerance=tolerance)
     jacobian = found.jacobian if found.exact else whole.linearise(found.theta)[1]
     return _result(whole, found.theta, found.cost, jacobian, settled=found.settled)
 
@@ -81,14 +81,14 @@ def fit_at(problem: Problem, theta: Array) -> Fit:
     return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
 
 
-def _grow(model: Model, spans: tuple[Span, ...], theta: Array, frequency: float) -> Array:
-    longest = max(len(s) for s in spans)
+def _grow(model: Model, windows: tuple[FitWindow, ...], theta: Array, frequency: float) -> Array:
+    longest = max(len(s) for s in windows)
     for cycles in _GROWTH:
-        samples = int(cycles * 2.0 * np.pi / frequency * spans[0].rate)
+        samples = int(cycles * 2.0 * np.pi / frequency * windows[0].rate)
         if samples >= longest:
             break
-        short = Problem(model, tuple(s.until(min(samples, len(s))) for s in spans), frequency)
-        theta = descend(short, theta, steps=8, patience=1.0).theta
+        short = Problem(model, tuple(s.until(min(samples, len(s))) for s in windows), frequency)
+        theta = minimise(short, theta, steps=8, tolerance=1.0).theta
     return theta
 
 
@@ -106,13 +106,15 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
     lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
     std = np.where(lost | at_bound, np.inf, std)
     names = tuple(u.name for u in problem.unknowns)
-    unknowable = tuple(n for n, gone, bound in zip(names, lost, at_bound, strict=True) if gone and not bound)
+    unidentifiable = tuple(
+        n for n, gone, bound in zip(names, lost, at_bound, strict=True) if gone and not bound
+    )
     outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
-    if unknowable:
-        outcome += f" This record does not determine {', '.join(unknowable)}."
+    if unidentifiable:
+        outcome += f" This record does not determine {', '.join(unidentifiable)}."
     return Fit(
         model=problem.model,
-        spans=problem.spans,
+        windows=problem.windows,
         names=names,
         theta=theta,
         covariance=covariance,
@@ -122,9 +124,11 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
         },
         chi_square=cost,
         degrees=len(jacobian) - int((~at_bound).sum()),
-        predicted=tuple(problem.read(theta, i, problem.respond(theta, i)) for i in range(len(problem.spans))),
+        predicted=tuple(
+            problem.read(theta, i, problem.respond(theta, i)) for i in range(len(problem.windows))
+        ),
         converged=settled,
         outcome=outcome,
-        unknowable=unknowable,
+        unidentifiable=unidentifiable,
         frequency=problem.frequency,
     )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.fitting.fit import Fit
-from identify.preprocessing.fit_window import Span
+from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.noise import Noise
 from identify.signal.spectrum import high_band_floor
 
@@ -25,9 +25,9 @@ class Floor:
     chi_square_std: float
     source: str
 
-    def on(self, span: Span) -> Span:
+    def on(self, window: FitWindow) -> FitWindow:
         """Return the span with this noise."""
-        return span.with_(sigma={c: self.channels[c].std for c in span.channels})
+        return window.with_(sigma={c: self.channels[c].std for c in window.channels})
 
 
 def refine_floor(fit: Fit, before: tuple[dict[str, Noise], ...]) -> tuple[Floor, ...]:
@@ -40,14 +40,14 @@ def refine_floor(fit: Fit, before: tuple[dict[str, Noise], ...]) -> tuple[Floor,
 
 
 def _refine(fit: Fit, i: int, known: dict[str, Noise]) -> Floor:
-    span = fit.spans[i]
+    window = fit.windows[i]
     channels: dict[str, Noise] = {}
     share = 0.0
-    total = sum(int(span.used[c].sum()) for c in span.channels)
-    for channel in span.channels:
-        used = span.used[channel]
-        residual = np.where(used, fit.residual(channel, i), 0.0)[span.lead :]
-        std, error = high_band_floor(residual, span.rate, _BAND_ABOVE * fit.frequency / (2.0 * np.pi))
+    total = sum(int(window.used[c].sum()) for c in window.channels)
+    for channel in window.channels:
+        used = window.used[channel]
+        residual = np.where(used, fit.residual(channel, i), 0.0)[window.lead :]
+        std, error = high_band_floor(residual, window.rate, _BAND_ABOVE * fit.frequency / (2.0 * np.pi))
         channels[channel] = _combine(known[channel], std, error)
         relative = channels[channel].uncertainty / channels[channel].std
         share += (int(used.sum()) / total * 2.0 * relative) ** 2

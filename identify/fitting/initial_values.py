@@ -9,15 +9,17 @@ from identify.fitting.problem import LINEAR
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
 from identify.preprocessing.equation_error import Regression, moving, regress
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 
-def starting_values(settings: tuple[Setting, ...], model: Model, inner: dict[str, float]) -> dict[str, float]:
+def initial_values(
+    decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str, float]
+) -> dict[str, float]:
     """Return where a fit may begin, by unknown's name: strengths by equation error, the states from the motions.
 
     `inner` gives inner parameters by "effect.parameter". The strengths come from the release of the largest amplitude.
     """
-    largest = max(settings, key=lambda setting: setting.amplitude)
+    largest = max(decays, key=lambda prepared: prepared.amplitude)
     terms = [t for t in model.terms if t.effect.kind == "physics"]
     values = dict(inner)
     for term, strength in zip(terms, regress_model(largest, model, inner).strengths, strict=True):
@@ -25,11 +27,11 @@ def starting_values(settings: tuple[Setting, ...], model: Model, inner: dict[str
         values[f"{term.effect.name}.{parameter.name}"] = float(
             np.clip(strength, parameter.low, parameter.high)
         )
-    if any(setting.span.weighs for setting in settings):
+    if any(prepared.window.estimates_mass for prepared in decays):
         values["force_gain"] = 1.0
-    for i, setting in enumerate(settings):
-        tag = f"[{i}]" if len(settings) > 1 else ""
-        values |= {f"{name}{tag}": value for name, value in _nuisances(setting, terms, inner).items()}
+    for i, prepared in enumerate(decays):
+        tag = f"[{i}]" if len(decays) > 1 else ""
+        values |= {f"{name}{tag}": value for name, value in _nuisances(prepared, terms, inner).items()}
     return values
 
 
@@ -38,10 +40,10 @@ def rest_states(
 ) -> dict[str, float]:
     """Return the internal states of an effect with memory soon after the release, by unknown's name without tag."""
     effect = term.effect
-    if effect.rest is None:
+    if effect.equilibrium_state is None:
         return {}
     p = np.array([0.0] + [_inner_value(term, q.name, inner) for q in effect.parameters[1:]])
-    first, second = effect.rest(displacement, p)
+    first, second = effect.equilibrium_state(displacement, p)
     states = {f"{effect.name}.state0": first}
     if effect.states > 1:
         states[f"{effect.name}.state1"] = second or velocity
@@ -53,30 +55,30 @@ def _inner_value(term: Term, name: str, inner: dict[str, float]) -> float:
     return float(held) if held is not None else inner[f"{term.effect.name}.{name}"]
 
 
-def _nuisances(setting: Setting, terms: list[Term], inner: dict[str, float]) -> dict[str, float]:
-    motion, span = setting.motion, setting.span
+def _nuisances(prepared: PreparedDecay, terms: list[Term], inner: dict[str, float]) -> dict[str, float]:
+    motion, window = prepared.motion, prepared.window
     u, v = float(motion.displacement[0]), float(motion.velocity[0])
-    gain = setting.alignment.gain.value if setting.alignment is not None else 1.0
-    values = {"displacement": u, "velocity": v, "lag": span.lag, "gain": gain}
+    gain = prepared.alignment.gain.value if prepared.alignment is not None else 1.0
+    values = {"displacement": u, "velocity": v, "lag": window.lag, "gain": gain}
     for term in terms:
         values |= rest_states(term, u, v, inner)
-    if "displacement" in span.readings:
-        values["displacement_offset"] = setting.zero
-    if "acceleration" in span.readings:
-        used = span.used["acceleration"]
+    if "displacement" in window.readings:
+        values["displacement_offset"] = prepared.zero
+    if "acceleration" in window.readings:
+        used = window.used["acceleration"]
         values["acceleration_offset"] = float(
-            np.median((span.readings["acceleration"] - gain * motion.acceleration)[used])
+            np.median((window.readings["acceleration"] - gain * motion.acceleration)[used])
         )
     return values
 
 
-def regress_model(setting: Setting, model: Model, inner: dict[str, float]) -> Regression:
+def regress_model(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> Regression:
     """Regress the measured restoring force on the forces of a model at given inner parameters.
 
     Where the mass was only estimated, what the external force should be corrected by is regressed too.
     """
-    motion = setting.motion
-    borrowed = {"linear_stiffness.k": setting.frequency**2}
+    motion = prepared.motion
+    shared = {"linear_stiffness.k": prepared.frequency**2}
     columns = []
     for term in model.terms:
         effect = term.effect
@@ -87,27 +89,25 @@ def regress_model(setting: Setting, model: Model, inner: dict[str, float]) -> Re
             for p in effect.parameters[1:]
             if p.name not in term.held and effect.name not in LINEAR
         }
-        columns.append(
-            force_along(term, values, setting.time, motion.displacement, motion.velocity, borrowed)
-        )
+        columns.append(force_along(term, values, prepared.time, motion.displacement, motion.velocity, shared))
     noise = motion.noise_acceleration or 1.0
-    if not setting.span.weighs:
-        return regress(setting.restoring, np.column_stack(columns), moving(motion), noise)
-    assert setting.span.force is not None
-    columns.append(-setting.span.force)
-    found = regress(setting.restoring, np.column_stack(columns), moving(motion), noise)
+    if not prepared.window.estimates_mass:
+        return regress(prepared.restoring, np.column_stack(columns), moving(motion), noise)
+    assert prepared.window.force is not None
+    columns.append(-prepared.window.force)
+    found = regress(prepared.restoring, np.column_stack(columns), moving(motion), noise)
     return replace(found, strengths=found.strengths[:-1])
 
 
-def scales_of(setting: Setting, lines: dict[str, tuple[tuple[float, float, float], ...]]) -> Scales:
+def scales_of(prepared: PreparedDecay, lines: dict[str, tuple[tuple[float, float, float], ...]]) -> Scales:
     """Return the sizes from which effects take their starting values."""
-    span = setting.span
+    window = prepared.window
     return Scales(
-        amplitude=setting.amplitude,
-        frequency=setting.frequency,
-        duration=len(span) / span.rate,
-        rate=span.rate,
-        peaks={c: float(np.max(np.abs(span.readings[c][span.used[c]]))) for c in span.channels},
+        amplitude=prepared.amplitude,
+        frequency=prepared.frequency,
+        duration=len(window) / window.rate,
+        rate=window.rate,
+        peaks={c: float(np.max(np.abs(window.readings[c][window.used[c]]))) for c in window.channels},
         lines=lines,
     )
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from identify.errors import NotIdentifiable
 from identify.fitting.fit import Fit, fit, fit_at
-from identify.fitting.levenberg_marquardt import descend_fully
+from identify.fitting.levenberg_marquardt import minimise_fully
 from identify.fitting.problem import Problem
 
 _TAG = re.compile(r"\[(\d+)\]$")
@@ -31,35 +31,35 @@ def leave_one_out(found: Fit) -> tuple[LeftOut, ...]:
 
     Raises NotIdentifiable with a single release.
     """
-    if len(found.spans) < 2:
+    if len(found.windows) < 2:
         raise NotIdentifiable("Leaving one release out needs at least two.")
-    return tuple(_without(found, i) for i in range(len(found.spans)))
+    return tuple(_without(found, i) for i in range(len(found.windows)))
 
 
 def _without(found: Fit, left: int) -> LeftOut:
     values = dict(zip(found.names, found.theta.tolist(), strict=True))
-    kept = [i for i in range(len(found.spans)) if i != left]
-    spans = tuple(found.spans[i] for i in kept)
-    others = fit(found.model, spans, _renamed(values, kept), found.frequency)
+    kept = [i for i in range(len(found.windows)) if i != left]
+    windows = tuple(found.windows[i] for i in kept)
+    others = fit(found.model, windows, _renamed(values, kept), found.frequency)
     physics = dict(zip(others.names, others.theta.tolist(), strict=True))
     own = _renamed(values, [left])
-    problem = Problem(found.model, (found.spans[left],), found.frequency)
-    shared = np.array([unknown.span < 0 for unknown in problem.unknowns])
+    problem = Problem(found.model, (found.windows[left],), found.frequency)
+    shared = np.array([unknown.window < 0 for unknown in problem.unknowns])
     theta = np.array(
-        [(physics if unknown.span < 0 else own).get(unknown.name, 0.0) for unknown in problem.unknowns]
+        [(physics if unknown.window < 0 else own).get(unknown.name, 0.0) for unknown in problem.unknowns]
     )
-    theta = descend_fully(problem, theta, held=shared).theta
+    theta = minimise_fully(problem, theta, held=shared).theta
     alone = fit_at(problem, theta)
-    span = alone.spans[0]
-    channel = span.channels[0]
-    used = span.used[channel]
+    window = alone.windows[0]
+    channel = window.channels[0]
+    used = window.used[channel]
     misfit = alone.residual(channel)[used]
-    readings = int(sum(span.used[c].sum() for c in span.channels))
+    readings = int(sum(window.used[c].sum() for c in window.channels))
     degrees = max(readings - int((~shared).sum()), 1)
     return LeftOut(
         left,
         alone.chi_square / degrees,
-        float(100.0 * np.sqrt(np.mean(misfit**2)) / np.std(span.readings[channel][used])),
+        float(100.0 * np.sqrt(np.mean(misfit**2)) / np.std(window.readings[channel][used])),
     )
 
 

@@ -15,7 +15,7 @@ _KEPT_WORD = 0.7
 
 
 @dataclass(frozen=True, eq=False)
-class Descent:
+class Minimum:
     """Where a descent ended: the unknowns, chi-square, the Jacobian last used, whether it was taken there, and
     whether no step promised anything any more.
     """
@@ -37,16 +37,16 @@ class _Step:
     damping: float
 
 
-def descend(
+def minimise(
     problem: Problem,
     theta: Array,
     *,
     steps: int = MOST_STEPS,
-    patience: float = 0.02,
+    tolerance: float = 0.02,
     held: Mask | None = None,
     begun: tuple[Array, Array] | None = None,
-) -> Descent:
-    """Lower chi-square from `theta`, until a step gains less than `patience`.
+) -> Minimum:
+    """Lower chi-square from `theta`, until a step gains less than `tolerance`.
 
     Unknowns that are `held` stay where they are. `begun` is the misfit at `theta` with a Jacobian that may be
     approximate. Between exact Jacobians each step mends the last one (Broyden, 1965, eq. 4.5).
@@ -59,8 +59,8 @@ def descend(
     for _ in range(steps):
         if not np.isfinite(cost):
             break
-        step = _step(problem, theta, residual, jacobian, never, damping, patience)
-        settled = step is None or step.gained < max(patience, 1e-6 * step.cost)
+        step = _step(problem, theta, residual, jacobian, never, damping, tolerance)
+        settled = step is None or step.gained < max(tolerance, 1e-6 * step.cost)
         if step is not None:
             jacobian = _mended(problem, jacobian, theta, residual, step)
             theta, residual, cost = step.theta, step.residual, step.cost
@@ -71,18 +71,18 @@ def descend(
         if step is not None and not step.kept_word:
             residual, jacobian = problem.linearise(theta, skip=held)
             exact = True
-    return Descent(theta, cost, jacobian, exact, settled)
+    return Minimum(theta, cost, jacobian, exact, settled)
 
 
-def descend_fully(
-    problem: Problem, theta: Array, *, patience: float = 0.02, held: Mask | None = None
-) -> Descent:
+def minimise_fully(
+    problem: Problem, theta: Array, *, tolerance: float = 0.02, held: Mask | None = None
+) -> Minimum:
     """Lower chi-square until no step promises anything from a Jacobian taken there."""
-    found = descend(problem, theta, patience=patience, held=held)
+    found = minimise(problem, theta, tolerance=tolerance, held=held)
     for _ in range(_CONFIRMATIONS):
         if found.exact and found.settled:
             break
-        found = descend(problem, found.theta, patience=patience, held=held)
+        found = minimise(problem, found.theta, tolerance=tolerance, held=held)
     return found
 
 
@@ -93,9 +93,9 @@ def _step(
     jacobian: Array,
     never: Mask,
     damping: float,
-    patience: float,
+    tolerance: float,
 ) -> _Step | None:
-    """Return the step that lowers chi-square; None when none promises more than `patience`."""
+    """Return the step that lowers chi-square; None when none promises more than `tolerance`."""
     cost = _sum_of_squares(residual)
     size = problem.sizes(theta)
     scaled = jacobian * size
@@ -116,7 +116,7 @@ def _step(
         if np.isfinite(trial_cost) and trial_cost < cost:
             gained = cost - trial_cost
             return _Step(candidate, trial, trial_cost, gained, bool(gained > _KEPT_WORD * promise), damping)
-        if promise < patience:
+        if promise < tolerance:
             return None
         damping = max(damping * 8.0, 1e-7)
     return None

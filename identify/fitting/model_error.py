@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
-from identify.fitting.baseline import Start
+from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.problem import Problem
 from identify.model.measured_path import model_force
 from identify.preprocessing.equation_error import moving
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 
 @dataclass(frozen=True)
-class Error:
+class ModelError:
     """How far a model is from the measurement.
 
     `force_mse_percent` is eq. (18) on the measured acceleration, `motion_percent` the free-run misfit of the
@@ -29,37 +29,37 @@ class Error:
     floor_std: float
 
 
-def force_misfit(setting: Setting, fit: Fit, i: int = 0) -> tuple[Array, Array]:
+def force_misfit(prepared: PreparedDecay, fit: Fit, i: int = 0) -> tuple[Array, Array]:
     """Return the measured restoring force per unit mass along the motion, and what a model leaves of it, (n,)."""
-    span, motion = fit.spans[i], setting.motion
-    tag = f"[{i}]" if len(fit.spans) > 1 else ""
+    window, motion = fit.windows[i], prepared.motion
+    tag = f"[{i}]" if len(fit.windows) > 1 else ""
     values = {name.removesuffix(tag): found.value for name, found in fit.values.items()}
-    values |= Problem(fit.model, fit.spans, fit.frequency).states_at_start(fit.theta, i)
-    u = motion.displacement + setting.zero - values.get("displacement_offset", setting.zero)
-    measured = setting.restoring
-    if span.weighs and span.force is not None:
-        measured = measured + (values["force_gain"] - 1.0) * span.force
-    return measured, measured - model_force(fit.model, values, span.clock, u, motion.velocity)
+    values |= Problem(fit.model, fit.windows, fit.frequency).states_at_start(fit.theta, i)
+    u = motion.displacement + prepared.zero - values.get("displacement_offset", prepared.zero)
+    measured = prepared.restoring
+    if window.estimates_mass and window.force is not None:
+        measured = measured + (values["force_gain"] - 1.0) * window.force
+    return measured, measured - model_force(fit.model, values, window.clock, u, motion.velocity)
 
 
-def force_mse_percent(setting: Setting, measured: Array, residual: Array) -> float:
+def force_mse_percent(prepared: PreparedDecay, measured: Array, residual: Array) -> float:
     """Return eq. (18) in % over the samples that move: 100/(n var f) sum (f - f')^2."""
-    used = moving(setting.motion)
+    used = moving(prepared.motion)
     return float(100.0 * np.mean(residual[used] ** 2) / np.var(measured[used]))
 
 
-def errors_of(start: Start) -> Error:
+def errors_of(start: Baseline) -> ModelError:
     """Return the errors of a fitted model, over all its releases."""
     force, motion, horizon = [], [], 0.0
-    for i, (setting, span) in enumerate(zip(start.settings, start.fit.spans, strict=True)):
-        force.append(force_mse_percent(setting, *force_misfit(setting, start.fit, i)))
-        channel = span.channels[0]
-        kept = span.used[channel]
-        reading = span.readings[channel][kept]
+    for i, (prepared, window) in enumerate(zip(start.decays, start.fit.windows, strict=True)):
+        force.append(force_mse_percent(prepared, *force_misfit(prepared, start.fit, i)))
+        channel = window.channels[0]
+        kept = window.used[channel]
+        reading = window.readings[channel][kept]
         misfit = start.fit.residual(channel, i)[kept]
         motion.append(100.0 * float(np.sqrt(np.mean(misfit**2)) / np.std(reading)))
-        horizon = max(horizon, len(span) / span.rate)
-    return Error(
+        horizon = max(horizon, len(window) / window.rate)
+    return ModelError(
         float(np.mean(force)),
         float(np.sqrt(np.mean(np.square(motion)))),
         horizon,

@@ -10,7 +10,7 @@ from identify.effects.compiled import PARAMETERS, STATES
 from identify.model.measured_path import states_after
 from identify.model.model import Model, Term
 from identify.model.simulate import Response, make_system, simulate, substeps_for
-from identify.preprocessing.fit_window import Prelude, Span
+from identify.preprocessing.fit_window import FitWindow, PreReleaseMotion
 
 LINEAR = {"linear_stiffness": 0, "viscous_damping": 1, "coulomb_friction": 2}
 _STEP = 1e-5
@@ -38,7 +38,7 @@ class Unknown:
     low: float
     high: float
     size: float
-    span: int
+    window: int
     simulated: bool
 
 
@@ -49,9 +49,9 @@ class Problem:
     where there are two channels, lag and gain; and an offset of every channel.
     """
 
-    def __init__(self, model: Model, spans: tuple[Span, ...], frequency: float) -> None:
+    def __init__(self, model: Model, windows: tuple[FitWindow, ...], frequency: float) -> None:
         self.model = model
-        self.spans = spans
+        self.windows = windows
         self.frequency = frequency
         self.physics = [t for t in model.terms if t.effect.kind == "physics" and t.effect.name not in LINEAR]
         self.system = make_system(tuple(t.effect for t in self.physics))
@@ -64,7 +64,7 @@ class Problem:
         self.high = np.array([u.high for u in self.unknowns])
         self.size = np.array([u.size for u in self.unknowns])
         self._steps = np.zeros(len(self.unknowns))
-        self._counts = [sum(int(span.used[c].sum()) for c in span.channels) for span in spans]
+        self._counts = [sum(int(window.used[c].sum()) for c in window.channels) for window in windows]
         self.index = {u.name: i for i, u in enumerate(self.unknowns)}
 
     def _add(self, *args: object) -> int:
@@ -73,14 +73,14 @@ class Problem:
 
     def _lay_out(self) -> None:
         w = self.frequency
-        amplitude = max(_amplitude(span, w) for span in self.spans)
+        amplitude = max(_amplitude(window, w) for window in self.windows)
         force = 0.01 * w * w * amplitude
-        unit = self.spans[0].unit
+        unit = self.windows[0].unit
         self._linear_at = [-1, -1, -1]
         self._linear = np.zeros(3)
         sizes = {"linear_stiffness": w * w, "viscous_damping": 0.01 * w, "coulomb_friction": force}
         row = 0
-        self._borrowed: list[tuple[int, int, str]] = []
+        self._shared: list[tuple[int, int, str]] = []
         for term in self.model.terms:
             effect = term.effect
             if effect.kind == "sensor":
@@ -108,12 +108,12 @@ class Problem:
                     self._places.append((name, row, j))
                     assert at >= 0
             if effect.name not in LINEAR:
-                for offset, borrowed in enumerate(effect.borrows):
-                    self._borrowed.append((row, len(effect.parameters) + offset, borrowed))
+                for offset, shared in enumerate(effect.shared_parameters):
+                    self._shared.append((row, len(effect.parameters) + offset, shared))
                 row += 1
         self._weight = (
             self._add("force_gain", "1", 0.2, 5.0, 1e-2, -1, True)
-            if any(s.weighs for s in self.spans)
+            if any(s.estimates_mass for s in self.windows)
             else -1
         )
         self._place_at = {name: (r, j) for name, r, j in self._places}
@@ -122,8 +122,8 @@ class Problem:
         self._lags: list[int] = []
         self._gains: list[int] = []
         self._offsets: list[dict[str, int]] = []
-        for i, span in enumerate(self.spans):
-            tag = f"[{i}]" if len(self.spans) > 1 else ""
+        for i, window in enumerate(self.windows):
+            tag = f"[{i}]" if len(self.windows) > 1 else ""
             big = amplitude
             self._starts.append(
                 (
@@ -133,7 +133,9 @@ class Problem:
             )
             states = []
             for r, term in enumerate(self.physics):
-                if term.effect.rates is not None and not (term.effect.forgets and span.prelude is not None):
+                if term.effect.rates is not None and not (
+                    term.effect.fading_memory and window.pre_release is not None
+                ):
                     for j in range(term.effect.states):
                         at = self._add(
                             f"{term.effect.name}.state{j}{tag}",
@@ -146,13 +148,13 @@ class Problem:
                         )
                         states.append((at, r, j))
             self._states.append(states)
-            if span.paired:
+            if window.paired:
                 self._lags.append(
                     self._add(
                         f"lag{tag}",
                         "s",
-                        span.lag - span.lag_reach,
-                        span.lag + span.lag_reach,
+                        window.lag - window.lag_reach,
+                        window.lag + window.lag_reach,
                         1e-2 / w,
                         i,
                         False,
@@ -174,14 +176,14 @@ class Problem:
                         i,
                         False,
                     )
-                    for c in span.channels
+                    for c in window.channels
                 }
             )
             for term in self.model.terms:
                 if (
                     term.effect.kind != "sensor"
                     or term.effect.observe is None
-                    or term.channel not in span.readings
+                    or term.channel not in window.readings
                 ):
                     continue
                 places = []
@@ -214,7 +216,7 @@ class Problem:
 
     def respond(self, theta: Array, i: int) -> Response:
         """Simulate span i."""
-        span = self.spans[i]
+        window = self.windows[i]
         linear = self._linear.copy()
         for place, at in enumerate(self._linear_at):
             if at >= 0:
@@ -229,12 +231,12 @@ class Problem:
             table,
             start=(float(theta[at_u]), float(theta[at_v])),
             states=states,
-            samples=len(span),
-            rate=span.rate,
-            substeps=substeps_for(self._fastest(theta), span.rate, kinked=self.system.kinked),
-            time=span.time,
+            samples=len(window),
+            rate=window.rate,
+            substeps=substeps_for(self._fastest(theta), window.rate, nonsmooth=self.system.nonsmooth),
+            time=window.time,
             lag=float(lag),
-            external=span.force if not span.weighs else theta[self._weight] * span.force,
+            external=window.force if not window.estimates_mass else theta[self._weight] * window.force,
         )
 
     def states_at_start(self, theta: Array, i: int) -> dict[str, float]:
@@ -250,19 +252,19 @@ class Problem:
         table = self._table.copy()
         for name, row, j in self._places:
             table[row, j] = theta[self.index[name]]
-        for row, j, borrowed in self._borrowed:
-            table[row, j] = theta[self.index[borrowed]]
+        for row, j, shared in self._shared:
+            table[row, j] = theta[self.index[shared]]
         return table
 
     def _states_at_start(self, theta: Array, table: Array, i: int) -> Array:
-        prelude = self.spans[i].prelude
+        pre_release = self.windows[i].pre_release
         states = np.zeros((len(self.physics), STATES))
         for at, row, j in self._states[i]:
             states[row, j] = theta[at]
-        if prelude is not None:
+        if pre_release is not None:
             for row, term in enumerate(self.physics):
-                if term.effect.rates is not None and term.effect.forgets:
-                    states[row] = _driven(term, table[row], prelude, int(self.system.addresses[row, 2]))
+                if term.effect.rates is not None and term.effect.fading_memory:
+                    states[row] = _driven(term, table[row], pre_release, int(self.system.addresses[row, 2]))
         return states
 
     def _fastest(self, theta: Array) -> float:
@@ -277,9 +279,9 @@ class Problem:
 
     def read(self, theta: Array, i: int, response: Response) -> dict[str, Array]:
         """Return the predicted readings of span i, shape (n,) a channel."""
-        span = self.spans[i]
+        window = self.windows[i]
         predicted: dict[str, Array] = {}
-        for channel in span.channels:
+        for channel in window.channels:
             values = np.asarray(getattr(response, channel))
             if channel == "acceleration" and self._gains[i] >= 0:
                 values = values * theta[self._gains[i]]
@@ -287,24 +289,27 @@ class Problem:
         for at, channel, observe, places in self._sensors:
             if at == i:
                 with np.errstate(all="ignore"):  # a motion that ran away is inf, and stays so
-                    predicted[channel] = observe(span.clock, predicted[channel], theta[places])
+                    predicted[channel] = observe(window.clock, predicted[channel], theta[places])
         for channel, place in self._offsets[i].items():
             predicted[channel] = predicted[channel] + theta[place]
         return predicted
 
     def residual_of(self, i: int, predicted: dict[str, Array]) -> Array:
         """Return the misfit of span i in units of the noise, unused readings left out."""
-        span = self.spans[i]
+        window = self.windows[i]
         parts = []
-        for channel in span.channels:
-            used = span.used[channel]
-            parts.append((span.readings[channel][used] - predicted[channel][used]) / span.sigma[channel])
+        for channel in window.channels:
+            used = window.used[channel]
+            parts.append((window.readings[channel][used] - predicted[channel][used]) / window.sigma[channel])
         return np.concatenate(parts)
 
     def residuals(self, theta: Array) -> Array:
         """Return the misfit of all spans in units of the noise; inf where the motion runs away."""
         return np.concatenate(
-            [self.residual_of(i, self.read(theta, i, self.respond(theta, i))) for i in range(len(self.spans))]
+            [
+                self.residual_of(i, self.read(theta, i, self.respond(theta, i)))
+                for i in range(len(self.windows))
+            ]
         )
 
     def linearise(self, theta: Array, *, skip: Mask | None = None) -> tuple[Array, Array]:
@@ -313,7 +318,7 @@ class Problem:
         The steps are kept from call to call, each so large that it moves the readings well above rounding and well
         below the noise.
         """
-        responses = [self.respond(theta, i) for i in range(len(self.spans))]
+        responses = [self.respond(theta, i) for i in range(len(self.windows))]
         parts = [self.residual_of(i, self.read(theta, i, r)) for i, r in enumerate(responses)]
         residual = np.concatenate(parts)
         jacobian = np.zeros((len(residual), len(theta)))
@@ -352,7 +357,7 @@ class Problem:
         for i, response in enumerate(responses):
             rows = slice(first, first + self._counts[i])
             first += self._counts[i]
-            if unknown.span not in (-1, i):
+            if unknown.window not in (-1, i):
                 continue
             if unknown.simulated:
                 response = self.respond(moved, i)
@@ -366,20 +371,26 @@ class Problem:
         return step, np.where(np.isfinite(change), change, 0.0)
 
 
-def _driven(term: Term, p: Array, prelude: Prelude, address: int) -> tuple[float, float]:
+def _driven(term: Term, p: Array, pre_release: PreReleaseMotion, address: int) -> tuple[float, float]:
     """Return the internal states at the start of a span, from rest before the release along the measured motion."""
-    assert term.effect.rest is not None
-    rest = term.effect.rest(float(prelude.displacement[0]), p)
+    assert term.effect.equilibrium_state is not None
+    rest = term.effect.equilibrium_state(float(pre_release.displacement[0]), p)
     found: tuple[float, float] = states_after(
-        address, prelude.time, prelude.displacement, prelude.velocity, tuple(p), rest, _PRELUDE_STEPS
+        address,
+        pre_release.time,
+        pre_release.displacement,
+        pre_release.velocity,
+        tuple(p),
+        rest,
+        _PRELUDE_STEPS,
     )
     return found
 
 
-def _amplitude(span: Span, w: float) -> float:
+def _amplitude(window: FitWindow, w: float) -> float:
     powers = {"displacement": 0, "velocity": 1, "acceleration": 2}
-    channel = span.channels[0]
-    values = span.readings[channel][span.used[channel]]
+    channel = window.channels[0]
+    values = window.readings[channel][window.used[channel]]
     return float(np.ptp(values)) / 2.0 / w ** powers[channel] if len(values) else 1.0
 
 

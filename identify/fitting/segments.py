@@ -9,38 +9,38 @@ from dataclasses import replace
 
 import numpy as np
 
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 _LONG_CYCLES = 60.0
-_EPISODE_CYCLES = 12.0
+_SEGMENT_CYCLES = 12.0
 _MOST = 6
 
 
-def episodes(setting: Setting) -> tuple[Setting, ...]:
+def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
     """Return a long release as up to six episodes spread evenly over it; a short one as it is.
 
     A driven motion is kept in step by its force, and stays whole.
     """
-    span, n = setting.span, len(setting.span)
-    cycle = 2.0 * np.pi / setting.frequency * span.rate
-    if span.force is not None or n / cycle < _LONG_CYCLES:
-        return (setting,)
-    length = int(_EPISODE_CYCLES * cycle)
+    window, n = prepared.window, len(prepared.window)
+    cycle = 2.0 * np.pi / prepared.frequency * window.rate
+    if window.force is not None or n / cycle < _LONG_CYCLES:
+        return (prepared,)
+    length = int(_SEGMENT_CYCLES * cycle)
     starts = np.linspace(0, n - length, _MOST).astype(int)
-    return tuple(_episode(setting, int(first), length) for first in starts)
+    return tuple(_segment(prepared, int(first), length) for first in starts)
 
 
-def _episode(setting: Setting, first: int, length: int) -> Setting:
+def _segment(prepared: PreparedDecay, first: int, length: int) -> PreparedDecay:
     part = slice(first, first + length)
-    motion, span = setting.motion, setting.span
+    motion, window = prepared.motion, prepared.window
     return replace(
-        setting,
-        span=span.with_(
-            time=span.time + first / span.rate,
-            readings={c: r[part] for c, r in span.readings.items()},
-            used={c: _with_lead(m[part], span.lead) for c, m in span.used.items()},
-            prelude=span.prelude if first == 0 else None,
-            episode=True,
+        prepared,
+        window=window.with_(
+            time=window.time + first / window.rate,
+            readings={c: r[part] for c, r in window.readings.items()},
+            used={c: _with_lead(m[part], window.lead) for c, m in window.used.items()},
+            pre_release=window.pre_release if first == 0 else None,
+            segment=True,
         ),
         motion=replace(
             motion,
@@ -49,8 +49,8 @@ def _episode(setting: Setting, first: int, length: int) -> Setting:
             acceleration=motion.acceleration[part],
             valid=motion.valid[part],
         ),
-        lost={c: m[part] for c, m in setting.lost.items()},
-        rest=setting.rest if first == 0 else None,
+        lost={c: m[part] for c, m in prepared.lost.items()},
+        rest=prepared.rest if first == 0 else None,
     )
 
 

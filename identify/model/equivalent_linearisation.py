@@ -109,7 +109,7 @@ def _linear(name: str, strength: float, frequency: float, amplitudes: Array) -> 
 
 def _parameters(effect: Effect, given: dict[str, float]) -> tuple[float, ...]:
     values = []
-    for name in (*(q.name for q in effect.parameters), *effect.borrows):
+    for name in (*(q.name for q in effect.parameters), *effect.shared_parameters):
         if name not in given:
             raise ValueError(f"{effect.name} needs a value of {name}")
         values.append(float(given[name]))
@@ -141,7 +141,11 @@ def _around(
     if effect.rates is None:
         turn(np.zeros(2))
         return force, angle[:-1:2], True
-    start = effect.rest(amplitude, np.array(p)) if effect.rest is not None else (0.0, 0.0)
+    start = (
+        effect.equilibrium_state(amplitude, np.array(p))
+        if effect.equilibrium_state is not None
+        else (0.0, 0.0)
+    )
     state = np.array(start, dtype=float)
     scale = np.array([amplitude, amplitude * frequency])
     settled = False

@@ -67,7 +67,7 @@ def _parameters(term: Term, values: dict[str, float]) -> tuple[float, ...]:
         float(term.held[q.name]) if q.name in term.held else float(values[f"{effect.name}.{q.name}"])
         for q in effect.parameters
     ]
-    p += [float(values[name]) for name in effect.borrows]
+    p += [float(values[name]) for name in effect.shared_parameters]
     return tuple(p + [0.0] * (PARAMETERS - len(p)))
 
 
@@ -150,7 +150,7 @@ def states_after(address_rates, time, u, v, p, start, steps):  # type: ignore[no
 
 
 def force_along(
-    term: Term, inner: dict[str, float], time: Array, u: Array, v: Array, borrowed: dict[str, float]
+    term: Term, inner: dict[str, float], time: Array, u: Array, v: Array, shared: dict[str, float]
 ) -> Array:
     """Return the force per unit mass and unit strength of an effect along a motion, shape (n,)."""
     effect = term.effect
@@ -165,9 +165,9 @@ def force_along(
     for j, parameter in enumerate(effect.parameters[1:], start=1):
         held = term.held.get(parameter.name)
         p[j] = float(held) if held is not None else inner[parameter.name]
-    for offset, name in enumerate(effect.borrows):
-        p[len(effect.parameters) + offset] = borrowed[name]
-    start = effect.rest(float(u[0]), p) if effect.rest is not None else (0.0, 0.0)
+    for offset, name in enumerate(effect.shared_parameters):
+        p[len(effect.parameters) + offset] = shared[name]
+    start = effect.equilibrium_state(float(u[0]), p) if effect.equilibrium_state is not None else (0.0, 0.0)
     result: Array = _forces_along(
         address_of_force(effect.force),
         address_of_force(effect.friction),

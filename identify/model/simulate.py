@@ -28,7 +28,7 @@ class System:
     """A model made ready to run: the addresses of force, friction and rates of each effect, shape (effects, 3)."""
 
     addresses: NDArray[np.int64]
-    kinked: bool
+    nonsmooth: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,9 +258,9 @@ def _run(  # type: ignore[no-untyped-def]
     return displacement, velocity, acceleration
 
 
-def substeps_for(frequency: float, rate: float, *, kinked: bool) -> int:
+def substeps_for(frequency: float, rate: float, *, nonsmooth: bool) -> int:
     """Return how many integration steps a sample needs for an angular frequency in rad/s at a rate in Hz."""
-    angle = _STEP_ANGLE_KINKED if kinked else _STEP_ANGLE
+    angle = _STEP_ANGLE_KINKED if nonsmooth else _STEP_ANGLE
     return max(1, int(np.ceil(frequency / (rate * angle))))
 
 
@@ -311,4 +311,4 @@ def make_system(effects: tuple[Effect, ...]) -> System:
         row[0] = address_of_force(effect.force)
         row[1] = address_of_force(effect.friction)
         row[2] = address_of_rates(effect.rates)
-    return System(addresses, any(effect.kinked for effect in effects))
+    return System(addresses, any(effect.nonsmooth for effect in effects))

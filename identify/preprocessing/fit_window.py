@@ -11,7 +11,7 @@ CHANNELS = ("displacement", "velocity", "acceleration")
 
 
 @dataclass(frozen=True, eq=False)
-class Prelude:
+class PreReleaseMotion:
     """The measured motion from the rest before the release to the first sample of the span, inclusive, SI, shape (m,).
 
     `time` counts from the release, `displacement` from the spring's zero. Effects with memory are driven along it.
@@ -23,15 +23,15 @@ class Prelude:
 
 
 @dataclass(frozen=True, eq=False)
-class Span:
+class FitWindow:
     """Readings of one release from the first sample that is compared, shape (n,) a channel, SI.
 
     `time` is the first sample's time since the release (s). `used` marks the readings that count; `sigma` is
     the noise of each channel; `lead` samples at the start are simulated but not compared, so that a late channel has a past.
     `lag` is where the search for the lag begins (s) and `lag_reach` how far it may go. `gain_uncertainty` is what the
-    calibration certificates leave open, and enters as a prior when the gain is judged. `prelude` is None where the rest
+    calibration certificates leave open, and enters as a prior when the gain is judged. `pre_release` is None where the rest
     before the release was not seen. `force` is an external force per unit mass (m/s^2), None where none acts;
-    where the mass was only estimated, `force_known` is False and its scale is fitted. An `episode` is one of several
+    where the mass was only estimated, `force_known` is False and its scale is fitted. An `segment` is one of several
     pieces of a long release.
     """
 
@@ -44,10 +44,10 @@ class Span:
     lag: float = 0.0
     lag_reach: float = 0.0
     gain_uncertainty: float = 0.0
-    prelude: Prelude | None = None
+    pre_release: PreReleaseMotion | None = None
     force: Array | None = None
     force_known: bool = True
-    episode: bool = False
+    segment: bool = False
     unit: str = "m"
 
     def __len__(self) -> int:
@@ -64,7 +64,7 @@ class Span:
         return "acceleration" in self.readings and len(self.readings) > 1
 
     @property
-    def weighs(self) -> bool:
+    def estimates_mass(self) -> bool:
         """Whether a force of unknown scale acts, so that the mass is one of the unknowns."""
         return self.force is not None and not self.force_known
 

@@ -10,7 +10,7 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import Alignment, align, correct
 from identify.preprocessing.dropouts import find_dropouts
 from identify.preprocessing.equation_error import moving, regress
-from identify.preprocessing.fit_window import CHANNELS, Prelude, Span
+from identify.preprocessing.fit_window import CHANNELS, FitWindow, PreReleaseMotion
 from identify.preprocessing.motion import Motion, reconstruct
 from identify.preprocessing.noise import Noise, noise_of
 from identify.preprocessing.release import Release
@@ -37,17 +37,17 @@ class Rest:
 
 
 @dataclass(frozen=True, eq=False)
-class Setting:
+class PreparedDecay:
     """One release made ready to be fitted.
 
-    `span` holds the readings, `motion` the displacement (from the spring's zero), velocity and acceleration along
+    `window` holds the readings, `motion` the displacement (from the spring's zero), velocity and acceleration along
     it, on the acceleration's clock; `frequency` is the angular frequency (rad/s); `alignment` is None with one
     channel. `zero` is the displacement reading at the spring's zero, `noise` what was known of the noise before any
     fit, and `lost` marks the readings of each channel that its sensor repeated or lost. `rest` is None where none was
     recorded.
     """
 
-    span: Span
+    window: FitWindow
     motion: Motion
     frequency: float
     alignment: Alignment | None
@@ -59,12 +59,12 @@ class Setting:
     @property
     def time(self) -> Array:
         """Time since the release of each sample of the motion, s."""
-        return self.span.time + np.arange(len(self.motion.displacement)) / self.span.rate
+        return self.window.time + np.arange(len(self.motion.displacement)) / self.window.rate
 
     @property
     def restoring(self) -> Array:
         """Measured restoring force per unit mass along the motion: the external force, if any, less inertia's, (n,)."""
-        external = 0.0 if self.span.force is None else self.span.force
+        external = 0.0 if self.window.force is None else self.window.force
         return np.asarray(external - self.motion.acceleration)
 
     @property
@@ -73,7 +73,7 @@ class Setting:
         return float(np.max(np.abs(self.motion.displacement)))
 
 
-def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0) -> Setting:
+def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0) -> PreparedDecay:
     """Make one release ready: align, reconstruct the motion, cut the record where friction takes over.
 
     Where a recorded force drives the motion on, it is taken into account, and the mass is estimated unless it is
@@ -113,13 +113,13 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
     motion = _cut(motion, length)
     motion = _shifted(motion, zero)
     lost = {name: mask[release.settle :][: len(motion.displacement)] for name, mask in lost.items()}
-    span = _span(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty).with_(
+    window = _window(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty).with_(
         force=None if force is None else force[:length], force_known=decay.mass is not None
     )
-    span = _without_reversals(span, motion, max(mu_0, 0.0))
-    thin = _thinning(len(span), decay.rate, frequency)
-    return Setting(
-        _thinned(span.with_(prelude=_prelude(corrected, release, zero)), thin),
+    window = _without_reversals(window, motion, max(mu_0, 0.0))
+    thin = _thinning(len(window), decay.rate, frequency)
+    return PreparedDecay(
+        _thinned(window.with_(pre_release=_pre_release(corrected, release, zero)), thin),
         _thinned_motion(motion, thin),
         frequency,
         alignment,
@@ -168,15 +168,15 @@ def _thinning(samples: int, rate: float, frequency: float) -> int:
     return max(1, min(int(2.0 * np.pi * rate / frequency / _DENSEST), samples // (_LONG // 2)))
 
 
-def _thinned(span: Span, thin: int) -> Span:
+def _thinned(window: FitWindow, thin: int) -> FitWindow:
     if thin == 1:
-        return span
-    return span.with_(
-        rate=span.rate / thin,
-        readings={c: r[::thin] for c, r in span.readings.items()},
-        used={c: m[::thin] for c, m in span.used.items()},
-        lead=-(-span.lead // thin),
-        force=None if span.force is None else span.force[::thin],
+        return window
+    return window.with_(
+        rate=window.rate / thin,
+        readings={c: r[::thin] for c, r in window.readings.items()},
+        used={c: m[::thin] for c, m in window.used.items()},
+        lead=-(-window.lead // thin),
+        force=None if window.force is None else window.force[::thin],
     )
 
 
@@ -218,21 +218,21 @@ def _shifted(motion: Motion, zero: float) -> Motion:
     return replace(motion, displacement=motion.displacement - zero)
 
 
-def _without_reversals(span: Span, motion: Motion, friction: float) -> Span:
+def _without_reversals(window: FitWindow, motion: Motion, friction: float) -> FitWindow:
     """Leave out acceleration readings of which it is left to chance on which side of dry friction's jump they lie.
 
     `friction` is Coulomb's, per unit mass: the velocity between samples is wrong by up to a quarter of its jump times
     the interval where the jump falls.
     """
-    if "acceleration" not in span.used:
-        return span
+    if "acceleration" not in window.used:
+        return window
     timing = np.abs(motion.acceleration) * _REVERSAL_MARGIN / motion.rate
     margin = timing + 4.0 * (motion.noise_velocity or 0.0) + 0.5 * friction / motion.rate
     clear = np.abs(motion.velocity) >= margin
-    return span.with_(used=span.used | {"acceleration": span.used["acceleration"] & clear})
+    return window.with_(used=window.used | {"acceleration": window.used["acceleration"] & clear})
 
 
-def _prelude(decay: FreeDecay, release: Release, zero: float) -> Prelude | None:
+def _pre_release(decay: FreeDecay, release: Release, zero: float) -> PreReleaseMotion | None:
     """Return the motion from just before the release to the start of the span; None when the rest was not seen."""
     before = _PRELUDE_SAMPLES
     first = release.index - before
@@ -242,7 +242,7 @@ def _prelude(decay: FreeDecay, release: Release, zero: float) -> Prelude | None:
     skip = first - motion.start
     part = slice(skip, release.settle - motion.start + 1)
     time = decay.time[first : release.settle + 1] - release.time_s
-    return Prelude(time, motion.displacement[part] - zero, motion.velocity[part])
+    return PreReleaseMotion(time, motion.displacement[part] - zero, motion.velocity[part])
 
 
 def _base_columns(motion: Motion) -> Array:
@@ -263,7 +263,7 @@ def _length(motion: Motion, frequency: float, stuck: float, noise: dict[str, flo
     return int(above[-1]) + 1 if len(above) else 0
 
 
-def _span(
+def _window(
     decay: FreeDecay,
     release: Release,
     motion: Motion,
@@ -272,7 +272,7 @@ def _span(
     alignment: Alignment | None,
     lost: dict[str, Mask],
     gain_uncertainty: float,
-) -> Span:
+) -> FitWindow:
     start, length = release.settle, len(motion.displacement)
     valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.asarray(decay.valid)
     lag = alignment.lag.value if alignment is not None else 0.0
@@ -289,7 +289,7 @@ def _span(
             if channel in lost:
                 mask &= ~lost[channel]
             used[channel] = mask
-    return Span(
+    return FitWindow(
         rate=decay.rate,
         time=(start - release.time_s * decay.rate) / decay.rate,
         readings=readings,

@@ -293,8 +293,8 @@ def _rest(
     quiet = np.ones(stop - earliest, dtype=bool)
     for channel, begun in found:
         size = max(abs(begun.displaced), abs(begun.impulse))
-        span = max(3, min(round(period / 4.0), (stop - earliest) // 3))
-        quiet &= _still(channel.values[earliest:stop], span, max(8.0 * channel.noise, 0.02 * size))
+        window = max(3, min(round(period / 4.0), (stop - earliest) // 3))
+        quiet &= _still(channel.values[earliest:stop], window, max(8.0 * channel.noise, 0.02 * size))
     runs = _runs(quiet)
     if not runs:
         return (0, 0)
@@ -304,11 +304,13 @@ def _rest(
     return (earliest + first, earliest + last) if last - first >= 4 else (0, 0)
 
 
-def _still(values: Array, span: int, tolerance: float) -> Mask:
-    """Where the channel stays within the tolerance over a window of `span` samples that holds the sample."""
-    spread = maximum_filter1d(values, span, mode="nearest") - minimum_filter1d(values, span, mode="nearest")
+def _still(values: Array, window: int, tolerance: float) -> Mask:
+    """Where the channel stays within the tolerance over a window of `window` samples that holds the sample."""
+    spread = maximum_filter1d(values, window, mode="nearest") - minimum_filter1d(
+        values, window, mode="nearest"
+    )
     calm = spread <= tolerance
-    grown: Mask = binary_dilation(calm, np.ones(span, dtype=bool))
+    grown: Mask = binary_dilation(calm, np.ones(window, dtype=bool))
     return grown
 
 

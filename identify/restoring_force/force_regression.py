@@ -7,7 +7,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.free_decay import FreeDecay
-from identify.restoring_force.force_window import Span, noise_velocity
+from identify.restoring_force.force_window import ForceWindow, noise_velocity
 from identify.restoring_force.surface import Polynomial
 from identify.restoring_force.velocity_sign import (
     Direction,
@@ -34,7 +34,7 @@ _SHARES = (0.0, 1e-4, 1e-3, 1e-2)  # of a missing force in what is left; more wo
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class ForceFit:
     """Eq. (17) solved for one damping order; `clear` is how many standard errors its highest
     damping stands from zero."""
 
@@ -47,21 +47,21 @@ class Fit:
 
 
 def fit_orders(
-    span: Span, windows: Windows, max_order: int, stiffness_orders: tuple[int, ...], decay: FreeDecay
-) -> list[Fit]:
+    window: ForceWindow, windows: Windows, max_order: int, stiffness_orders: tuple[int, ...], decay: FreeDecay
+) -> list[ForceFit]:
     """Solve eq. (17) for every damping order, with one covariance of the rows.
 
     A first solution of first order says how large the friction's jump is and where the resonance lies.
     """
-    motion, w = span.motion, span.angular_frequency
-    u, v, a = (span.cut(x) for x in (motion.displacement, motion.velocity, motion.acceleration))
-    force = None if span.force is None else span.cut(span.force)
+    motion, w = window.motion, window.angular_frequency
+    u, v, a = (window.cut(x) for x in (motion.displacement, motion.velocity, motion.acceleration))
+    force = None if window.force is None else window.cut(window.force)
     unknown_mass = force is not None and decay.mass is None
     others = [u**j for j in stiffness_orders] + [np.ones_like(u)]
     if force is not None and decay.mass is None:
         others.append(-force)
     powers = [np.abs(v) ** i * np.sign(v) for i in range(1, max(max_order, 1) + 1)]
-    consistent = span.noise[0][0] == "consistent"
+    consistent = window.noise[0][0] == "consistent"
 
     def rows(direction: Direction) -> Array:
         pull = np.zeros_like(u) if force is None or unknown_mass else force
@@ -75,35 +75,37 @@ def fit_orders(
         return sums
 
     direction = direction_of(v)
-    factor = factor_of(_covariance(span, windows, 0.0, w**2))
+    factor = factor_of(_covariance(window, windows, 0.0, w**2))
     first = _solved(rows(direction), factor, 1, len(others))
     mu_0, mu_1, k_1 = first.values[0], first.values[1], first.values[2] if 1 in stiffness_orders else w**2
 
-    direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w, span.blur)
-    band = _covariance(span, windows, mu_1, k_1)
-    band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, noise_velocity(span))
+    direction = refine_reversals(v, direction, max(mu_0, 0.0), motion.rate, w, window.blur)
+    band = _covariance(window, windows, mu_1, k_1)
+    band += band_of_reversals(windows, len(band), direction, 2 * mu_0, v, noise_velocity(window))
     found = rows(direction)
     best = _solved(found, factor_of(band), max(max_order, 1), len(others))
     misfit = best.chi_square > _MISFIT
     if misfit:
-        band = band + _equation_error(span, windows, found, band, max(max_order, 1), len(others))
+        band = band + _equation_error(window, windows, found, band, max(max_order, 1), len(others))
     factor = factor_of(band)
     solutions = [_solved(found, factor, order, len(others)) for order in range(max_order + 1)]
     # all reversals too late by one time: small, but no number of cycles averages it out
     late = Direction(
-        direction.before, np.where(direction.at < 1, direction.at - span.late * motion.rate, 1.0)
+        direction.before, np.where(direction.at < 1, direction.at - window.late * motion.rate, 1.0)
     )
     common = whiten(factor, mu_0 * (rows_of_sign(windows, late) - found[:, 0])[:, None])
     return [_fit(solution, common, stiffness_orders, unknown_mass, misfit) for solution in solutions]
 
 
-def _equation_error(span: Span, windows: Windows, rows: Array, band: Array, order: int, others: int) -> Array:
+def _equation_error(
+    window: ForceWindow, windows: Windows, rows: Array, band: Array, order: int, others: int
+) -> Array:
     """Covariance of the rows for a white force that the equation lacks, as strong as is most likely.
 
     Without it, rows that noise hardly touches may be believed beyond what the model can say; how much of what is
     left is noise of the channels, larger than was measured, and how much a force, the rows themselves tell.
     """
-    white = band_of(windows, windows.kernel, span.motion.rate, np.ones_like)
+    white = band_of(windows, windows.kernel, window.motion.rate, np.ones_like)
     unit = float(np.mean(band[0]) / np.mean(white[0]))
     best, unlikely = 0.0, np.inf
     for share in _SHARES:
@@ -123,7 +125,7 @@ def _solved(rows: Array, factor: Array, order: int, others: int) -> LeastSquares
 
 def _fit(
     solution: LeastSquares, common: Array, stiffness_orders: tuple[int, ...], unknown_mass: bool, misfit: bool
-) -> Fit:
+) -> ForceFit:
     order = len(solution.values) - len(stiffness_orders) - 2 - unknown_mass
     residual = solution.white.reshape(-1, 2).T.ravel()
     gain = solution.gain.reshape(len(solution.gain), -1, 2).swapaxes(1, 2).reshape(len(solution.gain), -1)
@@ -141,7 +143,7 @@ def _fit(
     }
     offset = float(solution.values[order + 1 + len(stiffness_orders)])
     force_gain = float(solution.values[-1]) if unknown_mass else 1.0
-    return Fit(
+    return ForceFit(
         order,
         solution,
         clear,
@@ -151,20 +153,20 @@ def _fit(
     )
 
 
-def _covariance(span: Span, windows: Windows, mu_1: float, k_1: float) -> Array:
+def _covariance(window: ForceWindow, windows: Windows, mu_1: float, k_1: float) -> Array:
     """Covariance of the rows: what each channel's noise does to both sides of the equation of motion."""
     elastic = k_1 * windows.kernel - mu_1 * windows.slope
     kernels = {"consistent": windows.curvature + elastic, "elastic": elastic, "inertial": windows.kernel}
-    w = span.angular_frequency
-    rate = span.motion.rate
-    bands = [band_of(windows, kernels[name], rate, _above(level, w)) for name, level in span.noise]
+    w = window.angular_frequency
+    rate = window.motion.rate
+    bands = [band_of(windows, kernels[name], rate, _above(level, w)) for name, level in window.noise]
     total = np.asarray(np.sum(bands, axis=0))
     if is_positive(total):
         return total
     # a steep spectrum reaches further than the band that is kept: take it as white, at its level at the resonance
     bands = [
         float(level(np.array([w]))[0]) * band_of(windows, kernels[name], rate, np.ones_like)
-        for name, level in span.noise
+        for name, level in window.noise
     ]
     return np.asarray(np.sum(bands, axis=0))
 

@@ -32,7 +32,7 @@ Noises = tuple[tuple[str, Callable[[Array], Array]], ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Span:
+class ForceWindow:
     """The part of the motion that identifies, with the spectra of its noise and the recorded force."""
 
     motion: Motion
@@ -105,7 +105,7 @@ def noise_of_agreeing(decay: FreeDecay) -> Noises:
     return (("consistent", spectrum),)
 
 
-def span_of(decay: FreeDecay, motion: Motion, noise: Noises) -> Span:
+def span_of(decay: FreeDecay, motion: Motion, noise: Noises) -> ForceWindow:
     """Return the span of a motion: after the hand, above sticking and noise; all of it where a force drives it.
 
     Raises NotIdentifiable when it holds no oscillation or too few cycles.
@@ -127,9 +127,9 @@ def span_of(decay: FreeDecay, motion: Motion, noise: Noises) -> Span:
             f"{motion.rate / frequency:.1f} samples a cycle are too few to tell the velocity from the "
             f"{motion.source} alone; record at {2 * _FEWEST_SAMPLES * frequency:.3g} Hz or faster"
         )
-    span = Span(motion, first, stop, valid[first:stop], w, force, noise)
+    window = ForceWindow(motion, first, stop, valid[first:stop], w, force, noise)
     if force is not None:
-        return span
+        return window
     cycle = max(3, int(motion.rate / frequency))
     speed = np.where(valid, np.abs(motion.velocity), 0.0)[first:]
     largest = np.max(np.lib.stride_tricks.sliding_window_view(np.pad(speed, (0, cycle)), cycle), axis=1)
@@ -139,38 +139,39 @@ def span_of(decay: FreeDecay, motion: Motion, noise: Noises) -> Span:
     for _ in range(2):
         stop = first + last_large_sample(envelope, max(quiet, _STOP_AT_DRY_ZONE * dry))
         stop = min(max(stop, first + int(_FEWEST_CYCLES * motion.rate / frequency) + 1), len(valid))
-        span = Span(motion, first, stop, valid[first:stop], w, None, noise)
-        dry = max(0.0, _dry_friction(span)) / w**2
+        window = ForceWindow(motion, first, stop, valid[first:stop], w, None, noise)
+        dry = max(0.0, _dry_friction(window)) / w**2
     stop = first + last_large_sample(envelope, max(quiet, _STOP_AT_DRY_ZONE * dry))
     stop = min(max(stop, first + int(_FEWEST_CYCLES * motion.rate / frequency) + 1), len(valid))
-    return Span(motion, first, stop, valid[first:stop], w, None, noise)
+    return ForceWindow(motion, first, stop, valid[first:stop], w, None, noise)
 
 
-def _dry_friction(span: Span) -> float:
+def _dry_friction(window: ForceWindow) -> float:
     """Plain least squares of eq. (15) of first order: a first value for mu_0."""
     u, v, a = (
-        span.cut(x) for x in (span.motion.displacement, span.motion.velocity, span.motion.acceleration)
+        window.cut(x)
+        for x in (window.motion.displacement, window.motion.velocity, window.motion.acceleration)
     )
-    columns = np.stack([np.sign(v), v, u, np.ones_like(u)], axis=1)[span.valid]
+    columns = np.stack([np.sign(v), v, u, np.ones_like(u)], axis=1)[window.valid]
     scale = np.linalg.norm(columns, axis=0) + 1e-300
-    return float((np.linalg.lstsq(columns / scale, -a[span.valid], rcond=None)[0] / scale)[0])
+    return float((np.linalg.lstsq(columns / scale, -a[window.valid], rcond=None)[0] / scale)[0])
 
 
-def points_of(span: Span) -> NDArray[np.int_]:
+def points_of(window: ForceWindow) -> NDArray[np.int_]:
     """Samples of the span whose force and sign of velocity can be trusted, as indices into the motion."""
-    v = span.cut(span.motion.velocity)
+    v = window.cut(window.motion.velocity)
     turned = np.zeros(len(v), dtype=np.bool_)
     reversal = np.flatnonzero(v[1:] * v[:-1] <= 0)
-    reach = min(_REACH, int(0.05 * 2 * np.pi * span.motion.rate / span.angular_frequency))
+    reach = min(_REACH, int(0.05 * 2 * np.pi * window.motion.rate / window.angular_frequency))
     for shift in range(1 - reach, reach + 1):
         turned[np.clip(reversal + shift, 0, len(v) - 1)] = True
-    least = _SURE_SIGN * (span.motion.noise_velocity or 0.0)
-    return np.asarray(span.first + np.flatnonzero(span.valid & ~turned & (np.abs(v) > least)))
+    least = _SURE_SIGN * (window.motion.noise_velocity or 0.0)
+    return np.asarray(window.first + np.flatnonzero(window.valid & ~turned & (np.abs(v) > least)))
 
 
-def noise_velocity(span: Span) -> float:
+def noise_velocity(window: ForceWindow) -> float:
     """Return the standard error of a velocity of the motion, m/s."""
-    if span.motion.noise_velocity is not None:
-        return span.motion.noise_velocity
-    w = np.array([span.angular_frequency])
-    return float(w[0] * np.sqrt(span.noise[0][1](w)[0]))
+    if window.motion.noise_velocity is not None:
+        return window.motion.noise_velocity
+    w = np.array([window.angular_frequency])
+    return float(w[0] * np.sqrt(window.noise[0][1](w)[0]))

@@ -13,10 +13,10 @@ from identify.preprocessing.decimation import thinned
 from identify.preprocessing.motion import Motion, reconstruct
 from identify.preprocessing.spikes import without_spikes
 from identify.preprocessing.usable import valid_samples
-from identify.restoring_force.force_regression import Fit, fit_orders
+from identify.restoring_force.force_regression import ForceFit, fit_orders
 from identify.restoring_force.force_window import (
+    ForceWindow,
     Noises,
-    Span,
     calmed,
     noise_levels,
     noise_of_agreeing,
@@ -131,16 +131,16 @@ def _identify(
     max_order: int,
     stiffness_orders: tuple[int, ...],
 ) -> RestoringForceResult:
-    span = span_of(decay, motion, noise)
-    windows = place_windows(span.valid, motion.rate, span.angular_frequency)
+    window = span_of(decay, motion, noise)
+    windows = place_windows(window.valid, motion.rate, window.angular_frequency)
     if 2 * len(windows.first) < max_order + len(stiffness_orders) + 4:
         raise NotIdentifiable("gaps leave too few whole stretches of two cycles; record again without losses")
-    points = points_of(span)
-    fits = fit_orders(span, windows, max_order, stiffness_orders, decay)
+    points = points_of(window)
+    fits = fit_orders(window, windows, max_order, stiffness_orders, decay)
     clear = [fit.clear for fit in fits]
     misfits = [fit.solution.chi_square for fit in fits]
     order, reason = choose_order(range(max_order + 1), misfits, clear, [_FALL] * len(fits), "damping")
-    return _result(decay, span, fits, fits[order], reason, points)
+    return _result(decay, window, fits, fits[order], reason, points)
 
 
 def _mse_percent(force: Array, fit: Array) -> float:
@@ -148,15 +148,20 @@ def _mse_percent(force: Array, fit: Array) -> float:
 
 
 def _result(
-    decay: FreeDecay, span: Span, fits: list[Fit], chosen: Fit, reason: str, points: NDArray[np.int_]
+    decay: FreeDecay,
+    window: ForceWindow,
+    fits: list[ForceFit],
+    chosen: ForceFit,
+    reason: str,
+    points: NDArray[np.int_],
 ) -> RestoringForceResult:
-    motion = span.motion
+    motion = window.motion
     u, v = motion.displacement[points], motion.velocity[points]
     if len(points) < 8:
         raise NotIdentifiable("hardly a sample moves faster than its noise; release from a larger amplitude")
 
-    def measured(fit: Fit) -> Array:
-        pull = np.zeros(len(points)) if span.force is None else fit.force_gain * span.force[points]
+    def measured(fit: ForceFit) -> Array:
+        pull = np.zeros(len(points)) if window.force is None else fit.force_gain * window.force[points]
         return np.asarray(pull - motion.acceleration[points])
 
     force, polynomial = measured(chosen), chosen.polynomial
@@ -175,7 +180,7 @@ def _result(
     grid_u, grid_v, surface, visited = grid_of(polynomial, u, v)
     at_rest, at_zero = sections_of(polynomial, u, v, force)
     mass = None
-    if span.force is not None and decay.mass is None:
+    if window.force is not None and decay.mass is None:
         gain = chosen.force_gain
         mass = Estimate(1 / gain, float(spread[-1]) / gain**2, "force/acceleration")
     return RestoringForceResult(

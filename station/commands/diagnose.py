@@ -9,7 +9,7 @@ from station.output import json_option, print_json, progress, screen
 
 if TYPE_CHECKING:
     from identify.diagnosis.diagnose import Diagnosis
-    from station.operations.session_set import Bench
+    from station.operations.session_set import SessionSet
 
 
 @click.command("diagnose")
@@ -48,32 +48,32 @@ def command(
     SESSION is a session or a data file; several share the physics. Without
     --model the model is stiffness, dry and viscous friction.
     """
-    from station.operations.diagnosing import diagnose_bench, keep, open_or_refuse, refuse_if_too_little
+    from station.operations.diagnosing import diagnose_sessions, keep, open_or_refuse, refuse_if_too_little
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
-    bench = open_or_refuse(sessions, settings, gain_percent, as_json)
-    found, document = diagnose_bench(bench, model_file, effects_file, progress)
-    keep(bench, document)
+    opened = open_or_refuse(sessions, settings, gain_percent, as_json)
+    found, document = diagnose_sessions(opened, model_file, effects_file, progress)
+    keep(opened, document)
     if as_json:
         print_json(document)
     else:
         from station.text.diagnosis_text import show_diagnosis
 
         show_diagnosis(screen(), document)
-        for line in next_steps(bench, found):
+        for line in next_steps(opened, found):
             screen().print(line, markup=False, soft_wrap=True)
     refuse_if_too_little(document)
     if not no_viewer:
         from station.operations.viewer_tabs import show_suspects
 
-        if show_suspects(bench.sessions[0], found, document):
+        if show_suspects(opened.sessions[0], found, document):
             progress("the viewer shows the suspects")
 
 
-def next_steps(bench: "Bench", found: "Diagnosis") -> list[str]:
+def next_steps(opened: "SessionSet", found: "Diagnosis") -> list[str]:
     """Return the commands that come next."""
-    folder = bench.sessions[0].folder
+    folder = opened.sessions[0].folder
     if found.verdict in ("missing_effect", "sensor_fault"):
         return [f" next: station refine {folder} --add {found.named[0]}"]
     return [] if found.verdict == "not_enough_data" else [f" next: station view {folder}"]

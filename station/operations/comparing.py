@@ -8,8 +8,8 @@ from typing import Any
 from daq.session import Session
 from identify.comparison.compare import Comparison, compare
 from identify.effects.library import LIBRARY
-from identify.fitting.baseline import Start, begin
-from identify.preprocessing.prepared_decay import Setting, prepare
+from identify.fitting.baseline import Baseline, fit_baseline
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from station.operations.session_set import chosen_model
 from station.output import finite
 from station.results.document import estimate
@@ -20,7 +20,7 @@ RESULT = "comparison.json"
 VIEW = "comparison.rrd"
 
 
-def setting_of(session: Session, options: Options) -> Setting:
+def setting_of(session: Session, options: Options) -> PreparedDecay:
     """Make the release of a session ready to be fitted; raises NotIdentifiable where there is too little of it."""
     decay = free_decay(session.recording(), options)
     release = find_motion(decay)
@@ -35,19 +35,19 @@ def compare_session(
 
 
 def compare_ready(
-    session: Session, setting: Setting, mass: float | None, model: Path | None = None
+    session: Session, setting: PreparedDecay, mass: float | None, model: Path | None = None
 ) -> tuple[Compared, dict[str, Any]]:
     """Do the same with a session that was made ready by `setting_of` before."""
     chosen, known, _ = chosen_model(model, (setting,), LIBRARY)
-    compared = compare_fitted(session.folder.name, begin((setting,), chosen, known), mass)
+    compared = compare_fitted(session.folder.name, fit_baseline((setting,), chosen, known), mass)
     document = as_document(compared)
     session.write_result(RESULT, json.dumps(finite(document), indent=2, ensure_ascii=False) + "\n")
     return compared, document
 
 
-def compare_fitted(name: str, start: Start, mass: float | None) -> Compared:
+def compare_fitted(name: str, start: Baseline, mass: float | None) -> Compared:
     """Compare a model that was fitted already, on the setting as the fit has mended it."""
-    setting = start.settings[0]
+    setting = start.decays[0]
     found = compare(setting, start.fit, start.floors[0].channels, mass=mass)
     return Compared(name, setting, start, found)
 

@@ -18,11 +18,11 @@ from identify.fitting.model_error import errors_of
 from station.exits import Problem
 from station.operations.capturing import record
 from station.operations.comparing import compare_session
-from station.operations.diagnosing import diagnose_bench, keep
+from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import options_for
 from station.operations.new_session import capture_settings, new_folder
 from station.operations.refining import add, open_refinement
-from station.operations.session_set import Bench, make_ready
+from station.operations.session_set import SessionSet, make_ready
 from station.operations.simulated_board import double
 from station.output import print_json, progress, screen
 from station.results.ladder import KeptLadder, ladder_document
@@ -104,7 +104,7 @@ Say = Callable[[str, str], None]
 def _solve(
     session: Session, settings: Settings, say: Say, console: Console | None, seed: int, envelope: Path
 ) -> Solved:
-    bench = Bench((session,), (make_ready(session, settings),))
+    sessions = SessionSet((session,), (make_ready(session, settings),))
     say(
         "1. COMPARE: how well does the usual model explain the recording?",
         "The model is fitted, then run freely from the release, and laid over the measurement.",
@@ -115,8 +115,8 @@ def _solve(
         "2. DIAGNOSE: what is missing?",
         "Every effect that the library knows is added in turn, refitted, and judged by what chance alone would do.",
     )
-    _, document = diagnose_bench(bench, tell=progress)
-    keep(bench, document)
+    _, document = diagnose_sessions(sessions, tell=progress)
+    keep(sessions, document)
     if console is not None:
         show_diagnosis(console, document)
     ladder = refinement.ladder

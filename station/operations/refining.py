@@ -12,7 +12,7 @@ from identify.effects.effect import Effect
 from identify.effects.library import find_effect
 from identify.fitting.baseline import ADEQUATE
 from identify.preprocessing.equation_error import moving
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.session_set import chosen_model, make_ready, whole_library
 from station.results.ladder import Errors, KeptLadder, KeptRung, kept, read_ladder, write_ladder
@@ -27,7 +27,7 @@ class Refinement:
     """A session's ladder with what it takes to go on: `library` and `setting`."""
 
     session: Session
-    setting: Setting
+    setting: PreparedDecay
     library: tuple[Effect, ...]
     ladder: KeptLadder
 
@@ -63,9 +63,9 @@ def open_refinement(
     return Refinement(session, setting, library, ladder)
 
 
-def floor_of(setting: Setting, rung: Rung) -> Errors:
+def floor_of(setting: PreparedDecay, rung: Rung) -> Errors:
     """Return what noise alone leaves of the three errors."""
-    motion, span = setting.motion, rung.fit.spans[0]
+    motion, span = setting.motion, rung.fit.windows[0]
     used = moving(motion)
     channel = span.channels[0]
     noise = motion.noise_acceleration or 0.0

@@ -9,9 +9,9 @@ from daq.session import Session
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
-from identify.fitting.initial_values import starting_values
+from identify.fitting.initial_values import initial_values
 from identify.model.model import Model, base_model
-from identify.preprocessing.prepared_decay import Setting, prepare
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from station.exits import UsageProblem
 from station.operations.identifying import options_for
 from station.results.models import KnownModel, read_model
@@ -23,11 +23,11 @@ MOST_SESSIONS = 12
 
 
 @dataclass(frozen=True, eq=False)
-class Bench:
+class SessionSet:
     """The sessions that the operator named, each made ready to be fitted."""
 
     sessions: tuple[Session, ...]
-    settings: tuple[Setting, ...]
+    settings: tuple[PreparedDecay, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -35,7 +35,9 @@ class Bench:
         return tuple(session.folder.name for session in self.sessions)
 
 
-def open_bench(arguments: tuple[str, ...], settings: Settings, gain_percent: float | None = None) -> Bench:
+def open_sessions(
+    arguments: tuple[str, ...], settings: Settings, gain_percent: float | None = None
+) -> SessionSet:
     """Open sessions (or data files, which are imported) and make them ready.
 
     `gain_percent` replaces what the sensors' certificates say. Raises UsageProblem when the sessions do not
@@ -49,10 +51,10 @@ def open_bench(arguments: tuple[str, ...], settings: Settings, gain_percent: flo
         raise UsageProblem("one session was given twice; each release counts once")
     made = tuple(make_ready(session, settings, gain_percent) for session in sessions)
     _check_alike(sessions, made)
-    return Bench(sessions, made)
+    return SessionSet(sessions, made)
 
 
-def make_ready(session: Session, settings: Settings, gain_percent: float | None = None) -> Setting:
+def make_ready(session: Session, settings: Settings, gain_percent: float | None = None) -> PreparedDecay:
     """Return the setting of one session: recording -> release -> alignment and motion."""
     recording = session.recording()
     decay = free_decay(recording, options_for(session, settings))
@@ -75,13 +77,13 @@ def gain_uncertainty(recording: Recording) -> float:
     return math.sqrt(sum(part**2 for part in parts))
 
 
-def _check_alike(sessions: tuple[Session, ...], settings: tuple[Setting, ...]) -> None:
-    first = settings[0].span
+def _check_alike(sessions: tuple[Session, ...], settings: tuple[PreparedDecay, ...]) -> None:
+    first = settings[0].window
     for session, setting in zip(sessions[1:], settings[1:], strict=True):
-        span = setting.span
-        if span.channels != first.channels or span.unit != first.unit:
+        window = setting.window
+        if window.channels != first.channels or window.unit != first.unit:
             raise UsageProblem(
-                f"{session.folder.name} has {', '.join(span.channels)} in {span.unit}, {sessions[0].folder.name} has "
+                f"{session.folder.name} has {', '.join(window.channels)} in {window.unit}, {sessions[0].folder.name} has "
                 f"{', '.join(first.channels)} in {first.unit}; diagnose together what was measured alike"
             )
 
@@ -107,7 +109,7 @@ def whole_library(file: Path | None) -> tuple[Effect, ...]:
 
 
 def chosen_model(
-    file: Path | None, settings: tuple[Setting, ...], library: tuple[Effect, ...]
+    file: Path | None, settings: tuple[PreparedDecay, ...], library: tuple[Effect, ...]
 ) -> tuple[Model, dict[str, float] | None, tuple[str, ...]]:
     """Return the model to begin with, the values to begin from (None: from the data), and its expressions."""
     if file is None:
@@ -116,9 +118,9 @@ def chosen_model(
     return known.model, begin_from(known, settings), known.expressions
 
 
-def begin_from(known: KnownModel, settings: tuple[Setting, ...]) -> dict[str, float]:
+def begin_from(known: KnownModel, settings: tuple[PreparedDecay, ...]) -> dict[str, float]:
     """Return where a fit may begin, by unknown's name: the file's values, the releases' own from their motions."""
-    start = starting_values(settings, known.model, known.values)
+    start = initial_values(settings, known.model, known.values)
     tags = [f"[{i}]" for i in range(len(settings))] if len(settings) > 1 else [""]
     for term in known.model.terms:
         for parameter in term.free:

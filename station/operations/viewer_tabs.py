@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from daq.session import Session
 from identify.diagnosis.diagnose import Diagnosis
 from identify.effects.effect import Effect
-from identify.fitting.baseline import begin
+from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from station.exits import UsageProblem
 from station.operations.comparing import RESULT as COMPARISON
@@ -63,11 +63,11 @@ def told_again(refinement: Refinement) -> "Shown | None":
     except UsageProblem as error:
         progress(f"{error} to see the suspects")
         return None
-    base = begin((setting,), known.model, begin_from(known, (setting,))).fit
+    base = fit_baseline((setting,), known.model, begin_from(known, (setting,))).fit
     best = []
     for its in others:
         start = begin_from(its, (setting,))
-        best.append((its.model.terms[-1], fit(its.model, base.spans, start, base.frequency)))
+        best.append((its.model.terms[-1], fit(its.model, base.windows, start, base.frequency)))
     return suspects.Shown(document, setting, 0, base, tuple(best))
 
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from identify.comparison.discrepancy_text import Words
+from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
 from station.quantities import shown
 from station.report.drawing import (
@@ -35,7 +35,7 @@ MANY = 60
 
 def overlay(compared: Compared) -> str:
     """Draw measured and modelled channels, and under each what is left with the band of the noise."""
-    span, fit = compared.start.fit.spans[0], compared.start.fit
+    span, fit = compared.start.fit.windows[0], compared.start.fit
     rows = 2 * len(span.channels)
     drawn, axes = paper(1.3 * rows, rows, sharex=True, height_ratios=[1.5, 1.0] * len(span.channels))
     for place, channel in enumerate(span.channels):
@@ -54,7 +54,7 @@ def overlay(compared: Compared) -> str:
 def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
     """Draw what a model leaves of one channel over the band of its noise."""
     fit = compared.start.fit
-    span = fit.spans[0]
+    span = fit.windows[0]
     left = np.where(span.used[channel], fit.residual(channel), np.nan)
     fine, name = shown(channel, span.unit, fine=True)
     if float(np.nanmax(np.abs(left))) * fine > COARSE:
@@ -69,7 +69,7 @@ def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
 
 def closing_in(first: Compared, last: Compared) -> str:
     """Draw what the first and the present model leave of the same channel, each with the band of the noise."""
-    channel = first.start.fit.spans[0].channels[0]
+    channel = first.start.fit.windows[0].channels[0]
     drawn, axes = paper(2.9, 2, sharex=True)
     for axis, compared, title in zip(axes, (first, last), ("usual model", "present model"), strict=True):
         left_over(axis, compared, channel)
@@ -81,7 +81,7 @@ def closing_in(first: Compared, last: Compared) -> str:
 def phase_plane(compared: Compared) -> str:
     """Draw the force that the model lacks over the phase plane, its sign written in each bin that stands out, and cuts."""
     found = compared.comparison
-    plane, words = found.phase_plane, Words(found.unit, found.mass)
+    plane, words = found.phase_plane, DiscrepancyText(found.unit, found.mass)
     factor, length = shown("displacement", found.unit)
     drawn, axes = paper(4.6, 2, 2)
     at_reversal, at_middle = axes[2:]
@@ -119,7 +119,9 @@ def phase_plane(compared: Compared) -> str:
     return embedded(drawn)
 
 
-def _section(axis: "Axes", cut: ForceSection, factor: float, words: Words, how: tuple[str, str, str]) -> None:
+def _section(
+    axis: "Axes", cut: ForceSection, factor: float, words: DiscrepancyText, how: tuple[str, str, str]
+) -> None:
     form, colour, label = how
     axis.errorbar(
         cut.position * factor, cut.force * words.force_scale, yerr=2 * cut.std * words.force_scale,
@@ -131,7 +133,7 @@ def _section(axis: "Axes", cut: ForceSection, factor: float, words: Words, how: 
 def cycles(compared: Compared) -> str:
     """Draw the errors of frequency and energy and the misfit of the free run, cycle by cycle."""
     found = compared.comparison
-    done, words = found.cycles, Words(found.unit, found.mass)
+    done, words = found.cycles, DiscrepancyText(found.unit, found.mass)
     drawn, axes = paper(2.2, 1, 3)
     fine = 1e3 if found.unit == "m" else 1.0
     scale = fine * words.force_scale

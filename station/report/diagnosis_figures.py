@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from identify.diagnosis.force_map import Fingerprint, fingerprint, force_added, force_left
+from identify.diagnosis.force_map import ForceMap, force_added, force_left, force_map
 from station.quantities import shown
 from station.report.drawing import BAND, GREY, INK, MODEL, embedded, literal, paper
 from station.report.numbers import unit
@@ -57,10 +57,10 @@ def _bars(rows: list[tuple[str, float]], spread: float, label: str) -> str | Non
 def fingerprints(told: Shown) -> str:
     """Draw the force that the model lacks over the cycle beside what the best suspects would add."""
     setting = told.setting
-    prints = [("what the model lacks", fingerprint(setting, force_left(setting, told.base)))]
+    prints = [("what the model lacks", force_map(setting, force_left(setting, told.base)))]
     for term, found in told.best:
         added = force_added(setting, told.base, found, term, told.index)
-        prints.append((term.effect.name, fingerprint(setting, added)))
+        prints.append((term.effect.name, force_map(setting, added)))
     drawn, axes = paper(2.1, 1, len(prints), sharey=True, width=min(6.9, 1.9 * len(prints) + 0.6))
     for axis, (name, found_print) in zip(axes, prints, strict=True):
         degrees = np.degrees(0.5 * (found_print.phase[1:] + found_print.phase[:-1]))
@@ -71,12 +71,12 @@ def fingerprints(told: Shown) -> str:
         axis.set_title(literal(fill(name.replace("_", " "), 20)), fontsize=8)
     reach = _reach(prints[0][1])
     axes[0].set_ylim(-1.5 * reach, 1.5 * reach)
-    axes[0].set_ylabel(literal(f"force per unit\nmass [{unit(f'{setting.span.unit}/s^2')}]"))
+    axes[0].set_ylabel(literal(f"force per unit\nmass [{unit(f'{setting.window.unit}/s^2')}]"))
     axes[0].legend(loc="upper right", fontsize=7)
     return embedded(drawn)
 
 
-def _reach(found: Fingerprint) -> float:
+def _reach(found: ForceMap) -> float:
     values = np.abs(np.concatenate([found.large, found.small]))
     return float(np.nanmax(values)) if np.isfinite(values).any() and np.nanmax(values) > 0 else 1.0
 

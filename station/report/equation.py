@@ -38,8 +38,8 @@ def equation(found: Findings) -> Section:
         ),
         _parameters(fit, compared.comparison.unit, found),
     ]
-    if len(fit.spans) > 1:
-        parts.append(Words(EPISODES.format(len(fit.spans)), label="Long record"))
+    if len(fit.windows) > 1:
+        parts.append(Words(EPISODES.format(len(fit.windows)), label="Long record"))
     doubt = caution(compared)
     if doubt:
         parts.append(Words(doubt, label="Caution", strong=True))
@@ -69,7 +69,7 @@ def _letters(fit: Fit) -> str:
 
 def _right_side(fit: Fit) -> str:
     """Return what the sum of inertia and restoring forces equals: nil, or a recorded force per unit mass."""
-    return " = 0" if fit.spans[0].force is None else " = f(t)/m"
+    return " = 0" if fit.windows[0].force is None else " = f(t)/m"
 
 
 def _numbers(fit: Fit) -> str:

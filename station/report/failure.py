@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from identify.comparison.discrepancy_text import Words as PlaceWords
+from identify.comparison.discrepancy_text import DiscrepancyText as PlaceWords
 from station.report import comparison_figures as draw
 from station.report.content import Facts, Figure, Part, Section, Table, Words, left_out
 from station.report.findings import Findings
@@ -25,7 +25,7 @@ def comparison(found: Findings) -> Section:
         errors(compared),
         Words(seen.cause, label="Sensor or physics", strong=True),
     ]
-    if not fit.converged or fit.unknowable:
+    if not fit.converged or fit.unidentifiable:
         parts.append(Words(fit.outcome, label="Fit"))
     parts.append(places(compared))
     facts = (
@@ -52,7 +52,7 @@ def comparison(found: Findings) -> Section:
 def errors(compared: Compared) -> Table:
     """Return the three errors with what noise alone would leave and what each means."""
     seen = compared.comparison
-    span, channel = compared.start.fit.spans[0], seen.motion_channel
+    span, channel = compared.start.fit.windows[0], seen.motion_channel
     rms = float(np.std(span.readings[channel][span.used[channel]]))
     floor = 100.0 * seen.floor[channel].std / rms if rms > 0 else float("nan")
     cycles = f"{seen.horizon:.3g} s ({seen.horizon_cycles:.0f} cycles)"

@@ -11,16 +11,16 @@ from daq.recording import Recording
 from daq.session import Session
 from identify.diagnosis.refine import Rung
 from identify.errors import NotIdentifiable
-from identify.fitting.baseline import begin
+from identify.fitting.baseline import fit_baseline
 from identify.model.model import base_model
 from station.exits import Problem, UsageProblem
 from station.operations.comparing import RESULT as COMPARISON
 from station.operations.comparing import as_document, compare_fitted, compare_session, setting_of
 from station.operations.diagnosing import RESULT as DIAGNOSIS
-from station.operations.diagnosing import diagnose_bench, keep
+from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import identify_session
 from station.operations.refining import Refinement, open_refinement, rung_again
-from station.operations.session_set import Bench, begin_from, make_ready
+from station.operations.session_set import SessionSet, begin_from, make_ready
 from station.operations.viewer_tabs import told_again
 from station.results.ladder import LADDER, KeptLadder
 from station.results.models import known_model
@@ -93,7 +93,7 @@ def _compare(found: Findings) -> None:
     try:
         if (found.session.results / COMPARISON).is_file():
             setting = setting_of(found.session, found.options)
-            start = begin((setting,), base_model())
+            start = fit_baseline((setting,), base_model())
             found.compared = compare_fitted(found.session.folder.name, start, found.options.mass)
             found.comparison = as_document(found.compared)
         else:
@@ -104,9 +104,9 @@ def _compare(found: Findings) -> None:
 
 def _diagnose(found: Findings, settings: Settings, tell: Tell) -> None:
     try:
-        bench = Bench((found.session,), (make_ready(found.session, settings),))
-        _, document = diagnose_bench(bench, tell=tell)
-        keep(bench, document)
+        sessions = SessionSet((found.session,), (make_ready(found.session, settings),))
+        _, document = diagnose_sessions(sessions, tell=tell)
+        keep(sessions, document)
     except NotIdentifiable as refusal:
         found.left_out["suspects"] = str(refusal)
 
@@ -157,9 +157,9 @@ def _climb(found: Findings, refinement: Refinement) -> None:
         found.left_out["ladder"] = str(refusal)
         return
     start = top.start
-    if len(start.settings) > 1:  # fitted in episodes, which start each for themselves; compared in one run
+    if len(start.decays) > 1:  # fitted in episodes, which start each for themselves; compared in one run
         known = known_model(refinement.ladder.top.model, "the ladder", refinement.library)
         setting = refinement.setting
-        start = begin((setting,), known.model, begin_from(known, (setting,)))
+        start = fit_baseline((setting,), known.model, begin_from(known, (setting,)))
     compared = compare_fitted(found.session.folder.name, start, found.options.mass)
     found.climb = Climb(refinement.ladder, top, compared)

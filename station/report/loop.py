@@ -133,7 +133,7 @@ def apart(found: Findings) -> Section:
             Words("No diagnosis was made, and so nothing is said about what else would explain this record.")
         )
     compared = found.climb.compared if found.climb is not None else found.compared
-    if compared is not None and compared.start.fit.unknowable:
-        names = ", ".join(compared.start.fit.unknowable)
+    if compared is not None and compared.start.fit.unidentifiable:
+        names = ", ".join(compared.start.fit.unidentifiable)
         parts.append(Words(names, label="Not determined by this record"))
     return Section("apart", APART, tuple(parts))

@@ -4,12 +4,12 @@ from dataclasses import replace
 from typing import Any
 
 from identify.diagnosis.diagnose import Diagnosis, Suspect
-from identify.diagnosis.nonparametric_force import FreeForm
+from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.effects.effect import Effect
-from identify.fitting.baseline import Start
-from identify.fitting.corrected_faults import Fault
+from identify.fitting.baseline import Baseline
+from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.leave_one_out import LeftOut
-from identify.fitting.model_error import Error, errors_of
+from identify.fitting.model_error import ModelError, errors_of
 from identify.model.model import Model
 from station.results.document import estimate
 from station.results.models import as_plain, model_file
@@ -67,7 +67,7 @@ def refused_document(names: tuple[str, ...], model: Model, reason: str) -> dict[
     }
 
 
-def error_document(error: Error) -> dict[str, Any]:
+def error_document(error: ModelError) -> dict[str, Any]:
     """Return the three errors, with the horizon of the free run and the standard error of the floor."""
     return {
         "force_mse_percent": error.force_mse_percent,
@@ -78,9 +78,9 @@ def error_document(error: Error) -> dict[str, Any]:
     }
 
 
-def noise_floor(start: Start) -> dict[str, Any]:
+def noise_floor(start: Baseline) -> dict[str, Any]:
     """Return the noise of each channel, of the first session where there are several, and what it leaves open."""
-    unit = start.fit.spans[0].unit
+    unit = start.fit.windows[0].unit
     units = {"displacement": unit, "velocity": f"{unit}/s", "acceleration": f"{unit}/s^2"}
     channels = {
         name: {"std": n.std, "uncertainty": n.uncertainty, "unit": units[name], "source": n.source}
@@ -110,7 +110,7 @@ def suspect_document(suspect: Suspect, expressions: tuple[str, ...] = ()) -> dic
     }
 
 
-def _finding(fault: Fault) -> dict[str, Any]:
+def _finding(fault: CorrectedFault) -> dict[str, Any]:
     effect: Effect = fault.term.effect
     return {
         "effect": effect.name,
@@ -118,11 +118,11 @@ def _finding(fault: Fault) -> dict[str, Any]:
         "channel": fault.term.channel or None,
         "parameters": {name: estimate(value) for name, value in fault.parameters.items()},
         "chi2_drop": fault.drop,
-        "what_to_do": effect.proof,
+        "what_to_do": effect.confirming_test,
     }
 
 
-def _shape(shape: FreeForm) -> dict[str, Any]:
+def _shape(shape: NonparametricForce) -> dict[str, Any]:
     return {
         "explained": shape.explained,
         "coordinates": list(shape.coordinates),

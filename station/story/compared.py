@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from identify.comparison.compare import Comparison
-from identify.fitting.baseline import Start
-from identify.preprocessing.prepared_decay import Setting
+from identify.fitting.baseline import Baseline
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 
 @dataclass(frozen=True, eq=False)
@@ -12,6 +12,6 @@ class Compared:
     """A model as fitted to the session `name`, and where it fails."""
 
     name: str
-    setting: Setting
-    start: Start
+    setting: PreparedDecay
+    start: Baseline
     comparison: Comparison

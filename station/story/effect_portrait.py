@@ -48,8 +48,8 @@ def portray(effect: Effect) -> Portrait:
     named = {f"{effect.name}.{name}": value for name, value in values.items() if "." not in name} | {
         name: value for name, value in values.items() if "." in name
     }
-    if effect.rest is not None:
-        rest = effect.rest(AMPLITUDE, np.array([values[p.name] for p in effect.parameters]))
+    if effect.equilibrium_state is not None:
+        rest = effect.equilibrium_state(AMPLITUDE, np.array([values[p.name] for p in effect.parameters]))
         named |= {f"{effect.name}.state{j}": state for j, state in enumerate(rest)}
     force = effect_force(term, named, time, u, v)
     target = SHARE * FREQUENCY**2 * AMPLITUDE
@@ -58,7 +58,7 @@ def portray(effect: Effect) -> Portrait:
     values[effect.strength.name] *= factor
     last = slice(len(time) - _POINTS, None)
     amplitudes = np.linspace(0.05, 1.0, 39) * AMPLITUDE
-    moment = 1.0 if effect.borrows else 0.0
+    moment = 1.0 if effect.shared_parameters else 0.0
     signature = average(effect, values, FREQUENCY, amplitudes, time=moment)
     return Portrait(values, u[last], v[last], force[last] * factor, signature)
 
@@ -80,4 +80,4 @@ def _typical(effect: Effect) -> dict[str, float]:
     values |= {name: float(value) for name, value in effect.variants[0].items()}
     for parameter in effect.parameters:
         values.setdefault(parameter.name, 1.0)
-    return values | dict.fromkeys(effect.borrows, FREQUENCY**2)
+    return values | dict.fromkeys(effect.shared_parameters, FREQUENCY**2)

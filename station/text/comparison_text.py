@@ -6,7 +6,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from identify.comparison.discrepancy_text import Words, scaled
+from identify.comparison.discrepancy_text import DiscrepancyText, scaled
 from station.quantities import written
 from station.story.compared import Compared
 
@@ -18,7 +18,7 @@ def show_comparison(console: Console, compared: Compared) -> None:
     found, fit = compared.comparison, compared.start.fit
     console.print()
     console.print(Text(f" {compared.name}: compared with {' + '.join(fit.model.names)}", style="bold"))
-    if not fit.converged or fit.unknowable:
+    if not fit.converged or fit.unidentifiable:
         console.print(_line("fit", fit.outcome))
     console.print()
     console.print(Padding(errors(compared), (0, 0, 0, 1)))
@@ -73,7 +73,7 @@ def errors(compared: Compared) -> Table:
 
 
 def _rms(compared: Compared) -> float:
-    span, channel = compared.start.fit.spans[0], compared.comparison.motion_channel
+    span, channel = compared.start.fit.windows[0], compared.comparison.motion_channel
     return float(np.std(span.readings[channel][span.used[channel]]))
 
 
@@ -91,7 +91,7 @@ def floor_text(compared: Compared) -> str:
 def cycles(compared: Compared) -> Table:
     """Return the errors cycle by cycle, at most eight of them, evenly taken."""
     found = compared.comparison
-    words = Words(found.unit, found.mass)
+    words = DiscrepancyText(found.unit, found.mass)
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     energy, factor = _energy_unit(compared)
     for name in ("time", "amplitude", "frequency error", "energy error a cycle", "free run off"):
@@ -118,7 +118,7 @@ def _with_error(value: float, std: float) -> str:
 def _energy_unit(compared: Compared) -> tuple[str, float]:
     """Return the unit in which energies are shown and the factor on J/kg that leads to it."""
     found = compared.comparison
-    words = Words(found.unit, found.mass)
+    words = DiscrepancyText(found.unit, found.mass)
     if found.unit not in ("m", "rad") or (found.mass is None and found.unit == "rad"):
         return words.energy_unit, 1.0
     return f"m{words.energy_unit}", 1e3 * words.force_scale
@@ -127,7 +127,7 @@ def _energy_unit(compared: Compared) -> tuple[str, float]:
 def harmonics_text(compared: Compared) -> str:
     """Return the harmonics of the residual force that stand out of the noise."""
     found = compared.comparison
-    words, orders = Words(found.unit, found.mass), found.harmonics
+    words, orders = DiscrepancyText(found.unit, found.mass), found.harmonics
     parts = []
     for i, order in enumerate(orders.order):
         if orders.significance[i] > 4.0:

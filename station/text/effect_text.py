@@ -43,10 +43,10 @@ def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> 
     )
     for parameter in effect.parameters:
         console.print(_line(parameter.name, f"{parameter.meaning}, {parameter.unit}, {bounds(parameter)}"))
-    for name in effect.borrows:
+    for name in effect.shared_parameters:
         console.print(_line("uses", name))
-    console.print(_line("shows as", effect.tell))
-    console.print(_line("proof", effect.proof))
+    console.print(_line("shows as", effect.symptom))
+    console.print(_line("proof", effect.confirming_test))
     if effect.confusable_with:
         console.print(_line("confusable", ", ".join(effect.confusable_with)))
     if portrait is None:
@@ -134,9 +134,9 @@ def as_document(effect: Effect, portrait: Portrait | None) -> dict[str, Any]:
             }
             for p in effect.parameters
         ],
-        "borrows": list(effect.borrows),
-        "tell": effect.tell,
-        "proof": effect.proof,
+        "borrows": list(effect.shared_parameters),
+        "tell": effect.symptom,
+        "proof": effect.confirming_test,
         "confusable_with": list(effect.confusable_with),
     }
     if portrait is not None:

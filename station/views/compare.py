@@ -6,7 +6,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from identify.comparison.discrepancy_text import Words
+from identify.comparison.discrepancy_text import DiscrepancyText
 from station.story.compared import Compared
 from station.views import log, palette
 from station.views.figure import figure, legend
@@ -40,7 +40,7 @@ def write_file(file: Path, compared: Compared) -> None:
 def write(stream: rr.RecordingStream, compared: Compared, root: str = ROOT) -> None:
     """Log a comparison under `root`; another model goes under another root, as logged times cannot be replaced."""
     log.markdown(stream, f"{root}/summary", summary(compared))
-    for channel in compared.start.fit.spans[0].channels:
+    for channel in compared.start.fit.windows[0].channels:
         _channel(stream, compared, channel, root)
     _phase_plane(stream, compared, root)
     _sections(stream, compared, root)
@@ -49,7 +49,7 @@ def write(stream: rr.RecordingStream, compared: Compared, root: str = ROOT) -> N
 
 def _channel(stream: rr.RecordingStream, compared: Compared, channel: str, root: str) -> None:
     fit = compared.start.fit
-    span = fit.spans[0]
+    span = fit.windows[0]
     factor, unit = _scale(channel, span.unit)
     used = span.used[channel]
     time = compared.comparison.time[used]
@@ -101,7 +101,7 @@ def _fine(channel: str, unit: str) -> tuple[float, str]:
 def _phase_plane(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
     """Log each bin of the phase plane as a column whose height and colour are the force that the model lacks."""
     found = compared.comparison
-    plane, words = found.phase_plane, Words(found.unit, found.mass)
+    plane, words = found.phase_plane, DiscrepancyText(found.unit, found.mass)
     rows, columns = plane.bins[:, 0], plane.bins[:, 1]
     force = plane.force[rows, columns]
     score = plane.significance[rows, columns]
@@ -171,7 +171,7 @@ def _colours(share: Array, score: Array) -> Array:
 
 def _sections(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
     found = compared.comparison
-    words = Words(found.unit, found.mass)
+    words = DiscrepancyText(found.unit, found.mass)
     factor, length = (1e3, "mm") if found.unit == "m" else (1.0, found.unit)
     drawn, axes = figure(4.8, 5.6, 2, 1)
     down, up = found.phase_plane.sections_at_reversal
@@ -202,7 +202,7 @@ def _sections(stream: rr.RecordingStream, compared: Compared, root: str) -> None
 
 
 def _errorbars(
-    axis: object, x: Array, force: Array, std: Array, words: Words, colour: log.Colour, label: str
+    axis: object, x: Array, force: Array, std: Array, words: DiscrepancyText, colour: log.Colour, label: str
 ) -> None:
     from matplotlib.axes import Axes
 
@@ -222,7 +222,7 @@ def _errorbars(
 
 def _cycles(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
     found = compared.comparison
-    words, done = Words(found.unit, found.mass), found.cycles
+    words, done = DiscrepancyText(found.unit, found.mass), found.cycles
     factor, length = (1e3, "mm") if found.unit == "m" else (1.0, found.unit)
     drawn, axes = figure(4.8, 5.6, 2, 1)
     fine = 1e3 if found.unit == "m" else 1.0
@@ -293,12 +293,12 @@ def _range(values: Array) -> tuple[float, float]:
 def tab(compared: Compared, root: str = ROOT) -> rrb.Container:
     """Return the layout of the tab."""
     fit = compared.start.fit
-    channels = fit.spans[0].channels
+    channels = fit.windows[0].channels
     views = []
     for channel in channels:
-        used = fit.spans[0].used[channel]
-        reading = fit.spans[0].readings[channel][used] * _scale(channel, fit.spans[0].unit)[0]
-        left = fit.residual(channel)[used] * _fine(channel, fit.spans[0].unit)[0]
+        used = fit.windows[0].used[channel]
+        reading = fit.windows[0].readings[channel][used] * _scale(channel, fit.windows[0].unit)[0]
+        left = fit.residual(channel)[used] * _fine(channel, fit.windows[0].unit)[0]
         views.append(
             log.curves(
                 f"{channel.capitalize()}: measured, and the model run freely",

@@ -9,7 +9,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.fitting.fit import Fit
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 from station.quantities import shown
 from station.results.ladder import KeptLadder, KeptRung
 from station.text.diagnosis_text import number, size
@@ -41,7 +41,7 @@ class Climbed:
 
     name: str
     ladder: KeptLadder
-    setting: Setting
+    setting: PreparedDecay
     fits: tuple[Fit, ...]
 
     @property
@@ -78,7 +78,7 @@ def _frame(stream: rr.RecordingStream, path: str, drawn: "Figure") -> None:
 def _window(climbed: Climbed) -> slice:
     """Return a few cycles around the place at which the first model is farthest off."""
     fit = climbed.fits[0]
-    span = fit.spans[0]
+    span = fit.windows[0]
     channel = span.channels[0]
     left = np.where(span.used[channel], np.abs(fit.residual(channel)), 0.0)
     width = int(CYCLES * 2.0 * np.pi / fit.frequency * span.rate)
@@ -90,7 +90,7 @@ def _window(climbed: Climbed) -> slice:
 
 def _reach(climbed: Climbed) -> float:
     """Return how far the residual's axis goes on all rungs, SI."""
-    span = climbed.fits[0].spans[0]
+    span = climbed.fits[0].windows[0]
     channel = span.channels[0]
     largest = max(
         float(np.max(np.abs(fit.residual(channel)[span.used[channel]]), initial=0.0)) for fit in climbed.fits
@@ -100,7 +100,7 @@ def _reach(climbed: Climbed) -> float:
 
 def _motion(climbed: Climbed, place: int, window: slice, reach: float) -> "Figure":
     fit = climbed.fits[place]
-    span = fit.spans[0]
+    span = fit.windows[0]
     channel = span.channels[0]
     factor, unit = shown(channel, span.unit)
     fine, fine_unit = shown(channel, span.unit, fine=True)

@@ -8,10 +8,10 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.diagnosis.diagnose import Diagnosis
-from identify.diagnosis.force_map import Fingerprint, fingerprint, force_added, force_left
+from identify.diagnosis.force_map import ForceMap, force_added, force_left, force_map
 from identify.fitting.fit import Fit
 from identify.model.model import Term
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 from station.text.diagnosis_text import (
     evidence,
     headline,
@@ -42,7 +42,7 @@ class Shown:
     """
 
     document: dict[str, Any]
-    setting: Setting
+    setting: PreparedDecay
     index: int
     base: Fit
     best: tuple[tuple[Term, Fit], ...]
@@ -50,7 +50,7 @@ class Shown:
 
 def shown(found: Diagnosis, document: dict[str, Any]) -> Shown:
     """Return what the tab shows of a diagnosis."""
-    settings = found.start.settings
+    settings = found.start.decays
     index = int(np.argmax([setting.amplitude for setting in settings]))
     best = tuple((s.term, s.fit) for s in found.suspects[:BEST] if s.fit is not None)
     return Shown(document, settings[index], index, found.start.fit, best)
@@ -105,15 +105,15 @@ def _colour(suspect: dict[str, Any], document: dict[str, Any]) -> log.Colour:
 def _fingerprints(stream: rr.RecordingStream, told: Shown, root: str) -> None:
     setting = told.setting
     left = force_left(setting, told.base)
-    prints = [("the force that the model lacks", fingerprint(setting, left), "measured")]
+    prints = [("the force that the model lacks", force_map(setting, left), "measured")]
     numbers: dict[str, Any] = {}
     for term, found in told.best:
         added = force_added(setting, told.base, found, term, told.index)
-        prints.append((term.effect.name, fingerprint(setting, added), _leaves(told.document, term)))
+        prints.append((term.effect.name, force_map(setting, added), _leaves(told.document, term)))
         numbers[term.effect.name] = prints[-1][1].force
     numbers["residual"] = prints[0][1].force
     reach = float(np.nanpercentile(np.abs(prints[0][1].force), 98)) or 1.0
-    unit = f"{setting.span.unit}/s²"
+    unit = f"{setting.window.unit}/s²"
     drawn, axes = figure(14.0, 5.4, 2, len(prints), sharey=False)
     for column, (name, found_print, leaves) in enumerate(prints):
         mesh = _disc(axes[column], setting, found_print, reach)
@@ -135,20 +135,20 @@ def _leaves(document: dict[str, Any], term: Term) -> str:
     return ""
 
 
-def _disc(axis: "Axes", setting: Setting, found: Fingerprint, reach: float) -> Any:
-    factor, unit = (1e3, "mm") if setting.span.unit == "m" else (1.0, setting.span.unit)
+def _disc(axis: "Axes", setting: PreparedDecay, found: ForceMap, reach: float) -> Any:
+    factor, unit = (1e3, "mm") if setting.window.unit == "m" else (1.0, setting.window.unit)
     radius, angle = np.meshgrid(found.amplitude, found.phase, indexing="ij")
     mesh = axis.pcolormesh(
         radius * np.cos(angle) * factor, -radius * np.sin(angle) * setting.frequency, np.ma.masked_invalid(found.force),
         cmap="RdBu_r", vmin=-reach, vmax=reach, rasterized=True,
     )  # fmt: skip
     axis.set(xlabel=f"displacement [{unit}]")
-    axis.set_ylabel(f"velocity [{setting.span.unit}/s]", labelpad=1)
+    axis.set_ylabel(f"velocity [{setting.window.unit}/s]", labelpad=1)
     axis.grid(visible=False)
     return mesh
 
 
-def _cycle(axis: "Axes", found: Fingerprint, reach: float) -> None:
+def _cycle(axis: "Axes", found: ForceMap, reach: float) -> None:
     degrees = np.degrees(0.5 * (found.phase[1:] + found.phase[:-1]))
     axis.axhline(0, color=palette.FAINT, lw=0.8)
     axis.plot(degrees, found.large, color=palette.css(palette.ACCELERATION), lw=1.8, label="large cycles")

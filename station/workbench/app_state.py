@@ -7,7 +7,7 @@ from station.settings import Settings
 from station.workbench.capture_run import CaptureRun
 from station.workbench.session_list import Shelf
 from station.workbench.session_state import Desks
-from station.workbench.worker import Crew
+from station.workbench.worker import WorkerPool
 
 
 @dataclass
@@ -18,7 +18,7 @@ class Room:
     """
 
     settings: Settings
-    crew: Crew
+    crew: WorkerPool
     shelf: Shelf
     desks: Desks
     aside: Path

@@ -14,7 +14,7 @@ from station.workbench.report_button import serve_reports
 from station.workbench.session_list import Shelf
 from station.workbench.session_state import Desks
 from station.workbench.viewer_files import serve_viewer
-from station.workbench.worker import Crew
+from station.workbench.worker import WorkerPool
 
 STATIC = Path(__file__).parent / "static"
 ICON = (
@@ -27,7 +27,7 @@ def make(
     settings: Settings, named: tuple[Path, ...], names: frozenset[str], any_address: bool, aside: Path
 ) -> tuple[FastAPI, Room]:
     """Return the application and the room behind it; `names` are the hosts by which it may be called."""
-    crew = Crew(settings)
+    crew = WorkerPool(settings)
     room = Room(settings, crew, Shelf(settings.sessions, named, crew), Desks(crew), aside)
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     app.add_middleware(Guard, names=names, any_address=any_address)

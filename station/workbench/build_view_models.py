@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.session import Session
-from identify.comparison.discrepancy_text import Words
+from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
@@ -30,8 +30,8 @@ Array = NDArray[np.float64]
 
 def picture_of(compared: Compared, document: dict[str, Any]) -> view_models.Picture:
     """Return what the middle of the page draws."""
-    found, span = compared.comparison, compared.start.fit.spans[0]
-    words = Words(found.unit, found.mass)
+    found, span = compared.comparison, compared.start.fit.windows[0]
+    words = DiscrepancyText(found.unit, found.mass)
     step = max(1, math.ceil(len(span) / MOST_POINTS))
     factor, unit = shown("displacement", found.unit)
     return view_models.Picture(
@@ -62,7 +62,7 @@ def picture_of(compared: Compared, document: dict[str, Any]) -> view_models.Pict
 
 def _trace(compared: Compared, channel: str, step: int) -> view_models.Trace:
     fit = compared.start.fit
-    span = fit.spans[0]
+    span = fit.windows[0]
     factor, unit = shown(channel, span.unit)
     fine, fine_unit = shown(channel, span.unit, fine=True)
     hole = ~span.used[channel]
@@ -110,7 +110,7 @@ def _section(name: str, section: ForceSection, factor: float, scale: float) -> v
     )
 
 
-def _cycles(compared: Compared, words: Words) -> view_models.Cycles:
+def _cycles(compared: Compared, words: DiscrepancyText) -> view_models.Cycles:
     found = compared.comparison.cycles
     scale = words.force_scale
     large = scale * float(np.max(np.abs(found.energy_error), initial=0.0))
@@ -166,7 +166,7 @@ def effects_of(ladder: KeptLadder, diagnosis: dict[str, Any] | None) -> dict[str
 
 def _words(effect: Effect) -> view_models.EffectWords:
     return view_models.EffectWords(
-        effect.name, effect.title, pretty(effect.equation), effect.kind, effect.tell
+        effect.name, effect.title, pretty(effect.equation), effect.kind, effect.symptom
     )
 
 

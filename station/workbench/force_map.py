@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 
 from identify.diagnosis.diagnose import Diagnosis
-from identify.diagnosis.force_map import Fingerprint, fingerprint, force_added, force_left
-from identify.fitting.baseline import begin
+from identify.diagnosis.force_map import ForceMap, force_added, force_left, force_map
+from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit, fit
 from identify.model.model import Term
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.refining import Refinement
 from station.operations.session_set import begin_from
@@ -24,9 +24,9 @@ RESIDUAL = ""
 MOST = 8
 
 
-def prints_of(setting: Setting, found: Diagnosis) -> dict[str, view_models.Print]:
+def prints_of(setting: PreparedDecay, found: Diagnosis) -> dict[str, view_models.Print]:
     """Return the fingerprints of a diagnosis of one session that was just made."""
-    setting, base = found.start.settings[0], found.start.fit
+    setting, base = found.start.decays[0], found.start.fit
     best = [(s.term, s.fit) for s in found.suspects[:MOST] if s.fit is not None]
     return _prints(setting, base, best)
 
@@ -37,14 +37,14 @@ def prints_of_kept(refinement: Refinement, document: dict[str, Any]) -> dict[str
     try:
         kept = ModelFile.model_validate_json(_json(document["fitted"]))
         known = known_model(kept, "the diagnosis", library)
-        base = begin((setting,), known.model, begin_from(known, (setting,))).fit
+        base = fit_baseline((setting,), known.model, begin_from(known, (setting,))).fit
         best = []
         for suspect in shown_suspects(document)[:MOST]:
             if suspect["model"] is None:
                 continue
             its = known_model(ModelFile.model_validate_json(_json(suspect["model"])), "a suspect", library)
             start = begin_from(its, (setting,))
-            best.append((its.model.terms[-1], fit(its.model, base.spans, start, base.frequency)))
+            best.append((its.model.terms[-1], fit(its.model, base.windows, start, base.frequency)))
     except (ValueError, KeyError, TypeError, UsageProblem):  # written by another version, or altered
         return {}
     return _prints(setting, base, best)
@@ -56,16 +56,16 @@ def _json(part: Any) -> str:
     return json.dumps(part)
 
 
-def _prints(setting: Setting, base: Fit, best: list[tuple[Term, Fit]]) -> dict[str, view_models.Print]:
-    found = {RESIDUAL: _plain(fingerprint(setting, force_left(setting, base)))}
+def _prints(setting: PreparedDecay, base: Fit, best: list[tuple[Term, Fit]]) -> dict[str, view_models.Print]:
+    found = {RESIDUAL: _plain(force_map(setting, force_left(setting, base)))}
     for term, its in best:
         if term.effect.name in its.model:
             added = force_added(setting, base, its, term)
             if np.isfinite(added).any():
-                found[term.effect.name] = _plain(fingerprint(setting, added))
+                found[term.effect.name] = _plain(force_map(setting, added))
     return found
 
 
-def _plain(found: Fingerprint) -> view_models.Print:
+def _plain(found: ForceMap) -> view_models.Print:
     amplitude = found.amplitude / found.amplitude[-1]
     return view_models.Print(for_eye(amplitude), for_eye(found.phase), [for_eye(row) for row in found.force])

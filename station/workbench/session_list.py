@@ -7,7 +7,7 @@ from pathlib import Path
 from daq.errors import StationError
 from daq.session import SessionSummary, State, list_sessions
 from station.workbench import view_models
-from station.workbench.worker import Cancelled, Crew, Failed, Job
+from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
 
 MOST = 200
 
@@ -27,7 +27,7 @@ class Entry:
 class Shelf:
     """The sessions of a folder and those named on the command line; portraits are made by workers and remembered."""
 
-    def __init__(self, sessions: Path, named: tuple[Path, ...], crew: Crew) -> None:
+    def __init__(self, sessions: Path, named: tuple[Path, ...], crew: WorkerPool) -> None:
         self.sessions = sessions
         self.problem = ""
         self._named = tuple(folder.resolve() for folder in named)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from station.workbench import view_models
-from station.workbench.worker import Cancelled, Crew, Failed, Job
+from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Running:
 class Desk:
     """The state of one session on the page; `version` grows with every change."""
 
-    def __init__(self, folder: Path, crew: Crew) -> None:
+    def __init__(self, folder: Path, crew: WorkerPool) -> None:
         self.folder = folder
         self.view: view_models.View | None = None
         self.prints: dict[str, view_models.Print] = {}
@@ -107,7 +107,7 @@ class Desk:
 class Desks:
     """All desks by session folder."""
 
-    crew: Crew
+    crew: WorkerPool
     known: dict[Path, Desk] = field(default_factory=dict)
 
     def at(self, folder: Path) -> Desk:

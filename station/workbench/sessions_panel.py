@@ -12,7 +12,7 @@ from station.workbench.import_choices import ImportChoices, for_the_page
 from station.workbench.session_list import Entry, Shelf
 from station.workbench.thumbnail import sparkline
 from station.workbench.uploads import plain_name
-from station.workbench.worker import Cancelled, Crew, Failed, Job
+from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
 
 LARGEST = 200 << 20
 GOOD = ("OK", "sealed")
@@ -26,7 +26,7 @@ def address_of(key: str) -> str:
 class SessionsPanel:
     """The list, and what imports a file into it."""
 
-    def __init__(self, shelf: Shelf, crew: Crew, chosen: str | None) -> None:
+    def __init__(self, shelf: Shelf, crew: WorkerPool, chosen: str | None) -> None:
         self._shelf, self._crew, self._chosen = shelf, crew, chosen
         self._seen: tuple[Entry, ...] | None = None
         self._job: Job | None = None

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from daq.session import Session
-from identify.preprocessing.prepared_decay import Setting
+from identify.preprocessing.prepared_decay import PreparedDecay
 from station.operations.comparing import compare_ready, setting_of
-from station.operations.diagnosing import diagnose_bench, keep
+from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import options_for
 from station.operations.refining import Refinement, add, climb_on, go_to, open_refinement, remove
-from station.operations.session_set import Bench
+from station.operations.session_set import SessionSet
 from station.results.ladder import LADDER, MODEL, KeptLadder, read_ladder, write_ladder
 from station.settings import Settings
 from station.workbench import view_models
@@ -31,7 +31,7 @@ class _Opened:
 
     stamp: tuple[int, ...]
     refinement: Refinement
-    setting: Setting
+    setting: PreparedDecay
 
 
 _opened: dict[Path, _Opened] = {}
@@ -123,10 +123,10 @@ def diagnose(
     opened = _open(settings, folder)
     refinement = opened.refinement
     session = refinement.session
-    bench = Bench((session,), (refinement.setting,))
+    sessions = SessionSet((session,), (refinement.setting,))
     model = session.results / MODEL if (session.results / LADDER).is_file() else None
-    found, document = diagnose_bench(bench, model, None, tell)
-    keep(bench, document)
+    found, document = diagnose_sessions(sessions, model, None, tell)
+    keep(sessions, document)
     return _view(settings, opened, refinement.ladder), prints_of(refinement.setting, found)
 
 

@@ -125,7 +125,7 @@ class Job:
             worker.end()
 
 
-class Crew:
+class WorkerPool:
     """A few workers that share the tasks; those of one key go to the one whose cache knows it where it is free."""
 
     def __init__(self, settings: Settings, most: int = MOST) -> None:

@@ -6,7 +6,7 @@ import pytest
 from scripted_board import RATE, decay
 
 from daq.noise_history import usual_noise
-from daq.quality import Word, judge
+from daq.quality import Grade, judge
 from daq.recording import Channel, Recording
 from daq.session_info import BoardInfo, SessionInfo
 
@@ -51,13 +51,13 @@ def recording(samples: np.ndarray) -> Recording:
 def test_noise_above_its_usual_is_told_with_both_figures() -> None:
     good = recording(decay(2304, 256))
     verdict = judge(good, noise={"x": 2e-5}, usual={"x": 5e-6})
-    assert verdict.word is Word.USABLE
+    assert verdict.word is Grade.USABLE
     assert "x is 4.0 times as noisy at rest as usual (2e-05 m, usually 5e-06)" in verdict.reasons[0]
-    assert judge(good, noise={"x": 1.4e-5}, usual={"x": 5e-6}).word is Word.OK
+    assert judge(good, noise={"x": 1.4e-5}, usual={"x": 5e-6}).word is Grade.OK
 
 
 def test_a_trigger_by_a_touch_long_before_the_release_is_told() -> None:
     late = recording(decay(2304, 1000))  # the trigger is at sample 256
     verdict = judge(late)
-    assert verdict.word is Word.USABLE
+    assert verdict.word is Grade.USABLE
     assert "triggered early, by a touch" in verdict.reasons[0]

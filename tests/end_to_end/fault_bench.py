@@ -21,7 +21,7 @@ from mocks.link import Link, PtyLink, TcpLink
 from mocks.serve import serve
 from mocks.simulated_board import Rig
 from station import cli
-from station.commands import capture as capture_command
+from station.operations import new_session
 
 PAGE = Path(__file__).parents[2] / "docs" / "faults.md"
 COLUMNS = ["fault", "injected", "lines", "exit", "words", "gaps", "verdict", "reason"]
@@ -91,7 +91,7 @@ def board(line: str, *arguments: str) -> Iterator[str]:
 
 def station_capture(port: str, folder: Path, *arguments: str, check_clock: bool = False) -> Outcome:
     """Call the command as an operator does; a sped-up double keeps another time than this computer."""
-    honest = capture_command.capture_settings
+    honest = new_session.capture_settings
 
     def settings(*given: object, **timing: object) -> object:
         return dataclasses.replace(honest(*given, **timing), check_clock=check_clock)  # type: ignore[arg-type]
@@ -99,7 +99,7 @@ def station_capture(port: str, folder: Path, *arguments: str, check_clock: bool 
     told, said, began = io.StringIO(), io.StringIO(), time.monotonic()
     words = ["capture", "--port", port, "--session", str(folder), "--no-viewer", *arguments]
     with (
-        mock.patch.object(capture_command, "capture_settings", settings),
+        mock.patch.object(new_session, "capture_settings", settings),
         contextlib.redirect_stdout(told),
         contextlib.redirect_stderr(said),
     ):

@@ -5,11 +5,11 @@ from typing import Any
 
 from identify.comparison.compare import Comparison, compare
 from identify.fitting.fit import Fit, fit
-from identify.fitting.initial_values import starting_values
+from identify.fitting.initial_values import initial_values
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.noise import noise_of
-from identify.preprocessing.prepared_decay import Setting, prepare
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
@@ -19,7 +19,7 @@ MASS = 21.36
 @cache
 def fitted(
     effect: str | None, strength: float, seed: int
-) -> tuple[Setting, Fit, dict[str, Any], dict[str, Any]]:
+) -> tuple[PreparedDecay, Fit, dict[str, Any], dict[str, Any]]:
     """Return the setting, the fit of stiffness and friction, the noise of each channel and the truth."""
     sample = draw(effect, strength, seed)
     release = find_release(sample.rate, sample.displacement, None, sample.acceleration)
@@ -30,14 +30,14 @@ def fitted(
         release=release.index,
         rest=release.rest,
     )
-    setting = prepare(decay, release)
+    prepared = prepare(decay, release)
     model = base_model()
-    found = fit(model, (setting.span,), starting_values((setting,), model, {}), setting.frequency)
-    return setting, found, noise_of(decay), sample.truth
+    found = fit(model, (prepared.window,), initial_values((prepared,), model, {}), prepared.frequency)
+    return prepared, found, noise_of(decay), sample.truth
 
 
 @cache
 def compared(effect: str | None, strength: float, seed: int) -> Comparison:
     """Return the comparison of the same, with the testbed's mass."""
-    setting, found, floor, _ = fitted(effect, strength, seed)
-    return compare(setting, found, floor, mass=MASS)
+    prepared, found, floor, _ = fitted(effect, strength, seed)
+    return compare(prepared, found, floor, mass=MASS)

@@ -7,19 +7,21 @@ from typing import Any
 import numpy as np
 
 from identify.free_decay import FreeDecay
-from identify.preprocessing.prepared_decay import Setting, prepare
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
 HIDDEN = Path(__file__).resolve().parents[1] / "data" / "hidden"
 
 
-def drawn(effect: str | None, strength: float, seed: int, **fixed: Any) -> tuple[Setting, dict[str, Any]]:
+def drawn(
+    effect: str | None, strength: float, seed: int, **fixed: Any
+) -> tuple[PreparedDecay, dict[str, Any]]:
     sample = draw(effect, strength, seed, **fixed)
     return ready(sample.rate, sample.displacement, sample.acceleration), sample.truth
 
 
-def ready(rate: float, displacement: np.ndarray, acceleration: np.ndarray | None) -> Setting:
+def ready(rate: float, displacement: np.ndarray, acceleration: np.ndarray | None) -> PreparedDecay:
     release = find_release(rate, displacement, None, acceleration)
     decay = FreeDecay(
         rate,
@@ -31,7 +33,7 @@ def ready(rate: float, displacement: np.ndarray, acceleration: np.ndarray | None
     return prepare(decay, release)
 
 
-def hidden(name: str) -> tuple[Setting, dict[str, Any]]:
+def hidden(name: str) -> tuple[PreparedDecay, dict[str, Any]]:
     rows = np.loadtxt(HIDDEN / f"{name}.csv", delimiter=",", skiprows=1)
     truth = next(t for t in json.loads((HIDDEN / "truth.json").read_text()) if t["file"] == f"{name}.csv")
     return ready(256.0, rows[:, 1], rows[:, 2]), truth

@@ -19,16 +19,16 @@ DATA = Path(os.environ.get("STATION_DATA", Path(__file__).resolve().parents[2].p
 def drawn(seed: int, **fixed: float) -> Sample:
     """The working point: 5 um, 0.01 m/s^2, lag +-3 ms, an ideal hand or one of up to 12 ms."""
     amplitude = (-0.025, -0.02, -0.015, 0.02, 0.025)[seed % 5]
-    settings = {"noise_displacement": 5e-6, "noise_acceleration": 0.01, "amplitude": amplitude} | fixed
-    return draw(None, 0.0, seed, **settings)
+    decays = {"noise_displacement": 5e-6, "noise_acceleration": 0.01, "amplitude": amplitude} | fixed
+    return draw(None, 0.0, seed, **decays)
 
 
 def decay_of(sample: Sample, start: int = 0, stop: int | None = None) -> FreeDecay:
     found = find_release(RATE, displacement=sample.displacement, acceleration=sample.acceleration)
-    span = slice(start, stop)
+    window = slice(start, stop)
     whole = {"release": found.index, "rest": found.rest} if (start, stop) == (0, None) else {}
     return FreeDecay(
-        RATE, displacement=sample.displacement[span], acceleration=sample.acceleration[span], **whole
+        RATE, displacement=sample.displacement[window], acceleration=sample.acceleration[window], **whole
     )
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 from test_fit import fitted
 
-from identify.diagnosis.null_distribution import Chance, chance_of
+from identify.diagnosis.null_distribution import NullDistribution, null_distribution
 from identify.effects.library import find_effect
 from identify.model.model import Term
 
@@ -14,8 +14,8 @@ TERMS = tuple(Term(find_effect(n)) for n in ("cubic_damping", "cubic_stiffness",
 
 @cache
 def drawn_chance():
-    setting, _, found = fitted()
-    return chance_of((setting,), found, TERMS)
+    prepared, _, found = fitted()
+    return null_distribution((prepared,), found, TERMS)
 
 
 @pytest.mark.parametrize("name", ["cubic_stiffness", "quadratic_stiffness"])
@@ -40,7 +40,7 @@ def test_the_larger_the_gain_the_smaller_the_odds():
 
 def test_looking_at_more_suspects_makes_any_one_less_surprising():
     chance = drawn_chance()
-    alone = Chance(
+    alone = NullDistribution(
         chance.drops,
         np.sort([chance.surprise("cubic_stiffness", d) for d in chance.drops["cubic_stiffness"]]),
     )
@@ -54,8 +54,8 @@ def test_one_draw_in_twenty_passes_the_five_percent_level():
 
 
 def test_the_same_seed_gives_the_same_draws():
-    setting, _, found = fitted()
-    again = chance_of((setting,), found, TERMS[:1])
+    prepared, _, found = fitted()
+    again = null_distribution((prepared,), found, TERMS[:1])
     assert np.array_equal(again.drops["cubic_damping"], drawn_chance().drops["cubic_damping"])
 
 

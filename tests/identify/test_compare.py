@@ -148,8 +148,8 @@ def test_errors_carry_their_horizon_and_their_floor():
 
 
 def test_without_a_mass_forces_are_per_unit_mass():
-    setting, fit, floor, _ = fitted("cubic_stiffness", 0.01, 3)
-    places = compare(setting, fit, floor).places
+    prepared, fit, floor, _ = fitted("cubic_stiffness", 0.01, 3)
+    places = compare(prepared, fit, floor).places
     assert places
     assert all(" N " not in p.text and " mN " not in p.text for p in places)
     assert any("m/s^2" in p.text for p in places)
@@ -157,12 +157,12 @@ def test_without_a_mass_forces_are_per_unit_mass():
 
 def test_a_record_of_2048_samples_is_compared_quickly():
     """The promise is 100 ms on an idle machine; three times that is allowed for a busy one."""
-    setting, fit, floor, _ = fitted(None, 0.0, 41)
-    compare(setting, fit, floor)
+    prepared, fit, floor, _ = fitted(None, 0.0, 41)
+    compare(prepared, fit, floor)
     took = []
     for _ in range(5):
         begin = time.perf_counter()
-        compare(setting, fit, floor)
+        compare(prepared, fit, floor)
         took.append(time.perf_counter() - begin)
     assert min(took) < 0.3
 

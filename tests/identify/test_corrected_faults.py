@@ -7,7 +7,7 @@ from test_fit import fitted
 
 from identify.effects.library import find_effect
 from identify.estimate import Estimate
-from identify.fitting.baseline import begin
+from identify.fitting.baseline import fit_baseline
 from identify.fitting.corrected_faults import UNSTATED_GAIN_UNCERTAINTY, allowance, corrected_faults
 from identify.model.model import Term
 
@@ -16,15 +16,15 @@ def with_gain(found, value, std):
     return replace(found, values=found.values | {"gain": Estimate(value, std, "1")})
 
 
-def gain_fault(setting, found):
-    return next(f for f in corrected_faults((setting,), found) if f.term.effect.name == "channel_gain")
+def gain_fault(prepared, found):
+    return next(f for f in corrected_faults((prepared,), found) if f.term.effect.name == "channel_gain")
 
 
 def test_a_gain_is_weighed_against_its_error_and_what_the_calibration_promises():
-    setting, _, found = fitted()
+    prepared, _, found = fitted()
     allowed = 0.01
-    setting = replace(setting, span=setting.span.with_(gain_uncertainty=allowed))
-    fault = gain_fault(setting, with_gain(found, 1.03, 0.004))
+    prepared = replace(prepared, window=prepared.window.with_(gain_uncertainty=allowed))
+    fault = gain_fault(prepared, with_gain(found, 1.03, 0.004))
     variance = 0.004**2 * max(found.reduced, 1.0) + allowed**2
     assert fault.drop == pytest.approx(0.03**2 / variance)
     assert fault.parameters["error"].value == pytest.approx(0.03)
@@ -32,21 +32,21 @@ def test_a_gain_is_weighed_against_its_error_and_what_the_calibration_promises()
 
 
 def test_a_calibration_that_says_nothing_still_leaves_a_little_open():
-    setting, _, found = fitted()
-    setting = replace(setting, span=setting.span.with_(gain_uncertainty=0.0))
-    fault = gain_fault(setting, with_gain(found, 1.0 + 3.0 * UNSTATED_GAIN_UNCERTAINTY, 1e-9))
+    prepared, _, found = fitted()
+    prepared = replace(prepared, window=prepared.window.with_(gain_uncertainty=0.0))
+    fault = gain_fault(prepared, with_gain(found, 1.0 + 3.0 * UNSTATED_GAIN_UNCERTAINTY, 1e-9))
     assert fault.drop == pytest.approx(9.0, rel=1e-3)
 
 
 def test_a_gain_that_the_record_does_not_determine_is_no_fault():
-    setting, _, found = fitted()
-    assert not corrected_faults((setting,), with_gain(found, 1.5, np.inf))
+    prepared, _, found = fitted()
+    assert not corrected_faults((prepared,), with_gain(found, 1.5, np.inf))
 
 
 def test_the_doubles_gain_error_is_found():
-    setting, truth = drawn("channel_gain", 0.01, 7200)
-    found = begin((setting,), fitted()[2].model).fit
-    fault = gain_fault(setting, found)
+    prepared, truth = drawn("channel_gain", 0.01, 7200)
+    found = fit_baseline((prepared,), fitted()[2].model).fit
+    fault = gain_fault(prepared, found)
     channel = truth["parameters"]["channel"]
     factor = 1.0 + truth["parameters"]["error"]
     ratio = truth["gain"] * (factor if channel == "acceleration" else 1.0 / factor)
@@ -56,30 +56,30 @@ def test_the_doubles_gain_error_is_found():
 
 
 def test_lost_readings_are_counted_and_weighed_by_how_far_off_they_lie():
-    setting, _, found = fitted()
-    lost = np.zeros(len(setting.span), dtype=bool)
+    prepared, _, found = fitted()
+    lost = np.zeros(len(prepared.window), dtype=bool)
     lost[[100, 300, 500, 700]] = True
-    setting = replace(setting, lost={"displacement": lost})
-    fault = next(f for f in corrected_faults((setting,), found) if f.term.effect.name == "dropouts")
-    off = found.residual("displacement")[lost] / setting.span.sigma["displacement"]
+    prepared = replace(prepared, lost={"displacement": lost})
+    fault = next(f for f in corrected_faults((prepared,), found) if f.term.effect.name == "dropouts")
+    off = found.residual("displacement")[lost] / prepared.window.sigma["displacement"]
     assert fault.readings == 4
     assert fault.drop == pytest.approx(float(off @ off))
-    assert fault.parameters["share"].value == pytest.approx(4 / len(setting.span))
+    assert fault.parameters["share"].value == pytest.approx(4 / len(prepared.window))
 
 
 def test_two_lost_readings_are_an_accident():
-    setting, _, found = fitted()
-    lost = np.zeros(len(setting.span), dtype=bool)
+    prepared, _, found = fitted()
+    lost = np.zeros(len(prepared.window), dtype=bool)
     lost[[100, 300]] = True
     names = [
-        f.term.effect.name for f in corrected_faults((replace(setting, lost={"displacement": lost}),), found)
+        f.term.effect.name for f in corrected_faults((replace(prepared, lost={"displacement": lost}),), found)
     ]
     assert "dropouts" not in names
 
 
 def test_a_model_that_names_a_fault_owns_up_to_it():
-    setting, _, found = fitted()
+    prepared, _, found = fitted()
     found = with_gain(found, 1.03, 0.001)
     named = found.model.plus(Term(find_effect("channel_gain")))
-    assert allowance((setting,), found, found.model)[0] > 0.0
-    assert allowance((setting,), found, named) == (0, 0)
+    assert allowance((prepared,), found, found.model)[0] > 0.0
+    assert allowance((prepared,), found, named) == (0, 0)

@@ -6,9 +6,9 @@ from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.refine import add_effect, climb, first_rung, remove_effect
 from identify.effects.library import LIBRARY
 from identify.effects.user import own_effect, parse_effect
-from identify.fitting.baseline import begin
+from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
-from identify.fitting.initial_values import starting_values
+from identify.fitting.initial_values import initial_values
 from identify.model.model import base_model
 
 BASE = 3
@@ -23,8 +23,8 @@ BASE = 3
     ],
 )
 def test_another_programs_release_is_diagnosed_rightly_and_reaches_the_floor(name, named):
-    setting, truth = hidden(name)
-    found = diagnose((setting,))
+    prepared, truth = hidden(name)
+    found = diagnose((prepared,))
     assert set(found.named) == named
     assert 0.8 < found.final.reduced < 1.2  # the floor of a single record is known to some 6 %
     assert found.final.values["linear_stiffness.k"].value == pytest.approx(
@@ -34,8 +34,8 @@ def test_another_programs_release_is_diagnosed_rightly_and_reaches_the_floor(nam
 
 @pytest.mark.parametrize("effect", ["quadratic_damping", "end_stop", "hysteresis", "second_mass", "freeplay"])
 def test_an_effect_hidden_in_the_double_is_named_first(effect):
-    setting, truth = drawn(effect, 0.01, seed=41)
-    found = diagnose((setting,))
+    prepared, truth = drawn(effect, 0.01, seed=41)
+    found = diagnose((prepared,))
     assert found.verdict == "missing_effect"
     assert found.named == (effect,)
     strength = found.suspects[0].effect.strength.name
@@ -45,16 +45,16 @@ def test_an_effect_hidden_in_the_double_is_named_first(effect):
 
 @pytest.mark.parametrize("fault", ["clipping", "mains_hum", "dropouts", "channel_gain"])
 def test_a_faulty_sensor_is_not_called_physics(fault):
-    setting, _ = drawn(fault, 0.01, seed=42)
-    found = diagnose((setting,))
+    prepared, _ = drawn(fault, 0.01, seed=42)
+    found = diagnose((prepared,))
     assert found.verdict == "sensor_fault"
     assert found.named[0] == fault
 
 
 def test_a_drift_that_a_creeping_force_would_explain_as_well_is_told_by_the_rest_before_the_release():
     # A held mass does not creep, a drifting sensor drifts on: of this draw the motion alone cannot tell the two.
-    setting, truth = drawn("offset_drift", 0.01, seed=9105)
-    found = diagnose((setting,))
+    prepared, truth = drawn("offset_drift", 0.01, seed=9105)
+    found = diagnose((prepared,))
     assert found.named == ("offset_drift",)
     assert found.suspects[0].term.channel == truth["parameters"]["channel"]
 
@@ -66,8 +66,8 @@ def test_nothing_is_claimed_where_nothing_is_hidden():
 
 
 def test_a_magnet_beside_the_path_is_not_given_a_name_it_does_not_have():
-    setting, _ = drawn("magnet", 0.02, seed=43)
-    found = diagnose((setting,))
+    prepared, _ = drawn("magnet", 0.02, seed=43)
+    found = diagnose((prepared,))
     assert found.verdict == "unknown_effect"
     assert found.shape is not None
     assert found.shape.explained > 0.5
@@ -75,11 +75,11 @@ def test_a_magnet_beside_the_path_is_not_given_a_name_it_does_not_have():
 
 
 def test_a_users_own_magnet_takes_part_and_reaches_the_floor():
-    setting, truth = drawn("magnet", 0.02, seed=43)
+    prepared, truth = drawn("magnet", 0.02, seed=43)
     magnet = parse_effect(
         "magnet = q/(1 + ((u - at)/width)**2); at: m; width: m >= 0.0005 <= 0.02 start 0.002, 0.004"
     )
-    found = diagnose((setting,), library=(*LIBRARY, magnet))
+    found = diagnose((prepared,), library=(*LIBRARY, magnet))
     assert found.named == ("magnet",)
     assert found.final.reduced < 1.2
     at = found.suspects[0].parameters["at"]
@@ -87,8 +87,8 @@ def test_a_users_own_magnet_takes_part_and_reaches_the_floor():
 
 
 def test_the_ladder_falls_to_the_floor_and_finds_both_effects():
-    setting, _ = drawn("freeplay+cubic_damping", 0.02, seed=44)
-    ladder, last = climb((setting,))
+    prepared, _ = drawn("freeplay+cubic_damping", 0.02, seed=44)
+    ladder, last = climb((prepared,))
     assert set(ladder.top.effects[BASE:]) == {"freeplay", "cubic_damping"}
     sizes = [rung.error.chi_square for rung in ladder.rungs]
     assert sizes == sorted(sizes, reverse=True)
@@ -97,8 +97,8 @@ def test_the_ladder_falls_to_the_floor_and_finds_both_effects():
 
 
 def test_an_effect_added_and_removed_leaves_the_model_as_it_was():
-    setting, _ = drawn("cubic_stiffness", 0.01, seed=45)
-    ground = first_rung((setting,))
+    prepared, _ = drawn("cubic_stiffness", 0.01, seed=45)
+    ground = first_rung((prepared,))
     there = add_effect(ground, next(e for e in LIBRARY if e.name == "cubic_stiffness"))
     back = remove_effect(there, "cubic_stiffness")
     assert there.error.chi_square < 1.3 < ground.error.chi_square
@@ -112,8 +112,8 @@ def test_an_effect_added_and_removed_leaves_the_model_as_it_was():
 def test_standard_errors_are_right():
     scores = []
     for seed in range(400, 420):
-        setting, truth = drawn(None, 0.0, seed)
-        values = begin((setting,), base_model()).fit.values
+        prepared, truth = drawn(None, 0.0, seed)
+        values = fit_baseline((prepared,), base_model()).fit.values
         scores.append(
             [
                 (values["linear_stiffness.k"].value - truth["stiffness_per_mass"])
@@ -129,14 +129,14 @@ def test_standard_errors_are_right():
 
 
 def test_a_start_far_off_is_no_obstacle():
-    setting, truth = drawn(None, 0.0, seed=46)
-    good = starting_values((setting,), base_model(), {})
+    prepared, truth = drawn(None, 0.0, seed=46)
+    good = initial_values((prepared,), base_model(), {})
     bad = good | {
         "linear_stiffness.k": 1.06 * good["linear_stiffness.k"],
         "viscous_damping.mu_1": 2.0 * good["viscous_damping.mu_1"],
         "coulomb_friction.mu_0": 0.5 * good["coulomb_friction.mu_0"],
     }
-    found = fit(base_model(), (setting.span,), bad, setting.frequency)
+    found = fit(base_model(), (prepared.window,), bad, prepared.frequency)
     assert found.converged
     assert found.values["linear_stiffness.k"].value == pytest.approx(truth["stiffness_per_mass"], rel=2e-5)
 

@@ -5,10 +5,10 @@ from scipy.integrate import solve_ivp
 
 from identify.comparison.compare import compare
 from identify.diagnosis.diagnose import diagnose
-from identify.fitting.baseline import begin
+from identify.fitting.baseline import fit_baseline
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
-from identify.preprocessing.prepared_decay import Setting, prepare
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from identify.preprocessing.release import Release
 
 RATE, MASS, K, MU_1 = 256.0, 2.5, 620.0, 1.1
@@ -37,13 +37,13 @@ def clock(seconds: float) -> np.ndarray:
     return np.arange(int(seconds * RATE)) / RATE
 
 
-def recorded(motion: np.ndarray, force: np.ndarray, mass: float | None = None) -> Setting:
+def recorded(motion: np.ndarray, force: np.ndarray, mass: float | None = None) -> PreparedDecay:
     noise = NOISE * np.random.default_rng(0).standard_normal(len(motion))
     decay = FreeDecay(RATE, displacement=motion + noise, force=force, mass=mass)
     return prepare(decay, Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0)))
 
 
-def linear(seed: int, seconds: float = 8.0, mass: float | None = None) -> Setting:
+def linear(seed: int, seconds: float = 8.0, mass: float | None = None) -> PreparedDecay:
     time, lines = clock(seconds), Lines(seed)
     return recorded(lines.steady_motion(time), lines.force(time) / (mass or 1.0), mass)
 
@@ -70,19 +70,19 @@ def test_a_driven_linear_oscillator_lacks_nothing():
 
 
 def test_the_mass_behind_a_force_is_found():
-    setting = linear(5)
-    force = setting.span.force
+    prepared = linear(5)
+    force = prepared.window.force
     assert force is not None
-    gain = begin((setting,), base_model()).fit.values["force_gain"]
-    first_guess = float(np.median(force / Lines(5).force(setting.span.clock)))
+    gain = fit_baseline((prepared,), base_model()).fit.values["force_gain"]
+    first_guess = float(np.median(force / Lines(5).force(prepared.window.clock)))
     assert abs(gain.value * first_guess - 1.0 / MASS) < 4.0 * gain.std * first_guess
     assert gain.std < 1e-3
 
 
 def test_the_force_error_of_a_driven_record_counts_the_force_in():
-    setting = linear(6)
-    start = begin((setting,), base_model())
-    found = compare(setting, start.fit, start.floors[0].channels)
+    prepared = linear(6)
+    start = fit_baseline((prepared,), base_model())
+    found = compare(prepared, start.fit, start.floors[0].channels)
     assert found.force_error < 0.05  # %; inertia alone would leave some 50
     assert 0.9 < start.fit.reduced < 1.1
 
@@ -90,6 +90,6 @@ def test_the_force_error_of_a_driven_record_counts_the_force_in():
 def test_a_long_driven_record_is_judged_by_its_liveliest_stretch():
     time, lines = clock(40.0), Lines(7)
     swell = np.exp(-(((time - 25.0) / 12.0) ** 2))  # slow beside the motion
-    setting = recorded(swell * lines.steady_motion(time), swell * lines.force(time))
-    assert 10.0 < setting.span.clock[0] < 25.0 < setting.span.clock[-1] < 40.0
-    assert len(setting.span) < len(time)
+    prepared = recorded(swell * lines.steady_motion(time), swell * lines.force(time))
+    assert 10.0 < prepared.window.clock[0] < 25.0 < prepared.window.clock[-1] < 40.0
+    assert len(prepared.window) < len(time)

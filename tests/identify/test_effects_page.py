@@ -13,7 +13,7 @@ def test_the_page_tells_of_every_effect_as_the_library_has_it(effect):
     row = next(line for line in PAGE.splitlines() if line.startswith(f"| `{effect.name}` "))
     assert effect.title in row
     assert effect.equation.replace("|", "\\|") in row
-    assert effect.tell in row
+    assert effect.symptom in row
 
 
 def test_the_line_on_the_page_is_read():

@@ -7,7 +7,7 @@ from identify.preprocessing.noise import Noise
 
 
 def with_known(found, **known):
-    before = {c: known.get(c, Noise(1.0, np.inf, "nowhere")) for c in found.spans[0].channels}
+    before = {c: known.get(c, Noise(1.0, np.inf, "nowhere")) for c in found.windows[0].channels}
     return refine_floor(found, (before,))[0]
 
 
@@ -49,8 +49,8 @@ def test_a_band_far_below_what_was_seen_at_rest_is_the_floor():
 
 def test_a_noise_less_well_known_leaves_chi_square_more_open():
     _, _, found = fitted()
-    wide = {c: Noise(s, s * 0.2, "rest") for c, s in found.spans[0].sigma.items()}
-    narrow = {c: Noise(s, s * 0.001, "rest") for c, s in found.spans[0].sigma.items()}
+    wide = {c: Noise(s, s * 0.2, "rest") for c, s in found.windows[0].sigma.items()}
+    narrow = {c: Noise(s, s * 0.001, "rest") for c, s in found.windows[0].sigma.items()}
     # only the readings' number is left where the noise is known: sqrt(2 / degrees)
     least = np.sqrt(2.0 / found.degrees)
     known = refine_floor(found, (narrow,))[0].chi_square_std

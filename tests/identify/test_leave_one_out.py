@@ -5,8 +5,8 @@ import pytest
 
 from identify.effects.library import CUBIC_STIFFNESS
 from identify.errors import NotIdentifiable
-from identify.fitting.baseline import begin
-from identify.fitting.initial_values import starting_values
+from identify.fitting.baseline import fit_baseline
+from identify.fitting.initial_values import initial_values
 from identify.fitting.leave_one_out import leave_one_out
 from identify.free_decay import FreeDecay
 from identify.model.model import Term, base_model
@@ -15,7 +15,7 @@ from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
 
-def setting(sample):
+def prepared(sample):
     decay = FreeDecay(sample.rate, displacement=sample.displacement, acceleration=sample.acceleration)
     release = find_release(decay.rate, decay.displacement, None, decay.acceleration)
     return prepare(decay.with_(release=release.index, rest=release.rest), release)
@@ -27,21 +27,21 @@ def both():
     large = draw("cubic_stiffness", 0.01, 5, amplitude=0.02)
     k3 = large.truth["parameters"]["k3"]
     small = draw("cubic_stiffness", 0.01, 5, amplitude=-0.012, parameters={"cubic_stiffness": {"k3": k3}})
-    return (setting(large), setting(small)), k3
+    return (prepared(large), prepared(small)), k3
 
 
 def test_the_right_physics_predicts_the_release_it_has_not_seen(both):
-    settings, k3 = both
+    decays, k3 = both
     model = base_model().plus(Term(CUBIC_STIFFNESS))
-    found = begin(settings, model, starting_values(settings, model, {})).fit
+    found = fit_baseline(decays, model, initial_values(decays, model, {})).fit
     assert found.values["cubic_stiffness.k3"].value == pytest.approx(k3, rel=0.01)
     # The floor is known to a tenth; the held physics adds its own small error.
     assert [one.chi_square for one in leave_one_out(found)] == pytest.approx([1.0, 1.0], abs=0.3)
 
 
 def test_physics_that_lacks_an_effect_does_not(both):
-    settings, _ = both
-    found = begin(settings, base_model()).fit
+    decays, _ = both
+    found = fit_baseline(decays, base_model()).fit
     left = leave_one_out(found)
     assert [one.index for one in left] == [0, 1]
     assert min(one.chi_square for one in left) > 10
@@ -50,6 +50,6 @@ def test_physics_that_lacks_an_effect_does_not(both):
 
 
 def test_one_release_cannot_be_left_out(both):
-    settings, _ = both
+    decays, _ = both
     with pytest.raises(NotIdentifiable):
-        leave_one_out(begin(settings[:1], base_model()).fit)
+        leave_one_out(fit_baseline(decays[:1], base_model()).fit)

@@ -21,8 +21,8 @@ def inside(motion: Motion) -> slice:
 
 def error(motion: Motion, truth: tuple[np.ndarray, np.ndarray, np.ndarray]) -> tuple[float, float, float]:
     made = (motion.displacement, motion.velocity, motion.acceleration)
-    span = inside(motion)
-    return tuple(float(np.sqrt(np.mean((m - t)[span] ** 2))) for m, t in zip(made, truth, strict=True))  # type: ignore[return-value]
+    window = inside(motion)
+    return tuple(float(np.sqrt(np.mean((m - t)[window] ** 2))) for m, t in zip(made, truth, strict=True))  # type: ignore[return-value]
 
 
 def test_both_channels_give_a_velocity_of_the_stated_noise() -> None:

@@ -121,7 +121,7 @@ def test_every_force_of_the_library_has_a_signature():
     for effect in LIBRARY:
         if effect.kind == "physics":
             values = dict.fromkeys((p.name for p in effect.parameters), 0.5) | dict.fromkeys(
-                effect.borrows, W**2
+                effect.shared_parameters, W**2
             )
             found = average(effect, values, W, A)
             assert np.isfinite(found.damping).all(), effect.name

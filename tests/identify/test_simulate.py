@@ -23,7 +23,7 @@ def run(effects, table, linear, start=(0.02, 0.0), samples=2048, lag=0.0, states
         states=np.zeros((len(effects), 2)) if states is None else np.array(states),
         samples=samples,
         rate=rate,
-        substeps=substeps_for(W0, rate, kinked=system.kinked),
+        substeps=substeps_for(W0, rate, nonsmooth=system.nonsmooth),
         time=time,
         lag=lag,
     )

@@ -5,20 +5,20 @@ from releases import drawn
 
 from identify.diagnosis.suspects import JUDGED_APART, candidate_terms, residual_lines, try_term, try_terms
 from identify.effects.library import LIBRARY, find_effect
-from identify.fitting.baseline import begin
+from identify.fitting.baseline import fit_baseline
 from identify.model.model import Term, base_model
 
 
 @cache
 def hummed():
-    setting, truth = drawn("mains_hum", 0.01, 7301)
-    return begin((setting,), base_model()), truth
+    prepared, truth = drawn("mains_hum", 0.01, 7301)
+    return fit_baseline((prepared,), base_model()), truth
 
 
 @cache
 def hardened():
-    setting, truth = drawn("cubic_stiffness", 0.01, 7301)
-    return begin((setting,), base_model()), truth
+    prepared, truth = drawn("cubic_stiffness", 0.01, 7301)
+    return fit_baseline((prepared,), base_model()), truth
 
 
 def test_the_strongest_line_of_the_misfit_is_the_doubles_hum():
@@ -33,22 +33,22 @@ def test_the_strongest_line_of_the_misfit_is_the_doubles_hum():
 
 def test_every_effect_that_the_model_lacks_is_a_suspect_and_no_other():
     start, _ = hummed()
-    terms = candidate_terms(base_model(), LIBRARY, start.fit.spans[0])
+    terms = candidate_terms(base_model(), LIBRARY, start.fit.windows[0])
     names = {t.effect.name for t in terms}
     assert names == {e.name for e in LIBRARY} - set(base_model().names) - set(JUDGED_APART)
 
 
 def test_a_fault_is_suspected_in_the_channels_there_are():
     start, _ = hummed()
-    span = start.fit.spans[0]
-    alone = span.with_(readings={"displacement": span.readings["displacement"]})
+    window = start.fit.windows[0]
+    alone = window.with_(readings={"displacement": window.readings["displacement"]})
     terms = candidate_terms(base_model(), LIBRARY, alone)
     assert {t.channel for t in terms if t.effect.kind == "sensor"} == {"displacement"}
 
 
 def test_slow_faults_are_no_suspects_where_every_episode_has_offsets_of_its_own():
-    span = hummed()[0].fit.spans[0].with_(episode=True)
-    assert all(t.effect.kind == "physics" for t in candidate_terms(base_model(), LIBRARY, span))
+    window = hummed()[0].fit.windows[0].with_(segment=True)
+    assert all(t.effect.kind == "physics" for t in candidate_terms(base_model(), LIBRARY, window))
 
 
 def test_the_hidden_effect_gains_most_and_its_strength_is_found():
@@ -56,7 +56,7 @@ def test_the_hidden_effect_gains_most_and_its_strength_is_found():
     terms = tuple(
         Term(find_effect(n)) for n in ("cubic_stiffness", "quadratic_damping", "quadratic_stiffness")
     )
-    tried = try_terms(start.settings, start.fit, terms)
+    tried = try_terms(start.decays, start.fit, terms)
     assert tried[0].name == "cubic_stiffness"
     assert [c.score for c in tried] == sorted(c.score for c in tried)
     found = tried[0].fit.values["cubic_stiffness.k3"]
@@ -67,8 +67,8 @@ def test_the_hidden_effect_gains_most_and_its_strength_is_found():
 def test_one_term_alone_comes_to_what_it_came_to_among_others():
     start, _ = hardened()
     term = Term(find_effect("cubic_stiffness"))
-    alone = try_term(start.settings, start.fit, term)
-    (among,) = try_terms(start.settings, start.fit, (term,))
+    alone = try_term(start.decays, start.fit, term)
+    (among,) = try_terms(start.decays, start.fit, (term,))
     assert alone.fit.chi_square == pytest.approx(
         among.fit.chi_square, abs=0.05
     )  # where a descent stops: 0.02

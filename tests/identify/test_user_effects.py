@@ -14,7 +14,7 @@ from identify.diagnosis.suspects import try_term
 from identify.effects.effect import Parameter, Scales
 from identify.effects.library import LIBRARY
 from identify.effects.user import own_effect, parse_effect
-from identify.fitting.baseline import begin
+from identify.fitting.baseline import fit_baseline
 from identify.model.model import Term, base_model
 from identify.model.simulate import make_system, simulate
 from station.own_effects import load_effects
@@ -323,8 +323,10 @@ def test_a_function_that_cannot_be_used_is_refused_with_the_reason(function, why
 
 def test_memory_of_ones_own_starts_at_rest_and_runs_as_an_independent_integrator_says():
     creep = own_effect("creep", "k1*(u - z0)", rates=("(u - z0)/tau",))
-    assert creep.forgets
-    assert creep.rest(0.02, np.array([60.0, 0.05, 0, 0, 0, 0])) == pytest.approx((0.02, 0.0), abs=1e-12)
+    assert creep.fading_memory
+    assert creep.equilibrium_state(0.02, np.array([60.0, 0.05, 0, 0, 0, 0])) == pytest.approx(
+        (0.02, 0.0), abs=1e-12
+    )
     table = np.array([[60.0, 0.05, 0, 0, 0, 0]])
     found = simulate(
         make_system((creep,)),
@@ -351,7 +353,7 @@ def test_memory_of_ones_own_starts_at_rest_and_runs_as_an_independent_integrator
 
 def test_a_memory_that_keeps_what_it_was_is_told_from_one_that_forgets():
     slip = own_effect("slip", "kh*z0", rates=("v*(1 - (z0/uy)**2*(1 + sgn(v*z0))/2)",))
-    assert not slip.forgets
+    assert not slip.fading_memory
 
 
 @pytest.mark.parametrize(
@@ -383,7 +385,7 @@ def test_memory_of_ones_own_takes_part_and_is_found():
         rates=("(u - z0)/tau",),
         parameters=(Parameter("k1", "1/s^2", "", 0.0), Parameter("tau", "s", "", 1e-3, 10.0)),
     )
-    base = begin((setting,), base_model()).fit
+    base = fit_baseline((setting,), base_model()).fit
     found = try_term((setting,), base, Term(creep))
     assert found is not None
     tau = found.fit.values["creep.tau"]

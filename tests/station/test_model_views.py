@@ -10,9 +10,9 @@ from hidden import DUFFING, TRUTH
 from rerun.chunk import RrdReader
 
 from station.operations import viewer_tabs
-from station.operations.diagnosing import diagnose_bench, keep
+from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.refining import add, open_refinement
-from station.operations.session_set import open_bench
+from station.operations.session_set import open_sessions
 from station.settings import Settings
 from station.views import open_viewer
 from station.views.viewer import executable
@@ -21,8 +21,8 @@ from station.views.viewer import executable
 @pytest.fixture(scope="module")
 def refinement(tmp_path_factory):
     settings = Settings(sessions=tmp_path_factory.mktemp("sessions"))
-    bench = open_bench((str(DUFFING),), settings)
-    _, document = diagnose_bench(bench)
+    bench = open_sessions((str(DUFFING),), settings)
+    _, document = diagnose_sessions(bench)
     keep(bench, document)
     begun = open_refinement(bench.sessions[0], settings)
     return replace(begun, ladder=add(begun, "cubic_stiffness"))
@@ -107,7 +107,7 @@ def test_the_fingerprint_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follo
 
 def test_a_session_without_results_has_no_tabs(tmp_path):
     settings = Settings(sessions=tmp_path)
-    bench = open_bench((str(DUFFING),), settings)
+    bench = open_sessions((str(DUFFING),), settings)
     assert viewer_tabs.story_tabs(bench.sessions[0], settings) == ()
 
 

@@ -44,7 +44,7 @@ def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
     Occupied.gate = threading.Event()
 
     async def story() -> float:
-        crew = worker.Crew(Settings(), most=1)
+        crew = worker.WorkerPool(Settings(), most=1)
         first = asyncio.create_task(crew.do(worker.Job(), "a", "long"))
         await asyncio.sleep(0.05)
         job = worker.Job()

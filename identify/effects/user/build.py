@@ -33,8 +33,8 @@ def finished(
     starts: dict[str, tuple[float, ...]],
     *,
     title: str = "",
-    tell: str = "",
-    proof: str = "",
+    symptom: str = "",
+    confirming_test: str = "",
 ) -> Effect:
     """Return the effect of a draft, with the parameters and starting values that the user listed.
 
@@ -56,16 +56,18 @@ def finished(
         kind="physics",
         equation=draft.equation,
         parameters=parameters,
-        tell=tell or "what your formula says",
-        proof=proof or "a recording in which your formula predicts a large change",
+        symptom=symptom or "what your formula says",
+        confirming_test=confirming_test or "a recording in which your formula predicts a large change",
         force=_nothing if draft.force is None else _compiled(draft.force),
         friction=None if draft.friction is None else _compiled(draft.friction),
         rates=rates,
-        rest=(rest_function(rates, states) if settles else lambda u, p: (0.0, 0.0)) if states else None,
+        equilibrium_state=(rest_function(rates, states) if settles else lambda u, p: (0.0, 0.0))
+        if states
+        else None,
         states=states,
-        forgets=settles or not states,
+        fading_memory=settles or not states,
         starts=_starts_function(parameters[1:], starts, _even(draft, draw)),
-        kinked=True,
+        nonsmooth=True,
     )
 
 

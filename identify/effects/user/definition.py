@@ -59,8 +59,8 @@ def own_effect(
     parameters: tuple[Parameter, ...] = (),
     starts: dict[str, tuple[float, ...]] | None = None,
     title: str = "",
-    tell: str = "",
-    proof: str = "",
+    symptom: str = "",
+    confirming_test: str = "",
 ) -> Effect:
     """Return an effect of the user's own.
 
@@ -84,7 +84,9 @@ def own_effect(
         draft = from_formulas(
             name, pull, level, changes, " + ".join(x for x in (str(force).strip(), dry) if x)
         )
-    return finished(draft, parameters, starts or {}, title=title, tell=tell, proof=proof)
+    return finished(
+        draft, parameters, starts or {}, title=title, symptom=symptom, confirming_test=confirming_test
+    )
 
 
 def _check_name(name: str) -> None:
