@@ -1,8 +1,8 @@
 """From messages to a recording: the one way used live, in a replay and when a session is read.
 
 `Assembly` takes frames in the order of their arrival. The sample index is the time axis; the frames'
-order, `dropped_before` and `boot_id` tell a frame lost on the wire from an overrun of the board and from
-a board that started anew. Nothing that arrives makes it raise: what contradicts the protocol is listed in
+order, `dropped_before` and `boot_id` distinguish a frame lost on the wire from an overrun of the board
+and from a board that rebooted. Nothing that arrives makes it raise: what contradicts the protocol is listed in
 `contradictions`, and what a capture does about it is the capture's affair.
 """
 
@@ -157,7 +157,7 @@ class Assembly:
         )
 
     def checksum_agrees(self) -> bool | None:
-        """Whether the CRC-32 of all samples is the one told in END; None while that cannot be known."""
+        """Whether the CRC-32 of all samples is the one in END; None while that cannot be known."""
         if self.end is None:
             return None
         check, at, count = 0, 0, 0
@@ -181,7 +181,7 @@ class Assembly:
         return fit_clock([p.stop for p in pieces], [p.time for p in pieces])
 
     def _forget_samples(self) -> None:
-        """Begin at index 0: what came before belongs to a capture of somebody who is gone."""
+        """Begin at index 0: what came before belongs to an earlier capture."""
         self.end, self.window, self.rebooted = None, None, False
         self.expected, self.duplicates, self._missing, self._sequence = 0, 0, 0, -1
         for items in (self._pieces, self._overruns, self.events, self.contradictions):
@@ -241,7 +241,7 @@ class Assembly:
             self._keep(piece)
 
     def _keep(self, piece: _Piece) -> bool:
-        """Store a piece unless the one stored at that place is as long; tell whether it was news."""
+        """Store a piece unless the one stored at that place is as long; return whether it is new."""
         known = self._pieces.get(piece.data.first_index)
         if known is not None and known.data.n >= piece.data.n:
             self.duplicates += 1

@@ -32,7 +32,7 @@ from pathlib import Path
 
 
 class StationError(Exception):
-    """What the operator must be told; `exit_code` is the program's, `session` the folder that was kept."""
+    """An error with a message for the operator; `exit_code` is the program's, `session` the folder that was kept."""
 
     exit_code = 1
 

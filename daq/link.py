@@ -1,7 +1,7 @@
 """The conversation with a board: a thread that frames and timestamps, and requests that are answered.
 
 The thread reads, writes the bytes to the raw log, cuts them into frames and queues these: nothing else.
-Everything that understands happens in the caller's thread, in `take`, `request` and what builds on them.
+Everything else happens in the caller's thread, in `take`, `request` and what builds on them.
 No wait is unbounded.
 """
 
@@ -69,7 +69,7 @@ class Link:
         self.assembly = Assembly()
         self.last_frame = time.monotonic()
         self.bytes_received = 0
-        self.on_happening: Callable[[StreamEvent], None] = lambda happening: None
+        self.on_event: Callable[[StreamEvent], None] = lambda event: None
         self._decoder = Decoder()
         self._queue: queue.SimpleQueue[Arrival | StationError] = queue.SimpleQueue()
         self._gone: StationError | None = None
@@ -126,8 +126,8 @@ class Link:
             raise item
         when, frame = item
         self.last_frame = time.monotonic()
-        for happening in self.assembly.take(frame, when):
-            self.on_happening(happening)
+        for event in self.assembly.take(frame, when):
+            self.on_event(event)
         return frame
 
     def silence(self) -> float:
@@ -188,7 +188,7 @@ class Link:
         )
 
     def _at_rest(self, hello: Hello) -> Hello:
-        """Stop a board that may still be sampling for somebody who is gone, and hear an END of this very STOP."""
+        """Stop a board that may still be sampling for an earlier host, and wait for the END of this STOP."""
         self.assembly.end = None
         self.stop()
         self.assembly.contradictions.clear()
@@ -197,14 +197,12 @@ class Link:
     def request(self, message: Message, also: Callable[[Message | OtherVersion], bool] | None = None) -> None:
         """Send a request until it is answered by ACK, or by what is as good (`also`).
 
-        BoardRefused on NACK, Stalled when the board fell silent, ProtocolError when it talks of other things.
+        BoardRefused on NACK, Stalled when the board fell silent, ProtocolError when it sends other things.
         """
         sent = set()
-        for patience in ANSWER_S:
+        for seconds in ANSWER_S:
             sent.add(self.send(message))
-            frame = self.wait(
-                lambda m: _answers(m, message, sent) or (also is not None and also(m)), patience
-            )
+            frame = self.wait(lambda m: _answers(m, message, sent) or (also is not None and also(m)), seconds)
             if frame is None:
                 continue
             if isinstance(frame.message, Nack):
@@ -241,15 +239,15 @@ class Link:
     def stop(self) -> None:
         """End sampling and wait for END; asked for again when it was lost.
 
-        A slow line may first have to carry what the board had sampled: while samples come there is patience,
+        A slow line may first have to carry what the board had sampled: while samples come it is waited for,
         up to END_S. BoardRefused, Stalled and ProtocolError as in `request`.
         """
         until = time.monotonic() + END_S
         sent: set[int] = set()
-        for patience in itertools.chain(ANSWER_S, itertools.repeat(ANSWER_S[-1])):
+        for seconds in itertools.chain(ANSWER_S, itertools.repeat(ANSWER_S[-1])):
             before = self.assembly.expected
             sent.add(self.send(Stop()))
-            if self._ended(sent, patience):
+            if self._ended(sent, seconds):
                 return
             still = self.assembly.expected == before
             if self.silence() > GIVE_UP_S or time.monotonic() > until:
@@ -272,7 +270,7 @@ class Link:
         return self.assembly.end is not None
 
     def resend(self, first: int, count: int) -> bool:
-        """Ask for samples again, after END; tell whether the board holds them all.
+        """Ask for samples again, after END; return whether the board holds them all.
 
         Returns when it is answered or nothing comes any more.
         """

@@ -20,7 +20,7 @@ from daq.manifest import (
     session_files,
     write_manifest,
 )
-from daq.noise_history import usual_noise
+from daq.noise_history import typical_noise
 from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog, Record, read
 from daq.recording import Channel, Recording
@@ -188,7 +188,7 @@ class Session:
         verdict, gaps, counts = self._judge(assembly, check_clock)
         counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
         self.info = self.info.model_copy(
-            update={"state": state, "reason": reason[:2000], "verdict": verdict.word.value}
+            update={"state": state, "reason": reason[:2000], "verdict": verdict.grade.value}
         )
         self._write_info()
         files = self._entries(known.files if known else {})
@@ -209,9 +209,9 @@ class Session:
         try:
             recording = assembly.recording()
         except DataLost:
-            nothing = Verdict(word=Grade.REJECT, reasons=("no sample was received",))
+            nothing = Verdict(grade=Grade.REJECT, reasons=("no sample was received",))
             return nothing, (), Counts(planned=planned or 0)
-        usual = usual_noise(self.folder, self.info)
+        usual = typical_noise(self.folder, self.info)
         verdict = judge(recording, assembly, planned, self.info.noise, check_clock, usual)
         counts = Counts(
             samples=len(recording.valid),

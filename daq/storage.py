@@ -148,7 +148,7 @@ class Lock:
         raise SessionLocked(f"{self.path.parent} is being locked and unlocked by others; try again")
 
     def _is_current(self, file: IO[bytes]) -> bool:
-        """Tell whether nobody removed the lock's file between opening and locking it."""
+        """Return whether nobody removed the lock's file between opening and locking it."""
         try:
             return os.path.samestat(os.fstat(file.fileno()), self.path.stat())
         except OSError:

@@ -1,4 +1,4 @@
-"""Draw a bench, a hand and two sensors: off every grid, and different from seed to seed."""
+"""Draw the parameters of bench, release and sensors: off every grid, and different from seed to seed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mocks.testbed import Bench, Release
 
 
 @dataclass(frozen=True)
-class Setting:
+class BenchParameters:
     """What is drawn for one recording, SI units; `lag` is how late the displacement is."""
 
     stiffness: float
@@ -68,20 +68,20 @@ class Setting:
         }
 
 
-def draw_setting(seed: int, fixed: dict[str, Any]) -> Setting:
-    """Return the setting of `seed` with the values of `fixed` in place of drawn ones.
+def draw_parameters(seed: int, fixed: dict[str, Any]) -> BenchParameters:
+    """Return the parameters of `seed` with the values of `fixed` in place of drawn ones.
 
-    TypeError names what a setting does not have.
+    TypeError names what is no parameter.
     """
-    known = [field.name for field in dataclasses.fields(Setting)]
+    known = [field.name for field in dataclasses.fields(BenchParameters)]
     unknown = sorted(set(fixed) - set(known))
     if unknown:
-        raise TypeError(f"a setting has no {', '.join(unknown)}; it has {', '.join(known)}")
+        raise TypeError(f"a bench has no {', '.join(unknown)}; it has {', '.join(known)}")
     random = np.random.default_rng([seed, 1])
     rest = float(fixed.get("rest", 0.75))
     rate = float(fixed.get("rate", 256.0))
     side = -1.0 if random.random() < 0.5 else 1.0
-    drawn = Setting(
+    drawn = BenchParameters(
         stiffness=614.0 * (1.0 + random.uniform(-0.01, 0.01)),
         mu_0=random.uniform(0.10, 0.15),
         mu_1=random.uniform(0.25, 0.30),

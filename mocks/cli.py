@@ -8,37 +8,46 @@ import select
 import signal
 import stat
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from mocks import faults as wire
 from mocks import generate
 from mocks.link import Link, PtyLink, TcpLink
-from mocks.misconfigurations import LIES
+from mocks.misconfigurations import MISCONFIGURATIONS
 from mocks.serve import serve
-from mocks.simulated_board import Rig
+from mocks.simulated_board import SimulatedBoard
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run the double; the exit code is 0, or 2 for a wrong command line."""
-    commands = parser()
-    options = commands.parse_args(_joined(sys.argv[1:] if argv is None else argv))
+    options = parse(sys.argv[1:] if argv is None else argv)
     try:
-        rig = Rig(options)
+        simulated = SimulatedBoard(options)
     except ValueError as error:
-        commands.error(str(error))
+        parser().error(str(error))
     ended = _ending()
-    link: Link = PtyLink() if options.pty else TcpLink(options.tcp)
+    link = open_link(options)
     try:
-        rig.write_truth()
+        simulated.write_truth()
         print(f"port: {link.address}", flush=True)
-        serve(link, rig.board, rig.line, options.speed, options.once, ended)
+        serve(link, simulated.board, simulated.line, options.speed, options.once, ended)
     finally:
         link.close()
     return 0
 
 
-def _joined(words: list[str]) -> list[str]:
+def parse(words: Sequence[str]) -> argparse.Namespace:
+    """Return the options of a command line; SystemExit with words on stderr for a wrong one."""
+    return parser().parse_args(_joined(words))
+
+
+def open_link(options: argparse.Namespace) -> Link:
+    """Return the board's end of the line that the options name."""
+    return PtyLink() if options.pty else TcpLink(options.tcp)
+
+
+def _joined(words: Sequence[str]) -> list[str]:
     """Join `--releases -25,20` to one word: argparse takes the minus for an option."""
     out: list[str] = []
     for word in words:
@@ -50,7 +59,7 @@ def _joined(words: list[str]) -> list[str]:
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the parser of the options that a `Rig` is built from."""
+    """Return the parser of the options that a `SimulatedBoard` is built from."""
     parser = argparse.ArgumentParser(
         prog="python -m mocks",
         description="The bench's double: a simulated testbed behind a board that speaks the real protocol.",
@@ -84,7 +93,7 @@ def _names() -> str:
     table = wire.PER_BYTE | wire.PER_FRAME | wire.LASTING | wire.ONCE
     lines += [f"  {name:<14}{amount:<8g}{what}" for name, (amount, what) in table.items()]
     lines += ["faults of the board, NAME[:AMOUNT]:"]
-    lines += [f"  {name:<14}{what}" for name, what in LIES.items()]
+    lines += [f"  {name:<14}{what}" for name, what in MISCONFIGURATIONS.items()]
     return "\n".join(lines)
 
 

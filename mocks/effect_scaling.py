@@ -1,4 +1,4 @@
-"""Find how large a hidden effect must be for its force to have the strength asked for."""
+"""The scale of a hidden effect at which its force has the strength asked for."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SIGNED = {
 }
 
 
-def hide(
+def add_effects(
     bench: Bench,
     release: Release,
     strengths: Mapping[str, float],

@@ -68,7 +68,7 @@ class Episode:
         return u, a
 
 
-class BenchRun:
+class OperatorSequence:
     """The releases of a sequence; one instance lives through all captures."""
 
     def __init__(self, bench: Bench, releases: tuple[Release, ...], bumped: bool = False) -> None:

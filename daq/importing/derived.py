@@ -1,4 +1,4 @@
-"""Tell a channel that the logger computed from another one from a sensor of its own.
+"""Channels that the logger computed from another one, distinguished from sensors of their own.
 
 A logger's derivative repeats the noise of its source, filtered: one fixed finite difference of the source
 gives it to within the rounding of the numbers in the file. A second sensor has a noise of its own, which
@@ -42,7 +42,7 @@ def find_derivation(
     """Return how `channel` was computed as the derivative of that `order` of `source`, or None if it was not.
 
     All have shape (n,) and SI units; `stamps` (s) serve where they stray from the even clock of `rate` Hz, since
-    a logger divides by its own time steps. None also when there is too little to tell.
+    a logger divides by its own time steps. None also when there are too few samples to decide.
     """
     stretch = _longest(np.isfinite(source) & np.isfinite(channel))
     if stretch.stop - stretch.start < MIN_ROWS:
@@ -161,7 +161,7 @@ def _noise(values: Array) -> float:
 
 
 def _is_noisy(values: Array, step: float) -> bool:
-    """Tell whether sixth differences see noise: more than rounding and a smooth oscillation leave in them."""
+    """Return whether sixth differences see noise: more than rounding and a smooth oscillation leave in them."""
     motion = float(np.std(values)) * (2.0 * np.sin(np.pi * _frequency(values))) ** NOISE_ORDER / NOISE_SCALE
     return bool(_noise(values) > 3.0 * max(step / np.sqrt(12.0), motion))
 

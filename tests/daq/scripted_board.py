@@ -72,7 +72,7 @@ class ScriptedBoard:
 
     name = "scripted"
 
-    def __init__(self, samples: np.ndarray, hurry: float = 4096.0, per_frame: int = 16) -> None:
+    def __init__(self, samples: np.ndarray, hurry: float = 16384.0, per_frame: int = 16) -> None:
         self.samples = samples
         self.description = describe()
         self.hello = Hello(boot_id=7, clock_hz=1_000_000, board="scripted")

@@ -1,4 +1,4 @@
-"""Captures from the bench's double over a real pty and a real socket, eight times as fast as life."""
+"""Captures from the bench's double over a real pty and a real socket, sixteen times as fast as life."""
 
 import json
 import os
@@ -19,7 +19,7 @@ from daq.port import PortDescription
 from daq.ports import probe
 from daq.session import recover, verify
 
-FAST = ("--speed", "8", "--seed", "5")
+FAST = ("--speed", "16", "--seed", "5")
 SETTINGS = CaptureSettings(check_clock=False)
 
 
@@ -63,13 +63,13 @@ import sys
 from pathlib import Path
 from daq.capture import CaptureObserver, CaptureSettings, capture
 
-class Teller(CaptureObserver):
+class Printer(CaptureObserver):
     def block(self, first_index, samples):
         print(first_index, samples.shape[1], float(samples[0, -1]).hex(), flush=True)
 
-capture(sys.argv[1], CaptureSettings(check_clock=False), Path(sys.argv[2]), Teller())
+capture(sys.argv[1], CaptureSettings(check_clock=False), Path(sys.argv[2]), Printer())
 """
-KILLS = int(os.environ.get("STATION_KILLS", "4"))
+KILLS = int(os.environ.get("STATION_KILLS", "2"))
 
 
 @pytest.mark.skipif(os.name == "nt", reason="kill -9 is POSIX")
@@ -83,11 +83,11 @@ def test_a_killed_capture_keeps_every_sample_that_it_had_shown(tmp_path: Path, s
             text=True,
         )
         assert watcher.stdout is not None
-        told = [watcher.stdout.readline()]
-        time.sleep(random.Random(seed).uniform(0.0, 1.6))
+        printed = [watcher.stdout.readline()]
+        time.sleep(random.Random(seed).uniform(0.0, 0.8))
         watcher.send_signal(signal.SIGKILL)
-        told += watcher.communicate(timeout=10)[0].splitlines()
-    blocks = [line.split() for line in told if len(line.split()) == 3]
+        printed += watcher.communicate(timeout=10)[0].splitlines()
+    blocks = [line.split() for line in printed if len(line.split()) == 3]
     session = recover(tmp_path / "s")
     assembly = session.assembly()
     assembly.window = None
@@ -112,13 +112,13 @@ def test_a_disk_that_fills_up_during_the_capture_costs_nothing(tmp_path: Path) -
             if name == "triggered":
                 resource.setrlimit(resource.RLIMIT_FSIZE, (8192, limits[1]))
 
-    def elsewhere(error: StationError) -> Path:
+    def fallback(error: StationError) -> Path:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
         return tmp_path / "t"
 
     with double(tmp_path, "tcp", *FAST) as bench:
         try:
-            session = capture(bench.port, settings, tmp_path / "s", Filler(), elsewhere)
+            session = capture(bench.port, settings, tmp_path / "s", Filler(), fallback)
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert session.folder == tmp_path / "t"
@@ -127,20 +127,19 @@ def test_a_disk_that_fills_up_during_the_capture_costs_nothing(tmp_path: Path) -
     assert verify(tmp_path / "t").ok
 
 
-@pytest.mark.slow
 def test_the_rate_is_compared_with_this_computers_clock(tmp_path: Path) -> None:
-    """In real time: over some ten seconds the two agree to 0.1 % through any scheduler."""
+    """In real time, the only way; without a release, which would make it longer."""
+    settings = CaptureSettings(duration_s=4.0, pre_trigger_s=0.5, rest_s=0.5, wait_for_release=False)
     with double(tmp_path, "pty", "--seed", "5") as bench:
-        session = capture(bench.port, CaptureSettings(), tmp_path / "s")
-    assert session.info.verdict == "OK"
+        session = capture(bench.port, settings, tmp_path / "s")
     rate_std = session.recording().rate_std
     assert rate_std is not None
-    assert rate_std < 1e-3 * 256
+    assert 0 < rate_std <= 0.005 * 256
 
 
-def test_a_rate_that_no_clock_of_this_computer_knows_is_told(tmp_path: Path) -> None:
-    """Three times as fast as life is what a board with a wrong rate looks like."""
-    with double(tmp_path, "tcp", "--speed", "3", "--seed", "5") as bench:
+def test_a_rate_that_this_computers_clock_contradicts_is_reported(tmp_path: Path) -> None:
+    """Five times as fast as life is what a board with a wrong rate looks like."""
+    with double(tmp_path, "tcp", "--speed", "5", "--seed", "5") as bench:
         session = capture(bench.port, CaptureSettings(), tmp_path / "s")
     assert session.verdict is not None
     assert "of this computer's clock" in session.verdict.reasons[0]

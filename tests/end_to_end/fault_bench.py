@@ -5,7 +5,6 @@ import dataclasses
 import io
 import os
 import socket
-import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,10 +15,7 @@ from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.errors import DataLost, Stalled
 from daq.port import Port
 from daq.session import Session, verify
-from mocks.cli import parser
-from mocks.link import Link, PtyLink, TcpLink
-from mocks.serve import serve
-from mocks.simulated_board import Rig
+from mocks.in_process import running
 from station import cli
 from station.operations import new_session
 
@@ -73,20 +69,8 @@ def _plain(cell: str) -> str:
 @contextlib.contextmanager
 def board(line: str, *arguments: str) -> Iterator[str]:
     """Serve the double from a thread, on a real pty or socket; yield the name of its port."""
-    options = parser().parse_args([*(["--pty"] if line == "pty" else ["--tcp", "0"]), *arguments])
-    rig = Rig(options)
-    link: Link = PtyLink() if line == "pty" else TcpLink(0)
-    over = threading.Event()
-    served = threading.Thread(
-        target=serve, args=(link, rig.board, rig.line, options.speed, False, over.is_set), daemon=True
-    )
-    served.start()
-    try:
-        yield link.address
-    finally:
-        over.set()
-        served.join(timeout=5)
-        link.close()
+    with running(*(["--pty"] if line == "pty" else ["--tcp", "0"]), *arguments) as address:
+        yield address
 
 
 def station_capture(port: str, folder: Path, *arguments: str, check_clock: bool = False) -> Outcome:
@@ -241,7 +225,7 @@ def _of_session(promise: Promise, session: Session | None) -> list[str]:
     found = []
     verdict = session.verdict
     reasons = " ".join(verdict.reasons) if verdict else ""
-    if verdict is None or verdict.word.value not in promise.verdict.split(" or "):
+    if verdict is None or verdict.grade.value not in promise.verdict.split(" or "):
         found.append(f"verdict {verdict}, not {promise.verdict}")
     if promise.reason not in reasons:
         found.append(f"no reason {promise.reason!r} among {reasons!r}")

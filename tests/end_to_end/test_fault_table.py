@@ -7,7 +7,7 @@ import pytest
 from fault_bench import Promise, broken_promises, inject, promises, silence
 
 from mocks.faults import NAMES
-from mocks.misconfigurations import LIES
+from mocks.misconfigurations import MISCONFIGURATIONS
 
 ROWS = promises()
 CASES = [pytest.param(row, line, id=f"{row.fault} on {line}") for row in ROWS for line in row.lines]
@@ -27,7 +27,7 @@ def test_a_fault_ends_as_the_page_promises(tmp_path: Path, promise: Promise, lin
 
 def test_the_page_promises_something_of_every_fault_that_the_double_knows() -> None:
     injected = " ".join(row.injected for row in ROWS)
-    assert [name for name in (*NAMES, *LIES) if name not in injected] == []
+    assert [name for name in (*NAMES, *MISCONFIGURATIONS) if name not in injected] == []
 
 
 def test_a_broken_promise_is_noticed(tmp_path: Path) -> None:

@@ -149,7 +149,7 @@ def test_a_gain_error_is_there_when_asked_for():
 def test_what_cannot_be_hidden_is_named():
     with pytest.raises(ValueError, match="no effect is called 'gremlin'"):
         draw("gremlin", 0.01, 1)
-    with pytest.raises(TypeError, match="a setting has no colour"):
+    with pytest.raises(TypeError, match="a bench has no colour"):
         draw(None, 0.0, 1, colour="red")
     with pytest.raises(ValueError, match="2 effects need 2 strengths"):
         draw("freeplay+magnet", (0.1, 0.1, 0.1), 1)

@@ -269,14 +269,10 @@ def test_options_that_contradict_themselves_are_refused_at_once(options: dict[st
         ImportOptions(**options)  # type: ignore[arg-type]
 
 
-def test_a_million_rows_take_seconds(tmp_path: Path) -> None:
-    import time
-
-    t = np.arange(1_000_000) / 1000.0
-    path = tmp_path / "long.csv"
-    block = "".join(f"{a:.3f};{b:.6f};{c:.4f}\n" for a, b, c in zip(t, np.sin(t), np.cos(t), strict=True))
-    path.write_text("Zeit [s];Weg [mm];Beschleunigung [g]\n" + block.replace(".", ","))
-    start = time.perf_counter()
-    recording = read_file(path, ImportOptions())
-    assert recording.samples.shape == (2, 1_000_000)
-    assert time.perf_counter() - start < 10.0  # 2 s on an idle core; the bound is for a busy one
+def test_a_hundred_thousand_rows_with_decimal_commas_are_read_whole(tmp_path: Path) -> None:
+    t = np.arange(100_000) / 1000.0
+    rows = "".join(f"{a:.3f};{b:.6f};{c:.4f}\n" for a, b, c in zip(t, np.sin(t), np.cos(t), strict=True))
+    recording = load(tmp_path, "Zeit [s];Weg [mm];Beschleunigung [g]\n" + rows.replace(".", ","))
+    assert recording.samples.shape == (2, 100_000)
+    assert recording.valid.all()
+    assert recording.samples[0, -1] == pytest.approx(1e-3 * np.sin(t[-1]), abs=1e-9)

@@ -75,7 +75,7 @@ def test_resampling_when_asked_puts_the_samples_where_they_would_have_been(tmp_p
     jitter = np.random.default_rng(3).uniform(-2e-3, 2e-3, T.size)
     text = table(HEADER, T + jitter, moved(T + jitter))
     plain, resampled = load(tmp_path, text), load(tmp_path, text, resample=True)
-    fit = np.polyfit(np.arange(T.size), T + jitter, 1)  # where sample 0 of the even clock lies
+    fit = np.polyfit(np.arange(T.size), T + jitter, 1)  # where sample 0 of the even clock misconfiguration
     truth = moved(np.polyval(fit, np.arange(T.size)))
     inner = slice(3, -3)
     assert np.max(np.abs(plain.samples[0] - truth)[inner]) > 1e-4
@@ -158,3 +158,9 @@ def test_a_few_rows_without_a_stamp_are_left_out(tmp_path: Path) -> None:
     recording = load(tmp_path, "\n".join(lines))
     assert np.flatnonzero(~recording.valid).tolist() == [9]
     assert "without a time stamp" in said(recording)
+
+
+@pytest.mark.parametrize("step", [4.8e-225, 5e-324, 1e-150])
+def test_stamps_that_hardly_advance_are_refused(tmp_path: Path, step: float) -> None:
+    t = np.concatenate(([-step], np.zeros(7)))
+    assert "do not advance" in refusal(tmp_path, table("time_s,displacement_m", t, U[:8], form="%.3g"))
