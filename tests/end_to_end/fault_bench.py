@@ -40,12 +40,11 @@ class Promise:
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """How a capture ended: exit code, what it said on stderr, its session if it left one, seconds it took."""
+    """How a capture ended: exit code, what it said on stderr, its session if it left one."""
 
     code: int
     said: str
     session: Session | None
-    seconds: float
 
 
 def promises(page: Path = PAGE) -> tuple[Promise, ...]:
@@ -73,24 +72,26 @@ def board(line: str, *arguments: str) -> Iterator[str]:
         yield address
 
 
-def station_capture(port: str, folder: Path, *arguments: str, check_clock: bool = False) -> Outcome:
-    """Call the command as an operator does; a sped-up double keeps another time than this computer."""
-    honest = new_session.capture_settings
+@contextlib.contextmanager
+def without_clock_check() -> Iterator[None]:
+    """Capture without comparing clocks: a sped-up double keeps another time than this computer."""
+    checked = new_session.capture_settings
 
     def settings(*given: object, **timing: object) -> object:
-        return dataclasses.replace(honest(*given, **timing), check_clock=check_clock)  # type: ignore[arg-type]
+        return dataclasses.replace(checked(*given, **timing), check_clock=False)  # type: ignore[arg-type]
 
-    told, said, began = io.StringIO(), io.StringIO(), time.monotonic()
+    with mock.patch.object(new_session, "capture_settings", settings):
+        yield
+
+
+def station_capture(port: str, folder: Path, *arguments: str) -> Outcome:
+    """Call the command as an operator does."""
+    printed, said = io.StringIO(), io.StringIO()
     words = ["capture", "--port", port, "--session", str(folder), "--no-viewer", *arguments]
-    with (
-        mock.patch.object(new_session, "capture_settings", settings),
-        contextlib.redirect_stdout(told),
-        contextlib.redirect_stderr(said),
-    ):
+    with without_clock_check(), contextlib.redirect_stdout(printed), contextlib.redirect_stderr(said):
         code = cli.run(words)
-    seconds = time.monotonic() - began
     session = Session.open(folder) if (folder / "session.json").exists() else None
-    return Outcome(code, said.getvalue(), session, seconds)
+    return Outcome(code, said.getvalue(), session)
 
 
 def inject(promise: Promise, line: str, folder: Path, speed: float, seed: int, *timing: str) -> Outcome:
@@ -106,30 +107,30 @@ def inject(promise: Promise, line: str, folder: Path, speed: float, seed: int, *
 
 
 class Silence(CaptureObserver):
-    """When the last samples of a board came, and when its silence was told (s, this computer's clock)."""
+    """When the last samples of a board came, and when its silence was announced (s, this computer's clock)."""
 
     def __init__(self) -> None:
-        self.last = self.told = 0.0
+        self.last = self.announced = 0.0
 
     def block(self, first_index: int, samples: object) -> None:
         self.last = time.monotonic()
 
     def state(self, name: str, detail: str) -> None:
         if "nothing came" in detail:
-            self.told = time.monotonic()
+            self.announced = time.monotonic()
 
 
 def silence(line: str, folder: Path, at: float = 2.0) -> tuple[float, float]:
     """Let a board fall silent `at` seconds into its stream, in real time.
 
-    Return how long after its last samples the operator was told, and the board given up (s).
+    Return how long after its last samples this was announced, and the board given up (s).
     """
     watch = Silence()
     with board(line, "--seed", "5", "--fault", f"stall:30@{at:g}") as port:
         try:
             capture(port, CaptureSettings(), folder / "s", watch)
         except Stalled:
-            return watch.told - watch.last, time.monotonic() - watch.last
+            return watch.announced - watch.last, time.monotonic() - watch.last
     raise AssertionError("a board that had stalled was recorded to the end")
 
 
@@ -159,14 +160,14 @@ def _held(port: str) -> Iterator[None]:
 
 def _forbidden(line: str, folder: Path, double: tuple[str, ...], timing: tuple[str, ...]) -> Outcome:
     """Permissions do not bind root, who therefore steps down for as long as the port is opened."""
-    honest = port_module.open_port
+    real = port_module.open_port
 
     def step_down(name: str) -> Port:
         is_root = os.geteuid() == 0
         if is_root:
             os.seteuid(NOBODY)
         try:
-            return honest(name)
+            return real(name)
         finally:
             if is_root:
                 os.seteuid(0)
