@@ -73,7 +73,7 @@ class PreparedDecay:
 
 
 def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -> PreparedDecay:
-    """Make one release ready to be fitted: locate and align it, reconstruct the motion, cut the record where friction takes over.
+    """Make one release ready to be fitted: locate, align, reconstruct the motion, cut the record where friction takes over.
 
     `gain_uncertainty` is the relative uncertainty of the gain between the
     two channels that their calibrations leave open, 0 where they say nothing. Where a recorded force drives the motion
