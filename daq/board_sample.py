@@ -37,7 +37,7 @@ def sample_board(port: str, seconds: float, rate_hz: float = 0.0) -> BoardSample
         return BoardSample(
             hello,
             assembly.recording(),
-            assembly.host_clock(),
+            assembly.samples.host_clock(),
             link.statistics.damaged,
             tuple(assembly.contradictions),
         )

@@ -239,7 +239,7 @@ class _Capture:
 
 def _rate_std(assembly: Assembly) -> float | None:
     """Return how far the board's rate is known by this computer's clock (Hz); None when the two disagree."""
-    clock = assembly.host_clock()
+    clock = assembly.samples.host_clock()
     if clock is None or not np.isfinite(clock.std) or abs(clock.rate / assembly.rate - 1) > 0.005:
         return None
     return max(clock.std, abs(clock.rate - assembly.rate))

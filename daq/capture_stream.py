@@ -83,7 +83,7 @@ class CaptureStream:
             return (
                 f"the board has been silent for {GIVE_UP_S:g} s; {kept}. Check cable and board, or reset it"
             )
-        clock, rate = self._link.assembly.host_clock(), self._link.assembly.rate
+        clock, rate = self._link.assembly.samples.host_clock(), self._link.assembly.rate
         if clock is not None and clock.rate < 0.9 * rate:
             return (
                 f"only {clock.rate:.0f} of {rate:g} samples per second came, then none for"

@@ -256,13 +256,13 @@ def _board_reports(findings: _Findings, assembly: Assembly) -> None:
 
 
 def _clocks(findings: _Findings, assembly: Assembly, check_host: bool) -> None:
-    board, rate = assembly.board_clock(), assembly.rate
+    board, rate = assembly.samples.board_clock(), assembly.rate
     if board is not None and abs(board.rate / rate - 1) > max(CLOCK_LIMIT, 5 * board.std / rate):
         findings.reject(
             f"the board says {rate:g} Hz, but its own clock says {board.rate:.6g} Hz", "correct the firmware"
         )
         return
-    host = assembly.host_clock()
+    host = assembly.samples.host_clock()
     if not check_host or host is None or host.span < SHORTEST_CLOCK_S:
         return
     if abs(host.rate / rate - 1) > max(CLOCK_LIMIT, 5 * host.std / rate):

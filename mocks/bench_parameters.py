@@ -21,7 +21,7 @@ class BenchParameters:
     mu_1: float
     amplitude: float
     lag: float
-    hand: float
+    release_time: float
     released_at: float
     offset_displacement: float
     offset_acceleration: float
@@ -44,7 +44,7 @@ class BenchParameters:
     @property
     def release(self) -> Release:
         """How the mass is let go."""
-        return Release(self.amplitude, self.velocity, self.hand)
+        return Release(self.amplitude, self.velocity, self.release_time)
 
     @property
     def sensors(self) -> dict[str, Sensor]:
@@ -87,7 +87,7 @@ def draw_parameters(seed: int, fixed: dict[str, Any]) -> BenchParameters:
         mu_1=random.uniform(0.25, 0.30),
         amplitude=side * random.uniform(0.015, 0.025),
         lag=random.uniform(-3e-3, 3e-3),
-        hand=draw_hand(random),
+        release_time=draw_release_time(random),
         released_at=rest + random.random() / rate,
         offset_displacement=random.uniform(-2e-4, 2e-4),
         offset_acceleration=random.uniform(-0.05, 0.05),
@@ -97,6 +97,6 @@ def draw_parameters(seed: int, fixed: dict[str, Any]) -> BenchParameters:
     return dataclasses.replace(drawn, **fixed)
 
 
-def draw_hand(random: np.random.Generator) -> float:
-    """Return how long a hand takes to let go, s: no time in one half of the cases, else 2-12 ms."""
+def draw_release_time(random: np.random.Generator) -> float:
+    """Return how long letting go takes, s: no time in one half of the cases, else 2-12 ms."""
     return float(random.random() < 0.5) * random.uniform(0.002, 0.012)

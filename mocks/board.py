@@ -171,18 +171,8 @@ class Board:
         )
 
     def _describe(self) -> Describe:
-        form = self._settings.format
-        whole = form in (SampleFormat.I16, SampleFormat.I32)
-        channels = tuple(
-            dataclasses.replace(
-                channel,
-                rate_hz=self._settings.rate,
-                scale=channel.scale if whole else 1.0,
-                offset=channel.offset if whole else 0.0,
-            )
-            for channel in self._channels
-        )
-        return self._misconfiguration.description(Describe(form, channels))
+        channels = _described(self._channels, self._settings)
+        return self._misconfiguration.description(Describe(self._settings.format, channels))
 
     def _configure(self, frame: Frame, wanted: Config) -> None:
         rate = wanted.rate_hz or self._settings.rate
@@ -250,3 +240,19 @@ class Board:
             self._ack(frame)
         else:
             self._nack(frame, NackCode.NOT_HELD, f"{wanted.count - sent} of these samples are not held")
+
+
+def _described(
+    channels: tuple[ChannelDescription, ...], settings: Settings
+) -> tuple[ChannelDescription, ...]:
+    """Return the channels at the rate and format set: floating-point samples are in SI units already."""
+    whole = settings.format in (SampleFormat.I16, SampleFormat.I32)
+    return tuple(
+        dataclasses.replace(
+            channel,
+            rate_hz=settings.rate,
+            scale=channel.scale if whole else 1.0,
+            offset=channel.offset if whole else 0.0,
+        )
+        for channel in channels
+    )

@@ -76,9 +76,9 @@ def parser() -> argparse.ArgumentParser:
         "--releases", default="", help="paper, or a list of mm (-25,20) and velocities (v0.4, m/s)"
     )
     parser.add_argument("--hide", action="append", default=[], metavar="NAME:STRENGTH", help="hide an effect")
-    parser.add_argument("--seed", type=int, default=1, help="of bench, sensors, hand, noise and faults")
+    parser.add_argument("--seed", type=int, default=1, help="of bench, sensors, release, noise and faults")
     parser.add_argument("--lag-ms", type=float, help="how late the displacement is; else drawn, +-3 ms")
-    parser.add_argument("--hand-ms", type=float, help="how long the hand takes to let go; else drawn")
+    parser.add_argument("--release-ms", type=float, help="how long letting go takes; else drawn")
     parser.add_argument("--fault", action="append", default=[], metavar="NAME[:AMOUNT]", help="see below")
     parser.add_argument("--memory-s", type=float, help="seconds of samples kept for RESEND; else 12")
     parser.add_argument("--truth", type=Path, metavar="FILE", help="write what is simulated, JSON")

@@ -50,7 +50,7 @@ def draw(effect: str | None, strength: float | tuple[float, ...], seed: int, **f
 
     `fixed` pins what is otherwise drawn: any field of `BenchParameters`, and `parameters`
     ({effect: {name: value}}; one that pins an effect's first parameter switches the search for
-    its strength off). The same seed draws the same bench, hand, sensors and noise whatever is
+    its strength off). The same seed draws the same bench, release, sensors and noise whatever is
     hidden. ValueError for a name that cannot be hidden or a strength that cannot be reached.
     """
     pinned: Pinned = fixed.pop("parameters", {})
@@ -105,7 +105,7 @@ def described(drawn: BenchParameters) -> dict[str, Any]:
         "mu_1": drawn.mu_1,
         "mass_kg": drawn.bench.mass,
         "gain": 1.0 + drawn.gain_error,
-        "hand_s": drawn.hand,
+        "hand_s": drawn.release_time,
         "released_at_s": drawn.released_at,
         "from_m": drawn.amplitude,
         "velocity_m_s": drawn.velocity,

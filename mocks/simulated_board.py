@@ -17,7 +17,7 @@ from firmware_protocol import ChannelDescription
 from mocks import faults as wire
 from mocks import generate
 from mocks.acquisition import Acquisition, Converter
-from mocks.bench_parameters import draw_hand, draw_parameters
+from mocks.bench_parameters import draw_parameters, draw_release_time
 from mocks.board import Board
 from mocks.effect_scaling import add_effects
 from mocks.forces import PARAMETERS
@@ -44,12 +44,12 @@ class SimulatedBoard:
         fixed: dict[str, float] = {}
         if options.lag_ms is not None:
             fixed["lag"] = options.lag_ms * 1e-3
-        if options.hand_ms is not None:
-            fixed["hand"] = options.hand_ms * 1e-3
+        if options.release_ms is not None:
+            fixed["release_time"] = options.release_ms * 1e-3
         self.misconfiguration, bumped, line_faults, fixed_range = _sort_faults(options.fault, self._random)
         self.drawn = draw_parameters(options.seed, fixed | fixed_range)
         releases = parse_releases(
-            options.releases or f"{self.drawn.amplitude * 1e3:.6f}", self._hands(options)
+            options.releases or f"{self.drawn.amplitude * 1e3:.6f}", self._release_times(options)
         )
         strengths = dict(_strength(text) for text in options.hide)
         self._add_hidden(strengths, releases)
@@ -74,11 +74,11 @@ class SimulatedBoard:
             memory,
         )
 
-    def _hands(self, options: argparse.Namespace) -> Iterator[float]:
+    def _release_times(self, options: argparse.Namespace) -> Iterator[float]:
         random = np.random.default_rng([options.seed, 9])
         while True:
-            drawn = draw_hand(random)
-            yield self.drawn.hand if options.hand_ms is not None else drawn
+            drawn = draw_release_time(random)
+            yield self.drawn.release_time if options.release_ms is not None else drawn
 
     def _add_hidden(self, strengths: dict[str, float], releases: tuple[Release, ...]) -> None:
         """Fix the size of everything hidden on the largest release of the sequence."""
@@ -90,7 +90,10 @@ class SimulatedBoard:
         self.bench, reached = add_effects(plain, largest, physics, self._options.seed)
         sensor = {n: s for n, s in strengths.items() if n in SENSOR_FAULTS}
         reference = dataclasses.replace(
-            self.drawn, amplitude=largest.displacement, velocity=largest.velocity, hand=largest.hand
+            self.drawn,
+            amplitude=largest.displacement,
+            velocity=largest.velocity,
+            release_time=largest.release_time,
         )
         found = generate.find_faults(self.bench, reference, sensor, self._options.seed, {})[1]
         if "dropouts" in sensor:
@@ -118,7 +121,7 @@ class SimulatedBoard:
                     "sample": sample,
                     "from_m": episode.release.displacement,
                     "velocity_m_s": episode.release.velocity,
-                    "hand_s": episode.release.hand,
+                    "hand_s": episode.release.release_time,
                 }
             )
             self.write_truth()

@@ -285,6 +285,33 @@ def test_a_disk_that_refuses_at_once_is_reported_before_the_mass_is_released(tmp
     assert session.folder == tmp_path / "t"
 
 
+def clocked(board: ScriptedBoard, rate: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let this computer's clock run as if the board sampled at `rate` Hz."""
+    monkeypatch.setattr("daq.raw_log.host_time", lambda: 1e9 + board.sent / rate)
+
+
+def test_the_rate_is_compared_with_this_computers_clock(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    board = ScriptedBoard(SAMPLES)
+    clocked(board, 1.002 * RATE, monkeypatch)
+    session = capture(board, CaptureSettings(), tmp_path / "s")
+    assert session.info.verdict == "OK"
+    # Reads hold one to three frames of 16 samples, whose times are then those of the last: some 1e-4.
+    assert session.recording().rate_std == pytest.approx(0.002 * RATE, rel=0.2)
+
+
+def test_a_rate_that_this_computers_clock_contradicts_is_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    board = ScriptedBoard(SAMPLES)
+    clocked(board, 1.1 * RATE, monkeypatch)
+    session = capture(board, CaptureSettings(), tmp_path / "s")
+    assert session.recording().rate_std is None
+    assert session.verdict is not None
+    assert "of this computer's clock" in session.verdict.reasons[0]
+
+
 @pytest.mark.parametrize(
     "wrong",
     [

@@ -93,7 +93,7 @@ def test_samples_sent_again_fill_the_gap_however_they_are_cut() -> None:
 def test_a_frame_that_comes_twice_counts_once() -> None:
     made = assembly(data(0), data(16))
     made.take(Frame(3, 0, data(16)), 0.0)
-    assert made.duplicates == 1
+    assert made.samples.duplicates == 1
     assert made.contradictions == []
     assert made.recording().samples.shape == (2, 32)
 
@@ -194,7 +194,7 @@ def test_the_clock_of_the_board_is_measured() -> None:
         Data(i, round(i / (RATE * 1.01) * 1e6), 0, N, 2, SampleFormat.F64, data(i).samples)
         for i in range(0, 320, N)
     ]
-    clock = assembly(*lying).board_clock()
+    clock = assembly(*lying).samples.board_clock()
     assert clock is not None
     # microseconds over 1.2 s: one part in a million
     assert clock.rate == pytest.approx(RATE * 1.01, rel=1e-6)

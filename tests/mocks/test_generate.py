@@ -173,7 +173,7 @@ def test_another_programs_releases_are_reproduced_to_their_noise():
             if name == "end_stop":
                 values["side"] = 1.0  # Theirs stands on the positive side.
             if name == "hysteresis":
-                values["z_start"] = 0.0  # Theirs has relaxed in the hand.
+                values["z_start"] = 0.0  # Theirs has relaxed while held.
             if name == "magnet":
                 values["q"] = -values["q"]  # Theirs pulls towards positive displacement.
         truth["parameters"] = parameters if len(names) > 1 else parameters.get((names or [""])[0], {})

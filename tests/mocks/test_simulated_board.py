@@ -94,7 +94,7 @@ def test_the_program_samples_as_the_thread_does(host):
 def test_a_sequence_goes_on_by_itself_and_from_capture_to_capture(host, tmp_path):
     file = tmp_path / "truth.json"
     with running(
-        "--pty", *FAST, "--releases", "-25,20,v0.4", "--hand-ms", "0", "--truth", str(file)
+        "--pty", *FAST, "--releases", "-25,20,v0.4", "--release-ms", "0", "--truth", str(file)
     ) as address:
         connected = host(address)
         capture(connected, 45)
@@ -157,7 +157,16 @@ def test_a_board_left_sampling_by_a_dead_host_can_be_stopped_by_the_next():
 def test_a_hidden_effect_is_in_the_motion(host, tmp_path):
     file = tmp_path / "truth.json"
     with running(
-        "--pty", *FAST, "--releases", "22", "--hide", "freeplay:0.02", "--hand-ms", "0", "--truth", str(file)
+        "--pty",
+        *FAST,
+        "--releases",
+        "22",
+        "--hide",
+        "freeplay:0.02",
+        "--release-ms",
+        "0",
+        "--truth",
+        str(file),
     ) as address:
         (index, seen), _ = capture(host(address))
         truth = json.loads(file.read_text())
