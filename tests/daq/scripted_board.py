@@ -90,6 +90,7 @@ class ScriptedBoard:
         self._lock = threading.Lock()
         self._sequence = 0
         self.sent = 0
+        self.at_most = samples.shape[1]  # samples in one read
         self._dropped_before = 0
         self._started: float | None = None
         self.closed = False
@@ -152,7 +153,8 @@ class ScriptedBoard:
             return
         due = int((time.monotonic() - self._started) * self._hurry)
 
-        while self.sent + self._per_frame <= min(due, self.samples.shape[1]):
+        due = min(due, self.sent + self.at_most, self.samples.shape[1])
+        while self.sent + self._per_frame <= due:
             first = self.sent
             if self.unplugged_at is not None and first >= self.unplugged_at:
                 if self._out:  # what left the board before the cable did arrives
@@ -179,9 +181,9 @@ class ScriptedBoard:
 
     def _end(self) -> None:
         check = 0
-        for first in self.sent_blocks():
+        for first in self._sent_blocks():
             check = crc32(self._data(first, self._per_frame).samples, check)
-        self._send(End(self.sent, self.sent - len(self.sent_blocks()) * self._per_frame, check))
+        self._send(End(self.sent, self.sent - len(self._sent_blocks()) * self._per_frame, check))
 
     def _resend(self, sequence: int, request: Resend) -> None:
         first = max(request.first, self.sent - self.held)

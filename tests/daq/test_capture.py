@@ -286,7 +286,8 @@ def test_a_disk_that_refuses_at_once_is_reported_before_the_mass_is_released(tmp
 
 
 def clocked(board: ScriptedBoard, rate: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let this computer's clock run as if the board sampled at `rate` Hz."""
+    """Let this computer's clock run as if the board sampled at `rate` Hz, and frames come one by one."""
+    board.at_most = 16
     monkeypatch.setattr("daq.raw_log.host_time", lambda: 1e9 + board.sent / rate)
 
 
@@ -297,8 +298,7 @@ def test_the_rate_is_compared_with_this_computers_clock(
     clocked(board, 1.002 * RATE, monkeypatch)
     session = capture(board, CaptureSettings(), tmp_path / "s")
     assert session.info.verdict == "OK"
-    # Reads hold one to three frames of 16 samples, whose times are then those of the last: some 1e-4.
-    assert session.recording().rate_std == pytest.approx(0.002 * RATE, rel=0.2)
+    assert session.recording().rate_std == pytest.approx(0.002 * RATE, rel=1e-3)
 
 
 def test_a_rate_that_this_computers_clock_contradicts_is_reported(
