@@ -44,8 +44,8 @@ class Comparison(Summarised):
     its source.
     `time` (n,) is in s since the release; `free_run_misfit` (cycles,) the rms misfit of the free run in units of the
     noise, cycle by cycle; `displacement`, `velocity`, `residual_force` (n,) the measured motion and measured less
-    model force per unit mass along it. `places` are the worst ones; `summary` is the first in a sentence, `cause` says whether to
-    look at a sensor or at physics.
+    model force per unit mass along it. `places` are the worst ones; `summary` is the first in a sentence, `cause` says
+    whether to look at a sensor or at physics.
     """
 
     force_error: float
