@@ -23,7 +23,7 @@ def neighbours(folder: Path, noises: list[float], board: BoardInfo = BOARD) -> N
         (place / "session.json").write_text(info.model_dump_json())
 
 
-def test_the_usual_noise_is_the_median_of_the_same_boards_sessions(tmp_path: Path) -> None:
+def test_the_typical_noise_is_the_median_of_the_same_boards_sessions(tmp_path: Path) -> None:
     neighbours(tmp_path, [4e-6, 5e-6, 90e-6])
     neighbours(tmp_path, [1.0, 1.0, 1.0], BoardInfo(board="b", unique_id="78"))
     (tmp_path / "broken").mkdir()
@@ -39,7 +39,7 @@ def test_a_pipe_among_the_neighbours_is_not_waited_for(tmp_path: Path) -> None:
     assert typical_noise(tmp_path / "new", SessionInfo(board=BOARD)) == {"x": 5e-6}
 
 
-def test_two_sessions_are_too_few_to_say_what_is_usual(tmp_path: Path) -> None:
+def test_two_sessions_are_too_few_to_say_what_is_typical(tmp_path: Path) -> None:
     neighbours(tmp_path, [4e-6, 5e-6])
     assert typical_noise(tmp_path / "new", SessionInfo(board=BOARD)) == {}
 
@@ -48,7 +48,7 @@ def recording(samples: np.ndarray) -> Recording:
     return Recording(RATE, (X, A), samples, np.ones(samples.shape[1], dtype=bool), trigger=256)
 
 
-def test_noise_above_its_usual_is_told_with_both_figures() -> None:
+def test_noise_above_the_typical_is_reported_with_both_figures() -> None:
     good = recording(decay(2304, 256))
     verdict = judge(good, noise={"x": 2e-5}, typical={"x": 5e-6})
     assert verdict.grade is Grade.USABLE
@@ -56,7 +56,7 @@ def test_noise_above_its_usual_is_told_with_both_figures() -> None:
     assert judge(good, noise={"x": 1.4e-5}, typical={"x": 5e-6}).grade is Grade.OK
 
 
-def test_a_trigger_by_a_touch_long_before_the_release_is_told() -> None:
+def test_a_trigger_by_a_touch_long_before_the_release_is_reported() -> None:
     late = recording(decay(2304, 1000))  # the trigger is at sample 256
     verdict = judge(late)
     assert verdict.grade is Grade.USABLE

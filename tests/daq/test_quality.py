@@ -89,7 +89,7 @@ def test_a_trigger_that_came_early_is_said() -> None:
     assert any("before the release" in r for r in judge(replace(good(), trigger=20)).reasons)
 
 
-def test_a_verdict_tells_what_to_do() -> None:
+def test_a_verdict_says_what_to_do() -> None:
     assert judge(lost(800, 16)).advice
 
 

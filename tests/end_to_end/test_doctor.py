@@ -19,20 +19,20 @@ pytestmark = pytest.mark.skipif(os.name == "nt", reason="this system has no pty"
 
 def doctor(*arguments: str) -> tuple[int, dict[str, tuple[str, str]], str]:
     """Return exit code, {check: (grade, found)} and what the terminal would show of the same."""
-    told = io.StringIO()
-    with contextlib.redirect_stdout(told), contextlib.redirect_stderr(io.StringIO()):
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(io.StringIO()):
         code = cli.run(["doctor", *arguments, "--json"])
-    findings = json.loads(told.getvalue())["findings"]
+    findings = json.loads(printed.getvalue())["findings"]
     assert all(f["remedy"] for f in findings if f["grade"] == "FAIL")
-    return code, {f["check"]: (f["grade"], f["found"]) for f in findings}, told.getvalue()
+    return code, {f["check"]: (f["grade"], f["found"]) for f in findings}, printed.getvalue()
 
 
 def test_a_sound_board_passes_in_real_time_and_fits_80_columns() -> None:
-    told = io.StringIO()
-    with board("pty", "--seed", "5") as port, contextlib.redirect_stdout(told):
+    printed = io.StringIO()
+    with board("pty", "--seed", "5") as port, contextlib.redirect_stdout(printed):
         code = cli.run(["doctor", "--port", port])
     assert code == 0
-    lines = told.getvalue().splitlines()
+    lines = printed.getvalue().splitlines()
     assert max(map(len, lines)) <= 80
     assert not any(line.startswith("FAIL") for line in lines)
     assert any(line.startswith("PASS rate") for line in lines)

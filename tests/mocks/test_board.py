@@ -314,20 +314,20 @@ def test_another_major_version_of_the_host_is_answered_by_hello():
     assert isinstance(bench.hear()[0], Hello)
 
 
-def test_lie_of_the_version():
+def test_a_board_of_a_wrong_version():
     bench = Bench(misconfiguration=Misconfiguration(wrong_version=True))
     bench.say(HelloRequest())
     assert bench.hear() == [OtherVersion(2), OtherVersion(2)]
 
 
-def test_lie_of_the_rate_shows_in_the_boards_own_time_stamps():
+def test_a_wrong_rate_shows_in_the_boards_own_time_stamps():
     bench = Bench(misconfiguration=Misconfiguration(rate=1.01, time_stamp_rate=1.01))
     bench.say(Start())
     data = of(Data, bench.hear(10.0))
-    told = (
+    printed = (
         (data[-1].first_index - data[0].first_index) * 1e6 / (data[-1].board_time_us - data[0].board_time_us)
     )
-    assert told == pytest.approx(256.0 * 1.01, rel=1e-6)
+    assert printed == pytest.approx(256.0 * 1.01, rel=1e-6)
     assert data[-1].first_index + data[-1].n == pytest.approx(2560 * 1.01, abs=17)
 
 
@@ -335,14 +335,14 @@ def test_a_fast_clock_shows_against_the_hosts_clock_only():
     bench = Bench(misconfiguration=Misconfiguration(rate=1.002, clock=1.002))
     bench.say(Start())
     data = of(Data, bench.hear(20.0))
-    told = data[-1].first_index * 1e6 / (data[-1].board_time_us - data[0].board_time_us)
-    assert told == pytest.approx(256.0, rel=1e-6)
+    printed = data[-1].first_index * 1e6 / (data[-1].board_time_us - data[0].board_time_us)
+    assert printed == pytest.approx(256.0, rel=1e-6)
     bench.say(TimeSync(0))
     assert of(TimeSync, bench.hear())[0].board_time_us == pytest.approx(20.04e6, rel=1e-6)
     assert data[-1].first_index + data[-1].n == pytest.approx(20 * 256 * 1.002, abs=17)
 
 
-def test_lie_of_the_description_contradicts_data():
+def test_a_wrong_description_contradicts_data():
     bench = Bench(misconfiguration=Misconfiguration(describe=True))
     bench.say(HelloRequest())
     describe = of(Describe, bench.hear())[0]
@@ -351,7 +351,7 @@ def test_lie_of_the_description_contradicts_data():
     assert (len(describe.channels), describe.format) != (data.channels, data.format)
 
 
-def test_lie_of_the_counters_leaves_a_hole_that_nobody_can_fill():
+def test_a_wrong_counter_leaves_a_hole_that_nobody_can_fill():
     bench = Bench(misconfiguration=Misconfiguration(counter=True))
     bench.say(Start())
     messages = bench.hear(5.0)

@@ -171,7 +171,7 @@ def test_the_late_channel_is_the_early_one_shifted_exactly():
     np.testing.assert_allclose(late, shifted, atol=EXACT_M)
 
 
-def test_a_hand_that_takes_its_time_never_moves_the_mass_before_it_begins():
+def test_a_release_that_takes_its_time_never_moves_the_mass_before_it_begins():
     time = np.sort(np.concatenate([np.linspace(-1.0, 0.0, 500, endpoint=False), np.linspace(0.0, 0.02, 401)]))
     motion = simulate(Bench(STIFFNESS, 0.13, 0.277), Release(-0.02, release_time=0.02), time)
     assert np.all(motion.displacement[time <= 0.0] == -0.02)
@@ -184,7 +184,7 @@ def test_a_hand_that_takes_its_time_never_moves_the_mass_before_it_begins():
     assert np.all(np.diff(motion.displacement[moving]) > 0.0)
 
 
-def test_a_slow_hand_leaves_the_mass_where_the_ideal_one_does_half_its_time_later():
+def test_a_slow_release_leaves_the_mass_where_the_ideal_one_does_half_its_time_later():
     bench = Bench(STIFFNESS, 0.0, 0.0)
     grid = np.linspace(0.5, 1.0, 301)
     slow = simulate(bench, Release(0.02, release_time=0.004), grid).displacement

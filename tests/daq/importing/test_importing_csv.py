@@ -108,7 +108,7 @@ def test_empty_cells_are_invalid_and_never_filled(tmp_path: Path) -> None:
     assert "line 22" in said(recording)
 
 
-def test_a_cell_of_text_is_told_by_line_and_column(tmp_path: Path) -> None:
+def test_a_cell_of_text_is_reported_by_line_and_column(tmp_path: Path) -> None:
     lines = table("time_s,displacement_m", T, U).splitlines()
     lines[41] = lines[41].split(",")[0] + ",overlaod"
     message = refusal(tmp_path, "\n".join(lines))
@@ -123,7 +123,7 @@ def test_text_in_a_column_that_nobody_needs_does_no_harm(tmp_path: Path) -> None
     assert recording.valid.all()
 
 
-def test_a_row_with_too_many_cells_is_told_by_line(tmp_path: Path) -> None:
+def test_a_row_with_too_many_cells_is_reported_by_line(tmp_path: Path) -> None:
     lines = table("time_s,displacement_m", T, U).splitlines()
     lines[10] += ",5"
     assert "line 11, column 3" in refusal(tmp_path, "\n".join(lines))
