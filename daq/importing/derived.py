@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from daq.importing.quantisation import quantum
-from daq.recording import Array, Mask
+from daq.recording import Array, Mask, runs
 
 REACH = 6
 MIN_ROWS = 40
@@ -143,12 +143,8 @@ def _by_regression(
 
 def _longest(valid: Mask) -> slice:
     """Return the longest run of valid samples, cut to MAX_ROWS."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], valid.astype(np.int8), [0]))))
-    if not len(edges):
-        return slice(0, 0)
-    starts, stops = edges[::2], edges[1::2]
-    k = int(np.argmax(stops - starts))
-    return slice(int(starts[k]), int(min(stops[k], starts[k] + MAX_ROWS)))
+    start, stop = max(runs(valid), key=lambda run: run[1] - run[0], default=(0, 0))
+    return slice(start, min(stop, start + MAX_ROWS))
 
 
 def _rms(values: Array) -> float:

@@ -19,7 +19,6 @@ SI = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": 
 SI_ROTATION = {"displacement": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "force": "Nm"}
 DIRECTIONS = {0: "", 1: "+X", 2: "+Y", 3: "+Z", 4: "+RX", 5: "+RY", 6: "+RZ"}
 DIRECTIONS |= {-k: text.replace("+", "-") for k, text in DIRECTIONS.items() if k}
-MARK = re.compile(rb"^ {4}-1[ ]*\r?$", re.M)
 MAX_TRACES = 2000
 NO_TEXT = ("", "none", "null")
 

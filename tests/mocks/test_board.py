@@ -324,10 +324,10 @@ def test_a_wrong_rate_shows_in_the_boards_own_time_stamps():
     bench = Bench(misconfiguration=Misconfiguration(rate=1.01, time_stamp_rate=1.01))
     bench.say(Start())
     data = of(Data, bench.hear(10.0))
-    printed = (
+    rate = (
         (data[-1].first_index - data[0].first_index) * 1e6 / (data[-1].board_time_us - data[0].board_time_us)
     )
-    assert printed == pytest.approx(256.0 * 1.01, rel=1e-6)
+    assert rate == pytest.approx(256.0 * 1.01, rel=1e-6)
     assert data[-1].first_index + data[-1].n == pytest.approx(2560 * 1.01, abs=17)
 
 
@@ -335,8 +335,8 @@ def test_a_fast_clock_shows_against_the_hosts_clock_only():
     bench = Bench(misconfiguration=Misconfiguration(rate=1.002, clock=1.002))
     bench.say(Start())
     data = of(Data, bench.hear(20.0))
-    printed = data[-1].first_index * 1e6 / (data[-1].board_time_us - data[0].board_time_us)
-    assert printed == pytest.approx(256.0, rel=1e-6)
+    rate = data[-1].first_index * 1e6 / (data[-1].board_time_us - data[0].board_time_us)
+    assert rate == pytest.approx(256.0, rel=1e-6)
     bench.say(TimeSync(0))
     assert of(TimeSync, bench.hear())[0].board_time_us == pytest.approx(20.04e6, rel=1e-6)
     assert data[-1].first_index + data[-1].n == pytest.approx(20 * 256 * 1.002, abs=17)
