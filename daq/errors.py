@@ -14,7 +14,7 @@
     |  `- PortForbidden           no permission
     |- BoardError              4  the board's fault
     |  |- VersionRefused          another major version of the protocol
-    |  |- BoardRefused            the board said no, in its own words
+    |  |- BoardRefused            the board refused, for the reason it gave
     |  `- ProtocolError           the board does not keep to the protocol
     |- DataLost                5  more samples lost than the limit allows
     |- LinkLost                6  the connection ended before the recording did

@@ -1,4 +1,4 @@
-"""A replay: a session's raw bytes through the decoder that heard them live, at any speed, to an observer."""
+"""A replay: a session's raw bytes through the same decoder as live, at any speed, to an observer."""
 
 import time
 from dataclasses import dataclass

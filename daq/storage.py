@@ -90,7 +90,7 @@ def write_whole(path: Path, data: bytes) -> None:
     """Write a file so that after any crash the old or the new content is there: temporary, sync, rename."""
     temporary = path.with_name(f".{path.name}.new")
     try:
-        temporary.unlink(missing_ok=True)  # may be a stranger's link to elsewhere
+        temporary.unlink(missing_ok=True)  # it may be a link to another place
         with temporary.open("xb") as file:
             file.write(data)
             file.flush()

@@ -28,7 +28,7 @@ def suspicions(displacement: Array, acceleration: Array, rate: float) -> tuple[S
     """
     if len(displacement) < SHORTEST or not (np.ptp(displacement) and np.ptp(acceleration)):
         return ()
-    with np.errstate(over="ignore", invalid="ignore"):  # a stranger's file may hold numbers near the largest
+    with np.errstate(over="ignore", invalid="ignore"):  # a file may hold numbers near the largest
         x = displacement - displacement[-len(displacement) // 8 :].mean()
         a = acceleration - acceleration.mean()
         finite = np.isfinite((x @ x) * (a @ a))

@@ -87,7 +87,7 @@ class Capture:
         return bool(self.count) and self.sampled >= self.count
 
     def take(self, due: int) -> list[Event]:
-        """Sample `due` times; keep what fits, drop the rest, and return what befell the samples."""
+        """Sample `due` times; keep what fits, drop the rest, and return the events."""
         if self.count:
             due = min(due, self.count - self.sampled)
         if due <= 0:

@@ -1,4 +1,4 @@
-"""`python -m mocks.mystery --seed N ...`: the bench's double with something hidden that nobody chose.
+"""`python -m mocks.mystery --seed N ...`: the bench's double with an effect hidden that its seed draws.
 
 What it is depends on the seed alone and stands in the `--truth` file only.
 """
