@@ -1,0 +1,53 @@
+"""The pages of the API reference: one for each room, with every module in it, from the folders as they are."""
+
+import ast
+from pathlib import Path
+
+PACKAGES = ("identify", "daq", "firmware_protocol")
+"""The packages that a program may call; `station` is a program, `mocks` a test bench."""
+
+
+def reference_pages(root: Path) -> dict[str, str]:
+    """Return the text of each page by its place on the site: a package's own modules, then each of its rooms."""
+    pages = {}
+    for package in PACKAGES:
+        rooms = [
+            folder for folder in sorted((root / package).iterdir()) if (folder / "__init__.py").is_file()
+        ]
+        own = [module for module in modules(root / package) if module not in ("__init__", "__main__")]
+        links = "".join(
+            f"- [`{package}.{room.name}`]({package}/{room.name}.md): {idea(room)}\n" for room in rooms
+        )
+        pages[f"reference/{package}.md"] = (
+            f"# {package}\n\n{idea(root / package)}\n\n{links}\n{sections(package, own, face(root / package))}"
+        )
+        for room in rooms:
+            name = f"{package}.{room.name}"
+            below = [f"{inner.name}.{module}" for inner in sorted(room.iterdir()) if (inner / "__init__.py").is_file()
+                     for module in modules(inner)]  # fmt: skip
+            text = sections(name, [m for m in (*modules(room), *below) if not m.endswith("__init__")])
+            pages[f"reference/{package}/{room.name}.md"] = f"# {name}\n\n{idea(room)}\n\n{text}"
+    return pages
+
+
+def modules(folder: Path) -> list[str]:
+    """Return the names of the modules of a package that are not private."""
+    return sorted(path.stem for path in folder.glob("*.py") if path.stem == "__init__" or path.stem[0] != "_")
+
+
+def idea(folder: Path) -> str:
+    """Return the first line of a package's docstring."""
+    text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) or ""
+    return text.partition("\n")[0]
+
+
+def face(folder: Path) -> bool:
+    """Return whether a package offers names of its own, and not only modules."""
+    tree = ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))
+    return any(not isinstance(node, ast.Expr) for node in tree.body)
+
+
+def sections(package: str, names: list[str], with_package: bool = False) -> str:
+    """Return the Markdown that mkdocstrings turns into the reference of some modules."""
+    identifiers = ([package] if with_package else []) + [f"{package}.{name}" for name in names]
+    return "\n".join(f"::: {identifier}\n" for identifier in identifiers)
