@@ -10,7 +10,7 @@ from identify.fitting.fit import Fit, fit
 from identify.fitting.floor import Floor, refine_floor
 from identify.fitting.initial_values import initial_values, regress_model
 from identify.model.model import Model
-from identify.preprocessing.dropouts import stale
+from identify.preprocessing.lost_readings import stale
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 ADEQUATE = 3.0

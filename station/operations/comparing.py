@@ -14,7 +14,7 @@ from station.operations.session_set import chosen_model
 from station.output import finite
 from station.results.document import estimate
 from station.story.compared import Compared
-from station.story.pipeline import Options, find_motion, free_decay
+from station.story.pipeline import Options, free_decay
 
 RESULT = "comparison.json"
 VIEW = "comparison.rrd"
@@ -22,9 +22,7 @@ VIEW = "comparison.rrd"
 
 def setting_of(session: Session, options: Options) -> PreparedDecay:
     """Make the release of a session ready to be fitted; raises NotIdentifiable where there is too little of it."""
-    decay = free_decay(session.recording(), options)
-    release = find_motion(decay)
-    return prepare(decay.with_(release=release.index, rest=release.rest), release)
+    return prepare(free_decay(session.recording(), options))
 
 
 def compare_session(

@@ -10,7 +10,6 @@ from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.noise import noise_of
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
-from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
 MASS = 21.36
@@ -22,15 +21,8 @@ def fitted(
 ) -> tuple[PreparedDecay, Fit, dict[str, Any], dict[str, Any]]:
     """Return the setting, the fit of stiffness and friction, the noise of each channel and the truth."""
     sample = draw(effect, strength, seed)
-    release = find_release(sample.rate, sample.displacement, None, sample.acceleration)
-    decay = FreeDecay(
-        sample.rate,
-        displacement=sample.displacement,
-        acceleration=sample.acceleration,
-        release=release.index,
-        rest=release.rest,
-    )
-    prepared = prepare(decay, release)
+    decay = FreeDecay(sample.rate, sample.displacement, sample.acceleration)
+    prepared = prepare(decay)
     model = base_model()
     found = fit(model, (prepared.window,), initial_values((prepared,), model, {}), prepared.frequency)
     return prepared, found, noise_of(decay), sample.truth
