@@ -17,7 +17,8 @@ PAGES = tuple(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELO
 )
 COMMANDS_PAGE = DOCS / "commands.md"
 PACKAGES = "firmware_protocol|daq|identify|station|mocks"
-WRITTEN_BY_BENCH = {DOCS / "benchmarks.md"}
+OUR_FILES = {path.name for package in PACKAGES.split("|") for path in (ROOT / package).rglob("*.py")}
+MADE_UP = {"fit_problem.py", "fit_floor.py", "my_effects.py"}
 
 each_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 
@@ -97,6 +98,8 @@ def test_every_module_on_a_page_exists(page):
     paths, names = modules_named(page.read_text(encoding="utf-8"))
     assert [path for path in paths if not (ROOT / path).exists()] == []
     assert [name for name in names if not resolves(name)] == []
+    files = re.findall(r"`(\w+\.py)`", page.read_text(encoding="utf-8"))
+    assert [file for file in files if file not in OUR_FILES and file not in MADE_UP] == []
 
 
 @pytest.mark.parametrize("name", ["identify.fitting.descent", "daq.told", "identify.model.model.Sum"])
