@@ -19,7 +19,7 @@ def reference_pages(root: Path) -> dict[str, str]:
             f"- [`{package}.{room.name}`]({package}/{room.name}.md): {idea(room)}\n" for room in rooms
         )
         pages[f"reference/{package}.md"] = (
-            f"# {package}\n\n{idea(root / package)}\n\n{links}\n{sections(package, own, face(root / package))}"
+            f"# {package}\n\n{idea(root / package)}\n\n{face(root / package)}{links}\n{sections(package, own)}"
         )
         for room in rooms:
             name = f"{package}.{room.name}"
@@ -41,13 +41,34 @@ def idea(folder: Path) -> str:
     return text.partition("\n")[0]
 
 
-def face(folder: Path) -> bool:
-    """Return whether a package offers names of its own, and not only modules."""
-    tree = ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))
-    return any(not isinstance(node, ast.Expr) for node in tree.body)
+def face(folder: Path) -> str:
+    """Return a list of the names that a package offers itself, each with a link to where it is described.
+
+    They are those that `__init__` imports from its own modules, at once or for the type checker only.
+    """
+    package, lines = folder.name, []
+    for node in ast.walk(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{package}."):
+            module = folder.parent / f"{(node.module or '').replace('.', '/')}.py"
+            described = documented(module)
+            lines += [
+                f"- [`{package}.{alias.name}`][{node.module}.{alias.name}]: {described[alias.name]}\n"
+                for alias in node.names
+                if alias.name in described
+            ]
+    return "".join(["## What it offers\n\n", *sorted(lines), "\n"]) if lines else ""
 
 
-def sections(package: str, names: list[str], with_package: bool = False) -> str:
+def documented(module: Path) -> dict[str, str]:
+    """Return the classes and functions of a module that say what they are, with the first paragraph of it."""
+    if not module.is_file():
+        return {}
+    kinds = (ast.ClassDef, ast.FunctionDef)
+    body = ast.parse(module.read_text(encoding="utf-8")).body
+    said = {node.name: ast.get_docstring(node) for node in body if isinstance(node, kinds)}
+    return {name: " ".join(text.partition("\n\n")[0].split()) for name, text in said.items() if text}
+
+
+def sections(package: str, names: list[str]) -> str:
     """Return the Markdown that mkdocstrings turns into the reference of some modules."""
-    identifiers = ([package] if with_package else []) + [f"{package}.{name}" for name in names]
-    return "\n".join(f"::: {identifier}\n" for identifier in identifiers)
+    return "\n".join(f"::: {package}.{name}\n" for name in names)
