@@ -30,10 +30,6 @@ ROOT_PAGES = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CH
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\([(\[])(.*?)\\[)\]]</\1>', re.DOTALL)
 
 
-class OutsideSource(Exception):
-    """A built page would load something from another host."""
-
-
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages of the repository's root, of the API reference, and of each notebook."""
     from mkdocs.structure.files import File
@@ -58,6 +54,8 @@ def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files
 
 def on_post_build(config: MkDocsConfig) -> None:
     """End the build when a page or style sheet would load something from elsewhere."""
+    from mkdocs.exceptions import PluginError
+
     site = Path(config.site_dir)
     found = {
         path.relative_to(site).as_posix(): outside_sources(path.read_text(encoding="utf-8"), path.suffix)
@@ -66,7 +64,7 @@ def on_post_build(config: MkDocsConfig) -> None:
     }
     guilty = [f"{path}: {', '.join(sources)}" for path, sources in found.items() if sources]
     if guilty:
-        raise OutsideSource("loaded from elsewhere:\n" + "\n".join(guilty))
+        raise PluginError("loaded from elsewhere:\n" + "\n".join(guilty))
 
 
 def with_links_of_the_site(text: str) -> str:
