@@ -5,15 +5,26 @@ run from one start would take it for a force. Pieces of a dozen cycles, spread o
 physics and forgive the wandering between them.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.free_decay import FreeDecay
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 
 _LONG_CYCLES = 60.0
 _SEGMENT_CYCLES = 12.0
 _MOST = 6
+
+
+def segments_of(
+    decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
+) -> tuple[PreparedDecay, ...]:
+    """Return one release or several, prepared where they are not yet, long ones as their segments."""
+    given = [decays] if isinstance(decays, FreeDecay | PreparedDecay) else decays
+    ready = [prepare(decay) if isinstance(decay, FreeDecay) else decay for decay in given]
+    return tuple(piece for prepared in ready for piece in segments(prepared))
 
 
 def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from identify.arrays import Array, frozen
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
+from identify.formatting import identified_rows
 from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, aligned
 from identify.preprocessing.decimation import block_averaged
@@ -27,6 +28,7 @@ from identify.restoring_force.surface import Section, grid_of, sections_of
 from identify.signal.order_selection import choose_order
 from identify.signal.smoothing import slope
 from identify.signal.weak_form import place_windows
+from identify.summary import Summarised, Summary
 from identify.units import damping_unit, stiffness_unit, with_mass
 
 __all__ = [
@@ -39,8 +41,8 @@ __all__ = [
 _FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold no damping
 
 
-@dataclass(frozen=True, eq=False)
-class RestoringForceResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class RestoringForceResult(Summarised):
     """What the restoring force surface says.
 
     `stiffness` is K (N/m with a mass, 1/s^2 without); `damping` holds mu_i per unit mass by order
@@ -76,6 +78,11 @@ class RestoringForceResult:
     section_zero_displacement: Section
     stiffness_per_mass: Estimate
     mass: Estimate | None = None
+
+    def brief(self) -> Summary:
+        """Return the coefficients with their errors, and why these orders were chosen."""
+        rows = identified_rows(self.stiffness_by_order, self.damping)
+        return Summary("Restoring force surface", (f"{self.reason}.",), ("coefficient", "value"), rows)
 
 
 def identify_restoring_force(

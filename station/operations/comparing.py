@@ -6,7 +6,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from daq.session import Session
-from identify.comparison.compare import Comparison, compare
+from identify.comparison.compare import Comparison
+from identify.comparison.compare import compare_fitted as compare_model
 from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
@@ -45,9 +46,7 @@ def compare_ready(
 
 def compare_fitted(name: str, start: Baseline, mass: float | None) -> Compared:
     """Compare a model that was fitted already, on the setting as the fit has mended it."""
-    setting = start.decays[0]
-    found = compare(setting, start.fit, start.floors[0].channels, mass=mass)
-    return Compared(name, setting, start, found)
+    return Compared(name, start.decays[0], start, compare_model(start, mass=mass))
 
 
 def write_view(session: Session, compared: Compared) -> Path:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from identify.comparison.compare import compare
-from identify.diagnosis.refine import add_effect, first_rung
+from identify.comparison.compare import compare_fitted
+from identify.diagnosis.ladder import add_effect, first_rung
 from identify.effects.library import LIBRARY, find_effect
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import prepare
@@ -23,4 +23,4 @@ def warm_up() -> None:
     decay = FreeDecay(rate=RATE, displacement=u, acceleration=a)
     setting = prepare(decay)
     rung = add_effect(first_rung((setting,)), find_effect("stribeck_friction"), library=LIBRARY)
-    compare(setting, rung.fit, rung.start.floors[0].channels)
+    compare_fitted(rung.start)
