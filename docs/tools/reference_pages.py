@@ -19,7 +19,7 @@ def reference_pages(root: Path) -> dict[str, str]:
             f"- [`{package}.{room.name}`]({package}/{room.name}.md): {idea(room)}\n" for room in rooms
         )
         pages[f"reference/{package}.md"] = (
-            f"# {package}\n\n{idea(root / package)}\n\n{face(root / package)}{links}\n{sections(package, own)}"
+            f"# {package}\n\n{docstring(root / package)}\n\n{face(root / package)}{links}\n{sections(package, own)}"
         )
         for room in rooms:
             name = f"{package}.{room.name}"
@@ -35,10 +35,14 @@ def modules(folder: Path) -> list[str]:
     return sorted(path.stem for path in folder.glob("*.py") if path.stem == "__init__" or path.stem[0] != "_")
 
 
+def docstring(folder: Path) -> str:
+    """Return what a package says of itself."""
+    return ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) or ""
+
+
 def idea(folder: Path) -> str:
     """Return the first line of a package's docstring."""
-    text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) or ""
-    return text.partition("\n")[0]
+    return docstring(folder).partition("\n")[0]
 
 
 def face(folder: Path) -> str:

@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 from contracts import ROOT
 
-from identify.diagnosis.diagnose import Verdict
+from identify.diagnosis.judgement import Verdict
 from identify.signal.averaging import backbone_factors, envelope_factors
 
 PAGE = " ".join((ROOT / "docs" / "method.md").read_text(encoding="utf-8").split())
@@ -36,14 +36,14 @@ def value(module, name):
         ("fitting.segments", "_SEGMENT_CYCLES", lambda x: f"segments of {WORDS[x]} cycles"),
         ("fitting.segments", "_MOST", lambda x: f"into {WORDS[x]} segments"),
         ("fitting.corrected_faults", "UNSTATED_GAIN_UNCERTAINTY", lambda x: f"{100 * x:g} % is allowed"),
-        ("diagnosis.diagnose", "ALPHA", lambda x: f"claimed at $p < {x:g}$"),
-        ("diagnosis.diagnose", "_ALPHA_GUESSED", lambda x: rf"$p < {1e4 * x:g}\cdot10^{{-4}}$"),
-        ("diagnosis.diagnose", "_APART", lambda x: f"{x:g} are odds of 100 to 1"),
-        ("diagnosis.diagnose", "_FREE_FORM_EXPLAINS", lambda x: f"explains {100 * x:g} % of"),
+        ("diagnosis.judgement", "ALPHA", lambda x: f"claimed at $p < {x:g}$"),
+        ("diagnosis.judgement", "ALPHA_GUESSED", lambda x: rf"$p < {1e4 * x:g}\cdot10^{{-4}}$"),
+        ("diagnosis.judgement", "RIVALS_WITHIN", lambda x: f"{x:g} are odds of 100 to 1"),
+        ("diagnosis.judgement", "_FREE_FORM_EXPLAINS", lambda x: f"explains {100 * x:g} % of"),
         ("diagnosis.diagnose", "_FEWEST_CYCLES", lambda x: f"fewer than {WORDS[x]} cycles"),
         ("diagnosis.diagnose", "_HELD_OUT", lambda x: f"The first {WORDS[x]} suspects"),
         ("diagnosis.search", "_SCREENED", lambda x: f"and the {WORDS[x]} best are fitted"),
-        ("diagnosis.refine", "_STILL_EARNS", lambda x: rf"no longer lowers $\chi^2$ by {x:g}"),
+        ("diagnosis.ladder", "_STILL_NEEDED", lambda x: rf"no longer lowers $\chi^2$ by {x:g}"),
     ],
 )
 def test_a_number_on_the_page_is_that_of_the_code(module, name, said):

@@ -1,12 +1,14 @@
 """The pages keep up with the program: what they name exists: commands, options, codes, settings, modules, links."""
 
 import importlib
+import inspect
 import re
 import tomllib
 
 import pytest
 from contracts import ROOT
 
+import identify
 from station import exits
 from station.cli import COMMANDS, station
 from station.settings import Settings
@@ -76,6 +78,13 @@ def test_every_make_target_on_a_page_exists():
     for page in PAGES:
         named = set(re.findall(r"(?:^|`)make (\w+)(?=`| |$)", page.read_text(encoding="utf-8"), re.MULTILINE))
         assert named <= targets, page.name
+
+
+def test_the_lines_for_a_notebook_are_those_that_the_package_shows():
+    block = re.search(
+        r"```python\n(import identify\n.*?)```", PAGES[0].read_text(encoding="utf-8"), re.DOTALL
+    )[1]
+    assert block.strip() in inspect.cleandoc(identify.__doc__).replace("\n    ", "\n")
 
 
 def test_the_exit_codes_of_the_page_are_those_of_the_program():
