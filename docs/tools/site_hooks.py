@@ -47,6 +47,11 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     return files
 
 
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Write tables as Python-Markdown reads them."""
+    return with_bars_in_code(markdown)
+
+
 def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Draw the formulas of a page."""
     return with_formulas(content)
@@ -72,6 +77,15 @@ def with_links_of_the_site(text: str) -> str:
     for source, page in ROOT_PAGES.items():
         text = text.replace(f"]({source}", f"]({page}")
     return text.replace("](docs/", "](")
+
+
+def with_bars_in_code(markdown: str) -> str:
+    """Return a page with the escaped bars of code in its tables as plain ones: here, unlike elsewhere, they are shown so."""
+    rows = (
+        re.sub(r"`[^`]*`", lambda code: code[0].replace("\\|", "|"), line) if line.startswith("|") else line
+        for line in markdown.split("\n")
+    )
+    return "\n".join(rows)
 
 
 def with_formulas(content: str) -> str:

@@ -62,6 +62,11 @@ def test_links_of_root_pages_are_those_among_the_pages_of_the_site(tools):
     assert tools["site_hooks"].with_links_of_the_site(text) == expected
 
 
+def test_an_escaped_bar_in_the_code_of_a_table_is_shown_as_a_bar(tools):
+    text = "| `v \\|v\\|` | a \\| b |\nno row: `\\|`"
+    assert tools["site_hooks"].with_bars_in_code(text) == "| `v |v|` | a \\| b |\nno row: `\\|`"
+
+
 def test_a_formula_is_drawn_without_a_script(tools):
     page = '<p><span class="arithmatex">\\(a &lt; b\\)</span></p><div class="arithmatex">\\[\\mu_0\\]</div>'
     drawn = tools["site_hooks"].with_formulas(page)
