@@ -22,7 +22,7 @@ def value(module, name):
 @pytest.mark.parametrize(
     ("module", "name", "said"),
     [
-        ("preprocessing.release", "HAND_S", lambda x: f"begin {1e3 * x:g} ms later"),
+        ("preprocessing.usable", "HAND_S", lambda x: f"begin {1e3 * x:g} ms later"),
         ("preprocessing.noise", "SHORTEST_REST", lambda x: f"at least {x} samples at rest"),
         ("signal.order_selection", "CLEAR", lambda x: f"stands {WORDS[x]} standard errors from zero"),
         ("signal.weak_form", "WINDOW_CYCLES", lambda x: f"{WORDS[x]} cycles long"),
@@ -39,7 +39,7 @@ def value(module, name):
         ("diagnosis.judgement", "ALPHA", lambda x: f"claimed at $p < {x:g}$"),
         ("diagnosis.judgement", "ALPHA_GUESSED", lambda x: rf"$p < {1e4 * x:g}\cdot10^{{-4}}$"),
         ("diagnosis.judgement", "RIVALS_WITHIN", lambda x: f"{x:g} are odds of 100 to 1"),
-        ("diagnosis.judgement", "_FREE_FORM_EXPLAINS", lambda x: f"explains {100 * x:g} % of"),
+        ("diagnosis.judgement", "_FREE_FORM_EXPLAINS", lambda x: f"explains more than {100 * x:g} % of"),
         ("diagnosis.diagnose", "_FEWEST_CYCLES", lambda x: f"fewer than {WORDS[x]} cycles"),
         ("diagnosis.diagnose", "_HELD_OUT", lambda x: f"The first {WORDS[x]} suspects"),
         ("diagnosis.search", "_SCREENED", lambda x: f"and the {WORDS[x]} best are fitted"),
