@@ -91,10 +91,10 @@ class Progress:
 
 
 def reasons() -> dict[str, str]:
-    """Return what each dependency is for, as pyproject.toml says it beside the name."""
+    """Return what each dependency is for, as pyproject.toml says it beside the name (up to a semicolon)."""
     text = (HERE / "pyproject.toml").read_text(encoding="utf-8")
     found = re.findall(r'^\s*"([\w.-]+)[^"]*",\s*#\s*(.+)$', text, re.MULTILINE)
-    return {_plain(name): why for name, why in found}
+    return {_plain(name): why.split(";")[0] for name, why in found}
 
 
 def _plain(name: str) -> str:

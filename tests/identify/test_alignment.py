@@ -47,20 +47,22 @@ def rms(values: np.ndarray) -> float:
 
 def test_from_rest_to_rest_the_lag_is_known_within_four_microseconds() -> None:
     rng = np.random.default_rng(0)
-    lag, gain = errors([drawn(seed, gain_error=rng.uniform(-0.01, 0.01)) for seed in range(60)])
+    lag, gain = errors([drawn(seed, gain_error=rng.uniform(-0.01, 0.01)) for seed in range(20)])
     assert rms(lag[:, 0]) < 4e-6
-    assert abs(lag[:, 0].mean()) < 1.2e-6  # 1 us wanted; the mean of 60 is itself known within 0.4 us
-    assert 0.8 < rms(lag[:, 0] / lag[:, 1]) < 1.25  # sixty draws leave 9 % on it
+    assert (
+        abs(lag[:, 0].mean()) < 2e-6
+    )  # 1 us is shown on 540 draws in the bench; the mean of 20 is known within 0.7
+    assert 0.65 < rms(lag[:, 0] / lag[:, 1]) < 1.4  # twenty draws leave 16 % on it
     assert rms(gain[:, 0]) < 1.2e-4
     assert 0.75 < rms(gain[:, 0] / gain[:, 1]) < 1.3
 
 
 @pytest.mark.parametrize(("start", "stop"), [(256, 768), (256, None), (256, 384), (0, 500)])
 def test_in_mid_decay_the_lag_is_known_within_twenty_microseconds(start: int, stop: int | None) -> None:
-    lag, _ = errors([drawn(seed) for seed in range(100, 125)], start, stop)
+    lag, _ = errors([drawn(seed) for seed in range(100, 112)], start, stop)
     assert rms(lag[:, 0]) < 20e-6
-    assert abs(lag[:, 0].mean()) < 4 * rms(lag[:, 1]) / 5  # four standard errors of the mean of 25
-    assert 0.6 < rms(lag[:, 0] / lag[:, 1]) < 1.5
+    assert abs(lag[:, 0].mean()) < 4 * rms(lag[:, 1]) / 12**0.5  # four standard errors of the mean of 12
+    assert 0.45 < rms(lag[:, 0] / lag[:, 1]) < 1.6  # twelve draws
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.14, 2.0])

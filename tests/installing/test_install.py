@@ -103,7 +103,7 @@ Installing collected packages: numpy, llvmlite, rerun-sdk
     shown = [text for text in map(progress.hear, said.splitlines()) if text]
     assert [text.split() for text in shown] == [
         ["numpy", "arrays"],
-        ["rerun-sdk", "the", "viewer;", "minor", "versions", "rename", "things"],
+        ["rerun-sdk", "the", "viewer"],
         ["downloading", "17", "MB", "of", "numpy"],
         ["putting", "3", "packages", "in", "place;", "this", "takes", "a", "minute"],
     ]
