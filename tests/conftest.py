@@ -25,7 +25,7 @@ def pytest_configure(config: pytest.Config) -> None:
         return
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     started = [subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, env=environment) for code in COMPILE]
-    if any([process.wait() for process in started]):
+    if sum(process.wait() != 0 for process in started):
         raise pytest.UsageError("the numerical code does not compile; the errors are above")
 
 
