@@ -14,18 +14,10 @@ from identify.model.model import base_model
 BASE = 3
 
 
-@pytest.mark.parametrize(
-    ("name", "named"),
-    [
-        ("release_02", {"stribeck_friction", "cubic_stiffness"}),
-        ("release_07", {"offset_drift"}),
-        ("release_14", {"cubic_stiffness"}),
-    ],
-)
-def test_another_programs_release_is_diagnosed_rightly_and_reaches_the_floor(name, named):
-    prepared, truth = hidden(name)
+def test_another_programs_release_is_diagnosed_rightly_and_reaches_the_floor():
+    prepared, truth = hidden("release_02")  # the two others, of one effect each, go through the station's commands
     found = diagnose((prepared,))
-    assert set(found.named) == named
+    assert set(found.named) == {"stribeck_friction", "cubic_stiffness"}
     assert 0.8 < found.final.reduced < 1.2  # the floor of a single record is known to some 6 %
     assert found.final.values["linear_stiffness.k"].value == pytest.approx(
         truth["stiffness_per_mass"], rel=3e-4
