@@ -72,7 +72,7 @@ def _median_ms(act: Callable[[], object], repetitions: int) -> float:
 def _compared(session: Path, repetitions: int) -> float:
     """Return milliseconds of the comparison of the base model with a session, the fit not counted."""
     from daq.session import Session
-    from identify.comparison.compare import compare
+    from identify.comparison.compare import compare_fitted
     from identify.fitting.baseline import fit_baseline
     from identify.model.model import base_model
     from station.operations.session_set import make_ready
@@ -80,7 +80,7 @@ def _compared(session: Path, repetitions: int) -> float:
 
     prepared = make_ready(Session.open(session), Settings())
     start = fit_baseline((prepared,), base_model())
-    return _median_ms(lambda: compare(prepared, start.fit, start.floors[0].channels), repetitions)
+    return _median_ms(lambda: compare_fitted(start), repetitions)
 
 
 def _formulas(repetitions: int) -> tuple[float, float]:

@@ -6,7 +6,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from daq.session import Session
-from identify.comparison.compare import Comparison, compare
+from identify.comparison.compare import Comparison
+from identify.comparison.compare import compare_fitted as compare_model
 from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
@@ -14,7 +15,7 @@ from station.operations.session_set import chosen_model
 from station.output import finite
 from station.results.document import estimate
 from station.story.compared import Compared
-from station.story.pipeline import Options, find_motion, free_decay
+from station.story.pipeline import Options, free_decay
 
 RESULT = "comparison.json"
 VIEW = "comparison.rrd"
@@ -22,9 +23,7 @@ VIEW = "comparison.rrd"
 
 def setting_of(session: Session, options: Options) -> PreparedDecay:
     """Make the release of a session ready to be fitted; raises NotIdentifiable where there is too little of it."""
-    decay = free_decay(session.recording(), options)
-    release = find_motion(decay)
-    return prepare(decay.with_(release=release.index, rest=release.rest), release)
+    return prepare(free_decay(session.recording(), options))
 
 
 def compare_session(
@@ -47,9 +46,7 @@ def compare_ready(
 
 def compare_fitted(name: str, start: Baseline, mass: float | None) -> Compared:
     """Compare a model that was fitted already, on the setting as the fit has mended it."""
-    setting = start.decays[0]
-    found = compare(setting, start.fit, start.floors[0].channels, mass=mass)
-    return Compared(name, setting, start, found)
+    return Compared(name, start.decays[0], start, compare_model(start, mass=mass))
 
 
 def write_view(session: Session, compared: Compared) -> Path:

@@ -17,7 +17,7 @@ from station.operations.identifying import options_for
 from station.results.models import KnownModel, read_model
 from station.results.sessions import open_session
 from station.settings import Settings
-from station.story.pipeline import MOTION, find_motion, free_decay
+from station.story.pipeline import MOTION, free_decay
 
 MOST_SESSIONS = 12
 
@@ -58,11 +58,9 @@ def make_ready(session: Session, settings: Settings, gain_percent: float | None 
     """Return the setting of one session: recording -> release -> alignment and motion."""
     recording = session.recording()
     decay = free_decay(recording, options_for(session, settings))
-    release = find_motion(decay)
-    decay = decay.with_(release=release.index, rest=release.rest)
     gain = gain_uncertainty(recording) if gain_percent is None else gain_percent / 100.0
     try:
-        return prepare(decay, release, gain_uncertainty=gain)
+        return prepare(decay, gain_uncertainty=gain)
     except NotIdentifiable as refusal:
         raise NotIdentifiable(f"{session.folder.name}: {refusal}") from refusal
 

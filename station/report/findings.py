@@ -9,7 +9,7 @@ from daq.errors import StationError
 from daq.manifest import Manifest
 from daq.recording import Recording
 from daq.session import Session
-from identify.diagnosis.refine import Rung
+from identify.diagnosis.ladder import Rung
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
 from identify.model.model import base_model

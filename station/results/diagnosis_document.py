@@ -3,8 +3,9 @@
 from dataclasses import replace
 from typing import Any
 
-from identify.diagnosis.diagnose import Diagnosis, Suspect
+from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.suspect import Suspect
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
@@ -91,7 +92,7 @@ def noise_floor(start: Baseline) -> dict[str, Any]:
 
 def suspect_document(suspect: Suspect, expressions: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return one suspect; `model` is the whole model with it, so that it can be looked at again."""
-    apart = suspect.fit is None or suspect.effect.name not in suspect.fit.model
+    apart = suspect.effect.name not in suspect.fit.model
     return {
         "effect": suspect.effect.name,
         "title": suspect.effect.title,
@@ -104,9 +105,7 @@ def suspect_document(suspect: Suspect, expressions: tuple[str, ...] = ()) -> dic
         "confusable_with": list(suspect.confusable_with),
         "held_out_gain": suspect.held_out_gain,
         "plausible": suspect.plausible,
-        "model": None
-        if apart or suspect.fit is None
-        else model_file(suspect.fit, expressions).model_dump(mode="json"),
+        "model": None if apart else model_file(suspect.fit, expressions).model_dump(mode="json"),
     }
 
 

@@ -6,7 +6,7 @@ from typing import Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from daq.session import Session
-from identify.diagnosis.refine import Rung
+from identify.diagnosis.ladder import Rung
 from station.exits import UsageProblem
 from station.results.models import LARGEST, ModelFile, first_fault, model_file, written
 

@@ -11,9 +11,7 @@ from typing import TypeVar
 from daq.recording import Recording
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.preprocessing.alignment import align, correct
-from identify.preprocessing.noise import estimate_noise
-from identify.preprocessing.release import Release, find_release
+from identify.preprocessing.aligned_decay import locate_and_align
 from identify.restoring_force.restoring_force import (
     identify_restoring_force,
     identify_restoring_force_as_recorded,
@@ -50,12 +48,10 @@ def identify(recording: Recording, options: Options) -> Identification:
             refusals[step] = str(refusal)
             return None
 
-    decay = free_decay(recording, options)
-    release = find_motion(decay)
-    decay = estimate_noise(decay.with_(release=release.index, rest=release.rest))
-
-    alignment = attempt("alignment", lambda: align(decay))
-    aligned = decay if alignment is None else correct(decay, alignment)
+    found = locate_and_align(free_decay(recording, options))
+    decay, alignment, aligned = found.recorded, found.alignment, found.decay
+    if found.not_aligned:
+        refusals["alignment"] = found.not_aligned
 
     wavelet = None
     if decay.driven:
@@ -74,7 +70,7 @@ def identify(recording: Recording, options: Options) -> Identification:
         )
 
     return Identification(
-        decay, release, alignment, aligned, wavelet, restoring_force, without_alignment, refusals
+        decay, found.release, alignment, aligned, wavelet, restoring_force, without_alignment, refusals
     )
 
 
@@ -109,10 +105,3 @@ def _displacement_unit(recording: Recording) -> str:
     """Return the unit of the displacement, as the first channel that is a motion has it: m, rad, V."""
     units = [channel.unit for channel in recording.channels if channel.quantity in MOTION]
     return units[0].split("/")[0] if units else "m"
-
-
-def find_motion(decay: FreeDecay) -> Release:
-    """Return the release; for a driven motion the whole record."""
-    if decay.driven:
-        return Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0))
-    return find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)

@@ -52,7 +52,7 @@ def shown(found: Diagnosis, document: dict[str, Any]) -> Shown:
     """Return what the tab shows of a diagnosis."""
     settings = found.start.decays
     index = int(np.argmax([setting.amplitude for setting in settings]))
-    best = tuple((s.term, s.fit) for s in found.suspects[:BEST] if s.fit is not None)
+    best = tuple((s.term, s.fit) for s in found.suspects[:BEST])
     return Shown(document, settings[index], index, found.start.fit, best)
 
 

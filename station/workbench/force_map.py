@@ -27,7 +27,7 @@ MOST = 8
 def prints_of(setting: PreparedDecay, found: Diagnosis) -> dict[str, view_models.Print]:
     """Return the fingerprints of a diagnosis of one session that was just made."""
     setting, base = found.start.decays[0], found.start.fit
-    best = [(s.term, s.fit) for s in found.suspects[:MOST] if s.fit is not None]
+    best = [(s.term, s.fit) for s in found.suspects[:MOST]]
     return _prints(setting, base, best)
 
 

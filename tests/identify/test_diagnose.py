@@ -3,7 +3,8 @@ import pytest
 from releases import drawn, hidden
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.refine import add_effect, climb, first_rung, remove_effect
+from identify.diagnosis.ladder import add_effect, first_rung, remove_effect
+from identify.diagnosis.refine import refine
 from identify.effects.library import LIBRARY
 from identify.effects.user import own_effect, parse_effect
 from identify.fitting.baseline import fit_baseline
@@ -15,7 +16,9 @@ BASE = 3
 
 
 def test_another_programs_release_is_diagnosed_rightly_and_reaches_the_floor():
-    prepared, truth = hidden("release_02")  # the two others, of one effect each, go through the station's commands
+    prepared, truth = hidden(
+        "release_02"
+    )  # the two others, of one effect each, go through the station's commands
     found = diagnose((prepared,))
     assert set(found.named) == {"stribeck_friction", "cubic_stiffness"}
     assert 0.8 < found.final.reduced < 1.2  # the floor of a single record is known to some 6 %
@@ -80,12 +83,12 @@ def test_a_users_own_magnet_takes_part_and_reaches_the_floor():
 
 def test_the_ladder_falls_to_the_floor_and_finds_both_effects():
     prepared, _ = drawn("freeplay+cubic_damping", 0.02, seed=44)
-    ladder, last = climb((prepared,))
+    ladder = refine(prepared)
     assert set(ladder.top.effects[BASE:]) == {"freeplay", "cubic_damping"}
     sizes = [rung.error.chi_square for rung in ladder.rungs]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[-1] < 1.2
-    assert last.verdict == "nothing_missing"
+    assert ladder.verdict == "nothing_missing"
 
 
 def test_an_effect_added_and_removed_leaves_the_model_as_it_was():
