@@ -31,7 +31,7 @@ class Occupied:
         self.busy, self.alive = False, True
 
     def do(self, task: str, arguments: tuple[Any, ...], tell: worker.Tell) -> str:
-        assert self.gate.wait(10)
+        assert self.gate.wait(60)
         return task
 
     def end(self) -> None:
