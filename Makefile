@@ -6,7 +6,7 @@ STATION := $(VENV)/.installed
 TOOLS := $(VENV)/.installed-dev
 INSTALL := STATION_VENV=$(VENV) $(PYTHON) install.py
 
-.PHONY: help install launcher demo test check bench clean
+.PHONY: help install launcher demo test check bench docs clean
 
 help:  ## what can be made
 	@grep -hE '^[a-z]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -41,6 +41,10 @@ bench: $(TOOLS)  ## the long proofs; results go to docs/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	$(BIN)/python -m bench
 
+docs: $(STATION)  ## the documentation as a site, in site/; a broken link fails
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+
 clean:  ## remove what was made
 	-@$(INSTALL) --remove
-	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build site *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -44,8 +44,8 @@ class Comparison(Summarised):
     its source.
     `time` (n,) is in s since the release; `free_run_misfit` (cycles,) the rms misfit of the free run in units of the
     noise, cycle by cycle; `displacement`, `velocity`, `residual_force` (n,) the measured motion and measured less
-    model force per unit mass along it. `places` are the worst ones; `summary` tells the first, `cause` whether to
-    look at a sensor or at physics.
+    model force per unit mass along it. `places` are the worst ones; `summary` is the first in a sentence, `cause` says
+    whether to look at a sensor or at physics.
     """
 
     force_error: float
@@ -185,7 +185,7 @@ def _cause(
     tone: ResidualTone | None,
 ) -> str:
     if kinematics is None:
-        return "There is only one channel, so a fault of the sensor cannot be told from physics."
+        return "There is only one channel, so a fault of the sensor cannot be distinguished from physics."
     if tone is not None and tone.sensor:
         return (
             f"At {tone.frequency:.4g} Hz the {tone.channel} shows what the other channel does not: hum or a disturbance "

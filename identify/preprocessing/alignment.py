@@ -12,15 +12,13 @@ from identify.formatting import quantity
 from identify.free_decay import FreeDecay
 from identify.preprocessing.decimation import average_blocks
 from identify.preprocessing.noise import noise_of
+from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge, read_at_shift
 from identify.signal.kinematics import Agreement, Pair, agree
 from identify.signal.oscillation import dominant_frequency, running_amplitude
 from identify.signal.reversals import reversal_excess
 from identify.signal.smoothing import slope
 from identify.summary import Summarised, Summary
-
-HAND_S = 0.030
-"""The hand has surely let go this long after the release, for oscillations of about 4 Hz."""
 
 ONE_CHANNEL = (
     "Only one channel was recorded, so there is no lag to find: "

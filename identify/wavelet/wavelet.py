@@ -31,12 +31,12 @@ from identify.wavelet.ridge_fit import (
     parameters_of,
 )
 from identify.wavelet.ridge_newton import settle
-from identify.wavelet.ridge_span import observe_span
 from identify.wavelet.ridge_spread import (
     clearances_of_envelopes,
     clearances_of_phases,
     spreads_of,
 )
+from identify.wavelet.ridge_window import observe_window
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _CHANGES_OF_MODEL = 3  # the orders may be chosen again once the chosen model's bias has been taken off
@@ -97,11 +97,11 @@ def identify_wavelet(decay: FreeDecay | AlignedDecay, max_order: int = 3) -> Wav
     A decay that has not been located is located and aligned first. Displacement is used where there is one, else
     velocity, else acceleration. `max_order` is the highest
     order of damping that is tried, eq. (4). Raises NotIdentifiable when there is too little to identify.
-    Standard errors come from the channel's noise (`noise_*`; measured on the span where unknown) carried
+    Standard errors come from the channel's noise (`noise_*`; measured on the window where unknown) carried
     through the transform, and grow with what the model leaves unexplained.
     """
     decay, begins = block_averaged(aligned(decay))
-    start, observed = observe_span(decay)
+    start, observed = observe_window(decay)
     fit = settle(observed, first_fit(observed, min(1, max_order), (1,)))
     for _ in range(_CHANGES_OF_MODEL):
         trials = [other_order(observed, fit, order) for order in range(max_order + 1)]
