@@ -68,7 +68,7 @@ def command(
     as_json: bool,
     **timing: Any,
 ) -> None:
-    """Record one release, tell its verdict, and identify it.
+    """Record one release, judge the recording, and identify it.
 
     Hold the mass still until the station is armed, then let it go.
     """
@@ -91,26 +91,27 @@ def command(
 
 
 def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
-    """Tell whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
+    """Return whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
     verdict = session.verdict
     if verdict is None or verdict.word.value == "OK" or again is False:
         return False
-    said = f"{verdict.word.value}: {verdict.reasons[0]}"
+    sentence = f"{verdict.word.value}: {verdict.reasons[0]}"
     if again is None:
         if as_json or not (sys.stdin.isatty() and sys.stderr.isatty()):
             return False
-        progress(said)
+        progress(sentence)
         return click.confirm("Take it again?", default=verdict.word.value == "REJECT", err=True)
     if verdict.word.value != "REJECT":
         return False
-    progress(f"{said}; taken again (kept: {session.folder})")
+    progress(f"{sentence}; taken again (kept: {session.folder})")
     return True
 
 
 def finish(session: "Session", url: str | None, settings: "Settings", as_json: bool) -> dict[str, Any]:
-    """Tell the verdict, identify, show; return the document that `--json` prints."""
+    """Print the verdict, identify, show; return the document that `--json` prints."""
     from station.operations.capturing import show_result
-    from station.operations.identifying import identify_session, options_for, refuse_if_nothing
+    from station.operations.identifying import identify_session, refuse_if_nothing
+    from station.story.preparation import options_for
     from station.text.terminal import next_steps, show_identification
 
     verdict = session.verdict
@@ -119,13 +120,13 @@ def finish(session: "Session", url: str | None, settings: "Settings", as_json: b
         for advice in verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, options_for(session, settings))
-    told = {
+    printed = {
         "session": str(session.folder),
         "verdict": None if verdict is None else verdict.model_dump(mode="json"),
-        "identification": document,
+        "identification": document.plain(),
     }
     if as_json:
-        print_json(told)
+        print_json(printed)
     else:
         show_identification(screen(), session.folder.name, result)
     file = show_result(url, session, result)
@@ -133,4 +134,4 @@ def finish(session: "Session", url: str | None, settings: "Settings", as_json: b
     if not as_json:
         next_steps(screen(), session.folder)
     refuse_if_nothing(result)
-    return told
+    return printed

@@ -39,15 +39,14 @@ def command(
     and viscous friction.
     """
     from station.operations.comparing import compare_session, write_view
-    from station.operations.identifying import options_for
     from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
-    compared, document = compare_session(opened, options_for(opened, settings, mass), model)
+    compared, document = compare_session(opened, settings, model, mass=mass)
     if as_json:
-        print_json(document)
+        print_json(document.plain())
     else:
         from station.text.comparison_text import show_comparison
 

@@ -14,7 +14,7 @@ MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
 
 
 @click.command("demo")
-@click.option("--seed", type=int, default=6, show_default=True, help="Draws bench, sensors, lag and hand.")
+@click.option("--seed", type=int, default=6, show_default=True, help="Draws bench, sensors, lag and release.")
 @click.option(
     "--speed",
     type=click.FloatRange(min=0),
@@ -55,10 +55,11 @@ def command(
 
     from daq.session_info import SessionInfo
     from station.operations.capturing import record
-    from station.operations.identifying import identify_session, options_for, refuse_if_nothing
+    from station.operations.identifying import identify_session, refuse_if_nothing
     from station.operations.new_session import capture_settings, new_folder
-    from station.operations.simulated_board import double
+    from station.operations.simulated_board import simulated_board
     from station.settings import load_settings
+    from station.story.preparation import options_for
     from station.text.terminal import next_steps, show_identification
 
     settings = load_settings(settings_file)
@@ -70,12 +71,12 @@ def command(
     info = SessionInfo(specimen=f"simulated testbed, seed {seed}", mass_kg=21.36, operator="demo")
     wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
     where = folder or new_folder(settings.sessions, "demo")
-    with TemporaryDirectory() as aside:
-        told_by_double = Path(aside) / "truth.json"
-        with double(seed, speed, pty, "--truth", str(told_by_double)) as port:
+    with TemporaryDirectory() as temporary:
+        truth_file = Path(temporary) / "truth.json"
+        with simulated_board(seed, speed, pty, "--truth", str(truth_file)) as port:
             progress(f"a simulated board answers at {port}")
             session, url = record(port, wanted, where, not no_viewer)
-        truth = json.loads(told_by_double.read_text(encoding="utf-8"))
+        truth = json.loads(truth_file.read_text(encoding="utf-8"))
     result, document = identify_session(session, options_for(session, settings))
     if not as_json:
         show_identification(screen(), session.folder.name, result)
@@ -84,15 +85,15 @@ def command(
 
     file = show_result(url, session, result)
     verdict = session.verdict
-    told: dict[str, Any] = {
+    printed: dict[str, Any] = {
         "session": str(session.folder),
         "viewer_recording": str(file),
         "verdict": None if verdict is None else verdict.model_dump(mode="json"),
-        "identification": document,
+        "identification": document.plain(),
         "made_of": {name: truth[name] for name in MADE_OF},
     }
     if as_json:
-        print_json(told)
+        print_json(printed)
     else:
         screen().print(f" viewer's recording: {file}", markup=False, soft_wrap=True)
         next_steps(screen(), session.folder)
@@ -101,7 +102,7 @@ def command(
 
 def _made_of(truth: dict[str, Any]) -> str:
     return (
-        " the simulated board was made with (and the station was not told):\n"
+        " the simulated board was made with (which the station did not know):\n"
         f"   K {truth['stiffness']:.2f} N/m, mu_0 {truth['mu_0']:.5f} m/s^2, mu_1 {truth['mu_1']:.5f} 1/s,"
         f" lag {truth['displacement_late_s'] * 1e6:.1f} us\n"
     )

@@ -56,7 +56,7 @@ def command(
     found, document = diagnose_sessions(opened, model_file, effects_file, progress)
     keep(opened, document)
     if as_json:
-        print_json(document)
+        print_json(document.plain())
     else:
         from station.text.diagnosis_text import show_diagnosis
 

@@ -44,8 +44,9 @@ def command(
     """
     from dataclasses import replace
 
-    from station.operations.identifying import identify_session, options_for, refuse_if_nothing
+    from station.operations.identifying import identify_session, refuse_if_nothing
     from station.settings import load_settings
+    from station.story.preparation import options_for
 
     settings = load_settings(settings_file)
     opened = _opened(session, into, mass, settings)
@@ -56,7 +57,7 @@ def command(
         options = replace(options, stiffness_orders=_orders(stiffness_orders))
     result, document = identify_session(opened, options)
     if as_json:
-        print_json(document)
+        print_json(document.plain())
     else:
         from station.text.terminal import next_steps, show_identification
 

@@ -39,13 +39,13 @@ def command(
     It needs nothing outside itself, prints to PDF through the browser, and
     says what was left out and why. Identifies and compares on the way.
     """
-    from station.report.write import make_report
+    from station.report.write import write_report
     from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
-    report = make_report(opened, output, settings=settings, mass=mass, diagnose=diagnose, tell=progress)
+    report = write_report(opened, output, settings=settings, mass=mass, diagnose=diagnose, progress=progress)
     if as_json:
         print_json(
             {"session": opened.folder.name, "report": str(report.path.resolve()), "left_out": report.left_out}

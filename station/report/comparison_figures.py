@@ -6,7 +6,6 @@ import numpy as np
 
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
-from station.quantities import shown
 from station.report.drawing import (
     BAND,
     GREY,
@@ -21,8 +20,8 @@ from station.report.drawing import (
     paper,
     zero_lines,
 )
-from station.report.numbers import unit
 from station.story.compared import Compared
+from station.text.numbers import scale, typeset_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,41 +34,41 @@ MANY = 60
 
 def overlay(compared: Compared) -> str:
     """Draw measured and modelled channels, and under each what is left with the band of the noise."""
-    span, fit = compared.start.fit.windows[0], compared.start.fit
-    rows = 2 * len(span.channels)
-    drawn, axes = paper(1.3 * rows, rows, sharex=True, height_ratios=[1.5, 1.0] * len(span.channels))
-    for place, channel in enumerate(span.channels):
-        factor, name = shown(channel, span.unit)
-        measured = np.where(span.used[channel], span.readings[channel], np.nan)
+    window, fit = compared.baseline.fit.windows[0], compared.baseline.fit
+    rows = 2 * len(window.channels)
+    drawn, axes = paper(1.3 * rows, rows, sharex=True, height_ratios=[1.5, 1.0] * len(window.channels))
+    for place, channel in enumerate(window.channels):
+        factor, name = scale(channel, window.unit)
+        measured = np.where(window.used[channel], window.readings[channel], np.nan)
         axis = axes[2 * place]
-        both(axis, span.clock, measured * factor, fit.predicted[0][channel] * factor, ("measured", "model"))
-        axis.set_ylabel(literal(f"{channel}\n[{unit(name)}]"))
+        both(axis, window.clock, measured * factor, fit.predicted[0][channel] * factor, ("measured", "model"))
+        axis.set_ylabel(literal(f"{channel}\n[{typeset_unit(name)}]"))
         axis.legend(loc="upper right", ncols=2)
         axis.margins(y=0.16)
         left_over(axes[2 * place + 1], compared, channel)
-    axes[-1].set(xlabel="time since the release [s]", xlim=(span.clock[0], span.clock[-1]))
+    axes[-1].set(xlabel="time since the release [s]", xlim=(window.clock[0], window.clock[-1]))
     return embedded(drawn)
 
 
 def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
     """Draw what a model leaves of one channel over the band of its noise."""
-    fit = compared.start.fit
-    span = fit.windows[0]
-    left = np.where(span.used[channel], fit.residual(channel), np.nan)
-    fine, name = shown(channel, span.unit, fine=True)
+    fit = compared.baseline.fit
+    window = fit.windows[0]
+    left = np.where(window.used[channel], fit.residual(channel), np.nan)
+    fine, name = scale(channel, window.unit, fine=True)
     if float(np.nanmax(np.abs(left))) * fine > COARSE:
-        fine, name = shown(channel, span.unit)
-    noise = NOISE * span.sigma[channel] * fine
+        fine, name = scale(channel, window.unit)
+    noise = NOISE * window.sigma[channel] * fine
     axis.axhspan(-noise, noise, color=BAND, lw=0)
     for level in (-noise, noise):
         axis.axhline(level, color=GREY, lw=0.5, ls=":")
-    curve(axis, span.clock, left * fine, color=OTHER, lw=0.7)
-    axis.set_ylabel(literal(f"left [{unit(name)}]"))
+    curve(axis, window.clock, left * fine, color=OTHER, lw=0.7)
+    axis.set_ylabel(literal(f"left [{typeset_unit(name)}]"))
 
 
 def closing_in(first: Compared, last: Compared) -> str:
     """Draw what the first and the present model leave of the same channel, each with the band of the noise."""
-    channel = first.start.fit.windows[0].channels[0]
+    channel = first.baseline.fit.windows[0].channels[0]
     drawn, axes = paper(2.9, 2, sharex=True)
     for axis, compared, title in zip(axes, (first, last), ("usual model", "present model"), strict=True):
         left_over(axis, compared, channel)
@@ -82,7 +81,7 @@ def phase_plane(compared: Compared) -> str:
     """Draw the force that the model lacks over the phase plane, its sign written in each bin that stands out, and cuts."""
     found = compared.comparison
     plane, words = found.phase_plane, DiscrepancyText(found.unit, found.mass)
-    factor, length = shown("displacement", found.unit)
+    factor, length = scale("displacement", found.unit)
     drawn, axes = paper(4.6, 2, 2)
     at_reversal, at_middle = axes[2:]
     wide = joined(drawn, axes[:2])
@@ -101,12 +100,13 @@ def phase_plane(compared: Compared) -> str:
                 color="white" if dark else INK,
             )  # fmt: skip
     wide.set(
-        xlabel=literal(f"displacement [{length}]"), ylabel=literal(f"velocity [{unit(f'{found.unit}/s')}]")
+        xlabel=literal(f"displacement [{length}]"),
+        ylabel=literal(f"velocity [{typeset_unit(f'{found.unit}/s')}]"),
     )
     wide.set_title("measured less model force")
     wide.grid(visible=False)
     bar = drawn.colorbar(mesh, ax=wide, pad=0.02)
-    bar.set_label(literal(f"force [{unit(words.force_unit)}]"))
+    bar.set_label(literal(f"force [{typeset_unit(words.force_unit)}]"))
     bar.outline.set_visible(False)
     down, up = plane.sections_at_reversal
     _section(at_reversal, up, factor, words, ("^-", INK, "moving to the positive side"))
@@ -114,8 +114,10 @@ def phase_plane(compared: Compared) -> str:
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
     at_reversal.legend(loc="best")
     _section(at_middle, plane.section_at_middle, 1.0, words, ("o-", INK, ""))
-    at_middle.set(xlabel=literal(f"velocity [{unit(f'{found.unit}/s')}]"), title="at displacement 0: damping")
-    at_reversal.set_ylabel(literal(f"measured less\nmodel [{unit(words.force_unit)}]"))
+    at_middle.set(
+        xlabel=literal(f"velocity [{typeset_unit(f'{found.unit}/s')}]"), title="at displacement 0: damping"
+    )
+    at_reversal.set_ylabel(literal(f"measured less\nmodel [{typeset_unit(words.force_unit)}]"))
     return embedded(drawn)
 
 
@@ -137,7 +139,7 @@ def cycles(compared: Compared) -> str:
     drawn, axes = paper(2.2, 1, 3)
     fine = 1e3 if found.unit == "m" else 1.0
     scale = fine * words.force_scale
-    energy = unit(f"{'m' if fine > 1 else ''}{words.energy_unit}")
+    energy = typeset_unit(f"{'m' if fine > 1 else ''}{words.energy_unit}")
     rows = (
         (done.frequency_error, 2 * done.frequency_error_std, "frequency error [%]"),
         (done.energy_error * scale, 2 * done.energy_error_std * scale, f"energy error a cycle [{energy}]"),

@@ -8,7 +8,6 @@ import numpy as np
 from daq.recording import Recording
 from identify.restoring_force.restoring_force import RestoringForceResult, Section
 from identify.wavelet.wavelet import WaveletResult
-from station.quantities import shown
 from station.report.drawing import (
     GREY,
     INK,
@@ -22,8 +21,8 @@ from station.report.drawing import (
     paper,
     zero_lines,
 )
-from station.report.numbers import prose, three, unit
 from station.story.identification import Identification
+from station.text.numbers import scale, scale_as_recorded, typeset, typeset_figures, typeset_unit
 from station.views.alignment import overlay
 from station.views.log import Array
 from station.views.restoring_force import mesh
@@ -44,12 +43,10 @@ def record(recording: Recording, release: float | None) -> str:
     drawn, axes = paper(0.4 + 1.35 * len(channels), len(channels), sharex=True)
     time = np.arange(recording.samples.shape[1]) / recording.rate
     for axis, channel, samples in zip(axes, channels, recording.samples, strict=False):
-        factor, label = 1.0, channel.unit
-        if channel.quantity == "displacement":
-            factor, label = shown("displacement", channel.unit)
+        factor, label = scale_as_recorded(channel.quantity, channel.unit)
         curve(axis, time, np.where(recording.valid, samples, np.nan) * factor, color=INK, lw=0.7)
         name = channel.name if channel.quantity == "other" else channel.quantity
-        axis.set_ylabel(literal(f"{name[:LONGEST]} [{unit(label)}]"))
+        axis.set_ylabel(literal(f"{name[:LONGEST]} [{typeset_unit(label)}]"))
         if release is not None:
             axis.axvline(release, color=OTHER, lw=1.0, ls="--")
     axes[-1].set(xlabel="time from the first sample [s]", xlim=(0.0, time[-1] + 1.0 / recording.rate))
@@ -79,14 +76,14 @@ def alignment(result: Identification) -> str | None:
             label="displacement, differentiated twice",
         )  # fmt: skip
         axis.set(xlabel="time about a zero of the acceleration [ms]", title=title)
-    axes[0].set_ylabel(literal(f"acceleration [{unit(f'{result.decay.unit}/s^2')}]"))
+    axes[0].set_ylabel(literal(f"acceleration [{typeset_unit(f'{result.decay.unit}/s^2')}]"))
     axes[0].legend(loc="upper left")
     return embedded(drawn)
 
 
 def envelope(found: WaveletResult, length: str) -> str:
     """Draw envelope with fit, instantaneous frequency and backbone: the paper's figure 4 and what it rests on."""
-    factor, name = shown("displacement", length)
+    factor, name = scale("displacement", length)
     drawn, axes = paper(3.9, 2, 2, width_ratios=[2.2, 1])
     top, _, below, _ = axes
     backbone = joined(drawn, axes[1::2])
@@ -145,8 +142,8 @@ def _significance(axis: "Axes", found: RestoringForceResult) -> None:
     values = [max(value, 1e-6) for _, value in terms]
     axis.barh(range(len(terms)), values, color="#b5b5b5", edgecolor=INK, lw=0.6, height=0.6, log=True)
     for row, value in enumerate(values):
-        axis.annotate(f" {three(value)} %", (value, row), va="center", fontsize=8)
-    axis.set_yticks(range(len(terms)), [literal(prose(name)) for name, _ in terms])
+        axis.annotate(f" {typeset_figures(value)} %", (value, row), va="center", fontsize=8)
+    axis.set_yticks(range(len(terms)), [literal(typeset(name)) for name, _ in terms])
     axis.invert_yaxis()
     axis.set_xlim(min(values, default=1.0) / 3, 2e4)
     axis.set(xlabel="share of the variance [%]", title="significance, eq. (19)")
@@ -159,8 +156,8 @@ def reconstruction(result: Identification) -> str:
     drawn, axes = paper(1.25 * rows, rows, height_ratios=[1.5, 1.0] * (rows // 2), sharex=True)
     row = 0
     if wavelet is not None:
-        factor, name = shown(wavelet.channel, length)
-        fine, fine_name = shown(wavelet.channel, length, fine=True)
+        factor, name = scale(wavelet.channel, length)
+        fine, fine_name = scale(wavelet.channel, length, fine=True)
         measured = getattr(result.aligned, wavelet.channel)
         index = np.clip(np.round(wavelet.time * result.decay.rate).astype(int), 0, len(measured) - 1)
         offset = float(np.median(measured[index] - wavelet.reconstruction))
@@ -168,12 +165,12 @@ def reconstruction(result: Identification) -> str:
         both(
             axes[0], wavelet.time, measured[index] * factor, model * factor, ("measured", "rebuilt, wavelet")
         )
-        axes[0].set_ylabel(literal(f"{wavelet.channel}\n[{unit(name)}]"))
+        axes[0].set_ylabel(literal(f"{wavelet.channel}\n[{typeset_unit(name)}]"))
         curve(axes[1], wavelet.time, (measured[index] - model) * fine, color=OTHER, lw=0.7)
-        axes[1].set_ylabel(literal(f"left [{unit(fine_name)}]"))
+        axes[1].set_ylabel(literal(f"left [{typeset_unit(fine_name)}]"))
         row = 2
     if force is not None:
-        label = unit(f"{length}/s^2")
+        label = typeset_unit(f"{length}/s^2")
         both(axes[row], force.time, force.force, force.force_fit, ("measured", "fitted, restoring force"))
         axes[row].set_ylabel(literal(f"force per unit\nmass [{label}]"))
         curve(axes[row + 1], force.time, force.force - force.force_fit, color=OTHER, lw=0.7)
@@ -189,7 +186,7 @@ def surface(found: RestoringForceResult, length: str) -> str:
     """Draw the restoring force surface over displacement and velocity with the measured points on it."""
     from matplotlib.tri import Triangulation
 
-    factor, name = shown("displacement", length)
+    factor, name = scale("displacement", length)
     drawn, (flat,) = paper(3.3, subplot_kw={"projection": "3d"}, width=5.2)
     axis: Any = flat  # three-dimensional, which the types of a plain pair of axes do not know
     coarse = replace(
@@ -205,8 +202,8 @@ def surface(found: RestoringForceResult, length: str) -> str:
     points = (found.displacement * factor, found.velocity, found.force)
     axis.plot(*(values[::every] for values in points), ".", color=INK, ms=1.6)
     axis.set_xlabel(literal(f"displacement [{name}]"))
-    axis.set_ylabel(literal(f"velocity [{unit(f'{length}/s')}]"))
-    axis.set_zlabel(literal(f"force per unit mass [{unit(f'{length}/s^2')}]"))
+    axis.set_ylabel(literal(f"velocity [{typeset_unit(f'{length}/s')}]"))
+    axis.set_zlabel(literal(f"force per unit mass [{typeset_unit(f'{length}/s^2')}]"))
     axis.locator_params(nbins=5)
     axis.view_init(22, -125)
     axis.set_box_aspect((1.3, 1.3, 0.9), zoom=0.9)
@@ -215,22 +212,22 @@ def surface(found: RestoringForceResult, length: str) -> str:
 
 def sections(found: RestoringForceResult, length: str) -> str:
     """Draw the cuts through the surface where velocity or displacement is zero."""
-    factor, name = shown("displacement", length)
+    factor, name = scale("displacement", length)
     drawn, axes = paper(2.3, 1, 2)
     first = (found.section_zero_velocity, factor, f"displacement [{name}]", "at velocity 0: the springs")
     second = (
-        found.section_zero_displacement, 1.0, f"velocity [{unit(f'{length}/s')}]", "at displacement 0: the damping",
+        found.section_zero_displacement, 1.0, f"velocity [{typeset_unit(f'{length}/s')}]", "at displacement 0: the damping",
     )  # fmt: skip
-    for axis, (cut, scale, label, title) in zip(axes, (first, second), strict=True):
-        _cut(axis, cut, scale)
+    for axis, (cut, factor, label, title) in zip(axes, (first, second), strict=True):
+        _cut(axis, cut, factor)
         axis.set(xlabel=literal(label), title=title)
-    axes[0].set_ylabel(literal(f"force per unit mass [{unit(f'{length}/s^2')}]"))
+    axes[0].set_ylabel(literal(f"force per unit mass [{typeset_unit(f'{length}/s^2')}]"))
     axes[0].legend(loc="upper left")
     return embedded(drawn)
 
 
-def _cut(axis: "Axes", cut: Section, scale: float) -> None:
-    x: Array = cut.position * scale
+def _cut(axis: "Axes", cut: Section, factor: float) -> None:
+    x: Array = cut.position * factor
     axis.errorbar(
         x, cut.force, yerr=2 * cut.std, fmt="o", ms=3, mfc="white", lw=0.8, capsize=2, color=INK,
         label="measured, 2 std. errors",

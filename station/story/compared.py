@@ -12,6 +12,6 @@ class Compared:
     """A model as fitted to the session `name`, and where it fails."""
 
     name: str
-    setting: PreparedDecay
-    start: Baseline
+    prepared: PreparedDecay
+    baseline: Baseline
     comparison: Comparison

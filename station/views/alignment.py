@@ -6,8 +6,8 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from station.quantities import written
 from station.story.identification import Identification
+from station.text.numbers import with_error
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array
@@ -140,7 +140,7 @@ def _story(stream: rr.RecordingStream, result: Identification) -> None:
         axis.barh(row, value.value, color=palette.css(colour), height=0.55)
         axis.errorbar(value.value, row, xerr=2 * value.std, color=palette.INK, capsize=4, lw=1.2)
         axis.annotate(
-            f"  {written(value)}",
+            f"  {with_error(value.value, value.std)}",
             (max(value.value, 0.0) + 2 * value.std, row),
             va="center",
             fontsize=9,
@@ -165,7 +165,7 @@ def words(result: Identification) -> str:
     late = "late" if lag.value >= 0 else "early"
     text = (
         f"## The displacement is {late} by {abs(lag.value) * 1e6:.1f} ± {lag.std * 1e6:.1f} us\n\n"
-        f"Gain of the acceleration against it: {written(found.gain)}. Found by {found.method}; "
+        f"Gain of the acceleration against it: {with_error(found.gain.value, found.gain.std)}. Found by {found.method}; "
         "no law of force is used.\n\n"
     )
     if found.caution:

@@ -40,7 +40,7 @@ def write_file(file: Path, compared: Compared) -> None:
 def write(stream: rr.RecordingStream, compared: Compared, root: str = ROOT) -> None:
     """Log a comparison under `root`; another model goes under another root, as logged times cannot be replaced."""
     log.markdown(stream, f"{root}/summary", summary(compared))
-    for channel in compared.start.fit.windows[0].channels:
+    for channel in compared.baseline.fit.windows[0].channels:
         _channel(stream, compared, channel, root)
     _phase_plane(stream, compared, root)
     _sections(stream, compared, root)
@@ -48,7 +48,7 @@ def write(stream: rr.RecordingStream, compared: Compared, root: str = ROOT) -> N
 
 
 def _channel(stream: rr.RecordingStream, compared: Compared, channel: str, root: str) -> None:
-    fit = compared.start.fit
+    fit = compared.baseline.fit
     span = fit.windows[0]
     factor, unit = _scale(channel, span.unit)
     used = span.used[channel]
@@ -265,7 +265,7 @@ def summary(compared: Compared) -> str:
     """Return the errors and the worst places as markdown."""
     found = compared.comparison
     lines = [
-        f"**{compared.name}** against {', '.join(compared.start.fit.model.names)}",
+        f"**{compared.name}** against {', '.join(compared.baseline.fit.model.names)}",
         "",
         "| error | value | at the floor |",
         "|---|---:|---:|",
@@ -292,7 +292,7 @@ def _range(values: Array) -> tuple[float, float]:
 
 def tab(compared: Compared, root: str = ROOT) -> rrb.Container:
     """Return the layout of the tab."""
-    fit = compared.start.fit
+    fit = compared.baseline.fit
     channels = fit.windows[0].channels
     views = []
     for channel in channels:

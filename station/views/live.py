@@ -12,17 +12,17 @@ import rerun.blueprint as rrb
 from daq.capture import CaptureObserver
 from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
+from station.text.numbers import scale_as_recorded
 from station.views import log, palette
 from station.views.viewer import HOST, start
 
 APPLICATION = "free-decay-station-live"  # of its own: the viewer keeps one layout for each application
 ROOT = "/live"
-SCALE = {"m": (1e3, "mm")}
 START_S = 20.0
 
 
 class LiveView(CaptureObserver):
-    """Draws what a capture tells; give it to the capture as its observer."""
+    """Draws a capture under way; give it to the capture as its observer."""
 
     def __init__(self, stream: rr.RecordingStream, rate: float) -> None:
         self._stream = stream
@@ -35,7 +35,7 @@ class LiveView(CaptureObserver):
         self._channels = channels
         for channel in channels:
             colour = palette.CHANNEL.get(channel.quantity, palette.MEASURED)
-            _, unit = SCALE.get(channel.unit, (1.0, channel.unit))
+            _, unit = scale_as_recorded(channel.quantity, channel.unit)
             style = rr.SeriesLines(
                 colors=colour, names=f"{channel.name} [{unit}]", widths=1.5, aggregation_policy="MinMax"
             )
@@ -55,7 +55,7 @@ class LiveView(CaptureObserver):
         if len(times):
             self._now = float(times[-1])
         for channel, values in zip(self._channels, samples, strict=True):
-            factor, _ = SCALE.get(channel.unit, (1.0, channel.unit))
+            factor, _ = scale_as_recorded(channel.quantity, channel.unit)
             self._stream.send_columns(
                 f"{ROOT}/{channel.name}",
                 indexes=[rr.TimeColumn(log.TIMELINE, duration=times)],
@@ -63,17 +63,17 @@ class LiveView(CaptureObserver):
             )
 
     def loss(self, gap: Gap) -> None:
-        """Tell a loss in the log."""
+        """Write a loss into the log."""
         self._say(f"lost {gap.count} samples from {gap.first} on ({gap.reason})", rr.TextLogLevel.WARN)
 
     def _say(self, text: str, level: str = rr.TextLogLevel.INFO) -> None:
         self._stream.set_time(log.TIMELINE, duration=self._now)
-        self._stream.log(f"{ROOT}/told", rr.TextLog(text, level=level))
+        self._stream.log(f"{ROOT}/events", rr.TextLog(text, level=level))
         self._stream.reset_time()
 
 
 def layout(channels: tuple[Channel, ...]) -> rrb.Blueprint:
-    """Return the live layout: the channels, the state of the station, its words; it follows the newest sample."""
+    """Return the live layout: the channels, the state of the station, its log; it follows the newest sample."""
     views: list[rrb.View] = [
         log.curves(channel.name.capitalize(), [f"{ROOT}/{channel.name}"]) for channel in channels
     ]
@@ -85,7 +85,7 @@ def layout(channels: tuple[Channel, ...]) -> rrb.Blueprint:
                     rrb.StateTimelineView(origin=f"{ROOT}/station", name="Station"),
                     row_shares=[4.0] * len(views) + [1.2],
                 ),
-                rrb.TextLogView(origin=f"{ROOT}/told", name="What happened"),
+                rrb.TextLogView(origin=f"{ROOT}/events", name="What happened"),
                 column_shares=[2, 1],
                 name="Live",
             ),

@@ -1,6 +1,4 @@
-"""The recording of a model's story: the tabs Suspects and Ladder, written to a file or sent to an open viewer."""
-
-from pathlib import Path
+"""Tabs sent to a viewer that is open."""
 
 import rerun as rr
 import rerun.blueprint as rrb
@@ -9,22 +7,11 @@ from station.views.show import APPLICATION
 from station.views.tab import Tab
 
 
-def write_file(file: Path, name: str, tabs: tuple[Tab, ...], timeline: str) -> None:
-    """Write a recording of these tabs with its blueprint, the first tab in front."""
-    stream = rr.RecordingStream(APPLICATION, recording_id=name, send_properties=False)
-    stream.save(file, default_blueprint=blueprint(tabs, timeline))
-    _fill(stream, tabs)
-
-
 def send(url: str, name: str, tabs: tuple[Tab, ...], timeline: str) -> None:
-    """Send the same to a viewer that is open already; what went there under the same name stays."""
+    """Send tabs to a viewer that is open already, the first in front; what went there under the same name stays."""
     stream = rr.RecordingStream(APPLICATION, recording_id=name, send_properties=False)
     stream.connect_grpc(url)
     stream.send_blueprint(blueprint(tabs, timeline), make_active=True, make_default=True)
-    _fill(stream, tabs)
-
-
-def _fill(stream: rr.RecordingStream, tabs: tuple[Tab, ...]) -> None:
     for tab in tabs:
         tab.write(stream)
     stream.flush()

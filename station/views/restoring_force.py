@@ -6,8 +6,8 @@ import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from identify.restoring_force.restoring_force import RestoringForceResult, Section
-from station.quantities import shown
 from station.story.identification import Identification
+from station.text.numbers import scale
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array
@@ -40,7 +40,7 @@ class Cube:
         self.scale = np.array(
             [_round_up(np.max(np.abs(v))) for v in (found.displacement, found.velocity, found.force)]
         )
-        factor, unit = shown("displacement", length)
+        factor, unit = scale("displacement", length)
         self.labels = (
             f"displacement ± {self.scale[0] * factor:g} {unit}",
             f"velocity ± {self.scale[1]:g} {length}/s",
@@ -144,7 +144,7 @@ def _points(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube)
 
 
 def _sections(stream: rr.RecordingStream, found: RestoringForceResult, length: str) -> None:
-    factor, unit = shown("displacement", length)
+    factor, unit = scale("displacement", length)
     drawn, axes = figure(8.4, 3.6, 1, 2)
     _cut(
         axes[0],

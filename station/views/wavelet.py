@@ -5,8 +5,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.wavelet.wavelet import WaveletResult
-from station.quantities import shown
 from station.story.identification import Identification
+from station.text.numbers import scale
 from station.views import log, palette
 from station.views.figure import figure, legend
 
@@ -19,7 +19,7 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
     if found is None:
         log.markdown(stream, f"{ROOT}/refusal", f"## Not identified\n\n{result.refusals.get('wavelet', '')}")
         return
-    factor, unit = shown("displacement", result.decay.unit)
+    factor, unit = scale("displacement", result.decay.unit)
     time, trusted = found.time, found.trusted
     hilbert = found.hilbert_envelope * factor
     log.series(
@@ -130,7 +130,7 @@ def tab(result: Identification) -> rrb.Container:
     if found is None:
         return rrb.Vertical(log.document("Wavelet", f"{ROOT}/refusal"), name="Wavelet")
     trusted = found.frequency[found.trusted]
-    _, unit = shown("displacement", result.decay.unit)
+    _, unit = scale("displacement", result.decay.unit)
     middle = float(np.median(trusted if len(trusted) else found.frequency))
     spread = float(np.percentile(np.abs(trusted - middle), 98)) if len(trusted) else 0.0
     half = max(1.5 * spread, 0.01 * middle)

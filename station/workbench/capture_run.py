@@ -1,4 +1,4 @@
-"""One capture under way: in a thread of its own, watched by every tab, and ended by a word."""
+"""One capture under way: in a thread of its own, watched by every tab, and ended on request."""
 
 import threading
 import time
@@ -13,8 +13,8 @@ from daq.recording import Array, Channel, Gap
 from daq.session import Session
 from firmware_protocol import Hello
 from station.operations.new_session import new_folder
-from station.quantities import shown
 from station.text.capture_progress import STATES
+from station.text.numbers import scale_as_recorded
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class CaptureRun(CaptureObserver):
         self._largest = np.maximum(self._largest, np.abs(samples).max(axis=1))
         levels = []
         for channel, value, largest in zip(self._channels, samples[:, -1], self._largest, strict=True):
-            factor, unit = shown(channel.quantity, channel.unit.split("/")[0])
+            factor, unit = scale_as_recorded(channel.quantity, channel.unit)
             levels.append(Level(channel.name, float(value) * factor, unit, float(value / largest)))
         seconds = time.monotonic() - self._recording_since
         share = min(seconds / self._settings.duration_s, 1.0) if self.now.state == "recording" else 0.0
