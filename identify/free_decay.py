@@ -18,19 +18,20 @@ class FreeDecay:
     `i / rate` seconds. Quantities are SI (m or rad, per second, per second squared). At least one of
     `displacement`, `velocity`, `acceleration` is present.
 
-    `release` is the first sample of free motion (0 when the record begins in mid-decay);
-    `rest` is the half-open range of samples before the release in which the mass is held still,
-    empty (0, 0) when there is none. `valid` is False where a sample was lost; the values there mean
-    nothing. `noise_*` are white-noise standard deviations of the channels, None when unknown.
+    `release` is the first sample of free motion (0 when the record begins in mid-decay), None when it has not
+    been located yet: whatever identifies then locates it first. `rest` is the half-open range of samples before the
+    release in which the mass is held still, empty (0, 0) when there is none. `valid` is False where a sample was
+    lost; the values there mean nothing. `noise_*` are white-noise standard deviations of the channels, None when
+    unknown.
     `force` is an external force per unit mass (m/s^2) when one was recorded. `mass` is in kg
     (kg m^2 for angles), None when unknown: everything is then per unit mass.
     """
 
     rate: float
     displacement: Array | None = None
-    velocity: Array | None = None
     acceleration: Array | None = None
-    release: int = 0
+    velocity: Array | None = None
+    release: int | None = None
     rest: tuple[int, int] = (0, 0)
     valid: Mask | None = None
     noise_displacement: float | None = None
@@ -63,6 +64,11 @@ class FreeDecay:
             if values is not None:
                 return len(values)
         return 0
+
+    @property
+    def start(self) -> int:
+        """The first sample of free motion; 0 where the release has not been located."""
+        return self.release or 0
 
     @property
     def driven(self) -> bool:

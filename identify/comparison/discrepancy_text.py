@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from identify.formatting import scaled
+
 
 @dataclass(frozen=True)
 class DiscrepancyText:
@@ -101,15 +103,6 @@ class DiscrepancyText:
     @staticmethod
     def _up_to(single: bool) -> str:
         return "" if single else "up to "
-
-
-def scaled(value: float, unit: str) -> str:
-    """Return a number to two figures with its unit, in thousandths where it is small and the unit can take a prefix."""
-    if value != 0.0 and abs(value) < 0.01 and unit[0] in "NJm" and "^" not in unit.split("/")[0]:
-        if abs(value) < 1e-5:
-            return f"{value * 1e6:.2g} u{unit}"
-        return f"{value * 1e3:.2g} m{unit}"
-    return f"{value:.2g} {unit}"
 
 
 def _where(side: int, way: int) -> str:

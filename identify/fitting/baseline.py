@@ -10,7 +10,7 @@ from identify.fitting.fit import Fit, fit
 from identify.fitting.floor import Floor, refine_floor
 from identify.fitting.initial_values import initial_values, regress_model
 from identify.model.model import Model
-from identify.preprocessing.dropouts import stale
+from identify.preprocessing.lost_readings import stale
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 ADEQUATE = 3.0
@@ -49,10 +49,18 @@ class Baseline:
         extra, readings = allowance(self.decays, found, found.model)
         return (found.chi_square + extra) / max(found.degrees + readings, 1)
 
+    @property
+    def at_floor(self) -> bool:
+        """Whether the fitted model reaches the floor, faults that it does not name counted in."""
+        return self._reaches(self.reduced(self.fit))
+
     def adequate(self, found: Fit) -> bool:
         """Whether a fit reaches the floor, corrected faults left out; one that is not sure gets the benefit of doubt."""
+        return self._reaches(found.reduced)
+
+    def _reaches(self, reduced: float) -> bool:
         doubt = 0.0 if self.floor_is_sure else DOUBT
-        return found.reduced <= 1.0 + max(ADEQUATE * self.spread, doubt)
+        return reduced <= 1.0 + max(ADEQUATE * self.spread, doubt)
 
 
 def fit_baseline(

@@ -14,6 +14,7 @@ UNSTATED_GAIN_UNCERTAINTY = 2e-4
 """Relative uncertainty allowed to a pair of channels whose calibration says nothing."""
 
 FEWEST_LOST = 3
+_SIGNIFICANT_DROP = 12.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +28,11 @@ class CorrectedFault:
     drop: float
     readings: int
     parameters: dict[str, Estimate]
+
+    @property
+    def significant(self) -> bool:
+        """Whether it is worth a report."""
+        return self.drop > _SIGNIFICANT_DROP
 
 
 def corrected_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[CorrectedFault, ...]:

@@ -48,6 +48,15 @@ class Fit:
         """Return reading less prediction, SI, shape (n,), of one channel of span i."""
         return self.windows[i].readings[channel] - self.predicted[i][channel]
 
+    def parameters_of(self, effect: str) -> dict[str, Estimate]:
+        """Return what was found of an effect, by parameter's name (and release, for a fault on several)."""
+        prefix = f"{effect}."
+        return {
+            name.removeprefix(prefix): value
+            for name, value in self.values.items()
+            if name.startswith(prefix) and ".state" not in name
+        }
+
     def correlation(self, first: str, second: str) -> float:
         """Return the correlation of two unknowns' errors."""
         i, j = self.names.index(first), self.names.index(second)

@@ -9,6 +9,7 @@ from identify.arrays import Array
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
+from identify.preprocessing.decimation import average_blocks
 from identify.preprocessing.noise import noise_of
 from identify.signal.fractional_delay import bridge, read_at_shift
 from identify.signal.kinematics import Agreement, Pair, agree
@@ -60,14 +61,14 @@ def align(decay: FreeDecay) -> Alignment:
     if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
         raise NotIdentifiable(ONE_CHANNEL)
     valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.array(decay.valid)
-    frequency = dominant_frequency(bridge(decay.acceleration, valid)[decay.release :], decay.rate)
+    frequency = dominant_frequency(bridge(decay.acceleration, valid)[decay.start :], decay.rate)
     if frequency <= 0:
         raise NotIdentifiable(
             "The channels hold no oscillation to align: record a release with a visible decay."
         )
-    decay = coarser(decay, int(decay.rate / (ENOUGH_PER_PERIOD * frequency)))
+    decay, _ = average_blocks(decay, int(decay.rate / (ENOUGH_PER_PERIOD * frequency)))
     pair = pair_of(decay)
-    moving = slice(decay.release, None)
+    moving = slice(decay.start, None)
     _require_motion(pair, moving, frequency)
     upright, opposite = _starts(pair, moving, frequency)
     best = agree(pair, *upright, steps=8)
@@ -133,9 +134,9 @@ def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
     sudden = jumps > (SUDDEN * float(np.ptp(high[valid]))) ** 2
     variance_high = noise_high**2 + np.where(sudden, jumps, 0.0)
     out = ~valid
-    if leave_out_hand and decay.release > 0:
-        after = decay.release + max(4, int(np.ceil(HAND_S * decay.rate)))
-        out[max(decay.release - 4, 0) : after] = True
+    if leave_out_hand and decay.start > 0:
+        after = decay.start + max(4, int(np.ceil(HAND_S * decay.rate)))
+        out[max(decay.start - 4, 0) : after] = True
     variance_low[out] = max(float(np.ptp(low[valid])), noise_low) ** 2
     variance_high[out] = max(float(np.ptp(high[valid])), noise_high) ** 2
     return Pair(
@@ -169,26 +170,6 @@ def jump_variance(high: Array, noise: float, rate: float) -> Array:
     extra[1:-2] += jump
     extra[2:-1] += jump
     return extra
-
-
-def coarser(decay: FreeDecay, step: int) -> FreeDecay:
-    """Return the decay averaged over blocks of `step` samples; a block that holds a lost sample is lost."""
-    if step < 2:
-        return decay
-    floors = noise_of(decay)
-    count = len(decay) // step
-
-    def blocks(values: Array) -> Array:
-        return values[: count * step].reshape(count, step)
-
-    changes: dict[str, object] = {"force": None if decay.force is None else blocks(decay.force).mean(axis=1)}
-    for name, floor in floors.items():
-        std = getattr(decay, f"noise_{name}") or floor.std
-        changes |= {name: blocks(getattr(decay, name)).mean(axis=1), f"noise_{name}": std / np.sqrt(step)}
-    valid = None if decay.valid is None else blocks(decay.valid.astype(float)).min(axis=1) > 0.5
-    rest = (-(-decay.rest[0] // step), decay.rest[1] // step)
-    release = -(-decay.release // step)
-    return decay.with_(rate=decay.rate / step, release=release, rest=rest, valid=valid, **changes)
 
 
 def _starts(pair: Pair, moving: slice, frequency: float) -> list[tuple[float, float]]:

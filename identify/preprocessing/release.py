@@ -8,6 +8,7 @@ from scipy.ndimage import binary_dilation, maximum_filter1d, median_filter, mini
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
 from identify.signal.fractional_delay import bridge
@@ -62,6 +63,13 @@ class _Burst(NamedTuple):
     stop: int
     amplitude: float
     from_record_start: bool
+
+
+def release_of(decay: FreeDecay) -> Release:
+    """Return the release with the largest motion in a decay's record; the whole record where a force drives it."""
+    if decay.driven:
+        return Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0))
+    return find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)
 
 
 def find_release(

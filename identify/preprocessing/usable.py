@@ -26,9 +26,9 @@ def first_free_sample(decay: FreeDecay, frequency: float | None = None) -> int:
     before the release began in mid-decay: no hand, no wait.
     """
     if decay.rest[1] <= decay.rest[0]:
-        return decay.release
+        return decay.start
     wait = HAND_S if frequency is None else min(HAND_S, 0.25 / frequency)
-    return decay.release + int(np.ceil(wait * decay.rate))
+    return decay.start + int(np.ceil(wait * decay.rate))
 
 
 def last_large_sample(envelope: Array, threshold: float) -> int:

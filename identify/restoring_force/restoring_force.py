@@ -9,9 +9,9 @@ from identify.arrays import Array, frozen
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
-from identify.preprocessing.decimation import thinned
+from identify.preprocessing.aligned_decay import AlignedDecay, aligned
+from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.motion import Motion, reconstruct
-from identify.preprocessing.spikes import without_spikes
 from identify.preprocessing.usable import valid_samples
 from identify.restoring_force.force_regression import ForceFit, fit_orders
 from identify.restoring_force.force_window import (
@@ -79,9 +79,9 @@ class RestoringForceResult:
 
 
 def identify_restoring_force(
-    decay: FreeDecay, max_order: int = 3, stiffness_orders: tuple[int, ...] = (1,)
+    decay: FreeDecay | AlignedDecay, max_order: int = 3, stiffness_orders: tuple[int, ...] = (1,)
 ) -> RestoringForceResult:
-    """Identify the restoring force of a decay whose channels are aligned.
+    """Identify the restoring force of a decay; one that has not been located is located and aligned first.
 
     `max_order` is the highest order of damping tried, `stiffness_orders` the displacement orders of eq. (15).
     With a recorded `force` the equation is driven (eq. 14): as force per unit mass where the mass is known, else
@@ -89,7 +89,7 @@ def identify_restoring_force(
     the lag's standard error adds nothing here; see `identify_restoring_force_as_recorded` for what it does
     otherwise. Raises NotIdentifiable when there is too little to identify.
     """
-    decay, begins = thinned(without_spikes(decay))
+    decay, begins = block_averaged(aligned(decay))
     motion = calmed(reconstruct(decay))
     result = _identify(decay, motion, noise_of_agreeing(decay), max_order, stiffness_orders)
     return replace(result, time=frozen(result.time + begins))
@@ -105,11 +105,11 @@ def identify_restoring_force_as_recorded(
     """
     if decay.displacement is None or decay.acceleration is None:
         raise NotIdentifiable("the restoring force as recorded needs a displacement and an acceleration")
-    after = slice(decay.release, None)
+    after = slice(decay.start, None)
     displacement, acceleration = decay.displacement[after], decay.acceleration[after]
     motion = Motion(
         decay.rate,
-        decay.release,
+        decay.start,
         frozen(displacement),
         frozen(slope(displacement, decay.rate)),
         frozen(acceleration),

@@ -7,8 +7,8 @@ import numpy as np
 from identify.arrays import Array, Mask, frozen, frozen_mask
 from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
-from identify.preprocessing.decimation import thinned
-from identify.preprocessing.spikes import without_spikes
+from identify.preprocessing.aligned_decay import AlignedDecay, aligned
+from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.usable import CHANNELS
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
@@ -83,15 +83,16 @@ class WaveletResult:
     stiffness_reason: str
 
 
-def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
+def identify_wavelet(decay: FreeDecay | AlignedDecay, max_order: int = 3) -> WaveletResult:
     """Identify stiffness and damping from the envelope and the phase of one channel.
 
-    Displacement is used where there is one, else velocity, else acceleration. `max_order` is the highest
+    A decay that has not been located is located and aligned first. Displacement is used where there is one, else
+    velocity, else acceleration. `max_order` is the highest
     order of damping that is tried, eq. (4). Raises NotIdentifiable when there is too little to identify.
     Standard errors come from the channel's noise (`noise_*`; measured on the span where unknown) carried
     through the transform, and grow with what the model leaves unexplained.
     """
-    decay, begins = thinned(without_spikes(decay))
+    decay, begins = block_averaged(aligned(decay))
     start, observed = observe_span(decay)
     fit = settle(observed, first_fit(observed, min(1, max_order), (1,)))
     for _ in range(_CHANGES_OF_MODEL):

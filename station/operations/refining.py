@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from daq.session import Session
-from identify.diagnosis.refine import Rung, add_effect, first_rung, remove_effect
+from identify.diagnosis.ladder import Rung, add_effect, first_rung, remove_effect
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
-from identify.fitting.baseline import ADEQUATE
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
@@ -152,10 +151,9 @@ def _extended(refinement: Refinement, new: tuple[KeptRung, ...], why: tuple[str,
 
 
 def _manual(rung: Rung, done: str) -> tuple[str, str | None]:
-    chi_square, spread = rung.error.chi_square, rung.error.floor_std
-    if chi_square <= 1.0 + ADEQUATE * spread:
+    if rung.at_floor:
         return f"{done}; the noise floor is reached", None
-    return f"{done}; {chi_square:.3g} times the noise is left", None
+    return f"{done}; {rung.error.chi_square:.3g} times the noise is left", None
 
 
 def _found(name: str, library: tuple[Effect, ...]) -> Effect:

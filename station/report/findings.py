@@ -6,7 +6,7 @@ from daq.errors import StationError
 from daq.manifest import Manifest
 from daq.recording import Recording
 from daq.session import Session
-from identify.diagnosis.refine import Rung
+from identify.diagnosis.ladder import Rung
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
 from station.operations.comparing import compare_session

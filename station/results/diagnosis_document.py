@@ -1,11 +1,12 @@
 """A diagnosis as a document: what `--json` prints and `results/diagnosis.json` keeps; one writer and one reader."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from daq.session import Session
-from identify.diagnosis.diagnose import Diagnosis, Suspect, Verdict
+from identify.diagnosis.diagnose import Diagnosis
+from identify.diagnosis.judgement import Verdict
 from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.suspect import Suspect
 from identify.effects.effect import Kind
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
@@ -24,12 +25,6 @@ from station.results.documents import (
 from station.results.models import ModelFile, model_file
 
 NAME = "diagnosis.json"
-CLAIMED = 0.02
-"""Probability of chance below which a suspect counts as claimed."""
-
-NOT_TOLD_APART = 4.6
-"""Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
-
 MOST_POINTS = 40
 MOST_CURVES = 2
 MORE_DATA = "Record at least eight seconds or ten cycles, from the largest amplitude that is safe."
@@ -159,7 +154,6 @@ def diagnosis_document(
     """
     baseline = found.start
     fitted = model_file(baseline.fit, expressions)
-    suspects = [_suspect(suspect, expressions) for suspect in found.suspects]
     return DiagnosisDocument(
         format=1,
         sessions=list(names),
@@ -175,8 +169,8 @@ def diagnosis_document(
         noise_floor=_noise_floor(baseline),
         verdict=found.verdict,
         named=list(found.named),
-        rivals=rivals(suspects) if found.named else [],
-        suspects=suspects,
+        rivals=list(found.suspects[0].rivals) if found.named else [],
+        suspects=[_suspect(suspect, expressions) for suspect in found.suspects],
         together=list(found.together),
         findings=[_finding(fault) for fault in found.findings],
         error_with_named=_error(errors_of(replace(baseline, fit=found.final))),
@@ -224,15 +218,6 @@ def write_diagnosis(session: Session, document: DiagnosisDocument) -> None:
     write_document(session, NAME, document)
 
 
-def rivals(suspects: Sequence[SuspectDocument]) -> list[str]:
-    """Return the claimed suspects that explain the record as well as the first one."""
-    return [
-        other.effect
-        for other in suspects[1:]
-        if other.claimed and abs((suspects[0].evidence or 0.0) - (other.evidence or 0.0)) < NOT_TOLD_APART
-    ]
-
-
 def _error(error: ModelError) -> ErrorDocument:
     return ErrorDocument(
         force_mse_percent=error.force_mse_percent,
@@ -254,8 +239,7 @@ def _noise_floor(baseline: Baseline) -> NoiseFloorDocument:
 
 
 def _suspect(suspect: Suspect, expressions: tuple[str, ...]) -> SuspectDocument:
-    fit = suspect.fit
-    with_it = None if fit is None or suspect.effect.name not in fit.model else model_file(fit, expressions)
+    fitted_with_it = suspect.effect.name in suspect.fit.model
     return SuspectDocument(
         effect=suspect.effect.name,
         title=suspect.effect.title,
@@ -268,8 +252,8 @@ def _suspect(suspect: Suspect, expressions: tuple[str, ...]) -> SuspectDocument:
         confusable_with=list(suspect.confusable_with),
         held_out_gain=suspect.held_out_gain,
         plausible=suspect.plausible,
-        claimed=bool(suspect.p_value < CLAIMED),
-        model=with_it,
+        claimed=suspect.claimed,
+        model=model_file(suspect.fit, expressions) if fitted_with_it else None,
     )
 
 

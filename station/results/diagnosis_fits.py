@@ -46,7 +46,7 @@ def fits_of(found: Diagnosis, document: DiagnosisDocument, most: int = MOST) -> 
     """Return the fits of a diagnosis that was just made."""
     decays = found.start.decays
     index = int(np.argmax([prepared.amplitude for prepared in decays]))
-    best = tuple((s.term, s.fit) for s in found.suspects[:most] if s.fit is not None)
+    best = tuple((s.term, s.fit) for s in found.suspects[:most])
     return DiagnosisFits(document, decays[index], index, found.start.fit, best)
 
 

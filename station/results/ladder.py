@@ -5,7 +5,7 @@ from typing import Any, Self
 from pydantic import Field
 
 from daq.session import Session
-from identify.diagnosis.refine import Rung
+from identify.diagnosis.ladder import Rung
 from station.exits import UsageProblem
 from station.results.documents import Document, Number, Part, read_document, write_document
 from station.results.models import ModelFile, Value, model_file, written

@@ -11,18 +11,18 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from daq.recording import Recording
-from identify.comparison.compare import compare as compare_fit
+from identify.comparison.compare import compare_fitted as compare_baseline
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.diagnose import diagnose as diagnose_decays
-from identify.diagnosis.refine import Ladder, Rung, climb
+from identify.diagnosis.ladder import Ladder, Rung
+from identify.diagnosis.refine import refine as refine_decay
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.leave_one_out import LeftOut, leave_one_out
 from identify.model.model import Model, base_model
-from identify.preprocessing.alignment import align, correct
-from identify.preprocessing.noise import estimate_noise
+from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import (
     identify_restoring_force,
@@ -31,7 +31,7 @@ from identify.restoring_force.restoring_force import (
 from identify.wavelet.wavelet import identify_wavelet
 from station.story.compared import Compared
 from station.story.identification import Identification
-from station.story.preparation import Options, find_motion, free_decay
+from station.story.preparation import Options, free_decay
 
 Value = TypeVar("Value")
 Progress = Callable[[str], None]
@@ -57,12 +57,10 @@ def identify(recording: Recording, options: Options) -> Identification:
             refusals[step] = str(refusal)
             return None
 
-    decay = free_decay(recording, options)
-    release = find_motion(decay)
-    decay = estimate_noise(decay.with_(release=release.index, rest=release.rest))
-
-    alignment = attempt("alignment", lambda: align(decay))
-    aligned = decay if alignment is None else correct(decay, alignment)
+    found = locate_and_align(free_decay(recording, options))
+    decay, alignment, aligned = found.recorded, found.alignment, found.decay
+    if found.not_aligned:
+        refusals["alignment"] = found.not_aligned
 
     wavelet = None
     if decay.driven:
@@ -79,7 +77,7 @@ def identify(recording: Recording, options: Options) -> Identification:
         )
 
     return Identification(
-        decay, release, alignment, aligned, wavelet, restoring_force, without_alignment, refusals
+        decay, found.release, alignment, aligned, wavelet, restoring_force, without_alignment, refusals
     )
 
 
@@ -101,9 +99,7 @@ def compare(
 
 def compare_fitted(name: str, baseline: Baseline, *, mass: float | None = None) -> Compared:
     """Find where a model fails that is fitted already, on the decay as the fit has corrected it."""
-    prepared = baseline.decays[0]
-    found = compare_fit(prepared, baseline.fit, baseline.floors[0].channels, mass=mass)
-    return Compared(name, prepared, baseline, found)
+    return Compared(name, baseline, compare_baseline(baseline, mass=mass))
 
 
 def diagnose(
@@ -137,4 +133,4 @@ def refine(
     def on_rung(rung: Rung, sentence: str) -> None:
         progress(f"{sentence}: chi2 {rung.error.chi_square:.3g} ({' + '.join(rung.effects)})")
 
-    return climb((prepared,), model, library=library, known=known, progress=on_rung)[0]
+    return refine_decay(prepared, model, library=library, known=known, progress=on_rung)

@@ -8,7 +8,6 @@ from daq.session import Session
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
-from identify.preprocessing.release import Release, find_release
 from station.settings import Settings
 
 MOTION = ("displacement", "velocity", "acceleration")
@@ -45,15 +44,9 @@ def prepare_session(
     recording = session.recording()
     gain = gain_uncertainty(recording) if gain_percent is None else gain_percent / 100.0
     try:
-        return prepare_decay(free_decay(recording, options_for(session, settings, mass)), gain)
+        return prepare(free_decay(recording, options_for(session, settings, mass)), gain_uncertainty=gain)
     except NotIdentifiable as refusal:
         raise NotIdentifiable(f"{session.folder.name}: {refusal}") from refusal
-
-
-def prepare_decay(decay: FreeDecay, gain: float = 0.0) -> PreparedDecay:
-    """Return a release ready to be fitted; `gain` is the relative uncertainty of the gain between its channels."""
-    release = find_motion(decay)
-    return prepare(decay.with_(release=release.index, rest=release.rest), release, gain_uncertainty=gain)
 
 
 def free_decay(recording: Recording, options: Options) -> FreeDecay:
@@ -87,13 +80,6 @@ def _displacement_unit(recording: Recording) -> str:
     """Return the unit of the displacement, as the first channel that is a motion has it: m, rad, V."""
     units = [channel.unit for channel in recording.channels if channel.quantity in MOTION]
     return units[0].split("/")[0] if units else "m"
-
-
-def find_motion(decay: FreeDecay) -> Release:
-    """Return the release; for a driven motion the whole record."""
-    if decay.driven:
-        return Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0))
-    return find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)
 
 
 def gain_uncertainty(recording: Recording) -> float:

@@ -6,7 +6,8 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from identify.comparison.discrepancy_text import DiscrepancyText, scaled
+from identify.comparison.discrepancy_text import DiscrepancyText
+from identify.formatting import scaled
 from station.story.compared import Compared
 from station.text.layout import labelled
 from station.text.numbers import with_error

@@ -5,17 +5,11 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from identify.diagnosis.judgement import HEADLINES
 from station.results.diagnosis_document import DiagnosisDocument, NoiseFloorDocument, SuspectDocument
 from station.text.layout import labelled
 from station.text.numbers import evidence, probability, three_figures, with_unit
 
-VERDICTS = {
-    "missing_effect": "A FORCE IS MISSING",
-    "sensor_fault": "A SENSOR IS AT FAULT",
-    "nothing_missing": "NOTHING IS MISSING",
-    "unknown_effect": "SOMETHING IS MISSING THAT HAS NO NAME HERE",
-    "not_enough_data": "NOT ENOUGH DATA",
-}
 STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
 MOST_SUSPECTS = 6
 LABEL_WIDTH = 12
@@ -23,7 +17,7 @@ LABEL_WIDTH = 12
 
 def headline(document: DiagnosisDocument) -> str:
     """Return the verdict in one line."""
-    verdict = VERDICTS[document.verdict]
+    verdict = HEADLINES[document.verdict].upper()
     return f"{verdict}: {' and '.join(document.named)}" if document.named else verdict
 
 

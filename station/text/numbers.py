@@ -4,6 +4,9 @@ import math
 import re
 from typing import Protocol
 
+from identify import formatting
+from identify.estimate import Estimate
+
 DASH = "-"
 SPACE = "\u00a0"  # keeps a number with its error and its unit on one line
 DAMPING_NAMES = ("dry friction mu_0", "viscous damping mu_1", "quadratic damping mu_2", "cubic damping mu_3")
@@ -32,42 +35,23 @@ class Estimated(Protocol):
 # In a terminal.
 
 
-def decimals_for(std: float | None) -> int:
-    """Return how many decimals show two figures of a standard error."""
-    if std is None or not math.isfinite(std) or std <= 0:
-        return 4
-    return max(0, 1 - math.floor(math.log10(std)))
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
 
 
 def with_error(value: float | None, std: float | None) -> str:
     """Return "13115.0 ± 0.4" with the digits that the error allows."""
-    if value is None or not math.isfinite(value):
-        return "unknown"
-    if std is None or not math.isfinite(std):
-        return f"{value:.5g} ± unknown"
-    if abs(value) >= 1e6 or 0 < abs(value) < 1e-4:
-        return f"{value:.4g} ± {std:.1g}"
-    decimals = decimals_for(std)
-    return f"{value:.{decimals}f} ± {std:.{decimals}f}"
+    return formatting.with_error(_number(value), _number(std))
 
 
 def with_unit(found: Estimated) -> str:
-    """Return "13115.0 ± 0.4 N/m"; of a large number four figures, without an error that is not known."""
-    unit = "" if found.unit == "1" else f" {found.unit}"
-    if found.value is None or not math.isfinite(found.value):
-        return f"unknown{unit}"
-    if found.std is None or not math.isfinite(found.std):
-        return f"{found.value:.4g}{unit}"
-    if abs(found.value) >= 1e4:
-        return f"{found.value:.4g} ± {found.std:.1g}{unit}"
-    return f"{with_error(found.value, found.std)}{unit}"
+    """Return "13115.0 ± 0.4 N/m"; without an error where none is known."""
+    return formatting.quantity(Estimate(_number(found.value), _number(found.std), found.unit))
 
 
 def three_figures(value: float | None) -> str:
     """Return an error with three figures, a dash where there is none."""
-    if value is None or not math.isfinite(value):
-        return DASH
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}"
+    return formatting.three_figures(_number(value))
 
 
 def evidence(nats: float | None) -> str:

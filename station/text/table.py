@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from statistics import fmean, stdev
 from typing import Any
 
+from identify.formatting import decimals_for
 from station.results.identification_document import IdentificationDocument, MethodDocument
-from station.text.numbers import decimals_for, scale
+from station.text.numbers import scale
 
 MOST_DECIMALS = 8
 METHODS = ("WT", "RFS")

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from identify.comparison.compare import compare
-from identify.diagnosis.refine import add_effect, first_rung
+from identify.comparison.compare import compare_fitted
+from identify.diagnosis.ladder import add_effect, first_rung
 from identify.effects.library import LIBRARY, find_effect
 from identify.free_decay import FreeDecay
-from station.story.preparation import prepare_decay
+from identify.preprocessing.prepared_decay import prepare
 
 RATE, SECONDS, FREQUENCY, DECAY, AMPLITUDE = 256.0, 6.0, 25.0, 0.25, 0.02
 
@@ -20,6 +20,6 @@ def warm_up() -> None:
     u = shape * np.cos(FREQUENCY * moving) + 5e-6 * draw.standard_normal(len(time))
     a = np.where(time > 0, -(FREQUENCY**2) * shape * np.cos(FREQUENCY * moving), 0.0)
     a = a + 0.01 * draw.standard_normal(len(time))
-    prepared = prepare_decay(FreeDecay(rate=RATE, displacement=u, acceleration=a))
+    prepared = prepare(FreeDecay(rate=RATE, displacement=u, acceleration=a))
     rung = add_effect(first_rung((prepared,)), find_effect("stribeck_friction"), library=LIBRARY)
-    compare(prepared, rung.fit, rung.start.floors[0].channels)
+    compare_fitted(rung.start)

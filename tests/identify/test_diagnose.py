@@ -3,7 +3,8 @@ import pytest
 from releases import drawn, hidden
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.refine import add_effect, climb, first_rung, remove_effect
+from identify.diagnosis.ladder import add_effect, first_rung, remove_effect
+from identify.diagnosis.refine import refine
 from identify.effects.library import LIBRARY
 from identify.effects.user import own_effect, parse_effect
 from identify.fitting.baseline import fit_baseline
@@ -88,12 +89,12 @@ def test_a_users_own_magnet_takes_part_and_reaches_the_floor():
 
 def test_the_ladder_falls_to_the_floor_and_finds_both_effects():
     prepared, _ = drawn("freeplay+cubic_damping", 0.02, seed=44)
-    ladder, last = climb((prepared,))
+    ladder = refine(prepared)
     assert set(ladder.top.effects[BASE:]) == {"freeplay", "cubic_damping"}
     sizes = [rung.error.chi_square for rung in ladder.rungs]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[-1] < 1.2
-    assert last.verdict == "nothing_missing"
+    assert ladder.verdict == "nothing_missing"
 
 
 def test_an_effect_added_and_removed_leaves_the_model_as_it_was():

@@ -9,7 +9,7 @@ from releases import drawn
 from scipy.integrate import solve_ivp
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.refine import add_effect, first_rung
+from identify.diagnosis.ladder import add_effect, first_rung
 from identify.diagnosis.suspects import try_term
 from identify.effects.effect import Parameter, Scales
 from identify.effects.library import LIBRARY

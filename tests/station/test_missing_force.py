@@ -9,7 +9,7 @@ from rich.console import Console
 
 from station import exits
 from station.cli import run
-from station.results.diagnosis_document import DiagnosisDocument, SuspectDocument, rivals
+from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
@@ -219,15 +219,3 @@ def test_numbers_are_written_for_people():
         "-10.0 %",
         "",
     ]
-
-
-def suspect(name, nats, claimed):
-    return SuspectDocument(
-        effect=name, title="", kind="physics", channel=None, error_after=1.0, evidence=nats, p_value=0.0, parameters={},
-        confusable_with=[], held_out_gain=None, plausible=True, claimed=claimed, model=None,
-    )  # fmt: skip
-
-
-def test_only_a_claimed_suspect_close_to_the_first_counts_as_not_told_apart():
-    near, far, chance = suspect("b", 27.0, True), suspect("c", 20.0, True), suspect("d", 29.0, False)
-    assert rivals([suspect("a", 30.0, True), near, far, chance]) == ["b"]

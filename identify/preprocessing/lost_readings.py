@@ -1,8 +1,14 @@
-"""Dropouts: readings that stand still, fall to zero, or fly off while the motion runs on."""
+"""Lost readings: they stand still, fall to zero, or fly off while the motion runs on."""
+
+from itertools import pairwise
 
 import numpy as np
 
 from identify.arrays import Array, Mask
+
+_STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0
+_STENCIL_SPREAD = np.sqrt(70.0) / 6.0
+"""Standard deviation of the fourth difference of white noise, over that of the noise."""
 
 _LONGEST = 12
 _FAR = 8.0
@@ -12,7 +18,7 @@ _SPIKE = 14.0
 _SPIKE_SHARE = 0.08
 
 
-def find_dropouts(readings: Array, sigma: float) -> Mask:
+def find_lost_readings(readings: Array, sigma: float) -> Mask:
     """Return which readings of a channel cannot be its sensor's answer to a smooth motion, shape (n,).
 
     A reading is lost when it repeats the one before it exactly, or is exactly zero, and lies more than eight noise
@@ -74,3 +80,34 @@ def _spikes(readings: Array, sigma: float, lost: Mask) -> Mask:
     alone[1:-1] = (size[1:-1] > limit) & (size[1:-1] > 1.2 * np.maximum(size[:-2], size[2:]))
     alone[1:-1] &= (off[1:-1] * off[:-2] < 0.0) & (off[1:-1] * off[2:] < 0.0)
     return alone & ~lost
+
+
+def find_spikes(samples: Array, valid: Mask, rate: float) -> Mask:
+    """Return the mask of samples (n,) that stand out of their four neighbours, with those neighbours.
+
+    The measure is the fourth difference against eight times its typical size near by (half a hundred samples), which noise
+    of any level and motion of any amplitude give themselves.
+    """
+    n = len(samples)
+    spikes = np.zeros(n, dtype=np.bool_)
+    if n < 64:
+        return spikes
+    usable = np.convolve(valid, np.ones(5), mode="valid") > 4.5
+    size = np.where(usable, np.abs(np.convolve(np.where(valid, samples, 0.0), _STENCIL, mode="valid")), 0.0)
+    block = max(50, int(rate * 0.25))
+    blocks = max(1, len(size) // block)
+    edges = np.linspace(0, len(size), blocks + 1).astype(int)
+    typical = np.array([np.median(size[a:b]) for a, b in pairwise(edges)])
+    level = np.maximum(typical, np.median(typical)) / 0.6745
+    floor = _resolution(samples[valid]) * _STENCIL_SPREAD / np.sqrt(12.0)
+    limit = _FAR * np.maximum(np.interp(np.arange(len(size)), 0.5 * (edges[1:] + edges[:-1]), level), floor)
+    out = np.flatnonzero(size > limit)
+    for shift in range(5):
+        spikes[out + shift] = True
+    return spikes if np.mean(spikes) < 0.2 else np.zeros(n, dtype=np.bool_)
+
+
+def _resolution(samples: Array) -> float:
+    steps = np.diff(np.unique(samples))
+    steps = steps[steps > 1e-9 * np.ptp(samples)] if len(steps) else steps
+    return float(np.median(steps)) if len(steps) else 0.0
