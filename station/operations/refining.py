@@ -13,7 +13,8 @@ from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.session_set import chosen_model, whole_library
-from station.results.ladder import Errors, KeptLadder, KeptRung, kept_rung, read_ladder, write_ladder
+from station.results.documents import Errors
+from station.results.ladder import KeptLadder, KeptRung, kept_rung, read_ladder, write_ladder
 from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress, refine

@@ -1,6 +1,9 @@
 """A diagnosis as a document: what `--json` prints and `results/diagnosis.json` keeps; one writer and one reader."""
 
 from dataclasses import replace
+from typing import Any
+
+from pydantic import AliasChoices, Field
 
 from daq.session import Session
 from identify.diagnosis.diagnose import Diagnosis
@@ -11,14 +14,16 @@ from identify.effects.effect import Kind
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.leave_one_out import LeftOut
-from identify.fitting.model_error import ModelError, errors_of
+from identify.fitting.model_error import errors_of
 from identify.model.model import Model
 from station.results.documents import (
+    ChannelNoise,
     Document,
+    Errors,
     EstimateDocument,
     Number,
+    Numbers,
     Part,
-    estimate_document,
     read_document,
     write_document,
 )
@@ -33,28 +38,22 @@ MORE_DATA = "Record at least eight seconds or ten cycles, from the largest ampli
 class ModelSummary(Part):
     """The model that was diagnosed."""
 
-    effects: list[str]
+    effects: list[str] = Field(validation_alias=AliasChoices("names", "effects"))
     equation: str
     parameters: dict[str, EstimateDocument]
 
 
-class ErrorDocument(Part):
+class ErrorDocument(Errors):
     """The three errors, the standard error of the floor of chi2, and how far the free run goes."""
 
-    force_mse_percent: Number = None
-    motion_percent: Number = None
-    chi2: Number = None
-    chi2_std: Number = None
+    chi2_std: Number = Field(None, validation_alias=AliasChoices("chi2_std", "floor_std"))
     horizon_s: Number = None
 
 
-class ChannelFloor(Part):
-    """The noise of one channel, its standard error, and where it was seen."""
+class ChannelFloor(ChannelNoise):
+    """The noise of one channel with its unit."""
 
-    std: Number
-    uncertainty: Number
     unit: str
-    source: str
 
 
 class NoiseFloorDocument(Part):
@@ -99,9 +98,9 @@ class CurveDocument(Part):
 
     coordinate: str
     unit: str
-    position: list[float]
-    force_per_mass: list[Number]
-    std: list[Number]
+    position: Numbers
+    force_per_mass: Numbers
+    std: Numbers
 
 
 class ShapeDocument(Part):
@@ -154,54 +153,43 @@ def diagnosis_document(
     """
     baseline = found.start
     fitted = model_file(baseline.fit, expressions)
-    return DiagnosisDocument(
-        format=1,
-        sessions=list(names),
-        model=ModelSummary(
-            effects=fitted.names,
-            equation=fitted.equation,
-            parameters={
-                name: EstimateDocument(value=value.value, std=value.std, unit=value.unit)
-                for name, value in fitted.parameters.items()
-            },
-        ),
-        error=_error(errors_of(baseline)),
-        noise_floor=_noise_floor(baseline),
-        verdict=found.verdict,
-        named=list(found.named),
-        rivals=list(found.suspects[0].rivals) if found.named else [],
-        suspects=[_suspect(suspect, expressions) for suspect in found.suspects],
-        together=list(found.together),
-        findings=[_finding(fault) for fault in found.findings],
-        error_with_named=_error(errors_of(replace(baseline, fit=found.final))),
-        shape=None if found.shape is None else _shape(found.shape),
-        held_out=None if left_out is None else _held_out(names, left_out),
-        explanation=found.explanation,
-        next_experiment=found.next_experiment,
-        fitted=fitted,
+    return DiagnosisDocument.model_validate(
+        {
+            "format": 1,
+            "sessions": names,
+            "model": ModelSummary.model_validate(fitted),
+            "error": errors_of(baseline),
+            "noise_floor": _noise_floor(baseline),
+            "verdict": found.verdict,
+            "named": found.named,
+            "rivals": found.suspects[0].rivals if found.named else (),
+            "suspects": [_suspect(suspect, expressions) for suspect in found.suspects],
+            "together": found.together,
+            "findings": [_finding(fault) for fault in found.findings],
+            "error_with_named": errors_of(replace(baseline, fit=found.final)),
+            "shape": None if found.shape is None else _shape(found.shape),
+            "held_out": None if left_out is None else _held_out(names, left_out),
+            "explanation": found.explanation,
+            "next_experiment": found.next_experiment,
+            "fitted": fitted,
+        }
     )
 
 
 def refused_document(names: tuple[str, ...], model: Model, reason: str) -> DiagnosisDocument:
     """Return the same document for sessions that hold too little to fit anything."""
-    return DiagnosisDocument(
-        format=1,
-        sessions=list(names),
-        model=ModelSummary(effects=list(model.names), equation=model.equation, parameters={}),
-        error=ErrorDocument(),
-        noise_floor=None,
-        verdict="not_enough_data",
-        named=[],
-        rivals=[],
-        suspects=[],
-        together=[],
-        findings=[],
-        error_with_named=None,
-        shape=None,
-        held_out=None,
-        explanation=reason,
-        next_experiment=MORE_DATA,
-        fitted=None,
+    return DiagnosisDocument.model_validate(
+        {
+            "format": 1,
+            "sessions": names,
+            "model": {"effects": model.names, "equation": model.equation, "parameters": {}},
+            "error": {},
+            "verdict": "not_enough_data",
+            "explanation": reason,
+            "next_experiment": MORE_DATA,
+            **dict.fromkeys(("named", "rivals", "suspects", "together", "findings"), ()),
+            **dict.fromkeys(("noise_floor", "error_with_named", "shape", "held_out", "fitted")),
+        }
     )
 
 
@@ -218,76 +206,63 @@ def write_diagnosis(session: Session, document: DiagnosisDocument) -> None:
     write_document(session, NAME, document)
 
 
-def _error(error: ModelError) -> ErrorDocument:
-    return ErrorDocument(
-        force_mse_percent=error.force_mse_percent,
-        motion_percent=error.motion_percent,
-        chi2=error.chi_square,
-        chi2_std=error.floor_std,
-        horizon_s=error.horizon_s,
-    )
-
-
-def _noise_floor(baseline: Baseline) -> NoiseFloorDocument:
+def _noise_floor(baseline: Baseline) -> dict[str, Any]:
     unit = baseline.fit.windows[0].unit
     units = {"displacement": unit, "velocity": f"{unit}/s", "acceleration": f"{unit}/s^2"}
     channels = {
-        name: ChannelFloor(std=n.std, uncertainty=n.uncertainty, unit=units[name], source=n.source)
+        name: {"std": n.std, "uncertainty": n.uncertainty, "unit": units[name], "source": n.source}
         for name, n in baseline.floors[0].channels.items()
     }
-    return NoiseFloorDocument(chi2=1.0, chi2_std=baseline.spread, channels=channels)
+    return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels}
 
 
-def _suspect(suspect: Suspect, expressions: tuple[str, ...]) -> SuspectDocument:
-    fitted_with_it = suspect.effect.name in suspect.fit.model
-    return SuspectDocument(
-        effect=suspect.effect.name,
-        title=suspect.effect.title,
-        kind=suspect.kind,
-        channel=suspect.term.channel or None,
-        error_after=suspect.error_after,
-        evidence=suspect.evidence,
-        p_value=suspect.p_value,
-        parameters={name: estimate_document(value) for name, value in suspect.parameters.items()},
-        confusable_with=list(suspect.confusable_with),
-        held_out_gain=suspect.held_out_gain,
-        plausible=suspect.plausible,
-        claimed=suspect.claimed,
-        model=model_file(suspect.fit, expressions) if fitted_with_it else None,
-    )
+def _suspect(suspect: Suspect, expressions: tuple[str, ...]) -> dict[str, Any]:
+    is_fitted = suspect.effect.name in suspect.fit.model
+    return {
+        "effect": suspect.effect.name,
+        "title": suspect.effect.title,
+        "kind": suspect.kind,
+        "channel": suspect.term.channel or None,
+        "error_after": suspect.error_after,
+        "evidence": suspect.evidence,
+        "p_value": suspect.p_value,
+        "parameters": suspect.parameters,
+        "confusable_with": suspect.confusable_with,
+        "held_out_gain": suspect.held_out_gain,
+        "plausible": suspect.plausible,
+        "claimed": suspect.claimed,
+        "model": model_file(suspect.fit, expressions) if is_fitted else None,
+    }
 
 
-def _finding(fault: CorrectedFault) -> FindingDocument:
+def _finding(fault: CorrectedFault) -> dict[str, Any]:
     effect = fault.term.effect
-    return FindingDocument(
-        effect=effect.name,
-        title=effect.title,
-        channel=fault.term.channel or None,
-        parameters={name: estimate_document(value) for name, value in fault.parameters.items()},
-        chi2_drop=fault.drop,
-        what_to_do=effect.confirming_test,
-    )
+    return {
+        "effect": effect.name,
+        "title": effect.title,
+        "channel": fault.term.channel or None,
+        "parameters": fault.parameters,
+        "chi2_drop": fault.drop,
+        "what_to_do": effect.confirming_test,
+    }
 
 
-def _shape(shape: NonparametricForce) -> ShapeDocument:
-    return ShapeDocument(
-        explained=shape.explained,
-        coordinates=list(shape.coordinates),
-        curves=[
-            CurveDocument(
-                coordinate=curve.coordinate,
-                unit=curve.unit,
-                position=curve.position[:MOST_POINTS].tolist(),
-                force_per_mass=curve.force[:MOST_POINTS].tolist(),
-                std=curve.std[:MOST_POINTS].tolist(),
-            )
-            for curve in shape.shapes[:MOST_CURVES]
-        ],
-    )
+def _shape(shape: NonparametricForce) -> dict[str, Any]:
+    curves = [
+        {
+            "coordinate": curve.coordinate,
+            "unit": curve.unit,
+            "position": curve.position[:MOST_POINTS],
+            "force_per_mass": curve.force[:MOST_POINTS],
+            "std": curve.std[:MOST_POINTS],
+        }
+        for curve in shape.shapes[:MOST_CURVES]
+    ]
+    return {"explained": shape.explained, "coordinates": shape.coordinates, "curves": curves}
 
 
-def _held_out(names: tuple[str, ...], left_out: tuple[LeftOut, ...]) -> list[HeldOutDocument]:
+def _held_out(names: tuple[str, ...], left_out: tuple[LeftOut, ...]) -> list[dict[str, Any]]:
     return [
-        HeldOutDocument(session=names[one.index], chi2=one.chi_square, motion_percent=one.motion_percent)
+        {"session": names[one.index], "chi2": one.chi_square, "motion_percent": one.motion_percent}
         for one in left_out
     ]

@@ -3,10 +3,10 @@
 import math
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError
+import numpy as np
+from pydantic import AliasChoices, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
 from daq.session import Session
-from identify.estimate import Estimate
 from station.exits import UsageProblem
 
 LARGEST = 50 << 20
@@ -16,14 +16,21 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
+def _as_list(values: Any) -> Any:
+    return values.tolist() if isinstance(values, np.ndarray) else values
+
+
 Number = Annotated[float | None, BeforeValidator(_finite)]
 """A number; None where it is not finite, as JSON has no other way to say so."""
 
+Numbers = Annotated[list[Number], BeforeValidator(_as_list)]
+Table = Annotated[list[list[Number]], BeforeValidator(_as_list)]
+
 
 class Part(BaseModel):
-    """A part of a document; what another version added is passed over."""
+    """A part of a document, made of the fields of a result; what another version added is passed over."""
 
-    model_config = ConfigDict(extra="ignore", frozen=True)
+    model_config = ConfigDict(extra="ignore", frozen=True, from_attributes=True, coerce_numbers_to_str=True)
 
     def plain(self) -> dict[str, Any]:
         """Return the keys and values that `--json` prints."""
@@ -44,9 +51,20 @@ class EstimateDocument(Part):
     unit: str
 
 
-def estimate_document(found: Estimate) -> EstimateDocument:
-    """Return an estimate as it is kept."""
-    return EstimateDocument(value=float(found.value), std=float(found.std), unit=found.unit)
+class ChannelNoise(Part):
+    """The noise of one channel, its standard error and where it was seen."""
+
+    std: Number
+    uncertainty: Number
+    source: str
+
+
+class Errors(Part):
+    """The three errors of a model, or what noise alone leaves of them; None where one is not finite."""
+
+    force_mse_percent: Number = None
+    motion_percent: Number = None
+    chi2: Number = Field(None, validation_alias=AliasChoices("chi2", "chi_square"))
 
 
 Kept = TypeVar("Kept", bound=Document)

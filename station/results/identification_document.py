@@ -1,13 +1,9 @@
 """An identification as a document: what `--json` prints and `results/identification.json` keeps."""
 
-from typing import Any
-
 import numpy as np
+from pydantic import AliasChoices, Field
 
-from identify.restoring_force.restoring_force import RestoringForceResult
-from identify.wavelet.wavelet import WaveletResult
 from station.results.documents import Document, EstimateDocument, Number, Part
-from station.results.documents import estimate_document as estimate
 from station.story.identification import Identification
 from station.story.preparation import MOTION
 
@@ -43,7 +39,7 @@ class ReleaseDocument(Part):
 class AlignmentDocument(Part):
     """By how much the displacement is late, and the gain between the channels."""
 
-    lag_s: EstimateDocument
+    lag_s: EstimateDocument = Field(validation_alias=AliasChoices("lag_s", "lag"))
     gain: EstimateDocument
     method: str
     caution: str
@@ -93,16 +89,18 @@ class IdentificationDocument(Document):
 
 def identification_document(name: str, result: Identification) -> IdentificationDocument:
     """Return the identification of the session `name` as it is kept."""
-    return IdentificationDocument(
-        format=1,
-        session=name,
-        record=_record(result),
-        release=_release(result),
-        alignment=_alignment(result),
-        wavelet=_wavelet(result.wavelet),
-        restoring_force=_restoring_force(result.restoring_force),
-        restoring_force_without_alignment=_restoring_force(result.without_alignment),
-        refusals=dict(result.refusals),
+    return IdentificationDocument.model_validate(
+        {
+            "format": 1,
+            "session": name,
+            "record": _record(result),
+            "release": _release(result),
+            "alignment": result.alignment,
+            "wavelet": result.wavelet,
+            "restoring_force": result.restoring_force,
+            "restoring_force_without_alignment": result.without_alignment,
+            "refusals": dict(result.refusals),
+        }
     )
 
 
@@ -151,44 +149,3 @@ def amplitude(result: Identification) -> float | None:
     if result.wavelet is not None and len(result.wavelet.envelope):
         return float(result.wavelet.envelope[0])
     return None
-
-
-def _alignment(result: Identification) -> AlignmentDocument | None:
-    found = result.alignment
-    if found is None:
-        return None
-    return AlignmentDocument(
-        lag_s=estimate(found.lag), gain=estimate(found.gain), method=found.method, caution=found.caution
-    )
-
-
-def _method(found: WaveletResult | RestoringForceResult) -> dict[str, Any]:
-    """Return what the documents of both methods share."""
-    return {
-        "stiffness": estimate(found.stiffness),
-        "damping": [estimate(value) for value in found.damping],
-        "order": int(found.order),
-        "reason": found.reason,
-        "mse_percent_by_order": [float(value) for value in found.mse_percent_by_order],
-        "stiffness_by_order": {str(k): estimate(v) for k, v in found.stiffness_by_order.items()},
-        "stiffness_per_mass": estimate(found.stiffness_per_mass),
-    }
-
-
-def _wavelet(found: WaveletResult | None) -> WaveletDocument | None:
-    if found is None:
-        return None
-    return WaveletDocument(**_method(found), stiffness_reason=found.stiffness_reason, channel=found.channel)
-
-
-def _restoring_force(found: RestoringForceResult | None) -> RestoringForceDocument | None:
-    if found is None:
-        return None
-    return RestoringForceDocument(
-        **_method(found),
-        mse_percent=float(found.mse_percent),
-        significance_percent={str(k): float(v) for k, v in found.significance_percent.items()},
-        offset=estimate(found.offset),
-        mass=None if found.mass is None else estimate(found.mass),
-        source=found.source,
-    )

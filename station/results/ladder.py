@@ -7,20 +7,12 @@ from pydantic import Field
 from daq.session import Session
 from identify.diagnosis.ladder import Rung
 from station.exits import UsageProblem
-from station.results.documents import Document, Number, Part, read_document, write_document
+from station.results.documents import Document, Errors, Part, read_document, write_document
 from station.results.models import ModelFile, Value, model_file, written
 
 LADDER = "ladder.json"
 MODEL = "model.json"
 REMEDY = "begin again with --reset"
-
-
-class Errors(Part):
-    """The three errors of a rung, or of the floor; None where one is not finite."""
-
-    force_mse_percent: Number
-    motion_percent: Number
-    chi2: Number
 
 
 class KeptRung(Part):
@@ -75,11 +67,7 @@ def kept_rung(rung: Rung, expressions: tuple[str, ...]) -> KeptRung:
         added=rung.added,
         removed=rung.removed,
         model=model_file(rung.fit, expressions),
-        error=Errors(
-            force_mse_percent=rung.error.force_mse_percent,
-            motion_percent=rung.error.motion_percent,
-            chi2=rung.error.chi_square,
-        ),
+        error=Errors.model_validate(rung.error),
         chi2_std=rung.error.floor_std,
         nuisances={name: value for name, value in values.items() if "." not in name or ".state" in name},
     )
