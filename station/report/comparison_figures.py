@@ -5,23 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.comparison.phase_plane import ForceSection
-from station.report.drawing import (
-    BAND,
-    GREY,
-    INK,
-    MODEL,
-    OTHER,
-    both,
-    curve,
-    embedded,
-    joined,
-    literal,
-    paper,
-    zero_lines,
-)
+from station.report.drawing import BAND, GREY, INK, LOOK, OTHER, both, curve, embedded, joined, paper
 from station.story.compared import Compared
-from station.text.numbers import scale, typeset_unit
+from station.text.numbers import energy_scale, scale
+from station.views import plots
+from station.views.plots import literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +17,6 @@ if TYPE_CHECKING:
 NOISE = 2.0
 SURE = 3.0
 COARSE = 5000.0
-MANY = 60
 
 
 def overlay(compared: Compared) -> str:
@@ -42,7 +29,7 @@ def overlay(compared: Compared) -> str:
         measured = np.where(window.used[channel], window.readings[channel], np.nan)
         axis = axes[2 * place]
         both(axis, window.clock, measured * factor, fit.predicted[0][channel] * factor, ("measured", "model"))
-        axis.set_ylabel(literal(f"{channel}\n[{typeset_unit(name)}]"))
+        axis.set_ylabel(literal(f"{channel}\n[{name}]"))
         axis.legend(loc="upper right", ncols=2)
         axis.margins(y=0.16)
         left_over(axes[2 * place + 1], compared, channel)
@@ -63,7 +50,7 @@ def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
     for level in (-noise, noise):
         axis.axhline(level, color=GREY, lw=0.5, ls=":")
     curve(axis, window.clock, left * fine, color=OTHER, lw=0.7)
-    axis.set_ylabel(literal(f"left [{typeset_unit(name)}]"))
+    axis.set_ylabel(literal(f"left [{name}]"))
 
 
 def closing_in(first: Compared, last: Compared) -> str:
@@ -80,12 +67,12 @@ def closing_in(first: Compared, last: Compared) -> str:
 def phase_plane(compared: Compared) -> str:
     """Draw the force that the model lacks over the phase plane, its sign written in each bin that stands out, and cuts."""
     found = compared.comparison
-    plane, words = found.phase_plane, DiscrepancyText(found.unit, found.mass)
+    plane, units = found.phase_plane, DiscrepancyText(found.unit, found.mass)
     factor, length = scale("displacement", found.unit)
     drawn, axes = paper(4.6, 2, 2)
     at_reversal, at_middle = axes[2:]
     wide = joined(drawn, axes[:2])
-    force = plane.force * words.force_scale
+    force = plane.force * units.force_scale
     reach = float(np.nanmax(np.abs(force))) if np.isfinite(force).any() else 1.0
     mesh = wide.pcolormesh(
         plane.displacement_edges * factor, plane.velocity_edges, np.ma.masked_invalid(force),
@@ -101,62 +88,37 @@ def phase_plane(compared: Compared) -> str:
             )  # fmt: skip
     wide.set(
         xlabel=literal(f"displacement [{length}]"),
-        ylabel=literal(f"velocity [{typeset_unit(f'{found.unit}/s')}]"),
+        ylabel=literal(f"velocity [{found.unit}/s]"),
     )
     wide.set_title("measured less model force")
     wide.grid(visible=False)
     bar = drawn.colorbar(mesh, ax=wide, pad=0.02)
-    bar.set_label(literal(f"force [{typeset_unit(words.force_unit)}]"))
+    bar.set_label(literal(f"force [{units.force_unit}]"))
     bar.outline.set_visible(False)
     down, up = plane.sections_at_reversal
-    _section(at_reversal, up, factor, words, ("^-", INK, "moving to the positive side"))
-    _section(at_reversal, down, factor, words, ("v--", MODEL, "moving to the negative side"))
+    plots.missing_section(at_reversal, up, factor, units, LOOK, "^-", "moving to the positive side")
+    plots.missing_section(at_reversal, down, factor, units, LOOK, "v--", "moving to the negative side")
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
     at_reversal.legend(loc="best")
-    _section(at_middle, plane.section_at_middle, 1.0, words, ("o-", INK, ""))
-    at_middle.set(
-        xlabel=literal(f"velocity [{typeset_unit(f'{found.unit}/s')}]"), title="at displacement 0: damping"
-    )
-    at_reversal.set_ylabel(literal(f"measured less\nmodel [{typeset_unit(words.force_unit)}]"))
+    plots.missing_section(at_middle, plane.section_at_middle, 1.0, units, LOOK, "o-", "")
+    at_middle.set(xlabel=literal(f"velocity [{found.unit}/s]"), title="at displacement 0: damping")
+    at_reversal.set_ylabel(literal(f"measured less\nmodel [{units.force_unit}]"))
     return embedded(drawn)
-
-
-def _section(
-    axis: "Axes", cut: ForceSection, factor: float, words: DiscrepancyText, how: tuple[str, str, str]
-) -> None:
-    form, colour, label = how
-    axis.errorbar(
-        cut.position * factor, cut.force * words.force_scale, yerr=2 * cut.std * words.force_scale,
-        fmt=form, ms=3.5, lw=0.9, capsize=2, color=colour, label=label or None,
-    )  # fmt: skip
-    zero_lines(axis)
 
 
 def cycles(compared: Compared) -> str:
     """Draw the errors of frequency and energy and the misfit of the free run, cycle by cycle."""
     found = compared.comparison
-    done, words = found.cycles, DiscrepancyText(found.unit, found.mass)
+    done, units = found.cycles, DiscrepancyText(found.unit, found.mass)
     drawn, axes = paper(2.2, 1, 3)
-    fine = 1e3 if found.unit == "m" else 1.0
-    scale = fine * words.force_scale
-    energy = typeset_unit(f"{'m' if fine > 1 else ''}{words.energy_unit}")
+    factor, energy = energy_scale(units)
     rows = (
-        (done.frequency_error, 2 * done.frequency_error_std, "frequency error [%]"),
-        (done.energy_error * scale, 2 * done.energy_error_std * scale, f"energy error a cycle [{energy}]"),
+        (done.frequency_error, done.frequency_error_std, "frequency error [%]"),
+        (done.energy_error * factor, done.energy_error_std * factor, f"energy error a cycle [{energy}]"),
         (found.free_run_misfit, None, "free run: rms misfit / noise"),
     )
-    for axis, (values, error, label) in zip(axes, rows, strict=True):
-        axis.errorbar(
-            done.time,
-            values,
-            yerr=error,
-            fmt="o-" if len(values) < MANY else "-",
-            ms=3,
-            lw=0.8,
-            capsize=1.5,
-            color=INK,
-        )
-        axis.axhline(0 if error is not None else 1, color=GREY, lw=0.8, ls="--")
+    for axis, (values, std, label) in zip(axes, rows, strict=True):
+        plots.cycle_by_cycle(axis, done.time, values, std, LOOK)
         axis.set(xlabel="time since the release [s]", ylabel=literal(label))
     axes[-1].set_ylim(bottom=0)
     return embedded(drawn)

@@ -9,6 +9,7 @@ import numpy as np
 
 from station.views.figure import figure
 from station.views.log import Array
+from station.views.plots import Look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 WIDTH = 6.9
 INK, GREY, BAND = "#111111", "#8c8c8c", "#d4d4d4"
 MEASURED, MODEL, OTHER = "#7d7d7d", "#00447c", "#a63603"
+LOOK = Look(ink=INK, faint=GREY, measured=MEASURED, model=MODEL, second=INK, noise=BAND, bar="#c4c4c4")
 MOST_POINTS = 1200
 _PATH = re.compile(rb'\bd="[^"]*"')
 _DECIMALS = re.compile(rb"(\.\d\d)\d+")  # a hundredth of a point is finer than any printer
@@ -107,14 +109,3 @@ def both(axis: "Axes", time: Array, measured: Array, model: Array, names: tuple[
     """Draw a measurement as a broad grey line and a model as a thin dark one over it."""
     curve(axis, time, measured, color="#b5b5b5", lw=2.4, label=names[0], solid_capstyle="round")
     curve(axis, time, model, color=MODEL, lw=0.8, label=names[1])
-
-
-def zero_lines(axis: "Axes") -> None:
-    """Draw the axes through zero."""
-    axis.axhline(0, color=GREY, lw=0.6)
-    axis.axvline(0, color=GREY, lw=0.6)
-
-
-def literal(text: str) -> str:
-    """Return text that matplotlib draws as it stands, whatever signs a stranger's names hold."""
-    return text.replace("$", r"\$")

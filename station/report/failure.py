@@ -8,7 +8,7 @@ from station.report.content import Facts, Figure, Part, Section, Table, Words, l
 from station.report.findings import Findings
 from station.story.compared import Compared
 from station.text.comparison_text import floor_text, harmonics_text
-from station.text.numbers import typeset, typeset_error, typeset_figures, typeset_unit
+from station.text.numbers import energy_scale, typeset, typeset_error, typeset_figures, typeset_unit
 
 TITLE = "The usual model compared with the measurement"
 MOST_CYCLES = 12
@@ -68,7 +68,7 @@ def errors(compared: Compared) -> Table:
 
 
 def places(compared: Compared) -> Part:
-    """Return the worst places in words, worst first, or the sentence that there are none."""
+    """Return the worst places in units, worst first, or the sentence that there are none."""
     found = compared.comparison.places
     if not found:
         return Words(compared.comparison.summary, label="Where it fails")
@@ -79,21 +79,20 @@ def places(compared: Compared) -> Part:
 def cycle_table(compared: Compared) -> Table:
     """Return the errors cycle by cycle, evenly taken where there are many."""
     seen = compared.comparison
-    done, words = seen.cycles, DiscrepancyText(seen.unit, seen.mass)
-    fine = 1e3 if seen.unit == "m" else 1.0
-    scale = fine * words.force_scale
+    done, units = seen.cycles, DiscrepancyText(seen.unit, seen.mass)
+    factor, energy = energy_scale(units)
     head = (
-        "time [s]", f"amplitude [{words.length_unit}]", "frequency error [%]",
-        f"energy error a cycle [{typeset_unit(('m' if fine > 1 else '') + words.energy_unit)}]", "free run: misfit / noise",
+        "time [s]", f"amplitude [{units.length_unit}]", "frequency error [%]",
+        f"energy error a cycle [{typeset_unit(energy)}]", "free run: misfit / noise",
     )  # fmt: skip
     count = len(done.time)
     chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_CYCLES)).round().astype(int))
     rows = tuple(
         (
             f"{done.time[i]:.2f}",
-            words.length(float(done.amplitude[i])),
+            units.length(float(done.amplitude[i])),
             typeset_error(float(done.frequency_error[i]), float(done.frequency_error_std[i])),
-            typeset_error(float(done.energy_error[i]) * scale, float(done.energy_error_std[i]) * scale),
+            typeset_error(float(done.energy_error[i]) * factor, float(done.energy_error_std[i]) * factor),
             f"{seen.free_run_misfit[i]:.1f}",
         )
         for i in chosen

@@ -5,6 +5,7 @@ import re
 from typing import Protocol
 
 from identify import formatting
+from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.estimate import Estimate
 
 DASH = "-"
@@ -101,6 +102,12 @@ def scale(channel: str, unit: str, fine: bool = False) -> tuple[float, str]:
 def scale_as_recorded(quantity: str, unit: str) -> tuple[float, str]:
     """Return the same for a channel in its own `unit`: lengths in mm, everything else as it was recorded."""
     return scale("displacement", unit) if quantity == "displacement" else (1.0, unit)
+
+
+def energy_scale(units: DiscrepancyText) -> tuple[float, str]:
+    """Return the factor on an energy per unit mass to the unit in which it is shown, and that unit: mJ, mJ/kg ..."""
+    fine, prefix = (1e3, "m") if units.energy_unit.startswith("J") else (1.0, "")
+    return fine * units.force_scale, f"{prefix}{units.energy_unit}"
 
 
 def damping_name(order: int) -> str:

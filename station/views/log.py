@@ -1,6 +1,6 @@
 """The few ways in which numbers are put into a Rerun recording."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from typing import TYPE_CHECKING
 
@@ -61,7 +61,10 @@ def _scalars(
 
 
 def picture(
-    stream: rr.RecordingStream, path: str, figure: "Figure", numbers: Mapping[str, Array | list[float]]
+    stream: rr.RecordingStream,
+    path: str,
+    figure: "Figure",
+    numbers: Mapping[str, Array | Sequence[float | None]],
 ) -> None:
     """Log a picture with real axes, and beside it the numbers that it shows."""
     buffer = BytesIO()

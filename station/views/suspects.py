@@ -13,9 +13,10 @@ from station.results.diagnosis_document import DiagnosisDocument, ShapeDocument,
 from station.results.diagnosis_fits import DiagnosisFits
 from station.text.diagnosis_text import headline, not_told_apart
 from station.text.layout import sentence
-from station.text.numbers import evidence, probability, scale, scale_as_recorded, three_figures, with_unit
-from station.views import log, palette
+from station.text.numbers import evidence, probability, scale, three_figures, with_unit
+from station.views import log, palette, plots
 from station.views.figure import figure, legend
+from station.views.plots import SCREEN
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,24 +45,12 @@ def _errors(stream: rr.RecordingStream, document: DiagnosisDocument, root: str) 
         if s.error_after is not None
     ]
     rows = rows[: MOST_BARS + 1]
-    names, values = [name for name, _, _ in rows], [value for _, value, _ in rows]
+    colours = [palette.css(colour) for _, _, colour in rows]
+    std = 0.0 if document.noise_floor is None else document.noise_floor.chi2_std
     drawn, (axis,) = figure(9.0, 4.0)
-    for row, (_, value, colour) in enumerate(rows):
-        axis.barh(row, max(value, 1e-3), left=0, color=palette.css(colour), height=0.62)
-        axis.annotate(
-            f" {three_figures(value)}", (max(value, 1.0), row), va="center", fontsize=8.5, color=palette.INK
-        )
-    spread = document.noise_floor.chi2_std if document.noise_floor is not None else 0.0
-    axis.axvspan(1 - 2 * spread, 1 + 2 * spread, color=palette.css(palette.FORCE), alpha=0.22)
-    axis.axvline(1, color=palette.css(palette.FORCE), lw=1.2)
-    axis.set_xscale("log")
-    largest = max([*values, 2.0])
-    axis.set_xlim(0.5, largest ** (1.18 if largest > 10 else 1.0) * (1.4 if largest <= 10 else 1.0))
-    axis.set_yticks(range(len(names)), names)
-    axis.invert_yaxis()
-    axis.grid(axis="y", visible=False)
+    plots.chi_squares(axis, [(name, value) for name, value, _ in rows], std, SCREEN, colours)
     axis.set_xlabel("chi2 after adding it: 1 is the noise floor (band: 2 standard errors)")
-    log.picture(stream, f"{root}/errors", drawn, {"chi2_after": values})
+    log.picture(stream, f"{root}/errors", drawn, {"chi2_after": [value for _, value, _ in rows]})
 
 
 def _colour(suspect: SuspectDocument, document: DiagnosisDocument) -> log.Colour:
@@ -84,7 +73,8 @@ def _force_maps(stream: rr.RecordingStream, fits: DiagnosisFits, root: str) -> N
     for column, (name, found, leaves) in enumerate(maps):
         mesh = _disc(axes[column], prepared, found, reach)
         axes[column].set_title(f"{name}\n{leaves}")
-        _cycle(axes[len(maps) + column], found, reach)
+        plots.force_over_cycle(axes[len(maps) + column], found, SCREEN)
+        axes[len(maps) + column].set_ylim(SIDE[0] * reach, SIDE[1] * reach)
     bar = drawn.colorbar(mesh, ax=axes[: len(maps)], pad=0.01, aspect=30)
     bar.set_label(f"force per unit mass [{unit}]", color=palette.INK)
     bar.ax.tick_params(colors=palette.INK)
@@ -114,32 +104,13 @@ def _disc(axis: "Axes", prepared: PreparedDecay, found: ForceMap, reach: float) 
     return mesh
 
 
-def _cycle(axis: "Axes", found: ForceMap, reach: float) -> None:
-    degrees = np.degrees(0.5 * (found.phase[1:] + found.phase[:-1]))
-    axis.axhline(0, color=palette.FAINT, lw=0.8)
-    axis.plot(degrees, found.large, color=palette.css(palette.ACCELERATION), lw=1.8, label="large cycles")
-    axis.plot(degrees, found.small, color=palette.css(palette.DISPLACEMENT), lw=1.8, label="small cycles")
-    axis.set(xlabel="phase of the cycle [°], 0: farthest out", xticks=range(0, 361, 90), xlim=(0, 360))
-    axis.set_ylim(SIDE[0] * reach, SIDE[1] * reach)
-
-
 def _shape(stream: rr.RecordingStream, shape: ShapeDocument, root: str) -> None:
     curve = shape.curves[0]
-    position = np.array(curve.position)
-    force, std = np.array(curve.force_per_mass, dtype=float), np.array(curve.std, dtype=float)
-    factor, unit = scale_as_recorded("displacement" if curve.unit == "m" else "", curve.unit)
     drawn, (axis,) = figure(6.0, 4.0)
-    axis.axhline(0, color=palette.FAINT, lw=0.8)
-    axis.fill_between(
-        position * factor, force - 2 * std, force + 2 * std, color=palette.css(palette.WRONG), alpha=0.3, lw=0
-    )
-    axis.plot(position * factor, force, "o-", color=palette.css(palette.WRONG), ms=3, lw=1.4)
-    axis.set(
-        xlabel=f"{curve.coordinate} [{unit}]",
-        ylabel="missing force per unit mass (band: 2 std. errors)",
-        title=f"the shape of it: explains {100 * shape.explained:.0f} % of the rest",
-    )
-    log.picture(stream, f"{root}/shape", drawn, {"position": position, "force": force, "std": std})
+    plots.shape(axis, curve, SCREEN)
+    axis.set_title(f"the shape of it: explains {100 * shape.explained:.0f} % of the rest")
+    numbers = {"position": curve.position, "force": curve.force_per_mass, "std": curve.std}
+    log.picture(stream, f"{root}/shape", drawn, numbers)
 
 
 def words(document: DiagnosisDocument) -> str:

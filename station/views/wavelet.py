@@ -7,8 +7,9 @@ import rerun.blueprint as rrb
 from identify.wavelet.wavelet import WaveletResult
 from station.story.identification import Identification
 from station.text.numbers import scale
-from station.views import log, palette
+from station.views import log, palette, plots
 from station.views.figure import figure, legend
+from station.views.plots import SCREEN
 
 ROOT = "/wavelet"
 
@@ -82,40 +83,21 @@ def orders(
 ) -> None:
     """Log the error left against the order of damping, the paper's figure 3, on a logarithmic axis."""
     drawn, (axis,) = figure(4.2, 3.6)
-    order = np.arange(len(errors))
-    axis.semilogy(order, errors, "o-", color=colour, ms=6)
-    axis.semilogy([chosen], [errors[chosen]], "o", ms=15, mfc="none", mec=palette.INK, mew=1.6)
+    plots.orders(axis, errors, chosen, SCREEN, colour)
     axis.annotate(
-        f"chosen: {chosen}",
-        (chosen, errors[chosen]),
-        xytext=(10, 16),
-        textcoords="offset points",
+        f"chosen: {chosen}", (chosen, errors[chosen]), xytext=(10, 16), textcoords="offset points",
         color=palette.INK,
-    )
-    axis.set(xlabel="order of damping", ylabel="error left, MSE [%]", xticks=order)
-    axis.margins(x=0.12, y=0.18)
-    log.picture(stream, path, drawn, {"order": order.astype(float), "mse_percent": list(errors)})
+    )  # fmt: skip
+    numbers = {"order": [float(order) for order in range(len(errors))], "mse_percent": list(errors)}
+    log.picture(stream, path, drawn, numbers)
 
 
 def _backbone(stream: rr.RecordingStream, found: WaveletResult, factor: float, unit: str) -> None:
     drawn, (axis,) = figure(4.2, 3.6)
-    axis.plot(
-        found.backbone_frequency,
-        found.backbone_amplitude * factor,
-        "o",
-        color=palette.css(palette.MEASURED),
-        ms=3,
-    )
-    axis.plot(
-        found.backbone_fit, found.backbone_amplitude * factor, color=palette.css(palette.WAVELET), lw=1.8
-    )
-    middle = float(np.median(found.backbone_frequency)) if len(found.backbone_frequency) else 1.0
     spread = float(np.ptp(found.backbone_frequency)) if len(found.backbone_frequency) else 0.0
-    half = max(0.6 * spread, 0.005 * middle)
-    axis.set(xlim=(middle - half, middle + half), xlabel="frequency [Hz]", ylabel=f"amplitude [{unit}]")
-    axis.ticklabel_format(axis="x", useOffset=False)
-    axis.set_ylim(bottom=0)
-    legend(axis, "lower left", ["on the ridge", "its averaged model"])
+    half = max(0.6 * spread, 0.005 * float(np.median(found.frequency)))
+    plots.backbone(axis, found, factor, unit, half, SCREEN, palette.css(palette.WAVELET))
+    legend(axis, "lower left")
     numbers = {
         "frequency": found.backbone_frequency,
         "amplitude": found.backbone_amplitude,

@@ -14,7 +14,7 @@ from station.results import diagnosis_document
 from station.results.ladder import LADDER, KeptLadder
 from station.results.models import name_of, parsed_effect
 from station.story.compared import Compared
-from station.text.numbers import scale, typeset
+from station.text.numbers import energy_scale, scale, typeset
 from station.workbench import view_models
 
 MOST_POINTS = 6000
@@ -111,16 +111,14 @@ def _section(name: str, section: ForceSection, factor: float, force_scale: float
 
 def _cycles(compared: Compared, units: DiscrepancyText) -> view_models.Cycles:
     found = compared.comparison.cycles
-    force_scale = units.force_scale
-    large = force_scale * float(np.max(np.abs(found.energy_error), initial=0.0))
-    fine, prefix = (1e3, "m") if units.energy_unit.startswith("J") and large < 1.0 else (1.0, "")
+    factor, energy = energy_scale(units)
     return view_models.Cycles(
         for_eye(found.time),
         for_eye(found.frequency_error),
         for_eye(found.frequency_error_std),
-        for_eye(found.energy_error * force_scale * fine),
-        for_eye(found.energy_error_std * force_scale * fine),
-        typeset(f"{prefix}{units.energy_unit}"),
+        for_eye(found.energy_error * factor),
+        for_eye(found.energy_error_std * factor),
+        typeset(energy),
     )
 
 
