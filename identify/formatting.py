@@ -35,6 +35,22 @@ def quantity(estimate: Estimate) -> str:
     return f"{with_error(estimate.value, estimate.std)}{unit}"
 
 
+def identified_rows(stiffness: dict[int, Estimate], damping: tuple[Estimate, ...]) -> list[tuple[str, str]]:
+    """Return name and value of each stiffness and damping coefficient by its order."""
+    rows = []
+    for order, found in stiffness.items():
+        rows.append(("stiffness K" if order == 1 else f"stiffness of order {order}", quantity(found)))
+    for order, found in enumerate(damping):
+        rows.append((damping_name(order), quantity(found)))
+    return rows
+
+
+def damping_name(order: int) -> str:
+    """Return what the damping coefficient of an order is called."""
+    names = ("dry friction mu_0", "viscous damping mu_1", "quadratic damping mu_2", "cubic damping mu_3")
+    return names[order] if order < len(names) else f"damping mu_{order}"
+
+
 def three_figures(value: float) -> str:
     """Return an error or a ratio with three figures; "-" where there is none."""
     if not math.isfinite(value):
@@ -44,7 +60,7 @@ def three_figures(value: float) -> str:
 
 def scaled(value: float, unit: str) -> str:
     """Return a number to two figures with its unit, in thousandths where it is small and the unit can take a prefix."""
-    if value != 0.0 and abs(value) < 0.01 and unit[0] in _PREFIXED and "^" not in unit.split("/")[0]:
+    if value != 0.0 and abs(value) < 0.01 and unit[:1] in tuple(_PREFIXED) and "^" not in unit.split("/")[0]:
         if abs(value) < 1e-5:
             return f"{value * 1e6:.2g} u{unit}"
         return f"{value * 1e3:.2g} m{unit}"

@@ -51,15 +51,15 @@ class Summary:
 class Summarised:
     """A result that prints its summary, in a terminal and in a notebook, instead of all that it holds."""
 
-    def summary(self) -> Summary:
+    def brief(self) -> Summary:
         """Return what is worth reading first."""
         raise NotImplementedError
 
     def __repr__(self) -> str:
-        return self.summary().text()
+        return self.brief().text()
 
     def __str__(self) -> str:
-        return self.summary().text()
+        return self.brief().text()
 
     def _repr_html_(self) -> str:
-        return self.summary().html()
+        return self.brief().html()

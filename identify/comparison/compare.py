@@ -19,19 +19,21 @@ from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.corrected_faults import corrected_faults
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import force_misfit, force_mse_percent
+from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from identify.summary import Summarised, Summary
 
 _SURE = 4.0
 _SURE_OF_DRIFT = 12.0
 """Physics of 3 % that no force of u and v describes reaches 8, rarely 16; a drift of 0.3 % begins at 16."""
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Summarised):
     """Where and by how much a model fails on one release.
 
     `force_error` is eq. (18) in %: 100/(n var f) sum (f - f')^2, with f the measured acceleration (less any recorded
@@ -42,8 +44,8 @@ class Comparison:
     its source.
     `time` (n,) is in s since the release; `free_run_misfit` (cycles,) the rms misfit of the free run in units of the
     noise, cycle by cycle; `displacement`, `velocity`, `residual_force` (n,) the measured motion and measured less
-    model force per unit mass along it. `places` are the worst ones; `summary` tells the first, `cause` whether to
-    look at a sensor or at physics.
+    model force per unit mass along it. `places` are the worst ones; `summary` is the first in a sentence, `cause` says
+    whether to look at a sensor or at physics.
     """
 
     force_error: float
@@ -71,6 +73,22 @@ class Comparison:
     residual_force: Array
     unit: str
     mass: float | None
+
+    def brief(self) -> Summary:
+        """Return the errors, whether a sensor or physics is to blame, and the worst places."""
+        title = (
+            "The model reaches the noise floor"
+            if self.at_floor
+            else "The model does not reach the noise floor"
+        )
+        sentences = (
+            f"It leaves {three_figures(self.force_error)} % of the force (mean square), "
+            f"{three_figures(self.motion_error)} % of the motion (rms over {self.horizon:.3g} s), and a reduced "
+            f"chi-square of {three_figures(self.chi_square)} (1 ± {self.chi_square_std:.2f} for an adequate model).",
+            self.cause,
+        )
+        rows = [(place.text, f"{place.significance:.0f}") for place in self.places]
+        return Summary(title, sentences, ("where it fails", "std. errors"), rows)
 
 
 def compare(
@@ -167,7 +185,7 @@ def _cause(
     tone: ResidualTone | None,
 ) -> str:
     if kinematics is None:
-        return "There is only one channel, so a fault of the sensor cannot be told from physics."
+        return "There is only one channel, so a fault of the sensor cannot be distinguished from physics."
     if tone is not None and tone.sensor:
         return (
             f"At {tone.frequency:.4g} Hz the {tone.channel} shows what the other channel does not: hum or a disturbance "

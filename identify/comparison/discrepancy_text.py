@@ -14,19 +14,19 @@ class DiscrepancyText:
 
     @property
     def force_scale(self) -> float:
-        """What turns a force per unit mass into the force that is told."""
+        """Factor from a force per unit mass to the force that is shown."""
         return 1.0 if self.mass is None else self.mass
 
     @property
     def force_unit(self) -> str:
-        """Unit of the force that is told."""
+        """Unit of the force that is shown."""
         if self.mass is None:
             return f"{self.unit}/s^2"
         return "N m" if self.unit == "rad" else "N"
 
     @property
     def energy_unit(self) -> str:
-        """Unit of the energy that is told."""
+        """Unit of the energy that is shown."""
         if self.mass is not None:
             return "J"
         return "J/kg" if self.unit == "m" else f"{self.unit}^2/s^2"
@@ -37,7 +37,7 @@ class DiscrepancyText:
 
     @property
     def length_unit(self) -> str:
-        """Unit of the lengths that are told."""
+        """Unit of the lengths that are shown."""
         return "mm" if self.unit == "m" else self.unit
 
     def over_displacement(

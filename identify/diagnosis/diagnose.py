@@ -102,7 +102,7 @@ class Diagnosis(Summarised):
             return f"{_MOST_RUNGS} effects were added; a model with more would explain anything"
         return ""
 
-    def summary(self) -> Summary:
+    def brief(self) -> Summary:
         """Return the verdict, why, and the first few suspects."""
         rows = [
             (

@@ -62,7 +62,7 @@ class Ladder(Summarised):
         """The present model."""
         return self.rungs[-1]
 
-    def summary(self) -> Summary:
+    def brief(self) -> Summary:
         """Return the errors of each rung, and why the ladder ends."""
         rows = [
             (

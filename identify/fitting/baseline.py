@@ -79,7 +79,7 @@ def fit_baseline(
 
 
 def _without_stale(prepared: PreparedDecay, found: Fit, i: int) -> PreparedDecay:
-    """Leave out the stale readings that only a fit can tell, in channels that are known to lose readings."""
+    """Leave out the stale readings that only a fit can show, in channels that are known to lose readings."""
     lost, used = dict(prepared.lost), dict(prepared.window.used)
     for channel, mask in prepared.lost.items():
         if int(mask.sum()) < FEWEST_LOST:

@@ -42,7 +42,7 @@ def corrected_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[Corre
 
 
 def allowance(decays: tuple[PreparedDecay, ...], fit: Fit, model: Model) -> tuple[float, int]:
-    """Return the chi-square and the readings of corrected faults that a model does not own up to."""
+    """Return the chi-square and the readings of corrected faults that a model does not name."""
     unnamed = [f for f in corrected_faults(decays, fit) if f.term.effect.name not in model]
     return sum(f.drop for f in unnamed), sum(f.readings for f in unnamed)
 

@@ -10,13 +10,14 @@ from identify.preprocessing.lost_readings import find_lost_readings, find_spikes
 from identify.preprocessing.noise import Noise, noise_of
 from identify.preprocessing.release import Release, release_of
 from identify.preprocessing.usable import valid_samples
+from identify.summary import Summarised, Summary
 
 MOST_LOST = 0.2
 """Share of a channel's readings above which they are its normal way of reading, a coarse converter's, and not lost."""
 
 
-@dataclass(frozen=True, eq=False)
-class AlignedDecay:
+@dataclass(frozen=True, eq=False, repr=False)
+class AlignedDecay(Summarised):
     """One release, located in its record, with its channels moved onto one clock.
 
     `recorded` is the decay as it was recorded, with `release`, `rest` and `noise_*` filled in; `noise` tells where each
@@ -33,6 +34,12 @@ class AlignedDecay:
     alignment: Alignment | None
     not_aligned: str
     decay: FreeDecay
+
+    def brief(self) -> Summary:
+        """Return where the motion becomes free, the lag and the gain."""
+        lines = [f"Released at {self.release.time_s:.4f} s ({self.release.kind}).", self.not_aligned]
+        rows = () if self.alignment is None else self.alignment.brief().rows
+        return Summary("Aligned decay", lines, ("quantity", "value"), rows)
 
 
 def locate_and_align(decay: FreeDecay) -> AlignedDecay:

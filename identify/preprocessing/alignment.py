@@ -8,17 +8,17 @@ from scipy.ndimage import maximum_filter1d
 from identify.arrays import Array
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
+from identify.formatting import quantity
 from identify.free_decay import FreeDecay
 from identify.preprocessing.decimation import average_blocks
 from identify.preprocessing.noise import noise_of
+from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge, read_at_shift
 from identify.signal.kinematics import Agreement, Pair, agree
 from identify.signal.oscillation import dominant_frequency, running_amplitude
 from identify.signal.reversals import reversal_excess
 from identify.signal.smoothing import slope
-
-HAND_S = 0.030
-"""The hand has surely let go this long after the release, for oscillations of about 4 Hz."""
+from identify.summary import Summarised, Summary
 
 ONE_CHANNEL = (
     "Only one channel was recorded, so there is no lag to find: "
@@ -37,8 +37,8 @@ SUDDEN = 0.03
 """An uncertainty of this share of the acceleration's range is no reversal but a release within the record."""
 
 
-@dataclass(frozen=True)
-class Alignment:
+@dataclass(frozen=True, repr=False)
+class Alignment(Summarised):
     """How the displacement (or velocity) channel stands to the acceleration channel.
 
     `lag` in s is positive when the displacement is late. `gain` is the acceleration's gain relative to
@@ -50,6 +50,15 @@ class Alignment:
     gain: Estimate
     method: str
     caution: str = ""
+
+    def brief(self) -> Summary:
+        """Return lag and gain with their errors."""
+        lag = Estimate(self.lag.value * 1e6, self.lag.std * 1e6, "us")
+        rows = (
+            ("lag of the displacement (or velocity)", quantity(lag)),
+            ("gain of the acceleration", quantity(self.gain)),
+        )
+        return Summary("Alignment of the channels", (self.caution,), ("quantity", "value"), rows)
 
 
 def align(decay: FreeDecay) -> Alignment:

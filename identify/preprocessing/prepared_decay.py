@@ -6,6 +6,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
+from identify.formatting import scaled
 from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.alignment import Alignment
@@ -14,6 +15,7 @@ from identify.preprocessing.fit_window import CHANNELS, FitWindow, PreReleaseMot
 from identify.preprocessing.motion import Motion, reconstruct
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.release import Release
+from identify.summary import Summarised, Summary
 
 _SHORTEST_CYCLES = 4.0
 _LAG_REACH = 0.06
@@ -35,8 +37,8 @@ class Rest:
     readings: dict[str, Array]
 
 
-@dataclass(frozen=True, eq=False)
-class PreparedDecay:
+@dataclass(frozen=True, eq=False, repr=False)
+class PreparedDecay(Summarised):
     """One release made ready to be fitted.
 
     `window` holds the readings, `motion` the displacement (from the spring's zero), velocity and acceleration along
@@ -54,6 +56,17 @@ class PreparedDecay:
     noise: dict[str, Noise]
     lost: dict[str, Mask]
     rest: Rest | None = None
+
+    def brief(self) -> Summary:
+        """Return what will be fitted."""
+        window = self.window
+        cycles = len(window) / window.rate * self.frequency / (2.0 * np.pi)
+        sentence = (
+            f"{cycles:.1f} cycles at {self.frequency / (2.0 * np.pi):.4g} Hz from {scaled(self.amplitude, window.unit)}, "
+            f"{', '.join(window.channels)}."
+        )
+        rows = [(name, scaled(noise.std, ""), noise.source) for name, noise in self.noise.items()]
+        return Summary("Prepared decay", (sentence,), ("channel", "noise (SI)", "read from"), rows)
 
     @property
     def time(self) -> Array:

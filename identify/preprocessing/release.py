@@ -11,13 +11,11 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
+from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree
 
 ReleaseKind = Literal["displaced", "impulse", "in_motion"]
-
-HAND_S = 0.030
-"""The hand has surely let go this long after the release (it takes 20 ms at most, and channels differ by 3 ms)."""
 
 LEAD_S = 0.015
 """The rest ends this long before the release: half a slow hand, and an early channel."""

@@ -1,4 +1,4 @@
-"""The span of a channel that its ridge is fitted on: free, above its noise, not yet near sticking."""
+"""The window of a channel that its ridge is fitted on: free, above its noise, not yet near sticking."""
 
 import numpy as np
 
@@ -25,8 +25,8 @@ _STOP_AT_NOISE = 6.0  # and to this many standard deviations of a sample
 _STILL_DRIVEN = 0.1  # of the largest force
 
 
-def observe_span(decay: FreeDecay) -> tuple[int, Observed]:
-    """Return the first sample of the span and the ridge of its channel, from a rough ridge of the whole record.
+def observe_window(decay: FreeDecay) -> tuple[int, Observed]:
+    """Return the first sample of the window and the ridge of its channel, from a rough ridge of the whole record.
 
     Raises NotIdentifiable when the record is driven, holds no oscillation, or too little of it.
     """
@@ -61,8 +61,8 @@ def observe_span(decay: FreeDecay) -> tuple[int, Observed]:
     angular_frequency = float(np.median(angular[:large]))
     for _ in range(2):
         part = slice(start, start + stop)
-        span = observe(whole[part], valid[part], decay.rate, derivatives, angular_frequency, noise)
-        parameters = first_fit(span, 1, (1,)).envelope_fit.parameters
+        observed = observe(whole[part], valid[part], decay.rate, derivatives, angular_frequency, noise)
+        parameters = first_fit(observed, 1, (1,)).envelope_fit.parameters
         dry = parameters[1] * np.pi / 2 / angular_frequency
         # the rough envelope is smeared where the mass sticks: read the end off the fitted one
         fitted = integrate_envelope(parameters[0], parameters[1:], 1 / decay.rate, len(whole) - start)
@@ -72,10 +72,10 @@ def observe_span(decay: FreeDecay) -> tuple[int, Observed]:
         stop = better
     else:
         part = slice(start, start + stop)
-        span = observe(whole[part], valid[part], decay.rate, derivatives, angular_frequency, noise)
+        observed = observe(whole[part], valid[part], decay.rate, derivatives, angular_frequency, noise)
     if float(np.median(envelope[:large])) < quiet:
         raise still
-    return start, span
+    return start, observed
 
 
 def _require_free(force: Array, start: int) -> None:
