@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from station.commands.options import MASS, MASS_STD
 from station.output import json_option, print_json, progress, screen
 
 MOST_TAKES = 3
@@ -28,10 +29,8 @@ if TYPE_CHECKING:
     metavar="FOLDER",
     help="Folder of the new session (default: ./sessions/release_TIME).",
 )
-@click.option(
-    "--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles)."
-)
-@click.option("--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass.")
+@MASS
+@MASS_STD
 @click.option("--duration", type=float, metavar="S", help="Seconds after the release (8).")
 @click.option("--rate", type=float, metavar="HZ", help="Sampling rate (256).")
 @click.option("--pre-trigger", type=float, metavar="S", help="Seconds kept before the release (1).")
@@ -107,8 +106,15 @@ def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
     return True
 
 
-def finish(session: "Session", url: str | None, settings: "Settings", as_json: bool) -> dict[str, Any]:
-    """Print the verdict, identify, show; return the document that `--json` prints."""
+def finish(
+    session: "Session",
+    url: str | None,
+    settings: "Settings",
+    as_json: bool,
+    note: str = "",
+    **more: Any,
+) -> None:
+    """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""
     from station.operations.capturing import show_result
     from station.operations.identifying import identify_session, refuse_if_nothing
     from station.story.preparation import options_for
@@ -120,18 +126,20 @@ def finish(session: "Session", url: str | None, settings: "Settings", as_json: b
         for advice in verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, options_for(session, settings))
-    printed = {
-        "session": str(session.folder),
-        "verdict": None if verdict is None else verdict.model_dump(mode="json"),
-        "identification": document.plain(),
-    }
-    if as_json:
-        print_json(printed)
-    else:
+    if not as_json:
         show_identification(screen(), session.folder.name, result)
+        if note:
+            screen().print(note, markup=False, soft_wrap=True)
     file = show_result(url, session, result)
     progress(f"viewer's recording: {file}")
-    if not as_json:
+    if as_json:
+        known = {
+            "session": str(session.folder),
+            "viewer_recording": str(file),
+            "verdict": None if verdict is None else verdict.model_dump(mode="json"),
+            "identification": document.plain(),
+        }
+        print_json(known | more)
+    else:
         next_steps(screen(), session.folder)
     refuse_if_nothing(result)
-    return printed

@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from station.output import json_option, print_json, progress, screen
+from station.commands.options import NO_VIEWER
+from station.output import json_option, progress
 
 SPEED = 4.0
 MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
@@ -33,7 +34,7 @@ MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
     metavar="FOLDER",
     help="Folder of the new session (default: ./sessions/demo_TIME).",
 )
-@click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
+@NO_VIEWER
 @json_option
 @click.pass_obj
 def command(
@@ -54,13 +55,11 @@ def command(
     from dataclasses import replace
 
     from daq.session_info import SessionInfo
+    from station.commands.capture import finish
     from station.operations.capturing import record
-    from station.operations.identifying import identify_session, refuse_if_nothing
     from station.operations.new_session import capture_settings, new_folder
     from station.operations.simulated_board import simulated_board
     from station.settings import load_settings
-    from station.story.preparation import options_for
-    from station.text.terminal import next_steps, show_identification
 
     settings = load_settings(settings_file)
     if mystery is not None:
@@ -77,27 +76,8 @@ def command(
             progress(f"a simulated board answers at {port}")
             session, url = record(port, wanted, where, not no_viewer)
         truth = json.loads(truth_file.read_text(encoding="utf-8"))
-    result, document = identify_session(session, options_for(session, settings))
-    if not as_json:
-        show_identification(screen(), session.folder.name, result)
-        screen().print(_made_of(truth), markup=False, soft_wrap=True)
-    from station.operations.capturing import show_result
-
-    file = show_result(url, session, result)
-    verdict = session.verdict
-    printed: dict[str, Any] = {
-        "session": str(session.folder),
-        "viewer_recording": str(file),
-        "verdict": None if verdict is None else verdict.model_dump(mode="json"),
-        "identification": document.plain(),
-        "made_of": {name: truth[name] for name in MADE_OF},
-    }
-    if as_json:
-        print_json(printed)
-    else:
-        screen().print(f" viewer's recording: {file}", markup=False, soft_wrap=True)
-        next_steps(screen(), session.folder)
-    refuse_if_nothing(result)
+    made_of = {name: truth[name] for name in MADE_OF}
+    finish(session, url, settings, as_json, _made_of(truth), made_of=made_of)
 
 
 def _made_of(truth: dict[str, Any]) -> str:

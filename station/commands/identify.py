@@ -4,18 +4,14 @@ from typing import Any
 
 import click
 
+from station.commands.options import MASS_INSTEAD
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
 
 @click.command("identify")
 @click.argument("session")
-@click.option(
-    "--mass",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="KG",
-    help="Mass, instead of the session's.",
-)
+@MASS_INSTEAD
 @click.option("--session", "into", metavar="FOLDER", help="Where a data file is imported to.")
 @click.option("--max-order", type=click.IntRange(0, 5), help="Highest order of damping that is tried.")
 @click.option("--stiffness-orders", metavar="1,3", help="Orders of displacement in the restoring force.")

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress, screen
 
@@ -17,24 +18,10 @@ from station.output import json_option, print_json, progress, screen
 )
 @click.option("--to", "number", type=click.IntRange(min=0), metavar="N", help="Go back to rung N.")
 @click.option("--reset", is_flag=True, help="Begin the ladder again.")
-@click.option(
-    "--model", "model_file", type=click.Path(path_type=Path), metavar="FILE", help="Begin with this model."
-)
-@click.option(
-    "--effects",
-    "effects_file",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Your own effects (Python).",
-)
-@click.option(
-    "--gain-uncertainty",
-    "gain_percent",
-    type=click.FloatRange(0, 50),
-    metavar="PERCENT",
-    help="What the calibrations leave open between the channels.",
-)
-@click.option("--no-viewer", is_flag=True, help="Do not show the ladder in the viewer.")
+@MODEL
+@EFFECTS
+@GAIN
+@NO_VIEWER
 @json_option
 @click.pass_obj
 def command(

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from station.commands.options import MASS_INSTEAD
 from station.output import json_option, print_json, progress
 
 
@@ -15,12 +16,7 @@ from station.output import json_option, print_json, progress
     metavar="FILE",
     help="Where to write it (default: results/report.html in the session).",
 )
-@click.option(
-    "--mass",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="KG",
-    help="Mass, instead of the session's.",
-)
+@MASS_INSTEAD
 @click.option("--diagnose", is_flag=True, help="Diagnose first (takes some seconds).")
 @click.option("--open", "with_browser", is_flag=True, help="Open it in the browser.")
 @json_option

@@ -25,15 +25,7 @@ def write_file(file: Path, compared: Compared) -> None:
     from station.views.show import APPLICATION
 
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
-    blueprint = rrb.Blueprint(
-        rrb.Tabs(tab(compared), active_tab=0),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=log.TIMELINE),
-        auto_views=False,
-        auto_layout=False,
-    )
-    stream.save(file, default_blueprint=blueprint)
+    stream.save(file, default_blueprint=log.blueprint([tab(compared)]))
     write(stream, compared)
     stream.flush()
     stream.disconnect()

@@ -1,7 +1,5 @@
 """The live view of a capture: levels and both channels as they come, the trigger, the losses."""
 
-import socket
-import time
 from types import TracebackType
 from typing import Self
 
@@ -14,11 +12,10 @@ from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
 from station.text.numbers import scale_as_recorded
 from station.views import log, palette
-from station.views.viewer import HOST, start
+from station.views.viewer import HOST, free_ports, start, wait_for
 
 APPLICATION = "free-decay-station-live"  # of its own: the viewer keeps one layout for each application
 ROOT = "/live"
-START_S = 20.0
 
 
 class LiveView(CaptureObserver):
@@ -77,38 +74,23 @@ def layout(channels: tuple[Channel, ...]) -> rrb.Blueprint:
     views: list[rrb.View] = [
         log.curves(channel.name.capitalize(), [f"{ROOT}/{channel.name}"]) for channel in channels
     ]
-    return rrb.Blueprint(
-        rrb.Tabs(
-            rrb.Horizontal(
-                rrb.Vertical(
-                    *views,
-                    rrb.StateTimelineView(origin=f"{ROOT}/station", name="Station"),
-                    row_shares=[4.0] * len(views) + [1.2],
-                ),
-                rrb.TextLogView(origin=f"{ROOT}/events", name="What happened"),
-                column_shares=[2, 1],
-                name="Live",
-            ),
-            active_tab=0,
-        ),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=log.TIMELINE, play_state="Following"),
-        auto_views=False,
-        auto_layout=False,
+    curves = rrb.Vertical(
+        *views,
+        rrb.StateTimelineView(origin=f"{ROOT}/station", name="Station"),
+        row_shares=[4.0] * len(views) + [1.2],
     )
+    events = rrb.TextLogView(origin=f"{ROOT}/events", name="What happened")
+    return log.blueprint([rrb.Horizontal(curves, events, column_shares=[2, 1], name="Live")], follow=True)
 
 
 class LiveViewer:
     """A viewer window for one capture, with a `view` to give to it; stays open afterwards."""
 
     def __init__(self, rate: float) -> None:
-        with socket.socket() as free:
-            free.bind((HOST, 0))
-            port = free.getsockname()[1]
+        (port,) = free_ports(1)
         self.url = f"rerun+http://{HOST}:{port}/proxy"
         start("--port", str(port), "--hide-welcome-screen")
-        _wait_for(port)
+        wait_for(port)
         self._stream = rr.RecordingStream(APPLICATION, send_properties=False)
         self._stream.connect_grpc(self.url)
         self.view = LiveView(self._stream, rate)
@@ -121,13 +103,3 @@ class LiveViewer:
     ) -> None:
         self._stream.flush()
         self._stream.disconnect()
-
-
-def _wait_for(port: int) -> None:
-    end = time.monotonic() + START_S
-    while time.monotonic() < end:
-        try:
-            socket.create_connection((HOST, port), timeout=0.5).close()
-            return
-        except OSError:
-            time.sleep(0.1)

@@ -64,7 +64,7 @@ def orders(axis: "Axes", errors: Sequence[float], chosen: int, look: Look, colou
     """Draw the error against the order of damping, the paper's figure 3, with a circle about the order chosen."""
     axis.semilogy(range(len(errors)), errors, "o-", color=colour, ms=5)
     axis.semilogy([chosen], [errors[chosen]], "o", ms=13, mfc="none", mec=look.ink, mew=1.5)
-    axis.set(xlabel="order of damping", ylabel="error left, MSE [%]", xticks=range(len(errors)))
+    axis.set(xlabel="order of damping", ylabel="MSE [%]", xticks=range(len(errors)))
     axis.margins(x=0.15, y=0.2)
 
 
@@ -78,7 +78,7 @@ def significance(axis: "Axes", percent: Mapping[str, float], look: Look) -> None
         axis.annotate(label, (values[row], row), va="center", fontsize=8, color=look.ink)
     _rows(axis, [name for name, _ in terms])
     axis.set_xlim(min(values, default=1.0) / 3, 2e4)
-    axis.set_xlabel("significance, share of the variance [%]")
+    axis.set(xlabel="share of the variance [%]", title="significance, eq. (19)")
 
 
 def backbone(

@@ -8,11 +8,10 @@ from numpy.typing import NDArray
 
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
-from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from station.results import diagnosis_document
 from station.results.ladder import LADDER, KeptLadder
-from station.results.models import name_of, parsed_effect
+from station.results.models import parsed_effect
 from station.story.compared import Compared
 from station.text.numbers import energy_scale, scale, typeset
 from station.workbench import view_models
@@ -134,19 +133,11 @@ def for_eye(values: Array) -> view_models.Numbers:
     return numbers(values, float(np.max(np.abs(finite), initial=0.0)) / EYE)
 
 
-def effects_of(ladder: KeptLadder) -> dict[str, view_models.EffectText]:
-    """Return how the effects of the library, and the user's own in the ladder, are named."""
-    texts = {name_of(text): text for rung in ladder.rungs for text in rung.model.expressions}
-    found = {effect.name: _effect_text(effect) for effect in LIBRARY}
-    for name, text in texts.items():
-        found[name] = _effect_text(parsed_effect(text))
-    return found
-
-
-def _effect_text(effect: Effect) -> view_models.EffectText:
-    return view_models.EffectText(
-        effect.name, effect.title, typeset(effect.equation), effect.kind, effect.symptom
-    )
+def equations_of(ladder: KeptLadder) -> dict[str, str]:
+    """Return the equations of the effects of the library, and of the user's own in the ladder, by the effect's name."""
+    own = dict.fromkeys(text for rung in ladder.rungs for text in rung.model.expressions)
+    effects = (*LIBRARY, *(parsed_effect(text) for text in own))
+    return {effect.name: typeset(effect.equation) for effect in effects}
 
 
 def results_stamp(folder: Path) -> tuple[int, ...]:

@@ -13,7 +13,6 @@ from station.workbench.capture_run import CaptureRun, Level, Progress
 from station.workbench.sessions_panel import address_of
 
 TICK_S = 0.1
-ENDED = ("", "sealed")
 
 
 class CapturePanel:

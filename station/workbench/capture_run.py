@@ -38,7 +38,6 @@ class Progress:
     state: str = ""
     said: str = "asking the board"
     detail: str = ""
-    board: str = ""
     levels: tuple[Level, ...] = ()
     lost: int = 0
     recorded: float = 0.0
@@ -74,11 +73,10 @@ class CaptureRun(CaptureObserver):
         self._thread.join(seconds)
 
     def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
-        """Note which board it is."""
+        """Note the channels."""
         self._go_on()
         self._channels = channels
         self._largest = np.full(len(channels), 1e-300)
-        self.now = replace(self.now, board=hello.board)
 
     def state(self, name: str, detail: str) -> None:
         """Note where it stands."""

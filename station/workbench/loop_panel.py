@@ -49,13 +49,12 @@ class LoopPanel:
     def _show_model(self, view: view_models.View) -> None:
         top = view.ladder.top
         for entry in top.model.effects:
-            known = view.effects.get(entry.effect)
             with ui.element("div").classes("effect"):
                 with widgets.line():
                     switch = ui.switch(value=True, on_change=lambda e, n=entry.effect: self._turn(n, e.value))
                     switch.props("dense size=sm").props["aria-label"] = f"{entry.effect} in the model"
                     widgets.label(_called(entry.effect), "strong grow wrap")
-                    widgets.label(known.equation if known else "", "mono faint")
+                    widgets.label(view.equations.get(entry.effect, ""), "mono faint")
                 with ui.element("div").classes("values small"):
                     for name, value in entry.parameters.items():
                         widgets.label(f"{name} = {typeset(with_unit(value))}")

@@ -1,7 +1,6 @@
 """Middle: what was measured and what the model says, in linked pictures."""
 
 import json
-from dataclasses import dataclass
 
 from nicegui import ui
 
@@ -11,14 +10,6 @@ from station.workbench.theme import Theme
 
 NOTICED = 0.15
 HINT = "Move the pointer over a picture, or use the arrow keys in one: the same moment is marked in all."
-
-
-@dataclass(frozen=True)
-class _Drawn:
-    """A chart and what it draws."""
-
-    element: ui.echart
-    name: str
 
 
 class MiddlePanel:

@@ -107,7 +107,7 @@ class SessionState:
 
 @dataclass
 class SessionStates:
-    """All desks by session folder."""
+    """The states of all sessions that are open, by folder."""
 
     workers: WorkerPool
     known: dict[Path, SessionState] = field(default_factory=dict)

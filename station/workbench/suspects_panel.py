@@ -119,7 +119,6 @@ class SuspectsPanel:
         colours: Theme,
     ) -> None:
         name = suspect.effect
-        known = view.effects.get(name)
         with ui.element("div").classes("suspect" + ("" if suspect.claimed else " weak")):
             if found is None:
                 ui.element("div")
@@ -128,7 +127,7 @@ class SuspectsPanel:
             widgets.label(_plain(name), "strong wrap")
             self._places[name] = (ui.element("div"), suspect.claimed)
             with ui.element("div").classes("details"):
-                widgets.label(known.equation if known else suspect.title, "mono")
+                widgets.label(view.equations.get(name, suspect.title), "mono")
                 values = [f"{p} = {typeset(with_unit(value))}" for p, value in suspect.parameters.items()]
                 widgets.label(", ".join(values), "small wrap")
                 widgets.label(

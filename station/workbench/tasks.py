@@ -19,7 +19,7 @@ from station.settings import Settings
 from station.story.pipeline import Progress
 from station.story.preparation import options_for
 from station.workbench import view_models
-from station.workbench.build_view_models import effects_of, picture_of, results_stamp
+from station.workbench.build_view_models import equations_of, picture_of, results_stamp
 from station.workbench.force_map import MOST, force_maps_of
 from station.workbench.session_thumbnails import thumbnail_of
 from station.workbench.warm_up import warm_up
@@ -63,18 +63,20 @@ def look(settings: Settings, progress: Progress, folder: Path) -> view_models.Vi
 
 def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> view_models.View:
     session = opened.refinement.session
-    is_kept = (session.results / LADDER).is_file()
-    model = session.results / MODEL if is_kept else None
+    model = _present_model(session)
     compared, _ = compare_session(session, settings, model, prepared=opened.refinement.prepared)
     return view_models.View(
-        session.folder.name,
         ladder,
-        is_kept,
         picture_of(compared),
         _diagnosis(session),
-        effects_of(ladder),
+        equations_of(ladder),
         results_stamp(session.folder),
     )
+
+
+def _present_model(session: Session) -> Path | None:
+    """Return the file of the present model; None while the ladder has not begun."""
+    return session.results / MODEL if (session.results / LADDER).is_file() else None
 
 
 def _diagnosis(session: Session) -> DiagnosisDocument | None:
@@ -130,8 +132,7 @@ def diagnose(
     refinement = opened.refinement
     session = refinement.session
     sessions = SessionSet((session,), (refinement.prepared,))
-    model = session.results / MODEL if (session.results / LADDER).is_file() else None
-    found, document = diagnose_sessions(sessions, model, None, progress)
+    found, document = diagnose_sessions(sessions, _present_model(session), None, progress)
     keep(sessions, document)
     return _view(settings, opened, refinement.ladder), force_maps_of(fits_of(found, document, MOST))
 

@@ -85,27 +85,14 @@ class ForceMap:
     force: list[Numbers]
 
 
-@dataclass(frozen=True)
-class EffectText:
-    """An effect as the page names it."""
-
-    name: str
-    title: str
-    equation: str
-    kind: str
-    symptom: str = ""
-
-
 @dataclass(frozen=True, eq=False)
 class View:
-    """All that the page shows of a session: its ladder, the comparison of the present model, the last diagnosis."""
+    """What the page shows of a session: ladder, comparison of the present model, last diagnosis, equations by effect."""
 
-    name: str
     ladder: KeptLadder
-    kept: bool
     picture: Picture
     diagnosis: DiagnosisDocument | None = None
-    effects: dict[str, EffectText] = field(default_factory=dict)
+    equations: dict[str, str] = field(default_factory=dict)
     stamp: tuple[int, ...] = ()
 
 
