@@ -69,7 +69,7 @@ def play(
     no_viewer: bool,
     as_json: bool,
 ) -> None:
-    """Run the whole story; a seed of None is drawn."""
+    """Record, compare, diagnose, refine, and reveal what was hidden; a seed of None is drawn."""
     console = screen()
     say = _say_nothing if as_json else _on_screen(console)
     chosen = secrets.randbelow(SEEDS) if seed is None else seed

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from station.report.drawing import BAND, GREY, INK, LOOK, OTHER, both, curve, embedded, joined, paper
+from station.report.drawing import BAND, GREY, INK, OTHER, both, curve, embedded, joined, paper
 from station.story.compared import Compared
 from station.text.numbers import energy_scale, scale
 from station.views import plots
-from station.views.plots import literal
+from station.views.plots import PAPER, literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -96,11 +96,11 @@ def phase_plane(compared: Compared) -> str:
     bar.set_label(literal(f"force [{units.force_unit}]"))
     bar.outline.set_visible(False)
     down, up = plane.sections_at_reversal
-    plots.missing_section(at_reversal, up, factor, units, LOOK, "^-", "moving to the positive side")
-    plots.missing_section(at_reversal, down, factor, units, LOOK, "v--", "moving to the negative side")
+    plots.missing_section(at_reversal, up, factor, units, PAPER, "^-", "moving to the positive side")
+    plots.missing_section(at_reversal, down, factor, units, PAPER, "v--", "moving to the negative side")
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
     at_reversal.legend(loc="best")
-    plots.missing_section(at_middle, plane.section_at_middle, 1.0, units, LOOK, "o-", "")
+    plots.missing_section(at_middle, plane.section_at_middle, 1.0, units, PAPER, "o-", "")
     at_middle.set(xlabel=literal(f"velocity [{found.unit}/s]"), title="at displacement 0: damping")
     at_reversal.set_ylabel(literal(f"measured less\nmodel [{units.force_unit}]"))
     return embedded(drawn)
@@ -118,7 +118,7 @@ def cycles(compared: Compared) -> str:
         (found.free_run_misfit, None, "free run: rms misfit / noise"),
     )
     for axis, (values, std, label) in zip(axes, rows, strict=True):
-        plots.cycle_by_cycle(axis, done.time, values, std, LOOK)
+        plots.cycle_by_cycle(axis, done.time, values, std, PAPER)
         axis.set(xlabel="time since the release [s]", ylabel=literal(label))
     axes[-1].set_ylim(bottom=0)
     return embedded(drawn)

@@ -5,13 +5,13 @@ from textwrap import fill
 import numpy as np
 
 from identify.diagnosis.force_map import ForceMap
-from station.report.drawing import LOOK, embedded, paper
+from station.report.drawing import embedded, paper
 from station.results.diagnosis_document import CurveDocument, DiagnosisDocument
 from station.results.diagnosis_fits import DiagnosisFits
 from station.results.ladder import KeptLadder
 from station.text.ladder_text import step
 from station.views import plots
-from station.views.plots import literal
+from station.views.plots import PAPER, literal
 from station.views.suspects import MOST_BARS
 
 
@@ -37,7 +37,7 @@ def _chi_squares(rows: list[tuple[str, float]], std: float, label: str) -> str |
     if not rows:
         return None
     drawn, (axis,) = paper(0.75 + 0.24 * len(rows))
-    plots.chi_squares(axis, rows, std, LOOK)
+    plots.chi_squares(axis, rows, std, PAPER)
     axis.set_xlabel(f"{label} (dashed: the noise floor, 1)")
     return embedded(drawn)
 
@@ -48,7 +48,7 @@ def force_maps(fits: DiagnosisFits) -> str:
     maps += [(term.effect.name, found) for term, found in fits.added_forces()]
     drawn, axes = paper(2.1, 1, len(maps), sharey=True, width=min(6.9, 1.9 * len(maps) + 0.6))
     for axis, (name, found) in zip(axes, maps, strict=True):
-        plots.force_over_cycle(axis, found, LOOK)
+        plots.force_over_cycle(axis, found, PAPER)
         axis.set_xlabel("phase of the cycle [°]")
         axis.set_title(literal(fill(name.replace("_", " "), 20)), fontsize=8)
     reach = _reach(maps[0][1])
@@ -66,5 +66,5 @@ def _reach(found: ForceMap) -> float:
 def shape(curve: CurveDocument) -> str:
     """Draw the free form of a force that has no name, with two standard errors."""
     drawn, (axis,) = paper(2.4, width=4.2)
-    plots.shape(axis, curve, LOOK)
+    plots.shape(axis, curve, PAPER)
     return embedded(drawn)

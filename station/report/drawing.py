@@ -7,23 +7,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from identify.arrays import Array
 from station.views.figure import figure
-from station.views.log import Array
-from station.views.plots import Look
+from station.views.plots import PAPER
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 WIDTH = 6.9
-INK, GREY, BAND = "#111111", "#8c8c8c", "#d4d4d4"
-MEASURED, MODEL, OTHER = "#7d7d7d", "#00447c", "#a63603"
-LOOK = Look(ink=INK, faint=GREY, measured=MEASURED, model=MODEL, second=INK, noise=BAND, bar="#c4c4c4")
+INK, GREY, BAND, MODEL, OTHER = PAPER.ink, PAPER.faint, PAPER.noise, PAPER.model, "#a63603"
 MOST_POINTS = 1200
 _PATH = re.compile(rb'\bd="[^"]*"')
 _DECIMALS = re.compile(rb"(\.\d\d)\d+")  # a hundredth of a point is finer than any printer
 
-PAPER: dict[Any, Any] = {
+STYLE: dict[Any, Any] = {
     "figure.facecolor": "white",
     "axes.facecolor": "white",
     "axes.edgecolor": INK,
@@ -59,7 +57,7 @@ def paper(
     height: float, rows: int = 1, columns: int = 1, width: float = WIDTH, **how: Any
 ) -> tuple["Figure", list["Axes"]]:
     """Return a figure for paper and its axes in reading order; sizes in inches."""
-    return figure(width, height, rows, columns, style=PAPER, **how)
+    return figure(width, height, rows, columns, style=STYLE, **how)
 
 
 def joined(drawn: "Figure", cells: list["Axes"]) -> "Axes":

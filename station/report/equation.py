@@ -6,7 +6,7 @@ from identify.effects.effect import Parameter
 from identify.fitting.fit import Fit
 from identify.model.model import Term
 from station.report import comparison_figures as draw
-from station.report.content import Equation, Figure, Part, Section, Table, Words, left_out
+from station.report.content import Equation, Figure, Paragraph, Part, Section, Table, left_out
 from station.report.failure import errors, places
 from station.report.findings import Findings
 from station.results.models import parameters_of
@@ -31,7 +31,7 @@ def equation(found: Findings) -> Section:
     fit = compared.baseline.fit if found.refined is None else found.refined.top.fit
     parts: list[Part] = [
         Equation((_letters(fit), _numbers(fit))),
-        Words(
+        Paragraph(
             "Displacement u from the spring's zero and velocity v in "
             f"{compared.comparison.unit} and {compared.comparison.unit}/s; all forces per unit "
             f"{'inertia' if compared.comparison.unit == 'rad' else 'mass'}.",
@@ -39,10 +39,10 @@ def equation(found: Findings) -> Section:
         _parameters(fit, compared.comparison.unit, found),
     ]
     if len(fit.windows) > 1:
-        parts.append(Words(SEGMENTS.format(len(fit.windows)), label="Long record"))
+        parts.append(Paragraph(SEGMENTS.format(len(fit.windows)), label="Long record"))
     doubt = caution(compared)
     if doubt:
-        parts.append(Words(doubt, label="Caution", strong=True))
+        parts.append(Paragraph(doubt, label="Caution", strong=True))
     parts.append(errors(compared))
     if found.refined is not None and found.refined.ladder.present > 0:
         parts.append(places(compared))

@@ -4,7 +4,7 @@ import numpy as np
 
 from identify.comparison.discrepancy_text import DiscrepancyText
 from station.report import comparison_figures as draw
-from station.report.content import Facts, Figure, Part, Section, Table, Words, left_out
+from station.report.content import Facts, Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
 from station.story.compared import Compared
 from station.text.comparison_text import floor_text, harmonics_text
@@ -21,12 +21,14 @@ def comparison(found: Findings) -> Section:
         return Section("comparison", TITLE, (left_out(found.left_out["comparison"]),))
     seen, fit = compared.comparison, compared.baseline.fit
     parts: list[Part] = [
-        Words(f"{' + '.join(fit.model.names)}, fitted to the whole record and run freely.", label="Model"),
+        Paragraph(
+            f"{' + '.join(fit.model.names)}, fitted to the whole record and run freely.", label="Model"
+        ),
         errors(compared),
-        Words(seen.cause, label="Sensor or physics", strong=True),
+        Paragraph(seen.cause, label="Sensor or physics", strong=True),
     ]
     if not fit.converged or fit.unidentifiable:
-        parts.append(Words(fit.outcome, label="Fit"))
+        parts.append(Paragraph(fit.outcome, label="Fit"))
     parts.append(places(compared))
     facts = (
         ("noise floor", floor_text(compared)),
@@ -71,7 +73,7 @@ def places(compared: Compared) -> Part:
     """Return the worst places in units, worst first, or the sentence that there are none."""
     found = compared.comparison.places
     if not found:
-        return Words(compared.comparison.summary, label="Where it fails")
+        return Paragraph(compared.comparison.summary, label="Where it fails")
     rows = tuple((str(n), typeset(p.text), f"{p.significance:.0f}") for n, p in enumerate(found, start=1))
     return Table("Where it fails, worst first", ("", "place", "std. errors"), rows, texts=2)
 

@@ -107,7 +107,7 @@ def _diagnose(found: Findings, settings: Settings, progress: Progress) -> None:
 
 
 def _refinement(found: Findings, settings: Settings) -> Refinement | None:
-    """Open what the session keeps of a model's story; None where it keeps nothing that can be read."""
+    """Open the model that the session keeps; None where it keeps nothing that can be read."""
     results, left_out = found.session.results, found.left_out
     kept = [(results / name).is_file() for name in (diagnosis_document.NAME, LADDER)]
     if not kept[0]:

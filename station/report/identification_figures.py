@@ -8,12 +8,12 @@ import numpy as np
 from daq.recording import Recording
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
-from station.report.drawing import INK, LOOK, MODEL, OTHER, both, curve, embedded, joined, paper
+from station.report.drawing import INK, MODEL, OTHER, both, curve, embedded, joined, paper
 from station.story.identification import Identification
 from station.text.numbers import scale, scale_as_recorded
 from station.views import plots
 from station.views.alignment import about_zero, draw_about_zero, overlay
-from station.views.plots import MOST_DOTS, literal
+from station.views.plots import MOST_DOTS, PAPER, literal
 from station.views.restoring_force import mesh
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def alignment(result: Identification) -> str | None:
     if seen is None or result.alignment is None or about_zero(result, seen) is None:
         return None
     drawn, axes = paper(2.1, 1, 2, sharey=True)
-    draw_about_zero(axes, result, seen, LOOK)
+    draw_about_zero(axes, result, seen, PAPER)
     axes[0].legend(loc="upper left")
     return embedded(drawn)
 
@@ -69,7 +69,7 @@ def envelope(found: WaveletResult, length: str) -> str:
     half = max(1.5 * float(np.nanpercentile(spread, 98)) if np.isfinite(spread).any() else 0.0, 0.01 * middle)
     below.set(xlabel="time [s]", ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
     below.set_xlim(top.get_xlim())
-    plots.backbone(backbone, found, factor, name, half, LOOK, MODEL)
+    plots.backbone(backbone, found, factor, name, half, PAPER, MODEL)
     backbone.set_title("backbone")
     backbone.legend(loc="upper left")
     return embedded(drawn)
@@ -83,10 +83,10 @@ def orders(result: Identification) -> str:
     columns = len(there) + (force is not None)
     drawn, axes = paper(2.2, 1, columns, width=WIDE[columns])
     for axis, (name, found) in zip(axes, there, strict=False):
-        plots.orders(axis, found.mse_percent_by_order, found.order, LOOK, INK)
+        plots.orders(axis, found.mse_percent_by_order, found.order, PAPER, INK)
         axis.set_title(f"{name}: order {found.order}")
     if force is not None:
-        plots.significance(axes[-1], force.significance_percent, LOOK)
+        plots.significance(axes[-1], force.significance_percent, PAPER)
     return embedded(drawn)
 
 
@@ -163,7 +163,7 @@ def sections(found: RestoringForceResult, length: str) -> str:
         found.section_zero_displacement, 1.0, f"velocity [{length}/s]", "at displacement 0: the damping",
     )  # fmt: skip
     for axis, (cut, factor, label, title) in zip(axes, (first, second), strict=True):
-        plots.force_section(axis, cut, factor, LOOK)
+        plots.force_section(axis, cut, factor, PAPER)
         axis.set(xlabel=literal(label), title=title)
     axes[0].set_ylabel(literal(f"force per unit mass [{length}/s^2]"))
     axes[0].legend(loc="upper left")

@@ -1,7 +1,7 @@
 """The sections of the loop: the suspects, the ladder, and what could not be told apart."""
 
 from station.report import diagnosis_figures as draw
-from station.report.content import Figure, Part, Section, Table, Words, left_out
+from station.report.content import Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
 from station.results.diagnosis_document import DiagnosisDocument, FindingDocument, SuspectDocument
 from station.text.diagnosis_text import headline, not_told_apart, shown_suspects
@@ -27,9 +27,9 @@ def suspects(found: Findings) -> Section:
     document = found.diagnosis
     if document is None:
         return Section("suspects", SUSPECTS, (left_out(found.left_out["suspects"]),))
-    parts: list[Part] = [Words(typeset(document.explanation), label=headline(document), strong=True)]
+    parts: list[Part] = [Paragraph(typeset(document.explanation), label=headline(document), strong=True)]
     if len(document.sessions) > 1:
-        parts.append(Words(", ".join(document.sessions), label="Diagnosed together"))
+        parts.append(Paragraph(", ".join(document.sessions), label="Diagnosed together"))
     if document.suspects:
         rows = tuple(
             (
@@ -56,7 +56,7 @@ def suspects(found: Findings) -> Section:
         )
         parts.append(Figure(caption, draw.force_maps(found.fits)))
     elif "force_maps" in found.left_out:
-        parts.append(Words(f"The pictures of forces are left out: {found.left_out['force_maps']}."))
+        parts.append(Paragraph(f"The pictures of forces are left out: {found.left_out['force_maps']}."))
     parts += _findings(document)
     return Section("suspects", SUSPECTS, tuple(parts))
 
@@ -73,7 +73,7 @@ def _findings(document: DiagnosisDocument) -> list[Part]:
     parts: list[Part] = []
     for finding in document.findings:
         text = f"{finding.title} ({_parameters(finding)}); {finding.what_to_do}."
-        parts.append(Words(text, label="Sensor"))
+        parts.append(Paragraph(text, label="Sensor"))
     shape = document.shape
     if shape is not None and shape.curves:
         caption = f"The free form of what has no name; it explains {100 * shape.explained:.0f} % of the rest."
@@ -107,7 +107,7 @@ def ladder(found: Findings) -> Section:
     if picture is not None:
         parts.append(Figure("chi² rung by rung (band: two standard errors of the floor).", picture))
     if kept.stopped_because:
-        parts.append(Words(sentence(kept.stopped_because)))
+        parts.append(Paragraph(sentence(kept.stopped_because)))
     return Section("ladder", LADDER, tuple(parts))
 
 
@@ -117,27 +117,29 @@ def apart(found: Findings) -> Section:
     document = found.diagnosis
     if document is not None:
         if document.rivals:
-            parts.append(Words(sentence(not_told_apart(document)), label="Not told apart"))
+            parts.append(Paragraph(sentence(not_told_apart(document)), label="Not told apart"))
         elif document.named:
             parts.append(
-                Words(
+                Paragraph(
                     "every other suspect leaves clearly more than the one that was named.", label="Told apart"
                 )
             )
         known = document.suspects[0].confusable_with if document.named and document.suspects else []
         if known:
             parts.append(
-                Words(
+                Paragraph(
                     f"{', '.join(known)}; a record of another kind separates them.", label="Easily confused"
                 )
             )
-        parts.append(Words(typeset(document.next_experiment), label="Record next", strong=True))
+        parts.append(Paragraph(typeset(document.next_experiment), label="Record next", strong=True))
     else:
         parts.append(
-            Words("No diagnosis was made, and so nothing is said about what else would explain this record.")
+            Paragraph(
+                "No diagnosis was made, and so nothing is said about what else would explain this record."
+            )
         )
     compared = found.refined.compared if found.refined is not None else found.compared
     if compared is not None and compared.baseline.fit.unidentifiable:
         names = ", ".join(compared.baseline.fit.unidentifiable)
-        parts.append(Words(names, label="Not determined by this record"))
+        parts.append(Paragraph(names, label="Not determined by this record"))
     return Section("apart", APART, tuple(parts))

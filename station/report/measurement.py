@@ -4,7 +4,7 @@ from datetime import UTC
 
 from daq.recording import Channel
 from station.report import identification_figures as draw
-from station.report.content import Facts, Figure, Part, Section, Table, Words
+from station.report.content import Facts, Figure, Paragraph, Part, Section, Table
 from station.report.findings import Findings
 from station.text.numbers import (
     scale,
@@ -100,28 +100,28 @@ def capture(found: Findings) -> Section:
     if result is None:
         parts.append(_refused(found.left_out["identification"]))
     free = result is not None and not result.decay.driven
-    words = "The record; dashed: the release." if free else "The record."
+    caption = "The record; dashed: the release." if free else "The record."
     time = result.release.time_s if free and result is not None else None
-    parts.append(Figure(f"{words} Lost samples are left blank.", draw.record(found.recording, time)))
+    parts.append(Figure(f"{caption} Lost samples are left blank.", draw.record(found.recording, time)))
     return Section("capture", "Capture and verdict", tuple(parts))
 
 
-def _refused(reason: str) -> Words:
-    return Words(f"Nothing can be identified in this record: {_ended(reason)}", strong=True)
+def _refused(reason: str) -> Paragraph:
+    return Paragraph(f"Nothing can be identified in this record: {_ended(reason)}", strong=True)
 
 
 def _ended(reason: str) -> str:
     return f"{reason.rstrip('.')}."
 
 
-def _verdict(found: Findings) -> Words:
+def _verdict(found: Findings) -> Paragraph:
     verdict = found.session.verdict if found.manifest is not None else None
     if verdict is None:
-        return Words("none; the session is not sealed", label="Verdict on the recording", strong=True)
+        return Paragraph("none; the session is not sealed", label="Verdict on the recording", strong=True)
     reasons = "; ".join(verdict.reasons)
     advice = f". Before taking it again: {'; '.join(verdict.advice)}" if verdict.advice else ""
     text = f"{verdict.word.value}{f': {reasons}' if reasons else ''}{advice}"
-    return Words(text, label="Verdict on the recording", strong=True)
+    return Paragraph(text, label="Verdict on the recording", strong=True)
 
 
 def _lost(found: Findings) -> str:
@@ -159,7 +159,7 @@ def alignment(found: Findings) -> Section:
     parts: list[Part] = []
     if result is None or result.alignment is None:
         reason = found.left_out.get("alignment", "")
-        parts.append(Words(f"The channels were not aligned: {_ended(reason)}"))
+        parts.append(Paragraph(f"The channels were not aligned: {_ended(reason)}"))
         return Section("alignment", "Alignment of the channels", tuple(parts))
     aligned = result.alignment
     late = "late" if aligned.lag.value >= 0 else "early"

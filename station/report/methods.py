@@ -2,7 +2,7 @@
 
 from identify.estimate import Estimate
 from station.report import identification_figures as draw
-from station.report.content import Figure, Part, Section, Table, Words, left_out
+from station.report.content import Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
 from station.text.numbers import (
     damping_name,
@@ -32,18 +32,20 @@ def methods(found: Findings) -> Section:
     parts: list[Part] = []
     for name, label in (("wavelet", "Wavelet (WT)"), ("restoring_force", "Restoring force surface (RFS)")):
         if name in result.refusals:
-            parts.append(Words(f"not identified: {result.refusals[name].rstrip('.')}.", label=label))
+            parts.append(Paragraph(f"not identified: {result.refusals[name].rstrip('.')}.", label=label))
     if result.wavelet is None and result.restoring_force is None:
         return Section("methods", TITLE, tuple(parts))
     tables = make_tables([found.document])
     parts += [_table_1(tables), _table_2(found), _details(found)]
     if _disagree(parts):
-        parts.append(Words(DISAGREE, label="Caution"))
+        parts.append(Paragraph(DISAGREE, label="Caution"))
     if result.wavelet is not None:
-        parts.append(Words(f"{result.wavelet.reason}; {result.wavelet.stiffness_reason}.", label="Wavelet"))
+        parts.append(
+            Paragraph(f"{result.wavelet.reason}; {result.wavelet.stiffness_reason}.", label="Wavelet")
+        )
     if result.restoring_force is not None:
         source = result.restoring_force.source
-        parts.append(Words(f"{result.restoring_force.reason}. From {source}.", label="Restoring force"))
+        parts.append(Paragraph(f"{result.restoring_force.reason}. From {source}.", label="Restoring force"))
     return Section("methods", TITLE, (*parts, *_figures(found)))
 
 

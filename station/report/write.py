@@ -7,7 +7,7 @@ from pathlib import Path
 
 from daq.session import Session
 from daq.storage import write_whole
-from station.report.drawing import PAPER
+from station.report.drawing import STYLE
 from station.report.equation import equation
 from station.report.failure import comparison
 from station.report.findings import Findings, gather
@@ -60,7 +60,7 @@ def rendered(found: Findings) -> str:
     from jinja2 import Environment, StrictUndefined
 
     _reasons(found)
-    with matplotlib.rc_context(PAPER):
+    with matplotlib.rc_context(STYLE):
         sections = tuple(make(found) for make in SECTIONS)
     template = files("station.report").joinpath("page.html").read_text(encoding="utf-8")
     environment = Environment(

@@ -1,10 +1,10 @@
 """The whole way from a recording to the ladder, one function a step; each takes the values that the last one returned.
 
-identify          recording -> release, noise, alignment, wavelet, restoring force
-prepare_session   session -> a release that can be fitted (station.story.preparation)
-compare           prepared decay, model -> the fitted model, and where it fails
-diagnose          prepared decays, model -> what the model lacks
-refine            prepared decay, model -> the ladder: the error, rung by rung, as effects are added
+- `identify`: recording -> release, noise, alignment, wavelet, restoring force
+- `prepare_session`: session -> a release that can be fitted (station.story.preparation)
+- `compare`: prepared decay, model -> the fitted model, and where it fails
+- `diagnose`: prepared decays, model -> what the model lacks
+- `refine`: prepared decay, model -> the ladder: the error, rung by rung, as effects are added
 """
 
 from collections.abc import Callable

@@ -142,7 +142,7 @@ def uncorrected(result: Identification) -> str:
         return ""
     right, wrong = with_.damping[1], without.damping[1]
     return (
-        f"the lag corrected, the restoring force would have said mu_1 = {wrong.value:.3f} {wrong.unit} "
+        f"the lag corrected, the restoring force would have given mu_1 = {wrong.value:.3f} {wrong.unit} "
         f"instead of {right.value:.3f}"
     )
 

@@ -73,7 +73,7 @@ def _period(result: Identification) -> float:
 
 def write(stream: rr.RecordingStream, name: str, result: Identification) -> None:
     """Log the overlaid channels, their difference before and after, and the lag in words."""
-    log.markdown(stream, f"{CURVES}/text", words(result))
+    log.markdown(stream, f"{CURVES}/text", summary(result))
     shown = overlay(result)
     if shown is None:
         return
@@ -185,7 +185,7 @@ def _damping(stream: rr.RecordingStream, result: Identification) -> None:
     log.picture(stream, f"{CURVES}/damping", drawn, numbers)
 
 
-def words(result: Identification) -> str:
+def summary(result: Identification) -> str:
     """Return the lag and what it would have done, as markdown."""
     found = result.alignment
     if found is None:
@@ -203,7 +203,7 @@ def words(result: Identification) -> str:
     if without is not None and with_ is not None and min(len(without.damping), len(with_.damping)) > 1:
         omega_squared = with_.stiffness.value / (result.decay.mass or 1.0)
         text += (
-            "## Without the correction\n\nthe restoring force surface would have said "
+            "## Without the correction\n\nthe restoring force surface would have given "
             f"mu_1 = **{without.damping[1].value:.3f} {without.damping[1].unit}** instead of "
             f"**{with_.damping[1].value:.3f}**. A displacement late by the lag adds omega_0^2 times it: "
             f"{omega_squared * lag.value:+.3f} {with_.damping[1].unit}."

@@ -59,8 +59,8 @@ def write(stream: rr.RecordingStream, fitted: FittedLadder, root: str = ROOT) ->
         )  # so that the tab is not empty on the other tabs' timeline
         _frame(stream, f"{root}/motion", _motion(fitted, place, close_up, reach))
         _frame(stream, f"{root}/errors", _errors(fitted, place))
-        text = rr.TextDocument(words(fitted, place), media_type="text/markdown")
-        stream.log(f"{root}/words", text)
+        text = rr.TextDocument(summary(fitted, place), media_type="text/markdown")
+        stream.log(f"{root}/summary", text)
         for name, _ in ERRORS:
             value = getattr(fitted.rungs[place].error, name)
             stream.log(f"{root}/numbers/{name}", rr.Scalars([np.nan if value is None else value]))
@@ -159,7 +159,7 @@ def _errors(fitted: FittedLadder, place: int) -> "Figure":
     return drawn
 
 
-def words(fitted: FittedLadder, place: int) -> str:
+def summary(fitted: FittedLadder, place: int) -> str:
     """Return what one rung did, as markdown."""
     rung, floor = fitted.rungs[place], fitted.ladder.floor
     lines = [f"# {fitted.name}, rung {place}", "", f"**{step(rung)}**: {' + '.join(rung.effects)}", ""]
@@ -187,7 +187,7 @@ def tab(fitted: FittedLadder, root: str = ROOT) -> rrb.Container:
     return rrb.Horizontal(
         log.shown_picture("The model closes in on the measurement", f"{root}/motion"),
         log.shown_picture("The errors fall to the floor", f"{root}/errors"),
-        log.document("This rung", f"{root}/words"),
+        log.document("This rung", f"{root}/summary"),
         column_shares=[1.35, 0.9, 0.75],
         name=NAME,
     )

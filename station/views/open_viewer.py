@@ -1,4 +1,4 @@
-"""The viewer that a session's story is shown in: the one that is open, or a new one where there is a screen."""
+"""The viewer in which a session is shown: the one that is open, or a new one where there is a screen."""
 
 import os
 from urllib.parse import urlsplit

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from identify.arrays import Array
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
 from identify.diagnosis.force_map import ForceMap
@@ -14,7 +15,6 @@ from identify.wavelet.wavelet import WaveletResult
 from station.results.diagnosis_document import CurveDocument
 from station.text.numbers import scale_as_recorded, three_figures, typeset
 from station.views import palette
-from station.views.log import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,6 +46,16 @@ SCREEN = Look(
     second=palette.css(palette.ACCELERATION),
     noise="#13402f",
     bar=palette.css(palette.FORCE),
+)
+
+PAPER = Look(
+    ink="#111111",
+    faint="#8c8c8c",
+    measured="#7d7d7d",
+    model="#00447c",
+    second="#111111",
+    noise="#d4d4d4",
+    bar="#c4c4c4",
 )
 
 

@@ -29,7 +29,7 @@ SIDE = (-1.15, 1.15)
 
 def write(stream: rr.RecordingStream, fits: DiagnosisFits, root: str = ROOT) -> None:
     """Log the verdict, the errors, the maps of force, and the shape of what has no name."""
-    log.markdown(stream, f"{root}/verdict", words(fits.document))
+    log.markdown(stream, f"{root}/verdict", summary(fits.document))
     _errors(stream, fits.document, root)
     _force_maps(stream, fits, root)
     if fits.document.shape is not None and fits.document.shape.curves:
@@ -113,7 +113,7 @@ def _shape(stream: rr.RecordingStream, shape: ShapeDocument, root: str) -> None:
     log.picture(stream, f"{root}/shape", drawn, numbers)
 
 
-def words(document: DiagnosisDocument) -> str:
+def summary(document: DiagnosisDocument) -> str:
     """Return the verdict, the reasons and the suspects as markdown."""
     lines = [f"# {headline(document)}", "", document.explanation, ""]
     if document.rivals:

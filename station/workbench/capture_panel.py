@@ -40,7 +40,7 @@ class CapturePanel:
                     self._duration = _field("Record, s", settings.capture.duration)
                 self._arm = widgets.button("Arm", self._start, "Arm the capture", strong=True, classes="arm")
                 self._arm.style("width:100%; height:52px; margin-top:8px")
-            self._said = ui.element("div").props("aria-live=polite")
+            self._message = ui.element("div").props("aria-live=polite")
         ui.timer(TICK_S, self._tick)
 
     def _known(self) -> list[str]:
@@ -106,10 +106,10 @@ class CapturePanel:
         self._bar.value = now.recorded
 
     def _under_way(self, now: Progress) -> None:
-        self._said.clear()
+        self._message.clear()
         self._levels = []
-        with self._said:
-            widgets.label(now.said, f"strong wrap {'good' if now.state == 'armed' else ''}").style(
+        with self._message:
+            widgets.label(now.sentence, f"strong wrap {'good' if now.state == 'armed' else ''}").style(
                 "font-size:17px"
             )
             silent = now.detail.startswith("nothing came")
@@ -134,8 +134,8 @@ class CapturePanel:
             bar.style(f"left:{start:.1f}%; width:{half:.1f}%")
 
     def _finished(self, now: Progress) -> None:
-        self._said.clear()
-        with self._said:
+        self._message.clear()
+        with self._message:
             if now.problem:
                 widgets.label(sentence(now.problem), "bad small wrap")
                 if now.kept is not None:
@@ -154,8 +154,8 @@ class CapturePanel:
                 widgets.button(f"Open {key}", lambda: ui.navigate.to(address_of(key)), strong=True)
 
     def _say(self, lines: list[tuple[str, str]]) -> None:
-        self._said.clear()
-        with self._said:
+        self._message.clear()
+        with self._message:
             for text, kind in lines:
                 widgets.label(text, f"small wrap {kind}")
 

@@ -29,14 +29,14 @@ class Level:
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a capture stands. `state` as the observer is told, "" before the board has answered.
+    """Where a capture stands. `state` as the observer was given it, "" before the board has answered.
 
-    `finished` says that it has ended: with a `session` (its folder), or with a `problem` in words; `kept` is
+    `finished` says that it has ended: with a `session` (its folder), or with a `problem` in a sentence; `kept` is
     what was received of a capture that failed.
     """
 
     state: str = ""
-    said: str = "asking the board"
+    sentence: str = "asking the board"
     detail: str = ""
     levels: tuple[Level, ...] = ()
     lost: int = 0
@@ -84,7 +84,7 @@ class CaptureRun(CaptureObserver):
             self._go_on()
         if name == "recording" and self.now.state != name:
             self._recording_since = time.monotonic()
-        self.now = replace(self.now, state=name, said=STATES.get(name, name), detail=detail)
+        self.now = replace(self.now, state=name, sentence=STATES.get(name, name), detail=detail)
 
     def block(self, first_index: int, samples: Array) -> None:
         """Note the levels."""

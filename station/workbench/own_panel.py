@@ -29,7 +29,7 @@ class OwnPanel:
         )
         self._field.classes("mono").style("width:100%").on("keydown.enter", self._add)
         with widgets.line("top"):
-            self._said = widgets.label("", "small grow wrap").props("aria-live=polite")
+            self._message = widgets.label("", "small grow wrap").props("aria-live=polite")
             self._button = widgets.button("Add", self._add, "Add the effect of your own")
             self._button.disable()
         self._show_verdict("", _HELP)
@@ -43,14 +43,14 @@ class OwnPanel:
         await asyncio.sleep(PAUSE_S)
         if text != self._typed:
             return
-        fault, words = await asyncio.to_thread(check, text)
+        fault, verdict = await asyncio.to_thread(check, text)
         if text == self._typed:
-            self._show_verdict("bad" if fault else "good", words)
+            self._show_verdict("bad" if fault else "good", verdict)
             self._button.set_enabled(not fault)
 
     def _show_verdict(self, kind: str, text: str) -> None:
-        self._said.classes(remove="bad good faint", add=kind or "faint")
-        self._said.text = text
+        self._message.classes(remove="bad good faint", add=kind or "faint")
+        self._message.text = text
 
     def _add(self) -> None:
         if self._button.enabled:

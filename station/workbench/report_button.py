@@ -24,7 +24,7 @@ class ReportButton:
     def __init__(self, state: AppState, session: SessionState, key: str) -> None:
         self._state, self._session, self._key = state, session, key
         self._job: Job | None = None
-        self._said = ""
+        self._message = ""
 
     def build(self) -> None:
         """Make the button."""
@@ -32,13 +32,13 @@ class ReportButton:
         self._offer()
         ui.timer(0.3, self._tick)
 
-    def _offer(self, words: str = "", bad: bool = False) -> None:
+    def _offer(self, message: str = "", bad: bool = False) -> None:
         self._place.clear()
         with self._place:
-            if words and bad:
-                widgets.label(words, "small bad wrap")
-            elif words:
-                link = ui.link(words, f"{PLACE}/{quote(self._key, safe='')}", new_tab=True).classes(
+            if message and bad:
+                widgets.label(message, "small bad wrap")
+            elif message:
+                link = ui.link(message, f"{PLACE}/{quote(self._key, safe='')}", new_tab=True).classes(
                     "small strong"
                 )
                 link.style("color: var(--accent)")
@@ -47,11 +47,11 @@ class ReportButton:
     async def _write(self) -> None:
         if self._job is not None:
             return
-        self._job, self._said = Job(), "gathering"
+        self._job, self._message = Job(), "gathering"
         self._place.clear()
         with self._place:
             ui.spinner(size="16px")
-            self._words = widgets.label(self._said, "small faint")
+            self._words = widgets.label(self._message, "small faint")
             widgets.button("Cancel", self._cancel, "Cancel the report")
         try:
             await self._state.workers.do(
@@ -75,11 +75,11 @@ class ReportButton:
             self._job.cancel()
 
     def _on_progress(self, text: str) -> None:
-        self._said = text
+        self._message = text
 
     def _tick(self) -> None:
         if self._job is not None:
-            self._words.text = self._said
+            self._words.text = self._message
 
 
 def serve_reports(app: FastAPI, session_list: SessionList) -> None:

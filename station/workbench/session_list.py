@@ -14,7 +14,7 @@ MOST = 200
 
 @dataclass(frozen=True)
 class Entry:
-    """One session: its key in addresses, its folder, and a line of words; `thumbnail` None while it is being made."""
+    """One session: its key in addresses, its folder, and what is said of it; `thumbnail` None while it is being made."""
 
     key: str
     folder: Path

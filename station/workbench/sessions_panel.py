@@ -45,7 +45,7 @@ class SessionsPanel:
                     on_rejected=lambda: self._say("that file is too large: at most 200 MB", "bad"),
                 ).props('aria-label="Import a recording"')
             self._options.build()
-            self._said = ui.element("div").props("aria-live=polite")
+            self._message = ui.element("div").props("aria-live=polite")
         with widgets.card("grow"):
             widgets.head("Sessions")
             self._list = ui.element("nav").props('aria-label="Sessions"')
@@ -118,8 +118,8 @@ class SessionsPanel:
             self._say(for_the_page(str(failure).replace(f"{folder}/", "")), "bad")
         else:
             self.refresh()
-            self._said.clear()
-            with self._said:
+            self._message.clear()
+            with self._message:
                 widgets.label(
                     f"{name}: {len(made)} session{'s' if len(made) > 1 else ''}", "good strong small"
                 )
@@ -131,13 +131,13 @@ class SessionsPanel:
             self._job = None
 
     def _importing(self, name: str) -> None:
-        self._said.clear()
-        with self._said, widgets.line():
+        self._message.clear()
+        with self._message, widgets.line():
             ui.spinner(size="16px")
             widgets.label(f"reading {name}", "small grow wrap")
             widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
 
     def _say(self, text: str, kind: str) -> None:
-        self._said.clear()
-        with self._said:
+        self._message.clear()
+        with self._message:
             widgets.label(text, f"small wrap {kind}")
