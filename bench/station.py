@@ -47,7 +47,8 @@ def _warm(session: Path, repetitions: int) -> tuple[float, float]:
     """Return milliseconds of the wavelet and the restoring force together, and of the whole pipeline."""
     from identify.restoring_force.restoring_force import identify_restoring_force
     from identify.wavelet.wavelet import identify_wavelet
-    from station.story.pipeline import Options, identify
+    from station.story.pipeline import identify
+    from station.story.preparation import Options
 
     recording = Session.open(session).recording()
     options = Options(mass=21.36)
