@@ -10,8 +10,8 @@ from rich.console import Console
 from bench.workbench_server import ROOT
 from station.operations.mystery import Solved, solve
 from station.settings import Settings
-from station.text.diagnosis_text import size
 from station.text.ladder_text import show_ladder
+from station.text.numbers import three_figures
 
 PAGE = ROOT / "README.md"
 BEGIN, END = "<!-- mystery:begin -->\n", "<!-- mystery:end -->\n"
@@ -28,11 +28,11 @@ def block(solved: Solved) -> str:
     """Return what stands between the markers: the figures in words, the commands, and the ladder."""
     named, (first, *_, last) = solved.found[0], solved.ladder.rungs
     words = (
-        f"The usual model (stiffness, dry and viscous friction) leaves {size(first.error.motion_percent)} % of the motion.\n"
-        f"That sounds good, and is {size(first.error.chi2)} times what the noise of the sensors explains:\n"
+        f"The usual model (stiffness, dry and viscous friction) leaves {three_figures(first.error.motion_percent)} % of the motion.\n"
+        f"That sounds good, and is {three_figures(first.error.chi2)} times what the noise of the sensors explains:\n"
         f"`station compare mystery_{SEED}`. Of all the effects that `station diagnose mystery_{SEED}` tries,\n"
         f"only {named.replace('_', ' ')} reaches the floor. It is added by\n"
-        f"`station refine mystery_{SEED} --add {named}`, which leaves {size(last.error.chi2)} times the noise:\n"
+        f"`station refine mystery_{SEED} --add {named}`, which leaves {three_figures(last.error.chi2)} times the noise:\n"
     )
     return f"{words}\n```\n{_ladder(solved)}\n```\n"
 

@@ -22,6 +22,7 @@ from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.new_session import capture_settings, new_folder
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
+from station.operations.simulated_board import simulated_board
 from station.output import print_json, progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
