@@ -1,5 +1,7 @@
 """How long an operator waits: start of the program, identification of one session, the demo; and its memory."""
 
+import contextlib
+import itertools
 import json
 import os
 import statistics
@@ -62,6 +64,47 @@ def _warm(session: Path, repetitions: int) -> tuple[float, float]:
     return statistics.median(both) * 1e3, statistics.median(whole) * 1e3
 
 
+def _median_ms(act: Callable[[], object], repetitions: int) -> float:
+    """Return the median of some runs in milliseconds; one before them is not counted."""
+    act()
+    took = []
+    for _ in range(repetitions):
+        before = time.perf_counter()
+        act()
+        took.append(time.perf_counter() - before)
+    return statistics.median(took) * 1e3
+
+
+def _compared(session: Path, repetitions: int) -> float:
+    """Return milliseconds of the comparison of the base model with a session, the fit not counted."""
+    from daq.session import Session
+    from identify.comparison.compare import compare_fitted
+    from identify.fitting.baseline import fit_baseline
+    from identify.model.model import base_model
+    from station.operations.session_set import make_ready
+    from station.settings import Settings
+
+    prepared = make_ready(Session.open(session), Settings())
+    start = fit_baseline((prepared,), base_model())
+    return _median_ms(lambda: compare_fitted(start), repetitions)
+
+
+def _formulas(repetitions: int) -> tuple[float, float]:
+    """Return milliseconds from a formula to an effect that is compiled, and to the refusal of what is none."""
+    from identify.effects.user import parse_effect
+
+    numbers = itertools.count(2)
+
+    def ready() -> object:  # another formula each time: nothing is remembered
+        return parse_effect(f"x = a*u/(1 + (u/b)**2)*exp(-abs(v)/c)*sgn(v) + {next(numbers)}*a*sin(u)")
+
+    def refuse() -> None:
+        with contextlib.suppress(ValueError):
+            parse_effect("x = " + "(" * 300 + "u" + ")" * 300)
+
+    return _median_ms(ready, repetitions), _median_ms(refuse, repetitions)
+
+
 def run(quick: bool) -> str:
     """Return the section of the benchmark page."""
     repetitions = 3 if quick else 15
@@ -73,6 +116,8 @@ def run(quick: bool) -> str:
         session = folder / "sessions" / "one"
         colds = [_timed("identify", str(session), "--json", folder=folder) for _ in range(repetitions)]
         both, whole = _warm(session, repetitions * 3)
+        compared = _compared(session, repetitions * 3)
+        formula, refused = _formulas(repetitions)
         demo, _ = _timed("demo", "--json", folder=folder)
         views = [
             _timed("view", str(session), "--no-viewer", folder=folder)
@@ -89,6 +134,9 @@ def run(quick: bool) -> str:
     rows.append(("the same, peak memory", f"{max(c[1] for c in colds):.0f} MB", "500 MB"))
     rows.append(("wavelet and restoring force, 8 s at 256 Hz, warm", f"{both:.1f} ms", "20 ms"))
     rows.append(("recording to both results, warm", f"{whole:.0f} ms", ""))
+    rows.append(("comparison of a fit with 8 s at 256 Hz, warm", f"{compared:.0f} ms", "100 ms"))
+    rows.append(("an effect of one's own, from its formula to ready", f"{formula:.0f} ms", "300 ms"))
+    rows.append(("a line that is no formula, refused", f"{refused:.1f} ms", "at once"))
     rows.append(
         ("`station view SESSION --no-viewer` (all tabs), cold", f"{middle([v[0] for v in views]):.2f} s", "")
     )

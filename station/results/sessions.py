@@ -16,6 +16,7 @@ from identify.errors import NotIdentifiable
 from identify.preprocessing.release import Release, find_releases
 from station.exits import UsageProblem
 from station.output import progress
+from station.results.session_names import find_session
 from station.story.pipeline import Options, free_decay
 
 MOST_RELEASES = 100
@@ -38,9 +39,9 @@ def open_session(
 ) -> Session:
     """Return the session that the operator means.
 
-    `argument` is a session's folder, its name within `sessions`, or a data file, which is imported first
-    (a second time it is opened, not imported again); `tell` is told what was understood. Raises
-    UsageProblem when it is none of these.
+    `argument` is a session's folder, its name within `sessions` (or its beginning, or `last`: see
+    `session_names`), or a data file, which is imported first (a second time it is opened, not imported
+    again); `tell` is called with what was understood. Raises UsageProblem when it is none of these.
     """
     path = Path(argument)
     if path.is_dir():
@@ -50,9 +51,9 @@ def open_session(
         if known is not None:
             return Session.open(known)
         return _import_on_the_way(path, sessions, info or SessionInfo(), tell)
-    inside = sessions / argument
-    if inside.is_dir():
-        return Session.open(inside)
+    named = find_session(argument, sessions)
+    if named is not None:
+        return Session.open(named)
     raise UsageProblem(
         f"{argument}: there is no such session or data file (sessions are looked for in {sessions.resolve()})"
     )
