@@ -275,7 +275,7 @@ def test_a_reboot_in_mid_capture_shows_in_the_boot_id(host):
 
 
 def test_a_slow_line_makes_the_board_drop_and_say_so(host):
-    with running("--pty", "--speed", "64", "--fault", "slow:20000") as address:
+    with running("--pty", "--speed", "8", "--fault", "slow:2500") as address:
         connected = host(address)
         connected.hello()
         (overrun,) = connected.ask(Start(), Event, seconds=20.0)
