@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from station.commands.options import NO_VIEWER
 from station.output import json_option, print_json, progress, screen
 
 SPEED = 4.0
@@ -14,7 +15,7 @@ MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
 
 
 @click.command("demo")
-@click.option("--seed", type=int, default=6, show_default=True, help="Draws bench, sensors, lag and hand.")
+@click.option("--seed", type=int, default=6, show_default=True, help="Draws bench, sensors, lag and release.")
 @click.option(
     "--speed",
     type=click.FloatRange(min=0),
@@ -35,7 +36,7 @@ MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
     metavar="FOLDER",
     help="Folder of the new session (default: ./sessions/demo_TIME).",
 )
-@click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
+@NO_VIEWER
 @json_option
 @click.pass_obj
 def command(
@@ -62,12 +63,11 @@ def command(
     from dataclasses import replace
 
     from daq.session_info import SessionInfo
+    from station.commands.capture import finish
     from station.operations.capturing import record
-    from station.operations.identifying import identify_session, options_for, refuse_if_nothing
     from station.operations.new_session import capture_settings, new_folder
-    from station.operations.simulated_board import double
+    from station.operations.simulated_board import simulated_board
     from station.settings import load_settings
-    from station.text.terminal import next_steps, show_identification
 
     settings = load_settings(settings_file)
     if mystery is not None:
@@ -78,40 +78,22 @@ def command(
     info = SessionInfo(specimen=f"simulated testbed, seed {seed}", mass_kg=21.36, operator="demo")
     wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
     where = folder or new_folder(settings.sessions, "demo")
-    with TemporaryDirectory() as aside:
-        told_by_double = Path(aside) / "truth.json"
-        with double(seed, speed, pty, "--truth", str(told_by_double)) as port:
+    with TemporaryDirectory() as temporary:
+        truth_file = Path(temporary) / "truth.json"
+        with simulated_board(seed, speed, pty, "--truth", str(truth_file)) as port:
             progress(f"a simulated board answers at {port}")
             session, url = record(port, wanted, where, not no_viewer)
-        truth = json.loads(told_by_double.read_text(encoding="utf-8"))
-    result, document = identify_session(session, options_for(session, settings))
-    if not as_json:
-        show_identification(screen(), session.folder.name, result)
-        screen().print(_made_of(truth), markup=False, soft_wrap=True)
-    from station.operations.capturing import show_result
-
-    file = show_result(url, session, result)
-    verdict = session.verdict
-    told: dict[str, Any] = {
-        "session": str(session.folder),
-        "viewer_recording": str(file),
-        "verdict": None if verdict is None else verdict.model_dump(mode="json"),
-        "identification": document,
-        "made_of": {name: truth[name] for name in MADE_OF},
-    }
-    if as_json:
-        print_json(told)
-    else:
-        screen().print(f" viewer's recording: {file}", markup=False, soft_wrap=True)
-        next_steps(screen(), session.folder)
-    refuse_if_nothing(result)
+        truth = json.loads(truth_file.read_text(encoding="utf-8"))
+    made_of = {name: truth[name] for name in MADE_OF}
+    finish(session, url, settings, as_json, _made_of(truth), made_of=made_of)
 
 
 def _examples(settings_file: str | None, name: str | None, as_json: bool) -> None:
     """List the recordings that come with the station, or import one and identify it."""
     from station.operations.examples import EXAMPLES, open_example
-    from station.operations.identifying import identify_session, options_for, refuse_if_nothing
+    from station.operations.identifying import identify_session, refuse_if_nothing
     from station.settings import load_settings
+    from station.story.preparation import options_for
     from station.text.terminal import next_steps, show_identification
 
     if name is None:
@@ -135,7 +117,7 @@ def _examples(settings_file: str | None, name: str | None, as_json: bool) -> Non
 
 def _made_of(truth: dict[str, Any]) -> str:
     return (
-        " the simulated board was made with (and the station was not told):\n"
+        " the simulated board was made with (which the station did not know):\n"
         f"   K {truth['stiffness']:.2f} N/m, mu_0 {truth['mu_0']:.5f} m/s^2, mu_1 {truth['mu_1']:.5f} 1/s,"
         f" lag {truth['displacement_late_s'] * 1e6:.1f} us\n"
     )

@@ -50,5 +50,5 @@ def _entry(session: Any) -> dict[str, Any]:
         "reason": session.info.reason,
         "samples": counts.samples,
         "lost_samples": counts.lost,
-        "verdict": None if verdict is None else verdict.word.value,
+        "verdict": None if verdict is None else verdict.grade.value,
     }

@@ -19,16 +19,17 @@ from station.exits import Problem
 from station.operations.capturing import record
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
-from station.operations.identifying import options_for
 from station.operations.new_session import capture_settings, new_folder
 from station.operations.refining import add, open_refinement
-from station.operations.session_set import SessionSet, make_ready
-from station.operations.simulated_board import double
+from station.operations.session_set import SessionSet
 from station.output import print_json, progress, screen
+from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.settings import Settings
-from station.text.diagnosis_text import show_diagnosis, size
+from station.story.preparation import prepare_session
+from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
+from station.text.numbers import three_figures
 
 MASS_KG = 21.36
 SEEDS = 1000
@@ -44,14 +45,14 @@ class Solved:
 
     seed: int
     session: Session
-    diagnosis: dict[str, Any]
+    diagnosis: DiagnosisDocument
     ladder: KeptLadder
     truth: dict[str, Any]
 
     @property
     def found(self) -> tuple[str, ...]:
         """What the diagnosis named."""
-        return tuple(self.diagnosis["named"])
+        return tuple(self.diagnosis.named)
 
     @property
     def right(self) -> bool:
@@ -69,15 +70,15 @@ def play(
     no_viewer: bool,
     as_json: bool,
 ) -> None:
-    """Run the whole story; a seed of None is drawn."""
+    """Record, compare, diagnose, refine, and reveal what was hidden; a seed of None is drawn."""
     console = screen()
-    say = _silent if as_json else _teller(console)
+    say = _say_nothing if as_json else _on_screen(console)
     chosen = secrets.randbelow(SEEDS) if seed is None else seed
     say(
         f"THE MYSTERY, number {chosen}",
         "A simulated board starts as a program of its own. Something is hidden in its bench: a force that the usual "
-        "model (stiffness, dry and viscous friction) does not have, or a faulty sensor. This program is not told "
-        "what. Let us record one release and find out.",
+        "model (stiffness, dry and viscous friction) does not have, or a faulty sensor. This program does not "
+        "know which. Let us record one release and find out.",
     )
     solved, url = solve(
         settings, chosen, speed, pty, folder, no_viewer, say=say, console=None if as_json else console
@@ -112,18 +113,18 @@ def solve(
     info = SessionInfo(specimen=f"mystery {seed}", mass_kg=MASS_KG, operator="demo")
     wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
     where = folder or new_folder(settings.sessions, f"mystery_{seed}")
-    with TemporaryDirectory() as aside:
-        sealed_envelope = Path(aside) / "truth.json"
-        with double(seed, speed, pty, "--truth", str(sealed_envelope), module=BOARD) as port:
+    with TemporaryDirectory() as temporary:
+        envelope = Path(temporary) / "truth.json"
+        with simulated_board(seed, speed, pty, "--truth", str(envelope), module=BOARD) as port:
             progress(f"a simulated board answers at {port}")
             session, url = record(port, wanted, where, not no_viewer)
-        return _solve(session, settings, say, console, seed, sealed_envelope), url
+        return _solve(session, settings, say, console, seed, envelope), url
 
 
 def _solve(
     session: Session, settings: Settings, say: Say, console: Console | None, seed: int, envelope: Path
 ) -> Solved:
-    sessions = SessionSet((session,), (make_ready(session, settings),))
+    sessions = SessionSet((session,), (prepare_session(session, settings),))
     say(
         "1. COMPARE: how well does the usual model explain the recording?",
         "The model is fitted, then run freely from the release, and laid over the measurement.",
@@ -134,17 +135,17 @@ def _solve(
         "2. DIAGNOSE: what is missing?",
         "Every effect that the library knows is added in turn, refitted, and judged by what chance alone would do.",
     )
-    _, document = diagnose_sessions(sessions, tell=progress)
+    _, document = diagnose_sessions(sessions, progress=progress)
     keep(sessions, document)
     if console is not None:
         show_diagnosis(console, document)
     ladder = refinement.ladder
-    if document["named"]:
+    if document.named:
         say(
             "3. ADD: the model gets it, and the error falls",
-            f"station refine {session.folder} --add {document['named'][0]}",
+            f"station refine {session.folder} --add {document.named[0]}",
         )
-        for name in document["named"]:
+        for name in document.named:
             ladder = add(replace(refinement, ladder=ladder), name)
         if console is not None:
             show_ladder(console, session.folder.name, ladder)
@@ -157,17 +158,16 @@ def _solve(
 
 
 def _compare(session: Session, settings: Settings, console: Console | None) -> None:
-    compared, _ = compare_session(session, options_for(session, settings))
+    compared, _ = compare_session(session, settings)
     if console is None:
         return
-    start, found = compared.start, compared.comparison
-    error = errors_of(start)
+    found, error = compared.comparison, errors_of(compared.baseline)
     console.print(
         Padding(
             Text(
-                f"force error {size(error.force_mse_percent)} %, motion error {size(error.motion_percent)} % "
-                f"over {error.horizon_s:.1f} s. "
-                f"Small? It is {size(error.chi_square)} times what noise explains "
+                f"force error {three_figures(error.force_mse_percent)} %, "
+                f"motion error {three_figures(error.motion_percent)} % over {error.horizon_s:.1f} s. "
+                f"Small? It is {three_figures(error.chi_square)} times what noise explains "
                 f"(1.00 ± {error.floor_std:.2f} is the floor)."
             ),
             (0, 1, 1, 1),
@@ -227,8 +227,8 @@ def _side_by_side(solved: Solved) -> list[str]:
             if name.split(".")[0] == solved.truth["hidden"]:
                 lines.append(f"{name:<30}{value:>11.5g}")
             continue
-        std = "" if estimate["std"] is None else f" ± {estimate['std']:.2g}"
-        lines.append(f"{name:<30}{value:>11.5g}   found {estimate['value']:.6g}{std} {estimate['unit']}")
+        std = "" if estimate.std is None else f" ± {estimate.std:.2g}"
+        lines.append(f"{name:<30}{value:>11.5g}   found {estimate.value:.6g}{std} {estimate.unit}")
     return lines
 
 
@@ -236,14 +236,14 @@ def _verdict(solved: Solved) -> Text:
     hidden, chi_square = solved.truth["hidden"], solved.ladder.top.error.chi2
     if solved.right:
         return Text(
-            f"FOUND: {hidden} was named, and what is left is {size(chi_square)} times the noise.",
+            f"FOUND: {hidden} was named, and what is left is {three_figures(chi_square)} times the noise.",
             style="bold green",
         )
     if solved.found:
-        rivals = solved.diagnosis["suspects"][0]["confusable_with"]
-        told = " It did say that the two are easily taken for each other." if hidden in rivals else ""
-        return Text(f"NOT FOUND: {solved.found[0]} was named instead of {hidden}.{told}", style="bold red")
-    verdict = solved.diagnosis["verdict"].replace("_", " ")
+        rivals = solved.diagnosis.suspects[0].confusable_with
+        warned = " It did say that the two are easily taken for each other." if hidden in rivals else ""
+        return Text(f"NOT FOUND: {solved.found[0]} was named instead of {hidden}.{warned}", style="bold red")
+    verdict = solved.diagnosis.verdict.replace("_", " ")
     return Text(f"NOT NAMED: the verdict was '{verdict}', and {hidden} was there.", style="bold yellow")
 
 
@@ -251,7 +251,7 @@ def _document(solved: Solved) -> dict[str, Any]:
     return {
         "seed": solved.seed,
         "session": str(solved.session.folder),
-        "diagnosis": solved.diagnosis,
+        "diagnosis": solved.diagnosis.plain(),
         "ladder": ladder_document(solved.session, solved.ladder),
         "hidden": {
             "effect": solved.truth["hidden"],
@@ -263,7 +263,7 @@ def _document(solved: Solved) -> dict[str, Any]:
     }
 
 
-def _teller(console: Console) -> Say:
+def _on_screen(console: Console) -> Say:
     def say(title: str, text: str) -> None:
         console.print()
         console.rule(Text(title, style="bold cyan"), align="left")
@@ -273,5 +273,5 @@ def _teller(console: Console) -> Say:
     return say
 
 
-def _silent(title: str, text: str) -> None:
-    """Tell nothing."""
+def _say_nothing(title: str, text: str) -> None:
+    """Print nothing, where one JSON object is wanted."""

@@ -16,11 +16,13 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
+from station.views import plots
+from station.views.plots import PAPER
 
 WIDTH = 7.5
 MOST_SUSPECTS = 3
 DOTS_PER_INCH = 110
-MEASURED, MODEL = "#7d7d7d", "#00447c"
+MEASURED, MODEL = PAPER.measured, PAPER.model
 
 
 class Picture(Figure):
@@ -103,8 +105,7 @@ def _restoring_force(found: RestoringForceResult) -> Picture:
         (axes[1], found.section_zero_displacement, "velocity, at zero displacement (SI)"),
     )
     for axis, section, name in sections:
-        axis.errorbar(section.position, section.force, section.std, fmt=".", color=MEASURED, label="measured")
-        axis.plot(section.position, section.fit, color=MODEL, linewidth=1.0, label="model")
+        plots.force_section(axis, section, 1.0, PAPER)
         axis.set_xlabel(name)
     axes[0].set_ylabel("restoring force per unit mass (SI)")
     axes[0].legend(frameon=False)
@@ -165,14 +166,11 @@ def _ladder(found: Ladder) -> Picture:
         f"+ {rung.added}" if rung.added else f"- {rung.removed}" if rung.removed else "model to begin with"
         for rung in found.rungs
     ]
-    sizes = [rung.error.chi_square for rung in found.rungs]
+    rows = [(name, rung.error.chi_square) for name, rung in zip(names, found.rungs, strict=True)]
+    colours = [MODEL if rung.at_floor else MEASURED for rung in found.rungs]
     picture, (axis,) = _axes(0.5 * len(names) + 1.0)
-    places = np.arange(len(names))
-    axis.barh(places, sizes, color=[MODEL if rung.at_floor else MEASURED for rung in found.rungs], height=0.6)
-    axis.axvline(1.0, color="black", linestyle="--", linewidth=0.8)
-    axis.set_yticks(places, names)
-    axis.invert_yaxis()
-    axis.set(xscale="log", xlim=(0.5, None), xlabel="reduced chi-square (1: the noise floor)")
+    plots.chi_squares(axis, rows, found.top.error.floor_std, PAPER, colours)
+    axis.set_xlabel("reduced chi-square (dashed: the noise floor, 1)")
     return picture
 
 

@@ -28,7 +28,7 @@ def test_a_displaced_release_is_found_within_a_sample_of_the_hand_s_ramp(
     names: tuple[str, ...], hand: float
 ) -> None:
     for seed in range(12):
-        sample = draw(None, 0.0, seed, hand=hand)
+        sample = draw(None, 0.0, seed, release_time=hand)
         found = find_release(256.0, **{name: getattr(sample, name) for name in names})
         late = 0.0 if "acceleration" in names else sample.truth["displacement_late_s"]
         begun = sample.truth["released_at_s"] + late
@@ -43,7 +43,7 @@ def test_a_displaced_release_is_found_within_a_sample_of_the_hand_s_ramp(
 @pytest.mark.parametrize("names", CHANNELS)
 def test_an_impulse_is_told_from_a_displacement(names: tuple[str, ...]) -> None:
     for seed in range(12):
-        sample = draw(None, 0.0, seed, amplitude=0.0, velocity=0.5, hand=0.01)
+        sample = draw(None, 0.0, seed, amplitude=0.0, velocity=0.5, release_time=0.01)
         found = find_release(256.0, **{name: getattr(sample, name) for name in names})
         begun = sample.truth["released_at_s"]
         assert found.kind == "impulse"
@@ -98,7 +98,7 @@ def test_a_bump_hum_and_spikes_are_not_the_release() -> None:
 
 
 def test_lost_samples_are_not_looked_at() -> None:
-    sample = draw(None, 0.0, 5, hand=0.0)
+    sample = draw(None, 0.0, 5, release_time=0.0)
     valid = np.ones(len(sample.displacement), dtype=bool)
     valid[100:110] = valid[400:440] = False
     u = np.where(valid, sample.displacement, -1.0)

@@ -149,7 +149,7 @@ def test_a_gain_error_is_there_when_asked_for():
 def test_what_cannot_be_hidden_is_named():
     with pytest.raises(ValueError, match="no effect is called 'gremlin'"):
         draw("gremlin", 0.01, 1)
-    with pytest.raises(TypeError, match="a setting has no colour"):
+    with pytest.raises(TypeError, match="a bench has no colour"):
         draw(None, 0.0, 1, colour="red")
     with pytest.raises(ValueError, match="2 effects need 2 strengths"):
         draw("freeplay+magnet", (0.1, 0.1, 0.1), 1)
@@ -173,7 +173,7 @@ def test_another_programs_releases_are_reproduced_to_their_noise():
             if name == "end_stop":
                 values["side"] = 1.0  # Theirs stands on the positive side.
             if name == "hysteresis":
-                values["z_start"] = 0.0  # Theirs has relaxed in the hand.
+                values["z_start"] = 0.0  # Theirs has relaxed while held.
             if name == "magnet":
                 values["q"] = -values["q"]  # Theirs pulls towards positive displacement.
         truth["parameters"] = parameters if len(names) > 1 else parameters.get((names or [""])[0], {})

@@ -14,7 +14,7 @@ import pytest
 
 from daq.capture import CaptureSettings, capture
 from daq.session_info import SessionInfo
-from station.operations.simulated_board import double
+from station.operations.simulated_board import simulated_board
 
 ROOT = Path(__file__).parents[2]
 
@@ -61,7 +61,7 @@ def mysteries(tmp_path_factory: pytest.TempPathFactory) -> Path:
             envelope = Path(aside) / f"{name}.json"
             seed = int(name.rpartition("_")[2])
             info = SessionInfo(name=name, mass_kg=21.36)
-            with double(seed, 0.0, False, "--truth", str(envelope), module="mocks.mystery") as port:
+            with simulated_board(seed, 0.0, False, "--truth", str(envelope), module="mocks.mystery") as port:
                 capture(port, CaptureSettings(check_clock=False, info=info), made / name)
             assert f'"hidden": "{hidden}"' in envelope.read_text()
     return made

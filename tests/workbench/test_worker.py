@@ -12,13 +12,13 @@ import pytest
 
 from station.settings import Settings
 from station.workbench import worker
-from station.workbench.session_state import Desk
+from station.workbench.session_state import SessionState
 
 
 def alone(story: Callable[[], Coroutine[Any, Any, Any]]) -> Any:
     """Run a story in a loop of its own; the browser's driver keeps one in this thread."""
-    with ThreadPoolExecutor(1) as pool:
-        return pool.submit(lambda: asyncio.run(story())).result(30)
+    with ThreadPoolExecutor(1) as threads:
+        return threads.submit(lambda: asyncio.run(story())).result(30)
 
 
 class Occupied:
@@ -30,7 +30,7 @@ class Occupied:
         self.served: set[str] = set()
         self.busy, self.alive = False, True
 
-    def do(self, task: str, arguments: tuple[Any, ...], tell: worker.Tell) -> str:
+    def do(self, task: str, arguments: tuple[Any, ...], progress: worker.Progress) -> str:
         assert self.gate.wait(60)
         return task
 
@@ -43,11 +43,11 @@ def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
     Occupied.gate = threading.Event()
 
     async def story() -> None:
-        crew = worker.WorkerPool(Settings(), most=1)
-        first = asyncio.create_task(crew.do(worker.Job(), "a", "long"))
+        pool = worker.WorkerPool(Settings(), most=1)
+        first = asyncio.create_task(pool.do(worker.Job(), "a", "long"))
         await asyncio.sleep(0.05)
         job = worker.Job()
-        second = asyncio.create_task(crew.do(job, "b", "waiting"))
+        second = asyncio.create_task(pool.do(job, "b", "waiting"))
         await asyncio.sleep(0.05)
         job.cancel()
         with pytest.raises(worker.Cancelled):
@@ -55,7 +55,7 @@ def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
         assert not first.done()  # it still holds the only worker: the second did not wait for it
         Occupied.gate.set()
         assert await first == "long"
-        crew.end()
+        pool.end()
 
     alone(story)
 
@@ -69,25 +69,25 @@ class Looked:
 
 @dataclass
 class Answering:
-    """A crew that answers each task with what was prepared for it."""
+    """A pool that answers each task with what was prepared for it."""
 
     answers: dict[str, Any]
     asked: list[str] = field(default_factory=list)
 
-    async def do(self, job: Any, key: str, task: str, *arguments: Any, tell: Any = None) -> Any:
+    async def do(self, job: Any, key: str, task: str, *arguments: Any, progress: Any = None) -> Any:
         self.asked.append(task)
         return self.answers[task]
 
 
-def test_fingerprints_are_made_again_when_a_command_has_diagnosed_since():
+def test_force_maps_are_made_again_when_a_command_has_diagnosed_since():
     async def story() -> None:
-        crew = Answering({"look": Looked({"named": ["a"]}), "prints": {"": "first"}})
-        desk = Desk(Path("none"), crew)  # type: ignore[arg-type]
-        for diagnosis, prints in ((["a"], "first"), (["b"], "second"), (["b"], "second")):
-            crew.answers = {"look": Looked({"named": diagnosis}), "prints": {"": prints}}
-            assert desk.start("Reading", "look")
-            await asyncio.gather(*desk._tasks)
-            assert desk.prints == {"": prints}
-        assert crew.asked.count("prints") == 2  # not a third time: nothing had changed
+        pool = Answering({"look": Looked({"named": ["a"]}), "force_maps": {"": "first"}})
+        session = SessionState(Path("none"), pool)  # type: ignore[arg-type]
+        for diagnosis, maps in ((["a"], "first"), (["b"], "second"), (["b"], "second")):
+            pool.answers = {"look": Looked({"named": diagnosis}), "force_maps": {"": maps}}
+            assert session.start("Reading", "look")
+            await asyncio.gather(*session._tasks)
+            assert session.force_maps == {"": maps}
+        assert pool.asked.count("force_maps") == 2  # not a third time: nothing had changed
 
     alone(story)

@@ -1,4 +1,4 @@
-"""Small pictures as SVG: a decay as a sparkline, a fingerprint as a disc. Made of numbers only."""
+"""Small pictures as SVG: a decay as a sparkline, a map of force as a disc. Made of numbers only."""
 
 import math
 
@@ -23,8 +23,8 @@ def sparkline(line: view_models.Numbers) -> str:
     )
 
 
-def disc(found: view_models.Print, reach: float, colours: Theme) -> str:
-    """Return a fingerprint: displacement to the right, velocity upwards, force as colour from -reach to reach."""
+def disc(found: view_models.ForceMap, reach: float, colours: Theme) -> str:
+    """Return a map of force: displacement to the right, velocity upwards, force as colour from -reach to reach."""
     half = DISC / 2
     radii = [half * 0.97 * (edge or 0.0) for edge in found.amplitude]
     parts = []
@@ -50,8 +50,8 @@ def _wedge(half: float, inner: float, outer: float, first: float, second: float)
     return f"M{point(inner, first)}L{point(outer, first)}L{point(outer, second)}L{point(inner, second)}Z"
 
 
-def reach_of(prints: dict[str, view_models.Print]) -> float:
+def reach_of(force_maps: dict[str, view_models.ForceMap]) -> float:
     """Return the force that is drawn in full colour: the 98th percentile of what the model lacks."""
-    residual = prints.get("")
+    residual = force_maps.get("")
     sizes = sorted(abs(f) for row in residual.force for f in row if f is not None) if residual else []
     return sizes[int(0.98 * (len(sizes) - 1))] if sizes else 1.0
