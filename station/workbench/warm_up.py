@@ -22,4 +22,4 @@ def warm_up() -> None:
     a = a + 0.01 * draw.standard_normal(len(time))
     prepared = prepare(FreeDecay(rate=RATE, displacement=u, acceleration=a))
     rung = add_effect(first_rung((prepared,)), find_effect("stribeck_friction"), library=LIBRARY)
-    compare_fitted(rung.start)
+    compare_fitted(rung.baseline)
