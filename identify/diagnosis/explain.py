@@ -46,7 +46,10 @@ def floor_of(baseline: Baseline) -> str:
 
 def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...]) -> str:
     left = three_figures(baseline.reduced(baseline.fit))
-    first = f"The model leaves a reduced chi-square of {left}, which is the noise floor ({floor_of(baseline)}); no effect of the library lowers it by more than chance would."
+    first = (
+        f"The model leaves a reduced chi-square of {left}, which is the noise floor ({floor_of(baseline)}); "
+        "no effect of the library lowers it by more than chance would."
+    )
     return f"{first} {_limit(suspects)}".strip()
 
 
