@@ -276,7 +276,6 @@ def _suspects(
             if other is not entry and abs(other.evidence - entry.evidence) < _APART and other.p_value < ALPHA
         ]
         known = [n for n in candidate.term.effect.confusable_with if n not in close]
-        prefix = f"{candidate.name}."
         entries.append(
             Suspect(
                 candidate.term.effect,
@@ -284,11 +283,7 @@ def _suspects(
                 start.reduced(candidate.fit),
                 entry.evidence,
                 entry.p_value,
-                {
-                    name.removeprefix(prefix): value
-                    for name, value in candidate.fit.values.items()
-                    if name.startswith(prefix) and ".state" not in name
-                },
+                candidate.fit.of(candidate.term),
                 (*close, *known),
                 None,
                 candidate.fit,

@@ -118,9 +118,7 @@ def _finding(top: Suspect, before: float, floor: str) -> str:
 
 
 def _limit(start: Baseline, suspects: tuple[Suspect, ...]) -> str:
-    detail = [
-        s for s in suspects if s.effect.name in ("cubic_stiffness", "quadratic_damping") and s.fit is not None
-    ]
+    detail = [s for s in suspects if s.effect.shows_detection_limit and s.fit is not None]
     words = []
     for suspect in detail:
         strength = suspect.parameters.get(suspect.effect.strength.name)

@@ -4,9 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from identify.diagnosis.diagnose import Diagnosis, diagnose
-from identify.diagnosis.suspects import JUDGED_APART, candidate_terms, try_terms
+from identify.diagnosis.suspects import candidate_terms, try_terms
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY, find_effect
+from identify.effects.sensor_fault import SensorFault
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
 from identify.fitting.corrected_faults import corrected_faults
@@ -71,8 +72,13 @@ def add_effect(rung: Rung, effect: Effect, *, library: tuple[Effect, ...] = LIBR
     start = rung.start
     if effect.name in start.fit.model:
         raise ValueError(f"{effect.name} is in the model already")
-    if effect.name in JUDGED_APART:
+    if isinstance(effect, SensorFault) and effect.corrected_in_every_fit:
         return _own_up(rung, effect)
+    unit = start.fit.windows[0].unit
+    if not effect.has_meaning_for(unit):
+        raise NotIdentifiable(
+            f"{effect.name} acts on displacements in {' or '.join(effect.units)}; this record is in {unit}."
+        )
     terms = candidate_terms(start.fit.model, (effect,), start.fit.windows[0])
     tried = try_terms(start.decays, start.fit, terms)
     if not tried:

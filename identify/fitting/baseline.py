@@ -96,7 +96,5 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
 
 def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:
     """Return the force per unit mass of a fitted model along the measured motion, strengths by equation error, (n,)."""
-    inner = {
-        n: float(t) for n, t in zip(found.names, found.theta, strict=True) if "." in n and ".state" not in n
-    }
+    inner = {name: estimate.value for name, estimate in found.parameters.items()}
     return prepared.restoring - regress_model(prepared, found.model, inner).residual

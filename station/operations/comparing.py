@@ -70,8 +70,8 @@ def as_document(compared: Compared) -> dict[str, Any]:
         "model": {
             "effects": list(fit.model.names),
             "equation": fit.model.equation,
-            "parameters": {n: estimate(v) for n, v in fit.values.items() if "." in n and ".state" not in n},
-            "nuisances": {n: estimate(v) for n, v in fit.values.items() if "." not in n or ".state" in n},
+            "parameters": {name: estimate(value) for name, value in fit.parameters.items()},
+            "nuisances": {name: estimate(value) for name, value in fit.nuisances.items()},
         },
         "error": {
             "force_mse_percent": found.force_error,

@@ -121,12 +121,12 @@ def chosen_model(
 def begin_from(known: KnownModel, settings: tuple[PreparedDecay, ...]) -> dict[str, float]:
     """Return where a fit may begin, by unknown's name: the file's values, the releases' own from their motions."""
     start = initial_values(settings, known.model, known.values)
-    tags = [f"[{i}]" for i in range(len(settings))] if len(settings) > 1 else [""]
     for term in known.model.terms:
         for parameter in term.free:
-            name = f"{term.effect.name}.{parameter.name}"
-            if name not in known.values:
+            id = term.parameter(parameter.name)
+            if str(id) not in known.values:
                 continue
-            for tag in [""] if term.effect.kind == "physics" else tags:
-                start[f"{name}{tag}"] = known.values[name]
+            for i in range(1 if term.is_force else len(settings)):
+                own = id if term.is_force else id.of_release(i, len(settings))
+                start[str(own)] = known.values[str(id)]
     return start

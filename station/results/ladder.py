@@ -78,7 +78,6 @@ class KeptLadder(_Part):
 
 def kept(rung: Rung, expressions: tuple[str, ...]) -> KeptRung:
     """Return a rung as it is kept."""
-    values = dict(zip(rung.fit.names, rung.fit.theta.tolist(), strict=True))
     return KeptRung(
         added=rung.added,
         removed=rung.removed,
@@ -89,7 +88,7 @@ def kept(rung: Rung, expressions: tuple[str, ...]) -> KeptRung:
             chi2=_finite(rung.error.chi_square),
         ),
         chi2_std=rung.error.floor_std,
-        nuisances={name: value for name, value in values.items() if "." not in name or ".state" in name},
+        nuisances={name: found.value for name, found in rung.fit.nuisances.items()},
     )
 
 

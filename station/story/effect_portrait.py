@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identify.effects.effect import Effect, Scales
+from identify.effects.force_effect import ForceEffect
 from identify.model.equivalent_linearisation import Signature, average
-from identify.model.measured_path import effect_force
-from identify.model.model import Term
 
 Array = NDArray[np.float64]
 
@@ -38,20 +37,15 @@ class Portrait:
 
 
 def portray(effect: Effect) -> Portrait:
-    """Return the portrait of a physical effect; raises ValueError for a fault of a sensor, which has no force."""
-    if effect.kind != "physics":
+    """Return the portrait of a force; raises ValueError for a fault of a sensor, which has no force."""
+    if not isinstance(effect, ForceEffect):
         raise ValueError(f"{effect.name} is a fault of a sensor: it has no force to draw")
     values = _typical(effect)
     time = np.arange(_POINTS * _CYCLES) / (_POINTS * FREQUENCY / (2.0 * np.pi))
     u, v = AMPLITUDE * np.cos(FREQUENCY * time), -AMPLITUDE * FREQUENCY * np.sin(FREQUENCY * time)
-    term = Term(effect)
-    named = {f"{effect.name}.{name}": value for name, value in values.items() if "." not in name} | {
-        name: value for name, value in values.items() if "." in name
-    }
-    if effect.equilibrium_state is not None:
-        rest = effect.equilibrium_state(AMPLITUDE, np.array([values[p.name] for p in effect.parameters]))
-        named |= {f"{effect.name}.state{j}": state for j, state in enumerate(rest)}
-    force = effect_force(term, named, time, u, v)
+    p = effect.table(values, values)
+    states = effect.states_along(p, time, u, v, effect.states_at_rest(AMPLITUDE, p))
+    force = effect.force_along(p, time, u, v, states)
     target = SHARE * FREQUENCY**2 * AMPLITUDE
     largest = float(np.max(np.abs(force[-_POINTS:])))
     factor = target / largest if largest > 0 else 1.0
@@ -63,7 +57,7 @@ def portray(effect: Effect) -> Portrait:
     return Portrait(values, u[last], v[last], force[last] * factor, signature)
 
 
-def _typical(effect: Effect) -> dict[str, float]:
+def _typical(effect: ForceEffect) -> dict[str, float]:
     scales = Scales(
         AMPLITUDE,
         FREQUENCY,
@@ -73,11 +67,11 @@ def _typical(effect: Effect) -> dict[str, float]:
         {"displacement": ((9.3, 1e-4, 1.0),)},
     )
     starts = effect.starts(scales)
-    inner = [p for p in effect.parameters[1:] if p.name not in effect.variants[0]]
+    inner = [p for p in effect.started if p.name not in effect.variants[0]]
     middle = starts[len(starts) // 2] if starts else ()
     values = {effect.strength.name: 1.0}
     values |= {p.name: value for p, value in zip(inner, middle, strict=False)}
     values |= {name: float(value) for name, value in effect.variants[0].items()}
     for parameter in effect.parameters:
         values.setdefault(parameter.name, 1.0)
-    return values | dict.fromkeys(effect.shared_parameters, FREQUENCY**2)
+    return values | {name: roughly(FREQUENCY) for name, roughly in effect.shared_parameters.items()}

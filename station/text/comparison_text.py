@@ -141,7 +141,5 @@ def harmonics_text(compared: Compared) -> str:
 
 def parameters_text(compared: Compared) -> str:
     """Return the fitted parameters with their errors."""
-    values = compared.start.fit.values
-    return ", ".join(
-        f"{n} {written(v)} {v.unit}" for n, v in values.items() if "." in n and ".state" not in n
-    )
+    values = compared.start.fit.parameters
+    return ", ".join(f"{name} {written(value)} {value.unit}" for name, value in values.items())

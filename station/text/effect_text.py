@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.effects.effect import Effect, Parameter
+from identify.effects.force_effect import ForceEffect
 from station.story.effect_portrait import AMPLITUDE, FREQUENCY, Array, Portrait
 
 HEIGHT = 9
@@ -43,7 +44,7 @@ def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> 
     )
     for parameter in effect.parameters:
         console.print(_line(parameter.name, f"{parameter.meaning}, {parameter.unit}, {bounds(parameter)}"))
-    for name in effect.shared_parameters:
+    for name in _shared(effect):
         console.print(_line("uses", name))
     console.print(_line("shows as", effect.symptom))
     console.print(_line("proof", effect.confirming_test))
@@ -57,6 +58,11 @@ def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> 
     console.print()
     for line in charts(portrait):
         console.print(f" {line}", markup=False)
+
+
+def _shared(effect: Effect) -> list[str]:
+    """Return the parameters of other effects that a force uses too, by "effect.parameter"."""
+    return list(effect.shared_parameters) if isinstance(effect, ForceEffect) else []
 
 
 def _line(label: str, text: str) -> Table:
@@ -134,7 +140,7 @@ def as_document(effect: Effect, portrait: Portrait | None) -> dict[str, Any]:
             }
             for p in effect.parameters
         ],
-        "borrows": list(effect.shared_parameters),
+        "borrows": _shared(effect),
         "tell": effect.symptom,
         "proof": effect.confirming_test,
         "confusable_with": list(effect.confusable_with),

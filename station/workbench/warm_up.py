@@ -4,7 +4,8 @@ import numpy as np
 
 from identify.comparison.compare import compare
 from identify.diagnosis.refine import add_effect, first_rung
-from identify.effects.library import LIBRARY, find_effect
+from identify.effects.force_effect import ForceEffect
+from identify.effects.library import LIBRARY
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import prepare
 from station.story.pipeline import find_motion
@@ -24,5 +25,6 @@ def warm_up() -> None:
     decay = FreeDecay(rate=RATE, displacement=u, acceleration=a)
     release = find_motion(decay)
     setting = prepare(decay.with_(release=release.index, rest=release.rest), release)
-    rung = add_effect(first_rung((setting,)), find_effect("stribeck_friction"), library=LIBRARY)
+    friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
+    rung = add_effect(first_rung((setting,)), friction, library=LIBRARY)
     compare(setting, rung.fit, rung.start.floors[0].channels)
