@@ -8,11 +8,10 @@ from identify.effects.compiled import call_force, call_rates
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def values_along(address, time, u, v, states, p):  # type: ignore[no-untyped-def]
-    """Return a force or a level of friction, (n,), at motion `time`, `u`, `v` (n,) and `states` (n, 2); 0 without one."""
-    out = np.zeros(u.shape[0])
-    if address != 0:
-        for i in range(u.shape[0]):
-            out[i] = call_force(address, time[i], u[i], v[i], (states[i, 0], states[i, 1]), p)
+    """Return a force or a level of friction, (n,), along a motion `time`, `u`, `v` (n,) with `states` (n, 2)."""
+    out = np.empty(u.shape[0])
+    for i in range(u.shape[0]):
+        out[i] = call_force(address, time[i], u[i], v[i], (states[i, 0], states[i, 1]), p)
     return out
 
 

@@ -13,6 +13,9 @@ from identify.effects.compiled import PARAMETERS, STATES, address_of_force, addr
 from identify.effects.compiled_path import states_along, states_along_smooth, values_along
 from identify.effects.effect import Effect, Kind, Parameter, Scales, Starts
 
+Numbers = tuple[float, ...]
+"""The parameters of an effect as its compiled functions take them."""
+
 _STEPS = 8
 """Steps of the midpoint rule between two samples of a measured motion."""
 
@@ -37,8 +40,8 @@ class ForceEffect(Effect):
     `fading_memory`, how it came there does not matter and these are its states at the release, otherwise they are
     unknowns of the fit. `starts(scales)` lists starting values of the inner parameters, `fine_starts(scales)` closer
     ones where midpoints between those would leave gaps. `fastest_rate(p)` is the angular frequency (rad/s) that the
-    integration must resolve for the sake of the effect. `nonsmooth` forces want a finer step. A `linear_part` is built
-    into the simulator.
+    integration must resolve for the sake of the effect, None where the motion's own does. `nonsmooth` forces want a
+    finer step. A `linear_part` is built into the simulator.
     """
 
     force: Any = None
@@ -50,7 +53,7 @@ class ForceEffect(Effect):
     shared_parameters: Mapping[str, Callable[[float], float]] = field(default_factory=dict)
     starts: Callable[[Scales], Starts] = field(default=lambda scales: ((),))
     fine_starts: Callable[[Scales], Starts] | None = None
-    fastest_rate: Callable[[Array], float] = field(default=lambda p: 0.0)
+    fastest_rate: Callable[[Array], float] | None = None
     nonsmooth: bool = False
     linear_part: LinearPart | None = None
 
@@ -94,7 +97,7 @@ class ForceEffect(Effect):
             else self.fine_starts(scales)
         )
 
-    def table(self, values: Mapping[str, float], shared: Mapping[str, float]) -> tuple[float, ...]:
+    def table(self, values: Mapping[str, float], shared: Mapping[str, float]) -> Numbers:
         """Return the parameters as compiled functions take them: own values by name, shared ones by "effect.parameter".
 
         Raises ValueError that names a parameter without a value.
@@ -108,13 +111,13 @@ class ForceEffect(Effect):
         ]
         return tuple(given + [0.0] * (PARAMETERS - len(given)))
 
-    def states_at_rest(self, u: float, p: tuple[float, ...] | Array) -> tuple[float, float]:
+    def states_at_rest(self, u: float, p: Numbers | Array) -> tuple[float, float]:
         """Return the internal states of a mass that has been held at `u` for long; zeros where nothing settles."""
         return (0.0, 0.0) if self.equilibrium_state is None else self.equilibrium_state(u, np.asarray(p))
 
     def states_along(
         self,
-        p: tuple[float, ...],
+        p: Numbers,
         time: Array,
         u: Array,
         v: Array,
@@ -128,26 +131,29 @@ class ForceEffect(Effect):
         return cast(Array, states_along(address_of_rates(self.rates), time, u, v, p, start, steps))
 
     def states_along_smooth(
-        self, p: tuple[float, ...], time: Array, u: Array, v: Array, start: tuple[float, float]
+        self, p: Numbers, time: Array, u: Array, v: Array, start: tuple[float, float]
     ) -> Array:
         """Return the internal states at every second sample (n, 2) of a smooth motion of 2 n - 1 samples."""
         if self.rates is None:
             return np.zeros((len(u) // 2 + 1, STATES))
         return cast(Array, states_along_smooth(address_of_rates(self.rates), time, u, v, p, start))
 
-    def smooth_force_along(
-        self, p: tuple[float, ...], time: Array, u: Array, v: Array, states: Array
-    ) -> Array:
+    def smooth_force_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
         """Return the force without dry friction, m/s^2, shape (n,)."""
-        return cast(Array, values_along(address_of_force(self.force), time, u, v, states, p))
+        return _values_along(self.force, p, time, u, v, states)
 
-    def friction_level_along(
-        self, p: tuple[float, ...], time: Array, u: Array, v: Array, states: Array
-    ) -> Array:
+    def friction_level_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
         """Return the level of dry friction, m/s^2, shape (n,)."""
-        return cast(Array, values_along(address_of_force(self.friction), time, u, v, states, p))
+        return _values_along(self.friction, p, time, u, v, states)
 
-    def force_along(self, p: tuple[float, ...], time: Array, u: Array, v: Array, states: Array) -> Array:
+    def force_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
         """Return the force, m/s^2, along a motion and its internal states, shape (n,)."""
         level = self.friction_level_along(p, time, u, v, states)
         return self.smooth_force_along(p, time, u, v, states) + level * np.sign(v)
+
+
+def _values_along(function: Any, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
+    """Return what a compiled function gives along a motion, (n,); zeros for None."""
+    if function is None:
+        return np.zeros(len(u))
+    return cast(Array, values_along(address_of_force(function), time, u, v, states, p))

@@ -101,8 +101,12 @@ class Problem:
         return states
 
     def _fastest_rate(self, table: Array) -> float:
-        rates = (term.force.fastest_rate(row) for row, term in zip(table, self.layout.forces, strict=True))
-        return max(self.frequency, *rates, 0.0)
+        """Return the angular frequency (rad/s) that the integration must resolve."""
+        fastest = self.frequency
+        for row, term in zip(table, self.layout.forces, strict=True):
+            rate = term.force.fastest_rate
+            fastest = fastest if rate is None else max(fastest, rate(row))
+        return fastest
 
     def read(self, theta: Array, i: int, response: Response) -> dict[str, Array]:
         """Return the predicted readings of span i, shape (n,) a channel."""
