@@ -22,6 +22,6 @@ PENDULUM_STIFFNESS = ForceEffect(
     force=_pendulum,
     units=("rad",),
     symptom="the frequency falls with the square of the angle, as 1 - angle^2/16 where there is no other spring",
-    confirming_test="turn the axis upright, so that gravity has no moment: the frequency is the same at every angle",
+    confirming_test="turn the axis vertical, so that gravity has no moment: the frequency is the same at every angle",
     confusable_with=("cubic_stiffness", "quintic_stiffness"),
 )
