@@ -147,16 +147,17 @@ def _second_order(
     They answer the force as x = -f_0/w^2 + sum f_n cos(n theta) / ((n^2 - 1) w^2); the force along u + x is averaged
     again. For k2 u^2 this gives -5 k2^2 A^2 / (6 w^2) (Nayfeh and Mook 1979, 2.1).
     """
-    theta, u, v = (values[:-1:2].copy() for values in _harmonic(frequency, amplitude))
+    angle, u, v = _harmonic(frequency, amplitude)
+    theta, speed = angle[:-1:2].copy(), v[:-1:2].copy()
     clock, states = np.full(len(theta), time), np.zeros((len(theta), STATES))
 
     def along(displacement: Array) -> Array:
-        return effect.smooth_force_along(p, clock, displacement, v, states)
+        return effect.smooth_force_along(p, clock, displacement[:-1:2].copy(), speed, states)
 
     straight = along(u)
     order = np.arange(2, 13, 2)
     parts = np.array([2.0 * np.mean(straight * np.cos(n * theta)) for n in order])
-    waves = np.cos(np.outer(theta, order))
+    waves = np.cos(np.outer(angle, order))
     answer = waves @ (parts / ((order**2 - 1.0) * frequency**2)) - float(np.mean(straight)) / frequency**2
     largest = float(np.max(np.abs(answer)))
     if largest < 1e-9 * amplitude:
