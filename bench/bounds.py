@@ -13,7 +13,6 @@ from identify.fitting.initial_values import initial_values
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
-from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
 TITLE = "Bounds"
@@ -34,17 +33,9 @@ def expected_drop(job: tuple[str, float, int]) -> float:
             noise_acceleration=2e-4,
             bits=22,
             amplitude=0.02,
-            hand=0.0,
+            release_time=0.0,
         )
-        release = find_release(sample.rate, sample.displacement, None, sample.acceleration)
-        decay = FreeDecay(
-            sample.rate,
-            displacement=sample.displacement,
-            acceleration=sample.acceleration,
-            release=release.index,
-            rest=release.rest,
-        )
-        setting = prepare(decay, release)
+        setting = prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration))
         span = setting.window.with_(sigma=dict(_NOISE))
         setting = replace(setting, window=span)
         return fit(

@@ -13,11 +13,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a proc
 import numpy as np
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.refine import climb
+from identify.diagnosis.refine import refine
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
-from identify.preprocessing.release import find_release
 from mocks.forces import OUTSIDE_THE_LIBRARY
 from mocks.generate import PHYSICS, draw
 from mocks.sensor_faults import SENSOR_FAULTS
@@ -67,15 +66,7 @@ class Outcome:
 def setting_of(case: Case) -> tuple[PreparedDecay, dict[str, Any]]:
     """Draw a case and make it ready as the station would, and return its truth beside it."""
     sample = draw(case.hidden, case.strength, case.seed)
-    release = find_release(sample.rate, sample.displacement, None, sample.acceleration)
-    decay = FreeDecay(
-        sample.rate,
-        displacement=sample.displacement,
-        acceleration=sample.acceleration,
-        release=release.index,
-        rest=release.rest,
-    )
-    return prepare(decay, release), sample.truth
+    return prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration)), sample.truth
 
 
 def judge(case: Case) -> Outcome:
@@ -84,7 +75,7 @@ def judge(case: Case) -> Outcome:
     try:
         setting, truth = setting_of(case)
         if case.auto:
-            ladder, found = climb((setting,))
+            ladder = refine((setting,))
             named = tuple(e for e in ladder.top.effects if e not in BASE)
             fit, verdict, first, p = ladder.top.fit, ladder.verdict, named[0] if named else "", 0.0
         else:

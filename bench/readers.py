@@ -7,7 +7,6 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,10 +19,11 @@ from daq.recording import Channel, Recording
 from daq.session import Session, list_sessions, recover
 from identify.effects.library import LIBRARY
 from identify.effects.user import parse_effect
+from identify.model.model import base_model
 from station.exits import Problem
-from station.operations.viewer_tabs import kept_diagnosis
+from station.results.diagnosis_document import SuspectDocument, read_diagnosis, refused_document
 from station.results.ladder import read_ladder
-from station.results.models import read_model
+from station.results.models import ModelFile, known_model, read_model
 from station.settings import load_settings
 
 LONGEST = 2000
@@ -180,6 +180,25 @@ stiffness_orders = [1, 3]
 EXPRESSIONS = (b"magnet = a*u/(1+(u/b)**2)", b"x = c*v*abs(v)", b"d = 2*sign(v)*exp(-(v/w)**2)")
 
 
+def _use_diagnosis(session: Path) -> None:
+    document = read_diagnosis(Session.open(session))
+    for model in (
+        () if document is None else (document.fitted, *(suspect.model for suspect in document.suspects))
+    ):
+        if model is not None:
+            known_model(model, "the diagnosis", LIBRARY)
+
+
+def _diagnosis() -> bytes:
+    model = ModelFile.model_validate_json(json.dumps(MODEL))
+    suspect = SuspectDocument(
+        effect="magnet", title="", kind="physics", channel=None, error_after=1.0, evidence=20.0, p_value=0.0,
+        parameters={}, confusable_with=[], held_out_gain=None, plausible=True, claimed=True, model=model,
+    )  # fmt: skip
+    document = refused_document(("s",), base_model(), "too short")
+    return document.model_copy(update={"fitted": model, "suspects": [suspect]}).model_dump_json().encode()
+
+
 def _ladder() -> bytes:
     error = {"force_mse_percent": 0.1, "motion_percent": 0.2, "chi2": 1.0}
     rung = {
@@ -238,17 +257,15 @@ def readers(folder: Path) -> tuple[Reader, ...]:
     folder.mkdir(parents=True, exist_ok=True)
     session = session_of(folder)
     log = (session / "raw.log").read_bytes()
-    ladder = SimpleNamespace
     return (
         Reader("session.json", _replacing("session.json", _use_info), ((session / "session.json").read_bytes(),)),
         Reader("manifest.json", _replacing("manifest.json", _use_manifest), ((session / "manifest.json").read_bytes(),)),
         Reader("raw.log", _replacing("raw.log", _use_raw_log), (log,)),
         Reader("raw.log, sound checksums", lambda d, f: _replacing("raw.log", _use_raw_log)(raw_log_of(d), f), (plain_of(log),)),
         Reader("model file", _named("model.json", read_model), (json.dumps(MODEL).encode(),)),
-        Reader("ladder.json", _replacing("results/ladder.json", lambda s: read_ladder(ladder(results=s / "results"))), (_ladder(),)),
+        Reader("ladder.json", _replacing("results/ladder.json", lambda s: read_ladder(Session.open(s))), (_ladder(),)),
         Reader(
-            "diagnosis.json", _named("diagnosis.json", lambda file: kept_diagnosis(file, LIBRARY)),
-            (json.dumps({"fitted": MODEL, "suspects": [{"model": MODEL}]}).encode(),),
+            "diagnosis.json", _replacing("results/diagnosis.json", _use_diagnosis), (_diagnosis(),),
         ),
         Reader("station.toml", _named("station.toml", load_settings), (SETTINGS,)),
         Reader("CSV", _named("a.csv", read_file), (TEXT, TEXT.replace(b",", b";").replace(b".", b","))),

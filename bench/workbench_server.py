@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, sync_playwright
 
 from daq.capture import CaptureSettings, capture
 from daq.session_info import SessionInfo
-from station.operations.simulated_board import double
+from station.operations.simulated_board import simulated_board
 
 ROOT = Path(__file__).resolve().parent.parent
 SEEDS = (3, 12, 7)
@@ -30,7 +30,7 @@ def workbench() -> Iterator[str]:
         for seed in SEEDS:
             info = SessionInfo(name=f"mystery_{seed}", mass_kg=21.36)
             wanted = CaptureSettings(check_clock=False, info=info)
-            with double(
+            with simulated_board(
                 seed, 0.0, False, "--truth", str(folder / "truth.json"), module="mocks.mystery"
             ) as port:
                 capture(port, wanted, folder / "sessions" / f"mystery_{seed}")

@@ -6,31 +6,34 @@ from typing import Self
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen, frozen_mask
+from identify.formatting import scaled
+from identify.summary import Summarised, Summary
 
 _STILL_DRIVEN = 0.05
 
 
-@dataclass(frozen=True, eq=False)
-class FreeDecay:
+@dataclass(frozen=True, eq=False, repr=False)
+class FreeDecay(Summarised):
     """One release of a mass on springs, from the rest before it to the end of the record.
 
     All channels that are present have the same length n and share one clock; sample i lies at
     `i / rate` seconds. Quantities are SI (m or rad, per second, per second squared). At least one of
     `displacement`, `velocity`, `acceleration` is present.
 
-    `release` is the first sample of free motion (0 when the record begins in mid-decay);
-    `rest` is the half-open range of samples before the release in which the mass is held still,
-    empty (0, 0) when there is none. `valid` is False where a sample was lost; the values there mean
-    nothing. `noise_*` are white-noise standard deviations of the channels, None when unknown.
+    `release` is the first sample of free motion (0 when the record begins in mid-decay), None when it has not
+    been located yet: whatever identifies then locates it first. `rest` is the half-open range of samples before the
+    release in which the mass is held still, empty (0, 0) when there is none. `valid` is False where a sample was
+    lost; the values there mean nothing. `noise_*` are white-noise standard deviations of the channels, None when
+    unknown.
     `force` is an external force per unit mass (m/s^2) when one was recorded. `mass` is in kg
     (kg m^2 for angles), None when unknown: everything is then per unit mass.
     """
 
     rate: float
     displacement: Array | None = None
-    velocity: Array | None = None
     acceleration: Array | None = None
-    release: int = 0
+    velocity: Array | None = None
+    release: int | None = None
     rest: tuple[int, int] = (0, 0)
     valid: Mask | None = None
     noise_displacement: float | None = None
@@ -65,6 +68,11 @@ class FreeDecay:
         return 0
 
     @property
+    def start(self) -> int:
+        """The first sample of free motion; 0 where the release has not been located."""
+        return self.release or 0
+
+    @property
     def driven(self) -> bool:
         """Whether a recorded force acts to the end; one that dies away, as a hammer's, leaves a free decay."""
         if self.force is None:
@@ -75,6 +83,27 @@ class FreeDecay:
     def time(self) -> Array:
         """Time of each sample, shape (n,), s, from the first sample."""
         return np.arange(len(self)) / self.rate
+
+    def brief(self) -> Summary:
+        """Return the channels with their ranges and noise, and where the motion becomes free."""
+        where = "the release has not been located"
+        if self.release is not None:
+            where = (
+                f"free from {self.start / self.rate:.3f} s on" if self.start else "in motion from the start"
+            )
+        lost = 0 if self.valid is None else int((~self.valid).sum())
+        size = f"{len(self)} samples at {self.rate:g} Hz ({len(self) / self.rate:.4g} s)"
+        sentences = (f"{size}; {where}; {lost} samples lost.",)
+        units = {"displacement": self.unit, "velocity": f"{self.unit}/s", "acceleration": f"{self.unit}/s^2"}
+        rows = []
+        for name, unit in units.items():
+            values, noise = getattr(self, name), getattr(self, f"noise_{name}")
+            if values is not None:
+                sizes = (np.nanmin(values), np.nanmax(values), noise)
+                rows.append(
+                    (name, *("unknown" if size is None else scaled(float(size), unit) for size in sizes))
+                )
+        return Summary("Free decay", sentences, ("channel", "lowest", "highest", "noise"), rows)
 
     def with_(self, **changes: object) -> Self:
         """Return a copy with some fields replaced."""

@@ -26,7 +26,7 @@ MEANING = {
 
 
 class Problem(Exception):
-    """A failure with words for the operator: what happened, what was kept, what to do."""
+    """A failure with a sentence for the operator: what happened, what was kept, what to do."""
 
     exit_code = UNEXPECTED
 

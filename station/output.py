@@ -40,7 +40,7 @@ def finite(value: Any) -> Any:
 
 
 def progress(text: str) -> None:
-    """Tell the operator on stderr what is going on."""
+    """Print on stderr what is going on."""
     from station.safe_text import harmless
 
     click.echo(harmless(text), err=True)

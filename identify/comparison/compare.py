@@ -15,31 +15,37 @@ from identify.comparison.multiple_shooting import MultipleShooting, shoot
 from identify.comparison.phase_plane import PhasePlane, compare_phase_plane
 from identify.comparison.residual_tone import ResidualTone, find_residual_tone
 from identify.comparison.zero_drift import ZeroDrift, find_zero_drift
+from identify.fitting.baseline import Baseline, fit_baseline
+from identify.fitting.corrected_faults import corrected_faults
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import force_misfit, force_mse_percent
+from identify.formatting import three_figures
+from identify.free_decay import FreeDecay
+from identify.model.model import Model, base_model
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.noise import Noise
-from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from identify.summary import Summarised, Summary
 
-_UNKNOWN_FLOOR = 0.05
 _SURE = 4.0
-_SURE_OF_SLOW = 12.0
+_SURE_OF_DRIFT = 12.0
 """Physics of 3 % that no force of u and v describes reaches 8, rarely 16; a drift of 0.3 % begins at 16."""
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Summarised):
     """Where and by how much a model fails on one release.
 
     `force_error` is eq. (18) in %: 100/(n var f) sum (f - f')^2, with f the measured acceleration (less any recorded
     force) and f' the model's force at the measured motion, and `force_floor` what noise alone leaves of it.
     `motion_error` is the rms misfit of the free run over the rms of the `motion_channel`, in %, over `horizon` s
     (`horizon_cycles`). `chi_square` is reduced, 1.0 when nothing is left to explain, with the standard error
-    `chi_square_std` that readings and noise floor leave open; `floor` is the noise of each channel and its source.
+    `chi_square_std` of an adequate model's; `at_floor` says whether it is one. `floor` is the noise of each channel and
+    its source.
     `time` (n,) is in s since the release; `free_run_misfit` (cycles,) the rms misfit of the free run in units of the
     noise, cycle by cycle; `displacement`, `velocity`, `residual_force` (n,) the measured motion and measured less
-    model force per unit mass along it. `places` are the worst ones; `summary` tells the first, `cause` whether to
-    look at a sensor or at physics.
+    model force per unit mass along it. `places` are the worst ones; `summary` is the first in a sentence, `cause` says
+    whether to look at a sensor or at physics.
     """
 
     force_error: float
@@ -50,6 +56,7 @@ class Comparison:
     horizon_cycles: float
     chi_square: float
     chi_square_std: float
+    at_floor: bool
     floor: Mapping[str, Noise]
     cycles: CycleErrors
     free_run_misfit: Array
@@ -67,18 +74,44 @@ class Comparison:
     unit: str
     mass: float | None
 
+    def brief(self) -> Summary:
+        """Return the errors, whether a sensor or physics is to blame, and the worst places."""
+        title = (
+            "The model reaches the noise floor"
+            if self.at_floor
+            else "The model does not reach the noise floor"
+        )
+        sentences = (
+            f"It leaves {three_figures(self.force_error)} % of the force (mean square), "
+            f"{three_figures(self.motion_error)} % of the motion (rms over {self.horizon:.3g} s), and a reduced "
+            f"chi-square of {three_figures(self.chi_square)} (1 ± {self.chi_square_std:.2f} for an adequate model).",
+            self.cause,
+        )
+        rows = [(place.text, f"{place.significance:.0f}") for place in self.places]
+        return Summary(title, sentences, ("where it fails", "std. errors"), rows)
+
 
 def compare(
-    prepared: PreparedDecay, fit: Fit, floor: Mapping[str, Noise] | None = None, *, mass: float | None = None
+    decay: FreeDecay | PreparedDecay,
+    model: Model | None = None,
+    *,
+    known: dict[str, float] | None = None,
+    mass: float | None = None,
 ) -> Comparison:
-    """Compare a model fitted to one release with the measurement.
+    """Fit a model (stiffness, Coulomb and viscous friction unless given) to one release, and compare the two.
 
-    `floor` tells where the noise of each channel came from and how well it is known; the noise itself is what the fit
-    was made with. With a `mass` (kg) forces are told in N.
+    `known` are values to begin the fit from, by unknown's name; with a `mass` (kg, or kg m^2 for angles) forces are
+    given in N. Raises NotIdentifiable when the release holds too little to fit anything.
     """
+    prepared = prepare(decay) if isinstance(decay, FreeDecay) else decay
+    return compare_fitted(fit_baseline((prepared,), model or base_model(), known), mass=mass)
+
+
+def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparison:
+    """Compare a model that was fitted to one release with the measurement; `mass` as in `compare`."""
+    prepared, fit, floor = baseline.decays[0], baseline.fit, baseline.floors[0]
     window = fit.windows[0]
-    known = _floor(fit, floor)
-    doubt = max((n.uncertainty / n.std for n in known.values() if n.std > 0), default=_UNKNOWN_FLOOR)
+    doubt = max((n.uncertainty / n.std for n in floor.channels.values() if n.std > 0), default=0.0)
     shooting = shoot(prepared, fit)
     cycles = compare_cycles(shooting)
     plane = compare_phase_plane(shooting)
@@ -86,16 +119,13 @@ def compare(
     factors = tuple(
         (1.0 + doubt) * max(1.0, np.sqrt(left)) for left in (plane.chi_square_after, cycles.chi_square_after)
     )
-    slow, line = find_zero_drift(shooting), find_residual_tone(shooting)
-    places = find_discrepancies(
-        plane, cycles, line, DiscrepancyText(window.unit, mass), (factors[0], factors[1])
-    )
+    drift, tone = find_zero_drift(shooting), find_residual_tone(shooting)
+    text = DiscrepancyText(window.unit, mass)
+    places = find_discrepancies(plane, cycles, tone, text, (factors[0], factors[1]))
     force_error, force_floor, residual = _force_error(prepared, fit)
     channel = window.channels[0]
     used = window.used[channel]
-    left = fit.residual(channel)[used]
-    shown = window.readings[channel][used]
-    chi_square_std = float(np.hypot(np.sqrt(2.0 / max(fit.degrees, 1)), 2.0 * doubt))
+    left, shown = fit.residual(channel)[used], window.readings[channel][used]
     horizon = len(window) / window.rate
     return Comparison(
         force_error=force_error,
@@ -104,9 +134,10 @@ def compare(
         motion_channel=channel,
         horizon=horizon,
         horizon_cycles=horizon * fit.frequency / (2.0 * np.pi),
-        chi_square=fit.reduced,
-        chi_square_std=chi_square_std,
-        floor=known,
+        chi_square=baseline.reduced(fit),
+        chi_square_std=baseline.spread,
+        at_floor=baseline.at_floor,
+        floor=floor.channels,
         cycles=cycles,
         free_run_misfit=_misfit_by_cycle(fit, shooting),
         phase_plane=plane,
@@ -114,8 +145,8 @@ def compare(
         kinematics=kinematics,
         places=places,
         summary=NONE if not places else f"{places[0].text[0].upper()}{places[0].text[1:]}.",
-        zero_drift=slow,
-        cause=_cause(fit.reduced, chi_square_std, kinematics, slow, line),
+        zero_drift=drift,
+        cause=_cause(baseline, kinematics, drift, tone),
         time=frozen(window.clock),
         displacement=frozen(prepared.motion.displacement),
         velocity=frozen(prepared.motion.velocity),
@@ -123,13 +154,6 @@ def compare(
         unit=window.unit,
         mass=mass,
     )
-
-
-def _floor(fit: Fit, floor: Mapping[str, Noise] | None) -> dict[str, Noise]:
-    window = fit.windows[0]
-    if floor is None:
-        return {c: Noise(s, _UNKNOWN_FLOOR * s, "given with the fit") for c, s in window.sigma.items()}
-    return {c: Noise(window.sigma[c], floor[c].uncertainty, floor[c].source) for c in window.channels}
 
 
 def _force_error(prepared: PreparedDecay, fit: Fit) -> tuple[float, float, Array]:
@@ -155,18 +179,16 @@ def _misfit_by_cycle(fit: Fit, shooting: MultipleShooting) -> Array:
 
 
 def _cause(
-    chi_square: float,
-    std: float,
+    baseline: Baseline,
     kinematics: KinematicCheck | None,
-    slow: ZeroDrift | None,
-    line: ResidualTone | None,
+    drift: ZeroDrift | None,
+    tone: ResidualTone | None,
 ) -> str:
-    dynamic = (chi_square - 1.0) / std
     if kinematics is None:
-        return "There is only one channel, so a fault of the sensor cannot be told from physics."
-    if line is not None and line.sensor:
+        return "There is only one channel, so a fault of the sensor cannot be distinguished from physics."
+    if tone is not None and tone.sensor:
         return (
-            f"At {line.frequency:.4g} Hz the {line.channel} shows what the other channel does not: hum or a disturbance "
+            f"At {tone.frequency:.4g} Hz the {tone.channel} shows what the other channel does not: hum or a disturbance "
             "of that sensor; look at it first."
         )
     sensor = kinematics.significance
@@ -175,11 +197,17 @@ def _cause(
             f"The channels contradict each other, whatever the forces are (a less D^2 u stands {sensor:.0f} standard errors "
             "above its noise): look at a sensor first."
         )
-    if slow is not None and slow.significance > _SURE_OF_SLOW:
+    if drift is not None and drift.significance > _SURE_OF_DRIFT:
         return "The zero of the acceleration moves during the record, which no force can do: look at that sensor first."
-    if dynamic > _SURE:
+    if not baseline.adequate(baseline.fit):
         return (
             "Both channels describe one motion within their noise, and the model does not follow it: "
             "it is physics (or the displacement drifts slowly, which looks like motion)."
+        )
+    faults = [f for f in corrected_faults(baseline.decays, baseline.fit) if f.significant]
+    if faults:
+        return (
+            f"The model follows the motion once a sensor's fault is corrected ({faults[0].term.effect.title}): "
+            "look at that sensor."
         )
     return "Both channels describe one motion within their noise, and the model follows it within its noise."

@@ -31,6 +31,22 @@ class CycleErrors:
     chi_square_after: float
 
 
+@dataclass(frozen=True, eq=False)
+class _System:
+    """Normal equations of the states at the cycles' starts and of the common unknowns, and what the states mean.
+
+    The changes of stiffness and damping are `turn` (2 cycles, unknowns) times the unknowns plus `fixed` (2 cycles,);
+    `left` is the misfit before they are solved, `per_energy` (cycles,) the energy that a unit of damping takes a cycle.
+    """
+
+    normal: Array
+    gradient: Array
+    turn: Array
+    fixed: Array
+    left: float
+    per_energy: Array
+
+
 def compare_cycles(shooting: MultipleShooting) -> CycleErrors:
     """Return the errors of the tracked model in every cycle.
 
@@ -38,18 +54,37 @@ def compare_cycles(shooting: MultipleShooting) -> CycleErrors:
     and one of viscous damping make the model arrive where the next cycle begins. All cycles are solved at once,
     with lag, gain and offset of the acceleration as common unknowns.
     """
-    window, segments = shooting.window, shooting.segments
-    count = len(segments)
-    omega = shooting.frequency
-    common = nuisances(shooting)
-    extra = common.shape[1]
+    window, segments, count = shooting.window, shooting.segments, len(shooting.segments)
+    system = _assemble(shooting)
+    scale = np.sqrt(np.maximum(np.diag(system.normal), 1e-300))
+    inverse = np.linalg.inv(system.normal / np.outer(scale, scale)) / np.outer(scale, scale)
+    left = system.left - float(system.gradient @ inverse @ system.gradient)
+    kappa = system.turn @ (inverse @ system.gradient) + system.fixed
+    factors = np.concatenate([np.full(count, 50.0 * _SHARE), system.per_energy])
+    order = np.r_[0 : 2 * count : 2, 1 : 2 * count : 2]
+    errors = factors * kappa[order]
+    covariance = (system.turn @ inverse @ system.turn.T)[np.ix_(order, order)] * np.outer(factors, factors)
+    std = np.sqrt(np.diag(covariance))
+    sweep = np.hypot(shooting.displacement, shooting.velocity / shooting.frequency)
+    return CycleErrors(
+        frozen([window.time + 0.5 * (s.start + s.stop) / window.rate for s in segments]),
+        frozen([float(np.mean(sweep[s.start : s.stop])) for s in segments]),
+        frozen(errors[:count]),
+        frozen(std[:count]),
+        frozen(errors[count:]),
+        frozen(std[count:]),
+        frozen(covariance),
+        left / max(len(shooting.misfit) - len(system.gradient), 1),
+    )
+
+
+def _assemble(shooting: MultipleShooting) -> _System:
+    segments, omega, common = shooting.segments, shooting.frequency, nuisances(shooting)
+    count, extra = len(segments), common.shape[1]
     unknowns = 2 * (count + 1) + extra
-    normal = np.zeros((unknowns, unknowns))
-    gradient = np.zeros(unknowns)
-    turn = np.zeros((2 * count, unknowns))
-    fixed = np.zeros(2 * count)
-    left = 0.0
-    per_energy = np.zeros(count)
+    normal, gradient = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
+    turn, fixed = np.zeros((2 * count, unknowns)), np.zeros(2 * count)
+    left, per_energy = 0.0, np.zeros(count)
     for j, segment in enumerate(segments):
         until = segments[j + 1].begin if j + 1 < count else segment.stop - 1
         part = slice(segment.begin, segment.stop)
@@ -74,23 +109,4 @@ def compare_cycles(shooting: MultipleShooting) -> CycleErrors:
         turn[2 * j : 2 * j + 2, 2 * j + 2 : 2 * j + 4] = inverse
         fixed[2 * j : 2 * j + 2] = inverse @ gap
         per_energy[j] = _SHARE * omega * np.mean(v**2) * 2.0 * np.pi / omega
-    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    inverse = np.linalg.inv(normal / np.outer(scale, scale)) / np.outer(scale, scale)
-    left -= float(gradient @ inverse @ gradient)
-    kappa = turn @ (inverse @ gradient) + fixed
-    factors = np.concatenate([np.full(count, 50.0 * _SHARE), per_energy])
-    order = np.r_[0 : 2 * count : 2, 1 : 2 * count : 2]
-    errors = factors * kappa[order]
-    covariance = (turn @ inverse @ turn.T)[np.ix_(order, order)] * np.outer(factors, factors)
-    std = np.sqrt(np.diag(covariance))
-    sweep = np.hypot(shooting.displacement, shooting.velocity / omega)
-    return CycleErrors(
-        frozen([window.time + 0.5 * (s.start + s.stop) / window.rate for s in segments]),
-        frozen([float(np.mean(sweep[s.start : s.stop])) for s in segments]),
-        frozen(errors[:count]),
-        frozen(std[:count]),
-        frozen(errors[count:]),
-        frozen(std[count:]),
-        frozen(covariance),
-        left / max(len(shooting.misfit) - unknowns, 1),
-    )
+    return _System(normal, gradient, turn, fixed, left, per_energy)

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from identify.formatting import scaled
+
 
 @dataclass(frozen=True)
 class DiscrepancyText:
@@ -12,19 +14,19 @@ class DiscrepancyText:
 
     @property
     def force_scale(self) -> float:
-        """What turns a force per unit mass into the force that is told."""
+        """Factor from a force per unit mass to the force that is shown."""
         return 1.0 if self.mass is None else self.mass
 
     @property
     def force_unit(self) -> str:
-        """Unit of the force that is told."""
+        """Unit of the force that is shown."""
         if self.mass is None:
             return f"{self.unit}/s^2"
         return "N m" if self.unit == "rad" else "N"
 
     @property
     def energy_unit(self) -> str:
-        """Unit of the energy that is told."""
+        """Unit of the energy that is shown."""
         if self.mass is not None:
             return "J"
         return "J/kg" if self.unit == "m" else f"{self.unit}^2/s^2"
@@ -35,7 +37,7 @@ class DiscrepancyText:
 
     @property
     def length_unit(self) -> str:
-        """Unit of the lengths that are told."""
+        """Unit of the lengths that are shown."""
         return "mm" if self.unit == "m" else self.unit
 
     def over_displacement(
@@ -101,15 +103,6 @@ class DiscrepancyText:
     @staticmethod
     def _up_to(single: bool) -> str:
         return "" if single else "up to "
-
-
-def scaled(value: float, unit: str) -> str:
-    """Return a number to two figures with its unit, in thousandths where it is small and the unit can take a prefix."""
-    if value != 0.0 and abs(value) < 0.01 and unit[0] in "NJm" and "^" not in unit.split("/")[0]:
-        if abs(value) < 1e-5:
-            return f"{value * 1e6:.2g} u{unit}"
-        return f"{value * 1e3:.2g} m{unit}"
-    return f"{value:.2g} {unit}"
 
 
 def _where(side: int, way: int) -> str:

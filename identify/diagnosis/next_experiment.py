@@ -1,19 +1,14 @@
 """The next experiment: the recording that would separate the two best suspects most."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from identify.diagnosis.suspect import Suspect
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.problem import Problem
 from identify.preprocessing.fit_window import FitWindow
-
-if TYPE_CHECKING:
-    from identify.diagnosis.diagnose import Suspect
 
 _RELEASES = (
     (0.25, "a release from a quarter of the amplitude"),
@@ -31,7 +26,7 @@ _WORTH = 25.0
 
 def next_experiment(start: Baseline, verdict: str, suspects: tuple[Suspect, ...]) -> str:
     """Return what to record next, in a sentence; simulated where two suspects compete."""
-    rivals = [s for s in suspects if s.kind == "physics" and s.fit is not None and s.fit is not start.fit]
+    rivals = [s for s in suspects if s.kind == "physics" and s.fit is not start.fit]
     amplitude, unit = _amplitude(start)
     driven = start.decays[0].window.force is not None
     if verdict == "nothing_missing" and driven:
@@ -81,10 +76,8 @@ def _amplitude(start: Baseline) -> tuple[float, str]:
     return scale * side * prepared.amplitude, name
 
 
-def _apart(first: Fit | None, second: Fit | None, factor: float) -> float:
+def _apart(first: Fit, second: Fit, factor: float) -> float:
     """Return by how much chi-square would favour `first`, were it true, over `second` on one more release."""
-    if first is None or second is None:
-        return 0.0
     window = first.windows[0]
     moved = first.theta.copy()
     for i, unknown in enumerate(first.unknowns):
@@ -97,7 +90,7 @@ def _apart(first: Fit | None, second: Fit | None, factor: float) -> float:
     if not all(np.isfinite(values).all() for values in predicted.values()):
         return 0.0
     record: FitWindow = replace(window, readings=predicted)
-    start = dict(second.point)
+    start = second.point
     for unknown in second.unknowns:
         if unknown.window >= 0:
             value, again = start.pop(unknown.name), factor if unknown.simulated else 1.0

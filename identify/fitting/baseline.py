@@ -10,7 +10,7 @@ from identify.fitting.fit import Fit, fit
 from identify.fitting.floor import Floor, refine_floor
 from identify.fitting.initial_values import initial_values, regress_model
 from identify.model.model import Model
-from identify.preprocessing.dropouts import stale
+from identify.preprocessing.lost_readings import stale
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 ADEQUATE = 3.0
@@ -49,10 +49,18 @@ class Baseline:
         extra, readings = allowance(self.decays, found, found.model)
         return (found.chi_square + extra) / max(found.degrees + readings, 1)
 
+    @property
+    def at_floor(self) -> bool:
+        """Whether the fitted model reaches the floor, faults that it does not name counted in."""
+        return self._reaches(self.reduced(self.fit))
+
     def adequate(self, found: Fit) -> bool:
         """Whether a fit reaches the floor, corrected faults left out; one that is not sure gets the benefit of doubt."""
+        return self._reaches(found.reduced)
+
+    def _reaches(self, reduced: float) -> bool:
         doubt = 0.0 if self.floor_is_sure else DOUBT
-        return found.reduced <= 1.0 + max(ADEQUATE * self.spread, doubt)
+        return reduced <= 1.0 + max(ADEQUATE * self.spread, doubt)
 
 
 def fit_baseline(
@@ -65,13 +73,12 @@ def fit_baseline(
     found = fit(model, windows, start, frequency)
     mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
     if any(new is not old for new, old in zip(mended, decays, strict=True)):
-        values = dict(zip(found.names, found.theta.tolist(), strict=True))
-        found = fit(model, tuple(prepared.window for prepared in mended), values, frequency)
+        found = fit(model, tuple(prepared.window for prepared in mended), found.point, frequency)
     return refit_at_floor(mended, found)
 
 
 def _without_stale(prepared: PreparedDecay, found: Fit, i: int) -> PreparedDecay:
-    """Leave out the stale readings that only a fit can tell, in channels that are known to lose readings."""
+    """Leave out the stale readings that only a fit can show, in channels that are known to lose readings."""
     lost, used = dict(prepared.lost), dict(prepared.window.used)
     for channel, mask in prepared.lost.items():
         if int(mask.sum()) < FEWEST_LOST:
@@ -90,8 +97,7 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
     """Return a fit measured against the floor that its own residual shows."""
     floors = refine_floor(found, tuple(prepared.noise for prepared in decays))
     windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))
-    values = dict(zip(found.names, found.theta.tolist(), strict=True))
-    return Baseline(decays, fit(found.model, windows, values, found.frequency), floors)
+    return Baseline(decays, fit(found.model, windows, found.point, found.frequency), floors)
 
 
 def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:

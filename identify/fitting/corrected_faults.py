@@ -14,6 +14,7 @@ UNSTATED_GAIN_UNCERTAINTY = 2e-4
 """Relative uncertainty allowed to a pair of channels whose calibration says nothing."""
 
 FEWEST_LOST = 3
+_SIGNIFICANT_DROP = 12.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +29,11 @@ class CorrectedFault:
     readings: int
     parameters: dict[str, Estimate]
 
+    @property
+    def significant(self) -> bool:
+        """Whether it is worth a report."""
+        return self.drop > _SIGNIFICANT_DROP
+
 
 def corrected_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[CorrectedFault, ...]:
     """Return the faults that a fit has allowed for, each with what it would cost to do without; largest first."""
@@ -36,7 +42,7 @@ def corrected_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[Corre
 
 
 def allowance(decays: tuple[PreparedDecay, ...], fit: Fit, model: Model) -> tuple[float, int]:
-    """Return the chi-square and the readings of corrected faults that a model does not own up to."""
+    """Return the chi-square and the readings of corrected faults that a model does not name."""
     unnamed = [f for f in corrected_faults(decays, fit) if f.term.effect.name not in model]
     return sum(f.drop for f in unnamed), sum(f.readings for f in unnamed)
 

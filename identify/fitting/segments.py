@@ -1,23 +1,34 @@
-"""Episodes: a long record is fitted in pieces, each with a start of its own.
+"""Segments: a long record is fitted in pieces, each with a start of its own.
 
 Over hundreds of cycles a clock, a temperature or a draught moves the phase by more than any force does, and a free
 run from one start would take it for a force. Pieces of a dozen cycles, spread over the decay, share the
 physics and forgive the wandering between them.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.free_decay import FreeDecay
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 
 _LONG_CYCLES = 60.0
 _SEGMENT_CYCLES = 12.0
 _MOST = 6
 
 
+def segments_of(
+    decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
+) -> tuple[PreparedDecay, ...]:
+    """Return one release or several, prepared where they are not yet, long ones as their segments."""
+    given = [decays] if isinstance(decays, FreeDecay | PreparedDecay) else decays
+    ready = [prepare(decay) if isinstance(decay, FreeDecay) else decay for decay in given]
+    return tuple(piece for prepared in ready for piece in segments(prepared))
+
+
 def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
-    """Return a long release as up to six episodes spread evenly over it; a short one as it is.
+    """Return a long release as up to six segments spread evenly over it; a short one as it is.
 
     A driven motion is kept in step by its force, and stays whole.
     """
@@ -31,30 +42,13 @@ def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
 
 
 def _segment(prepared: PreparedDecay, first: int, length: int) -> PreparedDecay:
-    part = slice(first, first + length)
-    motion, window = prepared.motion, prepared.window
+    samples = slice(first, first + length)
+    window = prepared.window.part(samples)
+    used = {c: m & (np.arange(length) >= window.lead) for c, m in window.used.items()}
     return replace(
         prepared,
-        window=window.with_(
-            time=window.time + first / window.rate,
-            readings={c: r[part] for c, r in window.readings.items()},
-            used={c: _with_lead(m[part], window.lead) for c, m in window.used.items()},
-            pre_release=window.pre_release if first == 0 else None,
-            segment=True,
-        ),
-        motion=replace(
-            motion,
-            displacement=motion.displacement[part],
-            velocity=motion.velocity[part],
-            acceleration=motion.acceleration[part],
-            valid=motion.valid[part],
-        ),
-        lost={c: m[part] for c, m in prepared.lost.items()},
+        window=window.with_(used=used, pre_release=window.pre_release if first == 0 else None, segment=True),
+        motion=prepared.motion.part(samples),
+        lost={c: m[samples] for c, m in prepared.lost.items()},
         rest=prepared.rest if first == 0 else None,
     )
-
-
-def _with_lead(used: np.ndarray, lead: int) -> np.ndarray:
-    mask = np.array(used)
-    mask[:lead] = False
-    return mask

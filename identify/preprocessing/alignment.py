@@ -8,16 +8,17 @@ from scipy.ndimage import maximum_filter1d
 from identify.arrays import Array
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
+from identify.formatting import quantity
 from identify.free_decay import FreeDecay
+from identify.preprocessing.decimation import average_blocks
 from identify.preprocessing.noise import noise_of
+from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge, read_at_shift
 from identify.signal.kinematics import Agreement, Pair, agree
 from identify.signal.oscillation import dominant_frequency, running_amplitude
 from identify.signal.reversals import reversal_excess
 from identify.signal.smoothing import slope
-
-HAND_S = 0.030
-"""The hand has surely let go this long after the release, for oscillations of about 4 Hz."""
+from identify.summary import Summarised, Summary
 
 ONE_CHANNEL = (
     "Only one channel was recorded, so there is no lag to find: "
@@ -36,8 +37,8 @@ SUDDEN = 0.03
 """An uncertainty of this share of the acceleration's range is no reversal but a release within the record."""
 
 
-@dataclass(frozen=True)
-class Alignment:
+@dataclass(frozen=True, repr=False)
+class Alignment(Summarised):
     """How the displacement (or velocity) channel stands to the acceleration channel.
 
     `lag` in s is positive when the displacement is late. `gain` is the acceleration's gain relative to
@@ -50,6 +51,15 @@ class Alignment:
     method: str
     caution: str = ""
 
+    def brief(self) -> Summary:
+        """Return lag and gain with their errors."""
+        lag = Estimate(self.lag.value * 1e6, self.lag.std * 1e6, "us")
+        rows = (
+            ("lag of the displacement (or velocity)", quantity(lag)),
+            ("gain of the acceleration", quantity(self.gain)),
+        )
+        return Summary("Alignment of the channels", (self.caution,), ("quantity", "value"), rows)
+
 
 def align(decay: FreeDecay) -> Alignment:
     """Return lag and gain between the displacement (or velocity) and the acceleration, from kinematics alone.
@@ -60,14 +70,14 @@ def align(decay: FreeDecay) -> Alignment:
     if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
         raise NotIdentifiable(ONE_CHANNEL)
     valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.array(decay.valid)
-    frequency = dominant_frequency(bridge(decay.acceleration, valid)[decay.release :], decay.rate)
+    frequency = dominant_frequency(bridge(decay.acceleration, valid)[decay.start :], decay.rate)
     if frequency <= 0:
         raise NotIdentifiable(
             "The channels hold no oscillation to align: record a release with a visible decay."
         )
-    decay = coarser(decay, int(decay.rate / (ENOUGH_PER_PERIOD * frequency)))
+    decay, _ = average_blocks(decay, int(decay.rate / (ENOUGH_PER_PERIOD * frequency)))
     pair = pair_of(decay)
-    moving = slice(decay.release, None)
+    moving = slice(decay.start, None)
     _require_motion(pair, moving, frequency)
     upright, opposite = _starts(pair, moving, frequency)
     best = agree(pair, *upright, steps=8)
@@ -133,9 +143,9 @@ def pair_of(decay: FreeDecay, *, leave_out_hand: bool = True) -> Pair:
     sudden = jumps > (SUDDEN * float(np.ptp(high[valid]))) ** 2
     variance_high = noise_high**2 + np.where(sudden, jumps, 0.0)
     out = ~valid
-    if leave_out_hand and decay.release > 0:
-        after = decay.release + max(4, int(np.ceil(HAND_S * decay.rate)))
-        out[max(decay.release - 4, 0) : after] = True
+    if leave_out_hand and decay.start > 0:
+        after = decay.start + max(4, int(np.ceil(HAND_S * decay.rate)))
+        out[max(decay.start - 4, 0) : after] = True
     variance_low[out] = max(float(np.ptp(low[valid])), noise_low) ** 2
     variance_high[out] = max(float(np.ptp(high[valid])), noise_high) ** 2
     return Pair(
@@ -169,26 +179,6 @@ def jump_variance(high: Array, noise: float, rate: float) -> Array:
     extra[1:-2] += jump
     extra[2:-1] += jump
     return extra
-
-
-def coarser(decay: FreeDecay, step: int) -> FreeDecay:
-    """Return the decay averaged over blocks of `step` samples; a block that holds a lost sample is lost."""
-    if step < 2:
-        return decay
-    floors = noise_of(decay)
-    count = len(decay) // step
-
-    def blocks(values: Array) -> Array:
-        return values[: count * step].reshape(count, step)
-
-    changes: dict[str, object] = {"force": None if decay.force is None else blocks(decay.force).mean(axis=1)}
-    for name, floor in floors.items():
-        std = getattr(decay, f"noise_{name}") or floor.std
-        changes |= {name: blocks(getattr(decay, name)).mean(axis=1), f"noise_{name}": std / np.sqrt(step)}
-    valid = None if decay.valid is None else blocks(decay.valid.astype(float)).min(axis=1) > 0.5
-    rest = (-(-decay.rest[0] // step), decay.rest[1] // step)
-    release = -(-decay.release // step)
-    return decay.with_(rate=decay.rate / step, release=release, rest=rest, valid=valid, **changes)
 
 
 def _starts(pair: Pair, moving: slice, frequency: float) -> list[tuple[float, float]]:

@@ -1,27 +1,36 @@
-"""Thinning: a record with hundreds of samples a cycle, averaged in blocks to what the identification needs."""
+"""Block averages: a record with more samples a cycle than a step needs, averaged to what it needs."""
 
 import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.free_decay import FreeDecay
+from identify.preprocessing.noise import noise_of
 from identify.preprocessing.usable import CHANNELS, valid_samples
 from identify.signal.oscillation import dominant_frequency
 
-_ENOUGH = 256  # samples a cycle; a block's mean is then 2.5e-5 smaller than its middle
+ENOUGH = 256
+"""Samples a cycle that identification needs; a block's mean is then 2.5e-5 smaller than its middle."""
 
 
-def thinned(decay: FreeDecay) -> tuple[FreeDecay, float]:
-    """Return the decay with at most some 500 samples a cycle, and the time of its first sample, s.
+def block_averaged(decay: FreeDecay, enough: int = ENOUGH) -> tuple[FreeDecay, float]:
+    """Return the decay with at most twice `enough` samples a cycle, and the time of its first sample, s.
 
-    Blocks start at the release; a block with a lost sample is lost; white noise shrinks with the root of the
-    block's length. Unchanged, with 0 s, when it is slow enough already.
+    Unchanged, with 0 s, when it is slow enough already.
     """
     first = next(getattr(decay, name) for name in CHANNELS if getattr(decay, name) is not None)
-    frequency = flat_frequency(first[decay.release :], decay.rate)
-    block = int(decay.rate / frequency / _ENOUGH) if frequency > 0 else 1
+    frequency = flat_frequency(first[decay.start :], decay.rate)
+    return average_blocks(decay, int(decay.rate / frequency / enough) if frequency > 0 else 1)
+
+
+def average_blocks(decay: FreeDecay, block: int) -> tuple[FreeDecay, float]:
+    """Return the decay averaged over blocks of `block` samples, and the time of its first sample, s.
+
+    Blocks start at the release; a block with a lost sample is lost; white noise shrinks with the root of the
+    block's length.
+    """
     if block < 2:
         return decay, 0.0
-    skipped = decay.release % block
+    skipped = decay.start % block
     count = (len(decay) - skipped) // block
 
     def blocks(values: Array | Mask) -> Array:
@@ -29,16 +38,15 @@ def thinned(decay: FreeDecay) -> tuple[FreeDecay, float]:
 
     changes: dict[str, object] = {
         "rate": decay.rate / block,
-        "release": (decay.release - skipped) // block,
+        "release": (decay.start - skipped) // block,
         "rest": (-(-max(decay.rest[0] - skipped, 0) // block), max(decay.rest[1] - skipped, 0) // block),
         "valid": np.all(blocks(valid_samples(decay)), axis=1),
     }
     for name in (*CHANNELS, "force"):
         if getattr(decay, name) is not None:
             changes[name] = blocks(getattr(decay, name)).mean(axis=1)
-    for name in CHANNELS:
-        noise = getattr(decay, f"noise_{name}")
-        changes[f"noise_{name}"] = None if noise is None else noise / np.sqrt(block)
+    for name, floor in noise_of(decay).items():
+        changes[f"noise_{name}"] = (getattr(decay, f"noise_{name}") or floor.std) / np.sqrt(block)
     return decay.with_(**changes), (skipped + 0.5 * (block - 1)) / decay.rate
 
 

@@ -1,4 +1,4 @@
-"""A span: the part of a free decay that is fitted, and the noise that each reading has."""
+"""The fit window: the part of a free decay that is fitted, and the noise that each reading has."""
 
 from dataclasses import dataclass, replace
 from typing import Self
@@ -31,7 +31,7 @@ class FitWindow:
     `lag` is where the search for the lag begins (s) and `lag_reach` how far it may go. `gain_uncertainty` is what the
     calibration certificates leave open, and enters as a prior when the gain is judged. `pre_release` is None where the rest
     before the release was not seen. `force` is an external force per unit mass (m/s^2), None where none acts;
-    where the mass was only estimated, `force_known` is False and its scale is fitted. An `segment` is one of several
+    where the mass was only estimated, `force_known` is False and its scale is fitted. A `segment` is one of several
     pieces of a long release.
     """
 
@@ -77,10 +77,18 @@ class FitWindow:
         """Return a copy with some fields replaced."""
         return replace(self, **changes)  # type: ignore[arg-type]
 
-    def until(self, samples: int) -> Self:
-        """Return the span cut after some samples."""
+    def part(self, samples: slice) -> Self:
+        """Return some of the samples; with a step, the rate and the lead fall by it."""
+        step = samples.step or 1
         return self.with_(
-            readings={c: r[:samples] for c, r in self.readings.items()},
-            used={c: m[:samples] for c, m in self.used.items()},
-            force=None if self.force is None else self.force[:samples],
+            rate=self.rate / step,
+            time=self.time + (samples.start or 0) / self.rate,
+            readings={c: r[samples] for c, r in self.readings.items()},
+            used={c: m[samples] for c, m in self.used.items()},
+            lead=-(-self.lead // step),
+            force=None if self.force is None else self.force[samples],
         )
+
+    def until(self, samples: int) -> Self:
+        """Return the window cut after some samples."""
+        return self.part(slice(samples))

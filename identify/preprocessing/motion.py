@@ -1,6 +1,6 @@
 """Motion: displacement, velocity and acceleration that agree with each other."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -40,6 +40,17 @@ class Motion:
     noise_velocity: float | None = None
     noise_acceleration: float | None = None
 
+    def part(self, samples: slice) -> "Motion":
+        """Return some of the samples; with a step, the rate falls by it."""
+        return replace(
+            self,
+            rate=self.rate / (samples.step or 1),
+            displacement=self.displacement[samples],
+            velocity=self.velocity[samples],
+            acceleration=self.acceleration[samples],
+            valid=self.valid[samples],
+        )
+
 
 class _Parts(NamedTuple):
     displacement: Array
@@ -59,7 +70,7 @@ def reconstruct(decay: FreeDecay) -> Motion:
     The channels are taken as aligned (see `identify.preprocessing.alignment.correct`). Raises NotIdentifiable when fewer
     than 16 samples follow the release.
     """
-    start = decay.release
+    start = decay.start
     if len(decay) - start < SHORTEST:
         raise NotIdentifiable(
             f"Only {len(decay) - start} samples follow the release; at least {SHORTEST} are needed."

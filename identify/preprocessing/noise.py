@@ -46,7 +46,7 @@ def noise_of(decay: FreeDecay) -> dict[str, Noise]:
         if len(rest) >= SHORTEST_REST:
             result[name] = floor_at_rest(rest)
         else:
-            result[name] = floor_above_motion(values[decay.release :], valid[decay.release :])
+            result[name] = floor_above_motion(values[decay.start :], valid[decay.start :])
     return result
 
 

@@ -6,18 +6,19 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
+from identify.formatting import scaled
 from identify.free_decay import FreeDecay
-from identify.preprocessing.alignment import Alignment, align, correct
-from identify.preprocessing.dropouts import find_dropouts
+from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
+from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.equation_error import moving, regress
 from identify.preprocessing.fit_window import CHANNELS, FitWindow, PreReleaseMotion
 from identify.preprocessing.motion import Motion, reconstruct
-from identify.preprocessing.noise import Noise, noise_of
+from identify.preprocessing.noise import Noise
 from identify.preprocessing.release import Release
+from identify.summary import Summarised, Summary
 
 _SHORTEST_CYCLES = 4.0
 _LAG_REACH = 0.06
-_MOST_LOST = 0.2
 _SHORTEST_REST = 24
 _PRELUDE_SAMPLES = 4
 _PRELUDE_MARGIN = 16
@@ -36,8 +37,8 @@ class Rest:
     readings: dict[str, Array]
 
 
-@dataclass(frozen=True, eq=False)
-class PreparedDecay:
+@dataclass(frozen=True, eq=False, repr=False)
+class PreparedDecay(Summarised):
     """One release made ready to be fitted.
 
     `window` holds the readings, `motion` the displacement (from the spring's zero), velocity and acceleration along
@@ -56,6 +57,17 @@ class PreparedDecay:
     lost: dict[str, Mask]
     rest: Rest | None = None
 
+    def brief(self) -> Summary:
+        """Return what will be fitted."""
+        window = self.window
+        cycles = len(window) / window.rate * self.frequency / (2.0 * np.pi)
+        sentence = (
+            f"{cycles:.1f} cycles at {self.frequency / (2.0 * np.pi):.4g} Hz from {scaled(self.amplitude, window.unit)}, "
+            f"{', '.join(window.channels)}."
+        )
+        rows = [(name, scaled(noise.std, ""), noise.source) for name, noise in self.noise.items()]
+        return Summary("Prepared decay", (sentence,), ("channel", "noise (SI)", "read from"), rows)
+
     @property
     def time(self) -> Array:
         """Time since the release of each sample of the motion, s."""
@@ -73,30 +85,22 @@ class PreparedDecay:
         return float(np.max(np.abs(self.motion.displacement)))
 
 
-def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0) -> PreparedDecay:
-    """Make one release ready: align, reconstruct the motion, cut the record where friction takes over.
+def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -> PreparedDecay:
+    """Make one release ready to be fitted: locate, align, reconstruct the motion, cut the record where friction takes over.
 
-    Where a recorded force drives the motion on, it is taken into account, and the mass is estimated unless it is
-    known. Raises NotIdentifiable when fewer than four cycles remain.
+    `gain_uncertainty` is the relative uncertainty of the gain between the
+    two channels that their calibrations leave open, 0 where they say nothing. Where a recorded force drives the motion
+    on, it is taken into account, and the mass is estimated unless it is known. Raises NotIdentifiable when fewer than
+    four cycles remain.
     """
-    if decay.driven:
-        release = _liveliest(decay, release)
-    known = noise_of(decay)
-    noise = {name: max(found.std, 1e-300) for name, found in known.items()}
-    decay = decay.with_(**{f"noise_{name}": std for name, std in noise.items()})
-    lost = {name: find_dropouts(getattr(decay, name), std) for name, std in noise.items()}
-    lost = {name: mask for name, mask in lost.items() if mask.mean() < _MOST_LOST}
-    valid = np.ones(len(decay), dtype=bool) if decay.valid is None else np.asarray(decay.valid)
-    for mask in lost.values():
-        valid = valid & ~mask
-    record, decay = decay, decay.with_(valid=valid)
-    alignment = _align(decay)
-    corrected = correct(decay, alignment) if alignment is not None else decay
+    aligned = decay if isinstance(decay, AlignedDecay) else locate_and_align(decay)
+    record, corrected, noise = aligned.recorded, aligned.decay, aligned.noise
+    release = _most_active(record, aligned.release) if record.driven else aligned.release
     motion = reconstruct(corrected.with_(release=release.settle))
-    motion = _cut(motion, max(release.end - release.settle, 0))
+    motion = motion.part(slice(max(release.end - release.settle, 0)))
     if len(motion.displacement) < 16:
         raise NotIdentifiable("The motion after the release is too short; record at least four cycles.")
-    force = _force(decay, release, motion)
+    force = _force(record, release, motion)
     restoring = -motion.acceleration if force is None else force - motion.acceleration
     base = regress(restoring, _base_columns(motion), moving(motion))
     k, _, mu_0 = base.strengths
@@ -104,33 +108,34 @@ def prepare(decay: FreeDecay, release: Release, *, gain_uncertainty: float = 0.0
         raise NotIdentifiable("The motion shows no restoring force: is the displacement's sign reversed?")
     frequency = float(np.sqrt(k))
     zero = -base.constant / k
-    length = _length(motion, frequency, max(mu_0, 0.0) / k, noise)
-    if length * frequency / (2.0 * np.pi * decay.rate) < _SHORTEST_CYCLES:
+    sigma = {name: max(found.std, 1e-300) for name, found in noise.items()}
+    length = _length(motion, frequency, max(mu_0, 0.0) / k, sigma)
+    cycles = length * frequency / (2.0 * np.pi * record.rate)
+    if cycles < _SHORTEST_CYCLES:
         raise NotIdentifiable(
-            f"Only {length * frequency / (2.0 * np.pi * decay.rate):.1f} cycles of free motion stand above friction "
+            f"Only {cycles:.1f} cycles of free motion stand above friction "
             "and noise; record at least four, from a larger release."
         )
-    motion = _cut(motion, length)
-    motion = _shifted(motion, zero)
-    lost = {name: mask[release.settle :][: len(motion.displacement)] for name, mask in lost.items()}
-    window = _window(record, release, motion, frequency, noise, alignment, lost, gain_uncertainty).with_(
-        force=None if force is None else force[:length], force_known=decay.mass is not None
-    )
+    motion = replace(motion.part(slice(length)), displacement=motion.displacement[:length] - zero)
+    lost = {name: mask[release.settle :][: len(motion.displacement)] for name, mask in aligned.lost.items()}
+    window = _window(
+        record, release, motion, frequency, sigma, aligned.alignment, lost, gain_uncertainty
+    ).with_(force=None if force is None else force[:length], force_known=record.mass is not None)
     window = _without_reversals(window, motion, max(mu_0, 0.0))
-    thin = _thinning(len(window), decay.rate, frequency)
+    every = slice(None, None, _thinning(len(window), record.rate, frequency))
     return PreparedDecay(
-        _thinned(window.with_(pre_release=_pre_release(corrected, release, zero)), thin),
-        _thinned_motion(motion, thin),
+        window.part(every).with_(pre_release=_pre_release(corrected, release, zero)),
+        motion.part(every),
         frequency,
-        alignment,
+        aligned.alignment,
         zero,
-        known,
-        {name: mask[::thin] for name, mask in lost.items()},
+        noise,
+        {name: mask[every] for name, mask in lost.items()},
         _rest_of(record, release),
     )
 
 
-def _liveliest(decay: FreeDecay, release: Release) -> Release:
+def _most_active(decay: FreeDecay, release: Release) -> Release:
     """Return the stretch of the largest motion in a driven record, which has no decay to be followed from its start."""
     reading = next(r for c in CHANNELS if (r := getattr(decay, c)) is not None)
     if len(reading) <= _LONG:
@@ -166,56 +171,6 @@ def _thinning(samples: int, rate: float, frequency: float) -> int:
     if samples <= _LONG:
         return 1
     return max(1, min(int(2.0 * np.pi * rate / frequency / _DENSEST), samples // (_LONG // 2)))
-
-
-def _thinned(window: FitWindow, thin: int) -> FitWindow:
-    if thin == 1:
-        return window
-    return window.with_(
-        rate=window.rate / thin,
-        readings={c: r[::thin] for c, r in window.readings.items()},
-        used={c: m[::thin] for c, m in window.used.items()},
-        lead=-(-window.lead // thin),
-        force=None if window.force is None else window.force[::thin],
-    )
-
-
-def _thinned_motion(motion: Motion, thin: int) -> Motion:
-    if thin == 1:
-        return motion
-    part = slice(None, None, thin)
-    return replace(
-        motion,
-        rate=motion.rate / thin,
-        displacement=motion.displacement[part],
-        velocity=motion.velocity[part],
-        acceleration=motion.acceleration[part],
-        valid=motion.valid[part],
-    )
-
-
-def _align(decay: FreeDecay) -> Alignment | None:
-    if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
-        return None
-    try:
-        return align(decay)
-    except NotIdentifiable:
-        return None
-
-
-def _cut(motion: Motion, samples: int) -> Motion:
-    part = slice(0, samples)
-    return replace(
-        motion,
-        displacement=motion.displacement[part],
-        velocity=motion.velocity[part],
-        acceleration=motion.acceleration[part],
-        valid=motion.valid[part],
-    )
-
-
-def _shifted(motion: Motion, zero: float) -> Motion:
-    return replace(motion, displacement=motion.displacement - zero)
 
 
 def _without_reversals(window: FitWindow, motion: Motion, friction: float) -> FitWindow:

@@ -8,15 +8,14 @@ from scipy.ndimage import binary_dilation, maximum_filter1d, median_filter, mini
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
+from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree
 
 ReleaseKind = Literal["displaced", "impulse", "in_motion"]
-
-HAND_S = 0.030
-"""The hand has surely let go this long after the release (it takes 20 ms at most, and channels differ by 3 ms)."""
 
 LEAD_S = 0.015
 """The rest ends this long before the release: half a slow hand, and an early channel."""
@@ -62,6 +61,13 @@ class _Burst(NamedTuple):
     stop: int
     amplitude: float
     from_record_start: bool
+
+
+def release_of(decay: FreeDecay) -> Release:
+    """Return the release with the largest motion in a decay's record; the whole record where a force drives it."""
+    if decay.driven:
+        return Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0))
+    return find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)
 
 
 def find_release(

@@ -7,7 +7,8 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 
 CHANNELS = ("displacement", "velocity", "acceleration")  # by number of derivatives
-HAND_S = 0.03  # a hand takes up to 20 ms to let go; the ideal release loses an eighth of a cycle to it
+HAND_S = 0.030
+"""A hand has surely let go this long after the release: it takes 20 ms at most, and channels differ by 3 ms."""
 
 
 def valid_samples(decay: FreeDecay) -> Mask:
@@ -26,9 +27,9 @@ def first_free_sample(decay: FreeDecay, frequency: float | None = None) -> int:
     before the release began in mid-decay: no hand, no wait.
     """
     if decay.rest[1] <= decay.rest[0]:
-        return decay.release
+        return decay.start
     wait = HAND_S if frequency is None else min(HAND_S, 0.25 / frequency)
-    return decay.release + int(np.ceil(wait * decay.rate))
+    return decay.start + int(np.ceil(wait * decay.rate))
 
 
 def last_large_sample(envelope: Array, threshold: float) -> int:

@@ -45,6 +45,11 @@ class ForceFit:
     polynomial: Polynomial
     force_gain: float
 
+    @property
+    def std(self) -> Array:
+        """Standard errors of damping, stiffness, offset and, where it was unknown, 1/m, in this order."""
+        return np.sqrt(np.diag(self.covariance))
+
 
 def fit_orders(
     window: ForceWindow, windows: Windows, max_order: int, stiffness_orders: tuple[int, ...], decay: FreeDecay

@@ -1,4 +1,4 @@
-"""The span that the restoring force is fitted on: the motion, where it is free and large, and its noise."""
+"""The window that the restoring force is fitted on: the motion, where it is free and large, and its noise."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -57,7 +57,7 @@ class ForceWindow:
         return share * 2 * np.pi / self.angular_frequency
 
     def cut(self, values: Array) -> Array:
-        """Return the span's part of `values`, which are as long as the motion."""
+        """Return the window's part of `values`, which are as long as the motion."""
         return values[self.first : self.stop]
 
 
@@ -105,8 +105,8 @@ def noise_of_agreeing(decay: FreeDecay) -> Noises:
     return (("consistent", spectrum),)
 
 
-def span_of(decay: FreeDecay, motion: Motion, noise: Noises) -> ForceWindow:
-    """Return the span of a motion: after the hand, above sticking and noise; all of it where a force drives it.
+def window_of(decay: FreeDecay, motion: Motion, noise: Noises) -> ForceWindow:
+    """Return the window of a motion: after the release is over, above sticking and noise; all of it where a force drives it.
 
     Raises NotIdentifiable when it holds no oscillation or too few cycles.
     """
@@ -158,7 +158,7 @@ def _dry_friction(window: ForceWindow) -> float:
 
 
 def points_of(window: ForceWindow) -> NDArray[np.int_]:
-    """Samples of the span whose force and sign of velocity can be trusted, as indices into the motion."""
+    """Samples of the window whose force and sign of velocity can be trusted, as indices into the motion."""
     v = window.cut(window.motion.velocity)
     turned = np.zeros(len(v), dtype=np.bool_)
     reversal = np.flatnonzero(v[1:] * v[:-1] <= 0)

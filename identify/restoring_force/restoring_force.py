@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 from identify.arrays import Array, frozen
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
+from identify.formatting import identified_rows
 from identify.free_decay import FreeDecay
-from identify.preprocessing.decimation import thinned
+from identify.preprocessing.aligned_decay import AlignedDecay, aligned
+from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.motion import Motion, reconstruct
-from identify.preprocessing.spikes import without_spikes
 from identify.preprocessing.usable import valid_samples
 from identify.restoring_force.force_regression import ForceFit, fit_orders
 from identify.restoring_force.force_window import (
@@ -21,12 +22,13 @@ from identify.restoring_force.force_window import (
     noise_levels,
     noise_of_agreeing,
     points_of,
-    span_of,
+    window_of,
 )
 from identify.restoring_force.surface import Section, grid_of, sections_of
 from identify.signal.order_selection import choose_order
 from identify.signal.smoothing import slope
 from identify.signal.weak_form import place_windows
+from identify.summary import Summarised, Summary
 from identify.units import damping_unit, stiffness_unit, with_mass
 
 __all__ = [
@@ -39,8 +41,8 @@ __all__ = [
 _FALL = 0.995  # of the lower order's misfit: there are many rows, and most hold no damping
 
 
-@dataclass(frozen=True, eq=False)
-class RestoringForceResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class RestoringForceResult(Summarised):
     """What the restoring force surface says.
 
     `stiffness` is K (N/m with a mass, 1/s^2 without); `damping` holds mu_i per unit mass by order
@@ -77,11 +79,16 @@ class RestoringForceResult:
     stiffness_per_mass: Estimate
     mass: Estimate | None = None
 
+    def brief(self) -> Summary:
+        """Return the coefficients with their errors, and why these orders were chosen."""
+        rows = identified_rows(self.stiffness_by_order, self.damping)
+        return Summary("Restoring force surface", (f"{self.reason}.",), ("coefficient", "value"), rows)
+
 
 def identify_restoring_force(
-    decay: FreeDecay, max_order: int = 3, stiffness_orders: tuple[int, ...] = (1,)
+    decay: FreeDecay | AlignedDecay, max_order: int = 3, stiffness_orders: tuple[int, ...] = (1,)
 ) -> RestoringForceResult:
-    """Identify the restoring force of a decay whose channels are aligned.
+    """Identify the restoring force of a decay; one that has not been located is located and aligned first.
 
     `max_order` is the highest order of damping tried, `stiffness_orders` the displacement orders of eq. (15).
     With a recorded `force` the equation is driven (eq. 14): as force per unit mass where the mass is known, else
@@ -89,7 +96,7 @@ def identify_restoring_force(
     the lag's standard error adds nothing here; see `identify_restoring_force_as_recorded` for what it does
     otherwise. Raises NotIdentifiable when there is too little to identify.
     """
-    decay, begins = thinned(without_spikes(decay))
+    decay, begins = block_averaged(aligned(decay))
     motion = calmed(reconstruct(decay))
     result = _identify(decay, motion, noise_of_agreeing(decay), max_order, stiffness_orders)
     return replace(result, time=frozen(result.time + begins))
@@ -105,11 +112,11 @@ def identify_restoring_force_as_recorded(
     """
     if decay.displacement is None or decay.acceleration is None:
         raise NotIdentifiable("the restoring force as recorded needs a displacement and an acceleration")
-    after = slice(decay.release, None)
+    after = slice(decay.start, None)
     displacement, acceleration = decay.displacement[after], decay.acceleration[after]
     motion = Motion(
         decay.rate,
-        decay.release,
+        decay.start,
         frozen(displacement),
         frozen(slope(displacement, decay.rate)),
         frozen(acceleration),
@@ -131,7 +138,7 @@ def _identify(
     max_order: int,
     stiffness_orders: tuple[int, ...],
 ) -> RestoringForceResult:
-    window = span_of(decay, motion, noise)
+    window = window_of(decay, motion, noise)
     windows = place_windows(window.valid, motion.rate, window.angular_frequency)
     if 2 * len(windows.first) < max_order + len(stiffness_orders) + 4:
         raise NotIdentifiable("gaps leave too few whole stretches of two cycles; record again without losses")
@@ -166,33 +173,20 @@ def _result(
 
     force, polynomial = measured(chosen), chosen.polynomial
     force_fit = polynomial(u, v)
-    spread = np.sqrt(np.diag(chosen.covariance))
     terms = {_damping_name(i): mu * np.abs(v) ** i * np.sign(v) for i, mu in enumerate(polynomial.damping)}
     terms |= {_power("u", j): chi * u**j for j, chi in polynomial.stiffness.items()}
-    orders = list(polynomial.stiffness)
-    per_mass = {
-        j: Estimate(float(chi), float(spread[chosen.order + 1 + at]), stiffness_unit(j, False, decay.unit))
-        for at, (j, chi) in enumerate(polynomial.stiffness.items())
-    }
+    per_mass = _stiffness_per_mass(chosen, decay.unit)
     by_order = {
         j: with_mass(value, j, decay.mass, decay.mass_std, decay.unit) for j, value in per_mass.items()
     }
+    first = next(iter(per_mass))
     grid_u, grid_v, surface, visited = grid_of(polynomial, u, v)
     at_rest, at_zero = sections_of(polynomial, u, v, force)
-    mass = None
-    if window.force is not None and decay.mass is None:
-        gain = chosen.force_gain
-        mass = Estimate(1 / gain, float(spread[-1]) / gain**2, "force/acceleration")
     return RestoringForceResult(
-        stiffness=by_order[orders[0]],
+        stiffness=by_order[first],
         stiffness_by_order=by_order,
-        damping=tuple(
-            Estimate(float(mu), float(spread[i]), damping_unit(i, decay.unit))
-            for i, mu in enumerate(polynomial.damping)
-        ),
-        offset=Estimate(
-            polynomial.offset, float(spread[chosen.order + 1 + len(orders)]), damping_unit(0, decay.unit)
-        ),
+        damping=_damping(chosen, decay.unit),
+        offset=_offset(chosen, decay.unit),
         order=chosen.order,
         reason=reason,
         mse_percent=_mse_percent(force, force_fit),
@@ -212,9 +206,30 @@ def _result(
         visited=visited,
         section_zero_velocity=at_rest,
         section_zero_displacement=at_zero,
-        stiffness_per_mass=per_mass[orders[0]],
-        mass=mass,
+        stiffness_per_mass=per_mass[first],
+        mass=None if window.force is None or decay.mass is not None else _mass(chosen),
     )
+
+
+def _damping(fit: ForceFit, unit: str) -> tuple[Estimate, ...]:
+    values = enumerate(fit.polynomial.damping)
+    return tuple(Estimate(float(mu), float(fit.std[i]), damping_unit(i, unit)) for i, mu in values)
+
+
+def _stiffness_per_mass(fit: ForceFit, unit: str) -> dict[int, Estimate]:
+    return {
+        j: Estimate(float(chi), float(fit.std[fit.order + 1 + at]), stiffness_unit(j, False, unit))
+        for at, (j, chi) in enumerate(fit.polynomial.stiffness.items())
+    }
+
+
+def _offset(fit: ForceFit, unit: str) -> Estimate:
+    place = fit.order + 1 + len(fit.polynomial.stiffness)
+    return Estimate(fit.polynomial.offset, float(fit.std[place]), damping_unit(0, unit))
+
+
+def _mass(fit: ForceFit) -> Estimate:
+    return Estimate(1 / fit.force_gain, float(fit.std[-1]) / fit.force_gain**2, "force/acceleration")
 
 
 def _damping_name(order: int) -> str:

@@ -32,7 +32,7 @@ _SETTLED = 0.05
 
 @dataclass(frozen=True, eq=False)
 class Observed:
-    """One channel of the span, ready for the ridge.
+    """One channel of the window, ready for the ridge.
 
     `samples` (n,) are the channel's, `derivatives` 0, 1 or 2 says how often displacement was differentiated to give it,
     `noise` its white-noise standard deviation; `points` are the samples at which the ridge is
@@ -139,7 +139,7 @@ def parameters_of(
 def exact_decay(
     observed: Observed, envelope_fit: EnvelopeFit, phase_fit: PhaseFit, orders: tuple[int, ...]
 ) -> Decay:
-    """Integrate the fitted model over the span from the fitted first amplitude and phase."""
+    """Integrate the fitted model over the window from the fitted first amplitude and phase."""
     stiffness, damping = parameters_of(envelope_fit, phase_fit, orders)
     amplitude, phase = envelope_fit.parameters[0], phase_fit.parameters[0]
     loss = -np.polynomial.polynomial.polyval(amplitude, envelope_fit.parameters[1:])

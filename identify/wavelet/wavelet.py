@@ -6,15 +6,17 @@ import numpy as np
 
 from identify.arrays import Array, Mask, frozen, frozen_mask
 from identify.estimate import Estimate
+from identify.formatting import identified_rows
 from identify.free_decay import FreeDecay
-from identify.preprocessing.decimation import thinned
-from identify.preprocessing.spikes import without_spikes
+from identify.preprocessing.aligned_decay import AlignedDecay, aligned
+from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.usable import CHANNELS
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
 from identify.signal.hilbert import hilbert_envelope
 from identify.signal.morlet import scalogram
 from identify.signal.order_selection import choose_order
+from identify.summary import Summarised, Summary
 from identify.units import damping_unit, stiffness_unit, with_mass
 from identify.wavelet.envelope import EnvelopeFit, PhaseFit
 from identify.wavelet.ridge_fit import (
@@ -29,12 +31,12 @@ from identify.wavelet.ridge_fit import (
     parameters_of,
 )
 from identify.wavelet.ridge_newton import settle
-from identify.wavelet.ridge_span import observe_span
 from identify.wavelet.ridge_spread import (
     clearances_of_envelopes,
     clearances_of_phases,
     spreads_of,
 )
+from identify.wavelet.ridge_window import observe_window
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _CHANGES_OF_MODEL = 3  # the orders may be chosen again once the chosen model's bias has been taken off
@@ -43,8 +45,8 @@ _KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
 _TRUSTED = 0.9  # share of the window that must hold samples
 
 
-@dataclass(frozen=True, eq=False)
-class WaveletResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class WaveletResult(Summarised):
     """What the envelope and the instantaneous frequency say.
 
     `stiffness` is K (N/m with a mass, 1/s^2 without); `damping` holds mu_i per unit mass by order
@@ -82,17 +84,24 @@ class WaveletResult:
     stiffness_per_mass: Estimate
     stiffness_reason: str
 
+    def brief(self) -> Summary:
+        """Return the coefficients with their errors, and why these orders were chosen."""
+        rows = identified_rows(self.stiffness_by_order, self.damping)
+        reasons = (f"{self.reason}.", f"{self.stiffness_reason}.")
+        return Summary("Wavelet envelope and phase", reasons, ("coefficient", "value"), rows)
 
-def identify_wavelet(decay: FreeDecay, max_order: int = 3) -> WaveletResult:
+
+def identify_wavelet(decay: FreeDecay | AlignedDecay, max_order: int = 3) -> WaveletResult:
     """Identify stiffness and damping from the envelope and the phase of one channel.
 
-    Displacement is used where there is one, else velocity, else acceleration. `max_order` is the highest
+    A decay that has not been located is located and aligned first. Displacement is used where there is one, else
+    velocity, else acceleration. `max_order` is the highest
     order of damping that is tried, eq. (4). Raises NotIdentifiable when there is too little to identify.
-    Standard errors come from the channel's noise (`noise_*`; measured on the span where unknown) carried
+    Standard errors come from the channel's noise (`noise_*`; measured on the window where unknown) carried
     through the transform, and grow with what the model leaves unexplained.
     """
-    decay, begins = thinned(without_spikes(decay))
-    start, observed = observe_span(decay)
+    decay, begins = block_averaged(aligned(decay))
+    start, observed = observe_window(decay)
     fit = settle(observed, first_fit(observed, min(1, max_order), (1,)))
     for _ in range(_CHANGES_OF_MODEL):
         trials = [other_order(observed, fit, order) for order in range(max_order + 1)]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from station.commands.options import MASS, MASS_STD
 from station.output import json_option, print_json, progress, screen
 
 MOST_TAKES = 3
@@ -28,10 +29,8 @@ if TYPE_CHECKING:
     metavar="FOLDER",
     help="Folder of the new session (default: ./sessions/release_TIME).",
 )
-@click.option(
-    "--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles)."
-)
-@click.option("--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass.")
+@MASS
+@MASS_STD
 @click.option("--duration", type=float, metavar="S", help="Seconds after the release (8).")
 @click.option("--rate", type=float, metavar="HZ", help="Sampling rate (256).")
 @click.option("--pre-trigger", type=float, metavar="S", help="Seconds kept before the release (1).")
@@ -68,7 +67,7 @@ def command(
     as_json: bool,
     **timing: Any,
 ) -> None:
-    """Record one release, tell its verdict, and identify it.
+    """Record one release, judge the recording, and identify it.
 
     Hold the mass still until the station is armed, then let it go.
     """
@@ -91,46 +90,56 @@ def command(
 
 
 def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
-    """Tell whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
+    """Return whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
     verdict = session.verdict
-    if verdict is None or verdict.word.value == "OK" or again is False:
+    if verdict is None or verdict.grade.value == "OK" or again is False:
         return False
-    said = f"{verdict.word.value}: {verdict.reasons[0]}"
+    sentence = f"{verdict.grade.value}: {verdict.reasons[0]}"
     if again is None:
         if as_json or not (sys.stdin.isatty() and sys.stderr.isatty()):
             return False
-        progress(said)
-        return click.confirm("Take it again?", default=verdict.word.value == "REJECT", err=True)
-    if verdict.word.value != "REJECT":
+        progress(sentence)
+        return click.confirm("Take it again?", default=verdict.grade.value == "REJECT", err=True)
+    if verdict.grade.value != "REJECT":
         return False
-    progress(f"{said}; taken again (kept: {session.folder})")
+    progress(f"{sentence}; taken again (kept: {session.folder})")
     return True
 
 
-def finish(session: "Session", url: str | None, settings: "Settings", as_json: bool) -> dict[str, Any]:
-    """Tell the verdict, identify, show; return the document that `--json` prints."""
+def finish(
+    session: "Session",
+    url: str | None,
+    settings: "Settings",
+    as_json: bool,
+    note: str = "",
+    **more: Any,
+) -> None:
+    """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""
     from station.operations.capturing import show_result
-    from station.operations.identifying import identify_session, options_for, refuse_if_nothing
+    from station.operations.identifying import identify_session, refuse_if_nothing
+    from station.story.preparation import options_for
     from station.text.terminal import next_steps, show_identification
 
     verdict = session.verdict
     if verdict is not None:
-        progress(f"verdict: {'; '.join([verdict.word.value, *verdict.reasons])}")
+        progress(f"verdict: {'; '.join([verdict.grade.value, *verdict.reasons])}")
         for advice in verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, options_for(session, settings))
-    told = {
-        "session": str(session.folder),
-        "verdict": None if verdict is None else verdict.model_dump(mode="json"),
-        "identification": document,
-    }
-    if as_json:
-        print_json(told)
-    else:
+    if not as_json:
         show_identification(screen(), session.folder.name, result)
+        if note:
+            screen().print(note, markup=False, soft_wrap=True)
     file = show_result(url, session, result)
     progress(f"viewer's recording: {file}")
-    if not as_json:
+    if as_json:
+        known = {
+            "session": str(session.folder),
+            "viewer_recording": str(file),
+            "verdict": None if verdict is None else verdict.model_dump(mode="json"),
+            "identification": document.plain(),
+        }
+        print_json(known | more)
+    else:
         next_steps(screen(), session.folder)
     refuse_if_nothing(result)
-    return told

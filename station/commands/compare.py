@@ -4,30 +4,21 @@ from pathlib import Path
 
 import click
 
+from station.commands.options import MASS_INSTEAD, MODEL
 from station.output import json_option, print_json, progress, screen
 
 
 @click.command("compare")
 @click.argument("session")
-@click.option(
-    "--model",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Model, instead of stiffness and friction.",
-)
-@click.option(
-    "--mass",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="KG",
-    help="Mass, instead of the session's.",
-)
+@MODEL
+@MASS_INSTEAD
 @click.option("--view", "with_view", is_flag=True, help="Write the Compare tab for the viewer, and open it.")
 @json_option
 @click.pass_obj
 def command(
     settings_file: str | None,
     session: str,
-    model: Path | None,
+    model_file: Path | None,
     mass: float | None,
     with_view: bool,
     as_json: bool,
@@ -39,15 +30,14 @@ def command(
     and viscous friction.
     """
     from station.operations.comparing import compare_session, write_view
-    from station.operations.identifying import options_for
     from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
-    compared, document = compare_session(opened, options_for(opened, settings, mass), model)
+    compared, document = compare_session(opened, settings, model_file, mass=mass)
     if as_json:
-        print_json(document)
+        print_json(document.plain())
     else:
         from station.text.comparison_text import show_comparison
 

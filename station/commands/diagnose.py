@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER
 from station.output import json_option, print_json, progress, screen
 
 if TYPE_CHECKING:
@@ -14,24 +15,10 @@ if TYPE_CHECKING:
 
 @click.command("diagnose")
 @click.argument("sessions", nargs=-1, required=True, metavar="SESSION...")
-@click.option(
-    "--model", "model_file", type=click.Path(path_type=Path), metavar="FILE", help="Model to begin with."
-)
-@click.option(
-    "--effects",
-    "effects_file",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Your own effects (Python).",
-)
-@click.option(
-    "--gain-uncertainty",
-    "gain_percent",
-    type=click.FloatRange(0, 50),
-    metavar="PERCENT",
-    help="What the calibrations leave open between the channels.",
-)
-@click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
+@MODEL
+@EFFECTS
+@GAIN
+@NO_VIEWER
 @json_option
 @click.pass_obj
 def command(
@@ -56,7 +43,7 @@ def command(
     found, document = diagnose_sessions(opened, model_file, effects_file, progress)
     keep(opened, document)
     if as_json:
-        print_json(document)
+        print_json(document.plain())
     else:
         from station.text.diagnosis_text import show_diagnosis
 

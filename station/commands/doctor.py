@@ -99,9 +99,9 @@ def _print(findings: list["Finding"]) -> None:
     colours = {"PASS": "green", "WARN": "yellow", "FAIL": "red"}
     table = Table.grid(padding=(0, 1))
     for finding in findings:
-        told = finding.found
+        text = finding.found
         if finding.remedy and finding.grade != "PASS":
-            told += f"\n-> {finding.remedy}"
+            text += f"\n-> {finding.remedy}"
         grade = Text(finding.grade.value, style=colours[finding.grade.value])
-        table.add_row(grade, Text(finding.check), Text(told))
+        table.add_row(grade, Text(finding.check), Text(text))
     screen().print(table)

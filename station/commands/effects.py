@@ -13,7 +13,7 @@ from station.output import json_option, print_json, progress, screen
 @click.option("--picture", type=click.Path(path_type=Path), metavar="FILE", help="Write its picture as PNG.")
 @json_option
 def command(name: str | None, picture: Path | None, as_json: bool) -> None:
-    """List the effects that may be missing, or show one in full.
+    """List the effects that may be missing, or describe NAME.
 
     With NAME: its equation, parameters with units and bounds, how it shows,
     what proves it, what it is confused with, its force and its signature.

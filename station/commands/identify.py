@@ -4,18 +4,14 @@ from typing import Any
 
 import click
 
+from station.commands.options import MASS_INSTEAD
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
 
 @click.command("identify")
 @click.argument("session")
-@click.option(
-    "--mass",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="KG",
-    help="Mass, instead of the session's.",
-)
+@MASS_INSTEAD
 @click.option("--session", "into", metavar="FOLDER", help="Where a data file is imported to.")
 @click.option("--max-order", type=click.IntRange(0, 5), help="Highest order of damping that is tried.")
 @click.option("--stiffness-orders", metavar="1,3", help="Orders of displacement in the restoring force.")
@@ -44,8 +40,9 @@ def command(
     """
     from dataclasses import replace
 
-    from station.operations.identifying import identify_session, options_for, refuse_if_nothing
+    from station.operations.identifying import identify_session, refuse_if_nothing
     from station.settings import load_settings
+    from station.story.preparation import options_for
 
     settings = load_settings(settings_file)
     opened = _opened(session, into, mass, settings)
@@ -56,7 +53,7 @@ def command(
         options = replace(options, stiffness_orders=_orders(stiffness_orders))
     result, document = identify_session(opened, options)
     if as_json:
-        print_json(document)
+        print_json(document.plain())
     else:
         from station.text.terminal import next_steps, show_identification
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from station.commands.options import MASS, MASS_STD
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
@@ -21,10 +22,8 @@ if TYPE_CHECKING:
     metavar="FOLDER",
     help="Folder of the new session (default: ./sessions/NAME).",
 )
-@click.option(
-    "--mass", type=click.FloatRange(min=0, min_open=True), metavar="KG", help="Mass (kg m^2 for angles)."
-)
-@click.option("--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass.")
+@MASS
+@MASS_STD
 @click.option(
     "--column",
     "columns",

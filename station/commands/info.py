@@ -12,7 +12,7 @@ from station.output import json_option, print_json, screen
 @json_option
 @click.pass_obj
 def command(settings_file: str | None, session: str, as_json: bool) -> None:
-    """Tell what SESSION holds: metadata, channels, losses, verdict, results."""
+    """Show what SESSION holds: metadata, channels, losses, verdict, results."""
     from station.results.sessions import open_session
     from station.settings import load_settings
 

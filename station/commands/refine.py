@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress, screen
 
@@ -12,27 +13,15 @@ from station.output import json_option, print_json, progress, screen
 @click.argument("session")
 @click.option("--add", "added", metavar="EFFECT", help='A name, or "magnet = a*u/(1+(u/b)**2)".')
 @click.option("--remove", "removed", metavar="EFFECT", help="Take an effect out of the model.")
-@click.option("--auto", is_flag=True, help="Climb to the floor: add what is missing, say why it stops.")
+@click.option(
+    "--auto", is_flag=True, help="Add what is missing until the noise floor is reached; say why it stops."
+)
 @click.option("--to", "number", type=click.IntRange(min=0), metavar="N", help="Go back to rung N.")
 @click.option("--reset", is_flag=True, help="Begin the ladder again.")
-@click.option(
-    "--model", "model_file", type=click.Path(path_type=Path), metavar="FILE", help="Begin with this model."
-)
-@click.option(
-    "--effects",
-    "effects_file",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Your own effects (Python).",
-)
-@click.option(
-    "--gain-uncertainty",
-    "gain_percent",
-    type=click.FloatRange(0, 50),
-    metavar="PERCENT",
-    help="What the calibrations leave open between the channels.",
-)
-@click.option("--no-viewer", is_flag=True, help="Do not show the ladder in the viewer.")
+@MODEL
+@EFFECTS
+@GAIN
+@NO_VIEWER
 @json_option
 @click.pass_obj
 def command(
@@ -60,7 +49,7 @@ def command(
         raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
     from dataclasses import replace
 
-    from station.operations.refining import add, climb_on, go_to, open_refinement, remove
+    from station.operations.refining import add, go_to, open_refinement, refine_to_floor, remove
     from station.results.ladder import ladder_document, write_ladder
     from station.results.sessions import open_session
     from station.settings import load_settings
@@ -74,7 +63,7 @@ def command(
     elif removed:
         ladder = remove(refinement, removed)
     elif auto:
-        ladder = climb_on(refinement, progress)
+        ladder = refine_to_floor(refinement, progress)
     elif number is not None:
         ladder = go_to(refinement, number)
     else:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from station.commands.options import MASS_INSTEAD
 from station.output import json_option, print_json, progress
 
 
@@ -15,12 +16,7 @@ from station.output import json_option, print_json, progress
     metavar="FILE",
     help="Where to write it (default: results/report.html in the session).",
 )
-@click.option(
-    "--mass",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="KG",
-    help="Mass, instead of the session's.",
-)
+@MASS_INSTEAD
 @click.option("--diagnose", is_flag=True, help="Diagnose first (takes some seconds).")
 @click.option("--open", "with_browser", is_flag=True, help="Open it in the browser.")
 @json_option
@@ -39,13 +35,13 @@ def command(
     It needs nothing outside itself, prints to PDF through the browser, and
     says what was left out and why. Identifies and compares on the way.
     """
-    from station.report.write import make_report
+    from station.report.write import write_report
     from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
-    report = make_report(opened, output, settings=settings, mass=mass, diagnose=diagnose, tell=progress)
+    report = write_report(opened, output, settings=settings, mass=mass, diagnose=diagnose, progress=progress)
     if as_json:
         print_json(
             {"session": opened.folder.name, "report": str(report.path.resolve()), "left_out": report.left_out}

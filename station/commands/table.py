@@ -1,11 +1,14 @@
 """`station table`: the paper's tables for any number of sessions."""
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from station.exits import UsageProblem
 from station.output import print_json, progress
+
+if TYPE_CHECKING:
+    from station.results.identification_document import IdentificationDocument
 
 FORMATS = ("text", "csv", "latex", "json")
 
@@ -22,13 +25,14 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
     table.
     """
     from identify.errors import NotIdentifiable
-    from station.operations.identifying import identify_session, options_for
+    from station.operations.identifying import identify_session
     from station.results.sessions import open_session
     from station.settings import load_settings
+    from station.story.preparation import options_for
     from station.text import table
 
     settings = load_settings(settings_file)
-    documents: list[dict[str, Any]] = []
+    documents: list[IdentificationDocument] = []
     for name in sessions:
         session = open_session(name, settings.sessions)
         try:
@@ -42,9 +46,9 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
         documents.append(document)
     if not documents:
         raise NotIdentifiable("none of the sessions could be identified")
-    if len({document["record"]["unit"] for document in documents}) > 1:
+    if len({document.record.unit for document in documents}) > 1:
         raise UsageProblem("some sessions are in m and some in rad: make one table of each")
-    if len({document["record"]["mass_kg"] is None for document in documents}) > 1:
+    if len({document.record.mass_kg is None for document in documents}) > 1:
         raise UsageProblem(
             "some sessions have a mass and some have none: K has no common unit; give --mass on import"
         )

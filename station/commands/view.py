@@ -30,9 +30,10 @@ def command(
 
     Identifies it first, and keeps the recording in the session's results.
     """
-    from station.operations.identifying import identify_session, options_for, write_view
+    from station.operations.identifying import identify_session, write_view
     from station.results.sessions import open_session
     from station.settings import load_settings
+    from station.story.preparation import options_for
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)

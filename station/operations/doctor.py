@@ -14,7 +14,7 @@ import numpy as np
 
 from daq.board_sample import BoardSample
 from daq.port_facts import PortFacts
-from daq.wiring_check import suspicions, swings
+from daq.wiring_check import large_motion, suspicions
 
 PACKAGES = ("numpy", "scipy", "numba", "pyserial", "rerun-sdk", "pydantic", "rich")
 SPACE_MB = (50, 1000)
@@ -138,7 +138,7 @@ def _levels(sample: BoardSample) -> Iterator[Finding]:
     for channel, all_samples in zip(recording.channels, recording.samples, strict=True):
         samples = all_samples[recording.valid]
         level, noise, span = float(samples.mean()), _noise(samples), float(np.ptp(samples))
-        told = f"level {level:.4g}, noise {noise:.2g}, span {span:.2g} {channel.unit}"
+        text = f"level {level:.4g}, noise {noise:.2g}, span {span:.2g} {channel.unit}"
         grade, remedy = Grade.PASS, ""
         if span == 0.0:
             grade, remedy = Grade.FAIL, "not one code of change: check the sensor, its supply and its wire"
@@ -146,7 +146,7 @@ def _levels(sample: BoardSample) -> Iterator[Finding]:
             channel.high, samples.max(), channel.resolution
         ):
             grade, remedy = Grade.FAIL, "at the end of its range: centre the sensor, or take a wider range"
-        yield Finding(grade, channel.name, told, remedy)
+        yield Finding(grade, channel.name, text, remedy)
 
 
 def _at_end(end: float | None, value: float, step: float | None) -> bool:
@@ -154,12 +154,12 @@ def _at_end(end: float | None, value: float, step: float | None) -> bool:
 
 
 def _rate(sample: BoardSample) -> Finding:
-    said, clock = sample.recording.rate, sample.clock
+    stated, clock = sample.recording.rate, sample.clock
     if clock is None or not np.isfinite(clock.std):
-        return Finding(Grade.WARN, "rate", f"{said:g} Hz by the board, too few frames to check it")
-    told = f"{said:g} Hz by the board, {clock.rate:.2f} +- {clock.std:.2f} Hz by this computer"
-    off = abs(clock.rate / said - 1) > max(CLOCK_LIMIT, 5 * clock.std / said)
-    return Finding(Grade.FAIL if off else Grade.PASS, "rate", told, "correct the rate in the firmware")
+        return Finding(Grade.WARN, "rate", f"{stated:g} Hz by the board, too few frames to check it")
+    text = f"{stated:g} Hz by the board, {clock.rate:.2f} +- {clock.std:.2f} Hz by this computer"
+    off = abs(clock.rate / stated - 1) > max(CLOCK_LIMIT, 5 * clock.std / stated)
+    return Finding(Grade.FAIL if off else Grade.PASS, "rate", text, "correct the rate in the firmware")
 
 
 def _wiring(sample: BoardSample) -> Iterator[Finding]:
@@ -193,7 +193,7 @@ def _swinging_from(x: np.ndarray) -> int | None:
     centred = x - x[-len(x) // 8 :].mean()
     if np.ptp(x) < MOVES * _noise(x):
         return None
-    big, crossings = swings(centred)
+    big, crossings = large_motion(centred)
     if crossings < 4:
         return None
     signs = np.sign(centred[big])

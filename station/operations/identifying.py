@@ -1,19 +1,20 @@
 """Identify a session and keep what was found in it."""
 
-import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING
 
 from daq.session import Session
 from station.exits import NOT_IDENTIFIABLE, Problem
-from station.output import finite
-from station.results.document import as_document
-from station.settings import Settings
+from station.results.documents import write_document
+from station.results.identification_document import NAME, IdentificationDocument, identification_document
 from station.story.identification import Identification
-from station.story.pipeline import Options, identify
+from station.story.pipeline import identify
+from station.story.preparation import Options
 
-RESULT = "identification.json"
+if TYPE_CHECKING:
+    from station.views.tab import Tab
+
 VIEW = "identification.rrd"
 
 
@@ -24,25 +25,11 @@ class NothingIdentified(Problem):
     reported = True
 
 
-def options_for(session: Session, settings: Settings, mass: float | None = None) -> Options:
-    """Return the mass as the option, the session or the settings give it, and the orders from the settings."""
-    info, specimen = session.info, settings.specimen
-    weight: float | None
-    error: float | None
-    if mass is not None:
-        weight, error = mass, None
-    elif info.mass_kg is not None:
-        weight, error = info.mass_kg, info.mass_std_kg
-    else:
-        weight, error = specimen.mass_kg, specimen.mass_std_kg
-    return Options(weight, error, settings.identify.max_order, settings.identify.stiffness_orders)
-
-
-def identify_session(session: Session, options: Options) -> tuple[Identification, dict[str, Any]]:
-    """Run the pipeline on a session and write results/identification.json; return both forms."""
+def identify_session(session: Session, options: Options) -> tuple[Identification, IdentificationDocument]:
+    """Identify a session and write results/identification.json; return the identification and its document."""
     result = identify(session.recording(), options)
-    document = as_document(session.folder.name, result)
-    session.write_result(RESULT, json.dumps(finite(document), indent=2, ensure_ascii=False) + "\n")
+    document = identification_document(session.folder.name, result)
+    write_document(session, NAME, document)
     return result, document
 
 
@@ -53,7 +40,7 @@ def refuse_if_nothing(result: Identification) -> None:
         raise NothingIdentified("nothing could be identified: " + "; ".join(reasons))
 
 
-def write_view(session: Session, result: Identification, more: tuple[Any, ...] = ()) -> Path:
+def write_view(session: Session, result: Identification, more: "tuple[Tab, ...]" = ()) -> Path:
     """Write the tabs of the viewer into the session's results, `more` after those of the identification."""
     from station.views import show
 

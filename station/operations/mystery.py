@@ -21,21 +21,25 @@ from station.exits import Problem
 from station.operations.capturing import record
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
-from station.operations.identifying import options_for
 from station.operations.new_session import capture_settings, new_folder
 from station.operations.refining import add, open_refinement
-from station.operations.session_set import SessionSet, make_ready
-from station.operations.simulated_board import double
+from station.operations.session_set import SessionSet
+from station.operations.simulated_board import simulated_board
 from station.output import print_json, progress, screen
+from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.settings import Settings
-from station.text.diagnosis_text import show_diagnosis, size
+from station.story.preparation import prepare_session
+from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
+from station.text.numbers import three_figures
 
 MASS_KG = 21.36
 SEEDS = 1000
 MOST_PLACES = 3
 BOARD = "mocks.mystery"
+
+Say = Callable[[str, str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,14 +48,14 @@ class Solved:
 
     seed: int
     session: Session
-    diagnosis: dict[str, Any]
+    diagnosis: DiagnosisDocument
     ladder: KeptLadder
     truth: dict[str, Any]
 
     @property
     def found(self) -> tuple[str, ...]:
         """What the diagnosis named."""
-        return tuple(self.diagnosis["named"])
+        return tuple(self.diagnosis.named)
 
     @property
     def right(self) -> bool:
@@ -69,25 +73,19 @@ def play(
     no_viewer: bool,
     as_json: bool,
 ) -> None:
-    """Run the whole story; a seed of None is drawn."""
+    """Record, compare, diagnose, refine, and reveal what was hidden; a seed of None is drawn."""
     console = screen()
-    say = _silent if as_json else _teller(console)
+    say = _say_nothing if as_json else _on_screen(console)
     chosen = secrets.randbelow(SEEDS) if seed is None else seed
     say(
         f"THE MYSTERY, number {chosen}",
         "A simulated board starts as a program of its own. Something is hidden in its bench: a force that the usual "
-        "model (stiffness, dry and viscous friction) does not have, or a faulty sensor. This program is not told "
-        "what. Let us record one release and find out.",
+        "model (stiffness, dry and viscous friction) does not have, or a faulty sensor. This program does not "
+        "know which. Let us record one release and find out.",
     )
-    info = SessionInfo(specimen=f"mystery {chosen}", mass_kg=MASS_KG, operator="demo")
-    wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
-    where = folder or new_folder(settings.sessions, f"mystery_{chosen}")
-    with TemporaryDirectory() as aside:
-        sealed_envelope = Path(aside) / "truth.json"
-        with double(chosen, speed, pty, "--truth", str(sealed_envelope), module=BOARD) as port:
-            progress(f"a simulated board answers at {port}")
-            session, url = record(port, wanted, where, not no_viewer)
-        solved = _solve(session, settings, say, console if not as_json else None, chosen, sealed_envelope)
+    solved, url = solve(
+        settings, chosen, speed, pty, folder, no_viewer, say=say, console=None if as_json else console
+    )
     if as_json:
         print_json(_document(solved))
     else:
@@ -95,18 +93,41 @@ def play(
     if not no_viewer:
         from station.operations.viewer_tabs import show_ladder as show
 
-        opened = open_refinement(session, settings)
+        opened = open_refinement(solved.session, settings)
         if show(opened, url):
             progress("the viewer shows the ladder: step along its timeline `rung`")
 
 
-Say = Callable[[str, str], None]
+def solve(
+    settings: Settings,
+    seed: int,
+    speed: float,
+    pty: bool,
+    folder: Path | None,
+    no_viewer: bool,
+    *,
+    say: Say,
+    console: Console | None = None,
+) -> tuple[Solved, str | None]:
+    """Record the mystery of a seed and solve it; return what came out and the URL of the live viewer.
+
+    The samples are a function of the seed: at any `speed`, on any line, the same are recorded.
+    """
+    info = SessionInfo(specimen=f"mystery {seed}", mass_kg=MASS_KG, operator="demo")
+    wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
+    where = folder or new_folder(settings.sessions, f"mystery_{seed}")
+    with TemporaryDirectory() as temporary:
+        envelope = Path(temporary) / "truth.json"
+        with simulated_board(seed, speed, pty, "--truth", str(envelope), module=BOARD) as port:
+            progress(f"a simulated board answers at {port}")
+            session, url = record(port, wanted, where, not no_viewer)
+        return _solve(session, settings, say, console, seed, envelope), url
 
 
 def _solve(
     session: Session, settings: Settings, say: Say, console: Console | None, seed: int, envelope: Path
 ) -> Solved:
-    sessions = SessionSet((session,), (make_ready(session, settings),))
+    sessions = SessionSet((session,), (prepare_session(session, settings),))
     say(
         "1. COMPARE: how well does the usual model explain the recording?",
         "The model is fitted, then run freely from the release, and laid over the measurement.",
@@ -117,17 +138,17 @@ def _solve(
         "2. DIAGNOSE: what is missing?",
         "Every effect that the library knows is added in turn, refitted, and judged by what chance alone would do.",
     )
-    _, document = diagnose_sessions(sessions, tell=progress)
+    _, document = diagnose_sessions(sessions, progress=progress)
     keep(sessions, document)
     if console is not None:
         show_diagnosis(console, document)
     ladder = refinement.ladder
-    if document["named"]:
+    if document.named:
         say(
             "3. ADD: the model gets it, and the error falls",
-            f"station refine {session.folder} --add {document['named'][0]}",
+            f"station refine {session.folder} --add {document.named[0]}",
         )
-        for name in document["named"]:
+        for name in document.named:
             ladder = add(replace(refinement, ladder=ladder), name)
         if console is not None:
             show_ladder(console, session.folder.name, ladder)
@@ -140,17 +161,16 @@ def _solve(
 
 
 def _compare(session: Session, settings: Settings, console: Console | None) -> None:
-    compared, _ = compare_session(session, options_for(session, settings))
+    compared, _ = compare_session(session, settings)
     if console is None:
         return
-    start, found = compared.start, compared.comparison
-    error = errors_of(start)
+    found, error = compared.comparison, errors_of(compared.baseline)
     console.print(
         Padding(
             Text(
-                f"force error {size(error.force_mse_percent)} %, motion error {size(error.motion_percent)} % "
-                f"over {error.horizon_s:.1f} s. "
-                f"Small? It is {size(error.chi_square)} times what noise explains "
+                f"force error {three_figures(error.force_mse_percent)} %, "
+                f"motion error {three_figures(error.motion_percent)} % over {error.horizon_s:.1f} s. "
+                f"Small? It is {three_figures(error.chi_square)} times what noise explains "
                 f"(1.00 ± {error.floor_std:.2f} is the floor)."
             ),
             (0, 1, 1, 1),
@@ -208,8 +228,8 @@ def _side_by_side(solved: Solved) -> list[str]:
             if id.effect == solved.truth["hidden"]:
                 lines.append(f"{name:<30}{value:>11.5g}")
             continue
-        std = "" if estimate["std"] is None else f" ± {estimate['std']:.2g}"
-        lines.append(f"{name:<30}{value:>11.5g}   found {estimate['value']:.6g}{std} {estimate['unit']}")
+        std = "" if estimate.std is None else f" ± {estimate.std:.2g}"
+        lines.append(f"{name:<30}{value:>11.5g}   found {estimate.value:.6g}{std} {estimate.unit}")
     return lines
 
 
@@ -217,14 +237,14 @@ def _verdict(solved: Solved) -> Text:
     hidden, chi_square = solved.truth["hidden"], solved.ladder.top.error.chi2
     if solved.right:
         return Text(
-            f"FOUND: {hidden} was named, and what is left is {size(chi_square)} times the noise.",
+            f"FOUND: {hidden} was named, and what is left is {three_figures(chi_square)} times the noise.",
             style="bold green",
         )
     if solved.found:
-        rivals = solved.diagnosis["suspects"][0]["confusable_with"]
-        told = " It did say that the two are easily taken for each other." if hidden in rivals else ""
-        return Text(f"NOT FOUND: {solved.found[0]} was named instead of {hidden}.{told}", style="bold red")
-    verdict = solved.diagnosis["verdict"].replace("_", " ")
+        rivals = solved.diagnosis.suspects[0].confusable_with
+        warned = " It did say that the two are easily taken for each other." if hidden in rivals else ""
+        return Text(f"NOT FOUND: {solved.found[0]} was named instead of {hidden}.{warned}", style="bold red")
+    verdict = solved.diagnosis.verdict.replace("_", " ")
     return Text(f"NOT NAMED: the verdict was '{verdict}', and {hidden} was there.", style="bold yellow")
 
 
@@ -232,7 +252,7 @@ def _document(solved: Solved) -> dict[str, Any]:
     return {
         "seed": solved.seed,
         "session": str(solved.session.folder),
-        "diagnosis": solved.diagnosis,
+        "diagnosis": solved.diagnosis.plain(),
         "ladder": ladder_document(solved.session, solved.ladder),
         "hidden": {
             "effect": solved.truth["hidden"],
@@ -244,7 +264,7 @@ def _document(solved: Solved) -> dict[str, Any]:
     }
 
 
-def _teller(console: Console) -> Say:
+def _on_screen(console: Console) -> Say:
     def say(title: str, text: str) -> None:
         console.print()
         console.rule(Text(title, style="bold cyan"), align="left")
@@ -254,5 +274,5 @@ def _teller(console: Console) -> Say:
     return say
 
 
-def _silent(title: str, text: str) -> None:
-    """Tell nothing."""
+def _say_nothing(title: str, text: str) -> None:
+    """Print nothing, where one JSON object is wanted."""

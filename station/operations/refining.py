@@ -1,33 +1,32 @@
-"""Refine: one effect in or out of a session's model, or a climb to the floor; the ladder is kept."""
+"""Refine: one effect in or out of a session's model, or all that is missing; the ladder is kept."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from daq.session import Session
-from identify.diagnosis.refine import Rung, add_effect, climb, first_rung, remove_effect
+from identify.diagnosis.ladder import Rung, add_effect, first_rung, remove_effect
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
-from identify.fitting.baseline import ADEQUATE
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.session_set import chosen_model, make_ready, whole_library
-from station.results.ladder import Errors, KeptLadder, KeptRung, kept, read_ladder, write_ladder
+from station.operations.session_set import chosen_model, whole_library
+from station.results.documents import Errors
+from station.results.ladder import KeptLadder, KeptRung, kept_rung, read_ladder, write_ladder
 from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
-
-Tell = Callable[[str], None]
+from station.story.pipeline import Progress, refine
+from station.story.preparation import prepare_session
 
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
-    """A session's ladder with what it takes to go on: `library` and `setting`."""
+    """A session's ladder with what it takes to go on: its release and the library."""
 
     session: Session
-    setting: PreparedDecay
+    prepared: PreparedDecay
     library: tuple[Effect, ...]
     ladder: KeptLadder
 
@@ -50,29 +49,30 @@ def open_refinement(
     ladder = None if reset or model_file is not None else read_ladder(session)
     if gain_percent is None and ladder is not None:
         gain_percent = ladder.gain_percent
-    setting = make_ready(session, settings, gain_percent)
+    prepared = prepare_session(session, settings, gain_percent)
     if ladder is None:
-        model, known, expressions = chosen_model(model_file, (setting,), library)
-        rung = first_rung((setting,), model, known)
+        model, known, expressions = chosen_model(model_file, (prepared,), library)
+        rung = first_rung((prepared,), model, known)
         ladder = KeptLadder(
-            rungs=(kept(rung, expressions),),
+            format=1,
+            rungs=(kept_rung(rung, expressions),),
             present=0,
-            floor=floor_of(setting, rung),
+            floor=floor_of(prepared, rung),
             gain_percent=gain_percent,
         )
-    return Refinement(session, setting, library, ladder)
+    return Refinement(session, prepared, library, ladder)
 
 
-def floor_of(setting: PreparedDecay, rung: Rung) -> Errors:
+def floor_of(prepared: PreparedDecay, rung: Rung) -> Errors:
     """Return what noise alone leaves of the three errors."""
-    motion, span = setting.motion, rung.fit.windows[0]
+    motion, window = prepared.motion, rung.fit.windows[0]
     used = moving(motion)
-    channel = span.channels[0]
+    channel = window.channels[0]
     noise = motion.noise_acceleration or 0.0
     return Errors(
-        force_mse_percent=float(100.0 * noise**2 / np.var(setting.restoring[used])),
+        force_mse_percent=float(100.0 * noise**2 / np.var(prepared.restoring[used])),
         motion_percent=float(
-            100.0 * span.sigma[channel] / np.std(span.readings[channel][span.used[channel]])
+            100.0 * window.sigma[channel] / np.std(window.readings[channel][window.used[channel]])
         ),
         chi2=1.0,
     )
@@ -81,7 +81,7 @@ def floor_of(setting: PreparedDecay, rung: Rung) -> Errors:
 def rung_again(refinement: Refinement, rung: KeptRung) -> Rung:
     """Return a kept rung with its fit, found again from its values."""
     known = known_model(rung.model, "the ladder", refinement.library)
-    return first_rung((refinement.setting,), known.model, known.values | rung.nuisances)
+    return first_rung((refinement.prepared,), known.model, known.values | rung.nuisances)
 
 
 def add(refinement: Refinement, wanted: str) -> KeptLadder:
@@ -98,7 +98,7 @@ def add(refinement: Refinement, wanted: str) -> KeptLadder:
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
     return _extended(
-        refinement, (kept(rung, expressions),), _manual(rung, f"as asked, {effect.name} was added")
+        refinement, (kept_rung(rung, expressions),), _manual(rung, f"as asked, {effect.name} was added")
     )
 
 
@@ -111,23 +111,23 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
         raise UsageProblem(f"{name} is all that the model has; add something before removing it")
     rung = remove_effect(top, name)
     expressions = refinement.ladder.top.model.expressions
-    return _extended(refinement, (kept(rung, expressions),), _manual(rung, f"as asked, {name} was removed"))
-
-
-def climb_on(refinement: Refinement, tell: Tell) -> KeptLadder:
-    """Add what is missing until nothing is; `tell` is told each rung."""
-    top = refinement.ladder.top
-    expressions = top.model.expressions
-    known = known_model(top.model, "the ladder", refinement.library)
-    settings = (refinement.setting,)
-
-    def told(rung: Rung, words: str) -> None:
-        tell(f"{words}: chi2 {rung.error.chi_square:.3g} ({' + '.join(rung.effects)})")
-
-    found, _ = climb(
-        settings, known.model, library=refinement.library, known=known.values | top.nuisances, progress=told
+    return _extended(
+        refinement, (kept_rung(rung, expressions),), _manual(rung, f"as asked, {name} was removed")
     )
-    new = tuple(kept(rung, expressions) for rung in found.rungs[1:])
+
+
+def refine_to_floor(refinement: Refinement, progress: Progress) -> KeptLadder:
+    """Add what is missing until nothing is; each rung is reported to `progress`."""
+    top = refinement.ladder.top
+    known = known_model(top.model, "the ladder", refinement.library)
+    found = refine(
+        refinement.prepared,
+        known.model,
+        known.values | top.nuisances,
+        library=refinement.library,
+        progress=progress,
+    )
+    new = tuple(kept_rung(rung, top.model.expressions) for rung in found.rungs[1:])
     return _extended(refinement, new, (found.stopped_because, found.verdict))
 
 
@@ -152,10 +152,9 @@ def _extended(refinement: Refinement, new: tuple[KeptRung, ...], why: tuple[str,
 
 
 def _manual(rung: Rung, done: str) -> tuple[str, str | None]:
-    chi_square, spread = rung.error.chi_square, rung.error.floor_std
-    if chi_square <= 1.0 + ADEQUATE * spread:
+    if rung.at_floor:
         return f"{done}; the noise floor is reached", None
-    return f"{done}; {chi_square:.3g} times the noise is left", None
+    return f"{done}; {rung.error.chi_square:.3g} times the noise is left", None
 
 
 def _found(name: str, library: tuple[Effect, ...]) -> Effect:

@@ -9,7 +9,7 @@ from station.exits import Problem
 
 
 @contextlib.contextmanager
-def double(seed: int, speed: float, pty: bool, *more: str, module: str = "mocks") -> Iterator[str]:
+def simulated_board(seed: int, speed: float, pty: bool, *more: str, module: str = "mocks") -> Iterator[str]:
     """Start the simulated board, give the name of its port, and end it afterwards."""
     line = ["--pty"] if pty else ["--tcp", "0"]
     arguments = [*line, "--seed", str(seed), "--speed", f"{speed:g}", *more]
@@ -25,8 +25,10 @@ def double(seed: int, speed: float, pty: bool, *more: str, module: str = "mocks"
         first = process.stdout.readline().strip()
         if not first.startswith("port: "):
             process.kill()
-            said = process.communicate()[1].strip().splitlines()
-            raise Problem(f"the simulated board did not start: {said[-1] if said else 'it said nothing'}")
+            complaint = process.communicate()[1].strip().splitlines()
+            raise Problem(
+                f"the simulated board did not start: {complaint[-1] if complaint else 'it gave no reason'}"
+            )
         yield first.removeprefix("port: ")
     finally:
         process.terminate()

@@ -5,24 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.comparison.phase_plane import ForceSection
-from station.quantities import shown
-from station.report.drawing import (
-    BAND,
-    GREY,
-    INK,
-    MODEL,
-    OTHER,
-    both,
-    curve,
-    embedded,
-    joined,
-    literal,
-    paper,
-    zero_lines,
-)
-from station.report.numbers import unit
+from station.report.drawing import BAND, GREY, INK, OTHER, both, curve, embedded, joined, paper
 from station.story.compared import Compared
+from station.text.numbers import energy_scale, scale
+from station.views import plots
+from station.views.plots import PAPER, literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,46 +17,45 @@ if TYPE_CHECKING:
 NOISE = 2.0
 SURE = 3.0
 COARSE = 5000.0
-MANY = 60
 
 
 def overlay(compared: Compared) -> str:
     """Draw measured and modelled channels, and under each what is left with the band of the noise."""
-    span, fit = compared.start.fit.windows[0], compared.start.fit
-    rows = 2 * len(span.channels)
-    drawn, axes = paper(1.3 * rows, rows, sharex=True, height_ratios=[1.5, 1.0] * len(span.channels))
-    for place, channel in enumerate(span.channels):
-        factor, name = shown(channel, span.unit)
-        measured = np.where(span.used[channel], span.readings[channel], np.nan)
+    window, fit = compared.baseline.fit.windows[0], compared.baseline.fit
+    rows = 2 * len(window.channels)
+    drawn, axes = paper(1.3 * rows, rows, sharex=True, height_ratios=[1.5, 1.0] * len(window.channels))
+    for place, channel in enumerate(window.channels):
+        factor, name = scale(channel, window.unit)
+        measured = np.where(window.used[channel], window.readings[channel], np.nan)
         axis = axes[2 * place]
-        both(axis, span.clock, measured * factor, fit.predicted[0][channel] * factor, ("measured", "model"))
-        axis.set_ylabel(literal(f"{channel}\n[{unit(name)}]"))
+        both(axis, window.clock, measured * factor, fit.predicted[0][channel] * factor, ("measured", "model"))
+        axis.set_ylabel(literal(f"{channel}\n[{name}]"))
         axis.legend(loc="upper right", ncols=2)
         axis.margins(y=0.16)
         left_over(axes[2 * place + 1], compared, channel)
-    axes[-1].set(xlabel="time since the release [s]", xlim=(span.clock[0], span.clock[-1]))
+    axes[-1].set(xlabel="time since the release [s]", xlim=(window.clock[0], window.clock[-1]))
     return embedded(drawn)
 
 
 def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
     """Draw what a model leaves of one channel over the band of its noise."""
-    fit = compared.start.fit
-    span = fit.windows[0]
-    left = np.where(span.used[channel], fit.residual(channel), np.nan)
-    fine, name = shown(channel, span.unit, fine=True)
+    fit = compared.baseline.fit
+    window = fit.windows[0]
+    left = np.where(window.used[channel], fit.residual(channel), np.nan)
+    fine, name = scale(channel, window.unit, fine=True)
     if float(np.nanmax(np.abs(left))) * fine > COARSE:
-        fine, name = shown(channel, span.unit)
-    noise = NOISE * span.sigma[channel] * fine
+        fine, name = scale(channel, window.unit)
+    noise = NOISE * window.sigma[channel] * fine
     axis.axhspan(-noise, noise, color=BAND, lw=0)
     for level in (-noise, noise):
         axis.axhline(level, color=GREY, lw=0.5, ls=":")
-    curve(axis, span.clock, left * fine, color=OTHER, lw=0.7)
-    axis.set_ylabel(literal(f"left [{unit(name)}]"))
+    curve(axis, window.clock, left * fine, color=OTHER, lw=0.7)
+    axis.set_ylabel(literal(f"left [{name}]"))
 
 
 def closing_in(first: Compared, last: Compared) -> str:
     """Draw what the first and the present model leave of the same channel, each with the band of the noise."""
-    channel = first.start.fit.windows[0].channels[0]
+    channel = first.baseline.fit.windows[0].channels[0]
     drawn, axes = paper(2.9, 2, sharex=True)
     for axis, compared, title in zip(axes, (first, last), ("usual model", "present model"), strict=True):
         left_over(axis, compared, channel)
@@ -81,12 +67,12 @@ def closing_in(first: Compared, last: Compared) -> str:
 def phase_plane(compared: Compared) -> str:
     """Draw the force that the model lacks over the phase plane, its sign written in each bin that stands out, and cuts."""
     found = compared.comparison
-    plane, words = found.phase_plane, DiscrepancyText(found.unit, found.mass)
-    factor, length = shown("displacement", found.unit)
+    plane, units = found.phase_plane, DiscrepancyText(found.unit, found.mass)
+    factor, length = scale("displacement", found.unit)
     drawn, axes = paper(4.6, 2, 2)
     at_reversal, at_middle = axes[2:]
     wide = joined(drawn, axes[:2])
-    force = plane.force * words.force_scale
+    force = plane.force * units.force_scale
     reach = float(np.nanmax(np.abs(force))) if np.isfinite(force).any() else 1.0
     mesh = wide.pcolormesh(
         plane.displacement_edges * factor, plane.velocity_edges, np.ma.masked_invalid(force),
@@ -101,60 +87,38 @@ def phase_plane(compared: Compared) -> str:
                 color="white" if dark else INK,
             )  # fmt: skip
     wide.set(
-        xlabel=literal(f"displacement [{length}]"), ylabel=literal(f"velocity [{unit(f'{found.unit}/s')}]")
+        xlabel=literal(f"displacement [{length}]"),
+        ylabel=literal(f"velocity [{found.unit}/s]"),
     )
     wide.set_title("measured less model force")
     wide.grid(visible=False)
     bar = drawn.colorbar(mesh, ax=wide, pad=0.02)
-    bar.set_label(literal(f"force [{unit(words.force_unit)}]"))
+    bar.set_label(literal(f"force [{units.force_unit}]"))
     bar.outline.set_visible(False)
     down, up = plane.sections_at_reversal
-    _section(at_reversal, up, factor, words, ("^-", INK, "moving to the positive side"))
-    _section(at_reversal, down, factor, words, ("v--", MODEL, "moving to the negative side"))
+    plots.missing_section(at_reversal, up, factor, units, PAPER, "^-", "moving to the positive side")
+    plots.missing_section(at_reversal, down, factor, units, PAPER, "v--", "moving to the negative side")
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
     at_reversal.legend(loc="best")
-    _section(at_middle, plane.section_at_middle, 1.0, words, ("o-", INK, ""))
-    at_middle.set(xlabel=literal(f"velocity [{unit(f'{found.unit}/s')}]"), title="at displacement 0: damping")
-    at_reversal.set_ylabel(literal(f"measured less\nmodel [{unit(words.force_unit)}]"))
+    plots.missing_section(at_middle, plane.section_at_middle, 1.0, units, PAPER, "o-", "")
+    at_middle.set(xlabel=literal(f"velocity [{found.unit}/s]"), title="at displacement 0: damping")
+    at_reversal.set_ylabel(literal(f"measured less\nmodel [{units.force_unit}]"))
     return embedded(drawn)
-
-
-def _section(
-    axis: "Axes", cut: ForceSection, factor: float, words: DiscrepancyText, how: tuple[str, str, str]
-) -> None:
-    form, colour, label = how
-    axis.errorbar(
-        cut.position * factor, cut.force * words.force_scale, yerr=2 * cut.std * words.force_scale,
-        fmt=form, ms=3.5, lw=0.9, capsize=2, color=colour, label=label or None,
-    )  # fmt: skip
-    zero_lines(axis)
 
 
 def cycles(compared: Compared) -> str:
     """Draw the errors of frequency and energy and the misfit of the free run, cycle by cycle."""
     found = compared.comparison
-    done, words = found.cycles, DiscrepancyText(found.unit, found.mass)
+    done, units = found.cycles, DiscrepancyText(found.unit, found.mass)
     drawn, axes = paper(2.2, 1, 3)
-    fine = 1e3 if found.unit == "m" else 1.0
-    scale = fine * words.force_scale
-    energy = unit(f"{'m' if fine > 1 else ''}{words.energy_unit}")
+    factor, energy = energy_scale(units)
     rows = (
-        (done.frequency_error, 2 * done.frequency_error_std, "frequency error [%]"),
-        (done.energy_error * scale, 2 * done.energy_error_std * scale, f"energy error a cycle [{energy}]"),
+        (done.frequency_error, done.frequency_error_std, "frequency error [%]"),
+        (done.energy_error * factor, done.energy_error_std * factor, f"energy error a cycle [{energy}]"),
         (found.free_run_misfit, None, "free run: rms misfit / noise"),
     )
-    for axis, (values, error, label) in zip(axes, rows, strict=True):
-        axis.errorbar(
-            done.time,
-            values,
-            yerr=error,
-            fmt="o-" if len(values) < MANY else "-",
-            ms=3,
-            lw=0.8,
-            capsize=1.5,
-            color=INK,
-        )
-        axis.axhline(0 if error is not None else 1, color=GREY, lw=0.8, ls="--")
+    for axis, (values, std, label) in zip(axes, rows, strict=True):
+        plots.cycle_by_cycle(axis, done.time, values, std, PAPER)
         axis.set(xlabel="time since the release [s]", ylabel=literal(label))
     axes[-1].set_ylim(bottom=0)
     return embedded(drawn)

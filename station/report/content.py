@@ -6,26 +6,26 @@ from typing import ClassVar
 
 @dataclass(frozen=True)
 class Facts:
-    """Labels and what is to be said under each."""
+    """Labels with the text of each."""
 
     rows: tuple[tuple[str, str], ...]
     kind: ClassVar[str] = "facts"
 
 
 @dataclass(frozen=True)
-class Words:
+class Paragraph:
     """A paragraph; `label` stands before it, `strong` frames it."""
 
     text: str
     label: str = ""
     strong: bool = False
-    kind: ClassVar[str] = "words"
+    kind: ClassVar[str] = "paragraph"
 
 
 @dataclass(frozen=True)
 class Table:
     """A table with a repeated header; the first `texts` columns are words, the others numbers but for
-    a `wordy` last one.
+    a last one of text, if it is `wordy`.
     """
 
     caption: str
@@ -53,12 +53,12 @@ class Equation:
     kind: ClassVar[str] = "equation"
 
 
-def left_out(reason: str) -> Words:
+def left_out(reason: str) -> Paragraph:
     """Return the paragraph that stands in place of a section."""
-    return Words(f"Left out: {reason.rstrip('.')}.")
+    return Paragraph(f"Left out: {reason.rstrip('.')}.")
 
 
-Part = Facts | Words | Table | Figure | Equation
+Part = Facts | Paragraph | Table | Figure | Equation
 
 
 @dataclass(frozen=True)

@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from identify.arrays import Array
 from station.views.figure import figure
-from station.views.log import Array
+from station.views.plots import PAPER
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 WIDTH = 6.9
-INK, GREY, BAND = "#111111", "#8c8c8c", "#d4d4d4"
-MEASURED, MODEL, OTHER = "#7d7d7d", "#00447c", "#a63603"
+INK, GREY, BAND, MODEL, OTHER = PAPER.ink, PAPER.faint, PAPER.noise, PAPER.model, "#a63603"
 MOST_POINTS = 1200
 _PATH = re.compile(rb'\bd="[^"]*"')
 _DECIMALS = re.compile(rb"(\.\d\d)\d+")  # a hundredth of a point is finer than any printer
 
-PAPER: dict[Any, Any] = {
+STYLE: dict[Any, Any] = {
     "figure.facecolor": "white",
     "axes.facecolor": "white",
     "axes.edgecolor": INK,
@@ -57,7 +57,7 @@ def paper(
     height: float, rows: int = 1, columns: int = 1, width: float = WIDTH, **how: Any
 ) -> tuple["Figure", list["Axes"]]:
     """Return a figure for paper and its axes in reading order; sizes in inches."""
-    return figure(width, height, rows, columns, style=PAPER, **how)
+    return figure(width, height, rows, columns, style=STYLE, **how)
 
 
 def joined(drawn: "Figure", cells: list["Axes"]) -> "Axes":
@@ -107,14 +107,3 @@ def both(axis: "Axes", time: Array, measured: Array, model: Array, names: tuple[
     """Draw a measurement as a broad grey line and a model as a thin dark one over it."""
     curve(axis, time, measured, color="#b5b5b5", lw=2.4, label=names[0], solid_capstyle="round")
     curve(axis, time, model, color=MODEL, lw=0.8, label=names[1])
-
-
-def zero_lines(axis: "Axes") -> None:
-    """Draw the axes through zero."""
-    axis.axhline(0, color=GREY, lw=0.6)
-    axis.axvline(0, color=GREY, lw=0.6)
-
-
-def literal(text: str) -> str:
-    """Return text that matplotlib draws as it stands, whatever signs a stranger's names hold."""
-    return text.replace("$", r"\$")

@@ -6,16 +6,16 @@ from identify.effects.effect import Parameter
 from identify.fitting.fit import Fit
 from identify.model.model import Term
 from station.report import comparison_figures as draw
-from station.report.content import Equation, Figure, Part, Section, Table, Words, left_out
+from station.report.content import Equation, Figure, Paragraph, Part, Section, Table, left_out
 from station.report.failure import errors, places
 from station.report.findings import Findings
-from station.report.numbers import SPACE, prose, rounded, symbol, unit
 from station.results.models import parameters_of
 from station.story.compared import Compared
+from station.text.numbers import SPACE, typeset, typeset_error, typeset_symbol, typeset_unit
 
 TITLE = "The equation of motion"
 FAR = 4.0
-EPISODES = (
+SEGMENTS = (
     "these are the values of the ladder, fitted in {} pieces that share the physics. The errors below are those of "
     "the same model run over the whole record at once, in which a wandering phase counts as misfit."
 )
@@ -25,13 +25,13 @@ TIMES_INERTIA = {"1/s^2": "N m/rad", "rad/s^2": "N m", "1/s": "N m s/rad"}
 
 def equation(found: Findings) -> Section:
     """Show the present model: that of the ladder, else the usual one."""
-    compared = found.climb.compared if found.climb is not None else found.compared
+    compared = found.refined.compared if found.refined is not None else found.compared
     if compared is None:
         return Section("equation", TITLE, (left_out(found.left_out["comparison"]),))
-    fit = compared.start.fit if found.climb is None else found.climb.top.fit
+    fit = compared.baseline.fit if found.refined is None else found.refined.top.fit
     parts: list[Part] = [
         Equation((_letters(fit), _numbers(fit))),
-        Words(
+        Paragraph(
             "Displacement u from the spring's zero and velocity v in "
             f"{compared.comparison.unit} and {compared.comparison.unit}/s; all forces per unit "
             f"{'inertia' if compared.comparison.unit == 'rad' else 'mass'}.",
@@ -39,12 +39,12 @@ def equation(found: Findings) -> Section:
         _parameters(fit, compared.comparison.unit, found),
     ]
     if len(fit.windows) > 1:
-        parts.append(Words(EPISODES.format(len(fit.windows)), label="Long record"))
+        parts.append(Paragraph(SEGMENTS.format(len(fit.windows)), label="Long record"))
     doubt = caution(compared)
     if doubt:
-        parts.append(Words(doubt, label="Caution", strong=True))
+        parts.append(Paragraph(doubt, label="Caution", strong=True))
     parts.append(errors(compared))
-    if found.climb is not None and found.climb.ladder.present > 0:
+    if found.refined is not None and found.refined.ladder.present > 0:
         parts.append(places(compared))
         if found.compared is not None:
             caption = "What the usual and the present model leave (band: noise, 2 std.); mind the scales."
@@ -64,7 +64,7 @@ def caution(compared: Compared) -> str:
 
 
 def _letters(fit: Fit) -> str:
-    return _typeset(fit.model.equation.removesuffix(" = 0") + _right_side(fit))
+    return _typeset_equation(fit.model.equation.removesuffix(" = 0") + _right_side(fit))
 
 
 def _right_side(fit: Fit) -> str:
@@ -78,16 +78,16 @@ def _numbers(fit: Fit) -> str:
     for term in fit.model.forces:
         text = term.effect.equation
         for name, value in parameters_of(fit, term).items():
-            number = rounded(value.value, value.std).replace("(error unknown)", "").strip()
+            number = typeset_error(value.value, value.std).replace("(error unknown)", "").strip()
             number = re.sub(rf" ±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
             number = f"({number})" if "×" in number or number.startswith("-") else number
             text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
         terms.append(text)
-    return _typeset("u'' + " + " + ".join(terms) + _right_side(fit))
+    return _typeset_equation("u'' + " + " + ".join(terms) + _right_side(fit))
 
 
-def _typeset(text: str) -> str:
-    raised = re.sub(r"mu_(\d)", lambda found: symbol(found.group(0)), prose(text))
+def _typeset_equation(text: str) -> str:
+    raised = re.sub(r"mu_(\d)", lambda found: typeset_symbol(found.group(0)), typeset(text))
     return raised.replace("u''", "ü", 1)
 
 
@@ -96,8 +96,12 @@ def _parameters(fit: Fit, length: str, found: Findings) -> Table:
     rows = []
     for term in fit.model.terms:
         for position, (name, value) in enumerate(parameters_of(fit, term).items()):
-            cells = (term.effect.name, symbol(name), _meaning(term, name).meaning)
-            row: tuple[str, ...] = (*cells, rounded(value.value, value.std), unit(value.unit) or "1")
+            cells = (term.effect.name, typeset_symbol(name), _meaning(term, name).meaning)
+            row: tuple[str, ...] = (
+                *cells,
+                typeset_error(value.value, value.std),
+                typeset_unit(value.unit) or "1",
+            )
             if mass is not None:
                 strength = position == 0 and term.is_force
                 row = (*row, _times(value.value, value.std, value.unit, found) if strength else "")
@@ -119,8 +123,8 @@ def _times(value: float, std: float, label: str, found: Findings) -> str:
     if found.compared is not None and found.compared.comparison.unit == "rad":
         name = TIMES_INERTIA.get(label)
     if name is None:
-        name = f"kg × {unit(label)}" if "rad" not in label else None
+        name = f"kg × {typeset_unit(label)}" if "rad" not in label else None
     if name is None:
         return ""
     error = ((std * mass) ** 2 + (value * mass_std) ** 2) ** 0.5
-    return f"{rounded(value * mass, error)}{SPACE}{name}"
+    return f"{typeset_error(value * mass, error)}{SPACE}{name}"

@@ -2,37 +2,39 @@
 
 import numpy as np
 
-from identify.comparison.discrepancy_text import DiscrepancyText as PlaceWords
+from identify.comparison.discrepancy_text import DiscrepancyText
 from station.report import comparison_figures as draw
-from station.report.content import Facts, Figure, Part, Section, Table, Words, left_out
+from station.report.content import Facts, Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
-from station.report.numbers import prose, rounded, three, unit
 from station.story.compared import Compared
 from station.text.comparison_text import floor_text, harmonics_text
+from station.text.numbers import energy_scale, typeset, typeset_error, typeset_figures, typeset_unit
 
 TITLE = "The usual model compared with the measurement"
 MOST_CYCLES = 12
 
 
 def comparison(found: Findings) -> Section:
-    """Tell and draw where stiffness, dry and viscous friction fail."""
+    """Say and draw where stiffness, dry and viscous friction fail."""
     compared = found.compared
     if compared is None:
         return Section("comparison", TITLE, (left_out(found.left_out["comparison"]),))
-    seen, fit = compared.comparison, compared.start.fit
+    seen, fit = compared.comparison, compared.baseline.fit
     parts: list[Part] = [
-        Words(f"{' + '.join(fit.model.names)}, fitted to the whole record and run freely.", label="Model"),
+        Paragraph(
+            f"{' + '.join(fit.model.names)}, fitted to the whole record and run freely.", label="Model"
+        ),
         errors(compared),
-        Words(seen.cause, label="Sensor or physics", strong=True),
+        Paragraph(seen.cause, label="Sensor or physics", strong=True),
     ]
     if not fit.converged or fit.unidentifiable:
-        parts.append(Words(fit.outcome, label="Fit"))
+        parts.append(Paragraph(fit.outcome, label="Fit"))
     parts.append(places(compared))
     facts = (
         ("noise floor", floor_text(compared)),
         ("harmonics of the missing force", harmonics_text(compared)),
     )
-    parts.append(Facts(tuple((label, prose(text)) for label, text in facts)))
+    parts.append(Facts(tuple((label, typeset(text)) for label, text in facts)))
     parts += [
         Figure(
             "Measured (grey) and modelled motion, and what is left (band: noise, 2 std.).",
@@ -52,48 +54,47 @@ def comparison(found: Findings) -> Section:
 def errors(compared: Compared) -> Table:
     """Return the three errors with what noise alone would leave and what each means."""
     seen = compared.comparison
-    span, channel = compared.start.fit.windows[0], seen.motion_channel
-    rms = float(np.std(span.readings[channel][span.used[channel]]))
+    window, channel = compared.baseline.fit.windows[0], seen.motion_channel
+    rms = float(np.std(window.readings[channel][window.used[channel]]))
     floor = 100.0 * seen.floor[channel].std / rms if rms > 0 else float("nan")
     cycles = f"{seen.horizon:.3g} s ({seen.horizon_cycles:.0f} cycles)"
     rows = (
-        ("force", f"{three(seen.force_error)} %", f"{three(seen.force_floor)} %",
+        ("force", f"{typeset_figures(seen.force_error)} %", f"{typeset_figures(seen.force_floor)} %",
          "mean square, eq. (18), with the force taken at the measured motion"),
-        ("motion", f"{three(seen.motion_error)} %", f"{three(floor)} %",
+        ("motion", f"{typeset_figures(seen.motion_error)} %", f"{typeset_figures(floor)} %",
          f"rms of the free run over {cycles}, of the {channel}'s rms"),
-        ("chi²", three(seen.chi_square), f"1 ± {seen.chi_square_std:.2f}",
+        ("chi²", typeset_figures(seen.chi_square), f"1 ± {seen.chi_square_std:.2f}",
          "reduced: misfit over noise; 1 when nothing is left to explain"),
     )  # fmt: skip
     return Table("Errors of the model", ("error", "value", "noise alone", "meaning"), rows, wordy=True)
 
 
 def places(compared: Compared) -> Part:
-    """Return the worst places in words, worst first, or the sentence that there are none."""
+    """Return the worst places in units, worst first, or the sentence that there are none."""
     found = compared.comparison.places
     if not found:
-        return Words(compared.comparison.summary, label="Where it fails")
-    rows = tuple((str(n), prose(p.text), f"{p.significance:.0f}") for n, p in enumerate(found, start=1))
+        return Paragraph(compared.comparison.summary, label="Where it fails")
+    rows = tuple((str(n), typeset(p.text), f"{p.significance:.0f}") for n, p in enumerate(found, start=1))
     return Table("Where it fails, worst first", ("", "place", "std. errors"), rows, texts=2)
 
 
 def cycle_table(compared: Compared) -> Table:
     """Return the errors cycle by cycle, evenly taken where there are many."""
     seen = compared.comparison
-    done, words = seen.cycles, PlaceWords(seen.unit, seen.mass)
-    fine = 1e3 if seen.unit == "m" else 1.0
-    scale = fine * words.force_scale
+    done, units = seen.cycles, DiscrepancyText(seen.unit, seen.mass)
+    factor, energy = energy_scale(units)
     head = (
-        "time [s]", f"amplitude [{words.length_unit}]", "frequency error [%]",
-        f"energy error a cycle [{unit(('m' if fine > 1 else '') + words.energy_unit)}]", "free run: misfit / noise",
+        "time [s]", f"amplitude [{units.length_unit}]", "frequency error [%]",
+        f"energy error a cycle [{typeset_unit(energy)}]", "free run: misfit / noise",
     )  # fmt: skip
     count = len(done.time)
     chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_CYCLES)).round().astype(int))
     rows = tuple(
         (
             f"{done.time[i]:.2f}",
-            words.length(float(done.amplitude[i])),
-            rounded(float(done.frequency_error[i]), float(done.frequency_error_std[i])),
-            rounded(float(done.energy_error[i]) * scale, float(done.energy_error_std[i]) * scale),
+            units.length(float(done.amplitude[i])),
+            typeset_error(float(done.frequency_error[i]), float(done.frequency_error_std[i])),
+            typeset_error(float(done.energy_error[i]) * factor, float(done.energy_error_std[i]) * factor),
             f"{seen.free_run_misfit[i]:.1f}",
         )
         for i in chosen

@@ -6,35 +6,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from daq.recording import Recording
-from identify.restoring_force.restoring_force import RestoringForceResult, Section
+from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
-from station.quantities import shown
-from station.report.drawing import (
-    GREY,
-    INK,
-    MODEL,
-    OTHER,
-    both,
-    curve,
-    embedded,
-    joined,
-    literal,
-    paper,
-    zero_lines,
-)
-from station.report.numbers import prose, three, unit
+from station.report.drawing import INK, MODEL, OTHER, both, curve, embedded, joined, paper
 from station.story.identification import Identification
-from station.views.alignment import overlay
-from station.views.log import Array
+from station.text.numbers import scale, scale_as_recorded
+from station.views import plots
+from station.views.alignment import about_zero, draw_about_zero, overlay
+from station.views.plots import MOST_DOTS, PAPER, literal
 from station.views.restoring_force import mesh
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    pass
 
 MOST_CHANNELS = 8
 LONGEST = 24
-NEAR = 0.06
-MOST_DOTS = 500
 COARSE = 3
 
 
@@ -44,12 +30,10 @@ def record(recording: Recording, release: float | None) -> str:
     drawn, axes = paper(0.4 + 1.35 * len(channels), len(channels), sharex=True)
     time = np.arange(recording.samples.shape[1]) / recording.rate
     for axis, channel, samples in zip(axes, channels, recording.samples, strict=False):
-        factor, label = 1.0, channel.unit
-        if channel.quantity == "displacement":
-            factor, label = shown("displacement", channel.unit)
+        factor, label = scale_as_recorded(channel.quantity, channel.unit)
         curve(axis, time, np.where(recording.valid, samples, np.nan) * factor, color=INK, lw=0.7)
         name = channel.name if channel.quantity == "other" else channel.quantity
-        axis.set_ylabel(literal(f"{name[:LONGEST]} [{unit(label)}]"))
+        axis.set_ylabel(literal(f"{name[:LONGEST]} [{label}]"))
         if release is not None:
             axis.axvline(release, color=OTHER, lw=1.0, ls="--")
     axes[-1].set(xlabel="time from the first sample [s]", xlim=(0.0, time[-1] + 1.0 / recording.rate))
@@ -58,35 +42,18 @@ def record(recording: Recording, release: float | None) -> str:
 
 def alignment(result: Identification) -> str | None:
     """Draw both channels as accelerations about a zero, before and after; None where there are not both."""
-    seen, found = overlay(result), result.alignment
-    method = result.restoring_force or result.wavelet
-    if seen is None or found is None or method is None or method.stiffness_per_mass.value <= 0:
+    seen = overlay(result)
+    if seen is None or result.alignment is None or about_zero(result, seen) is None:
         return None
-    period = 2 * np.pi / np.sqrt(method.stiffness_per_mass.value)
-    later = np.flatnonzero(seen.time > result.release.settle / result.decay.rate + period)
-    crossings = np.flatnonzero(np.diff(np.sign(seen.acceleration[later])) > 0)
-    if not len(crossings):
-        return None
-    middle = seen.time[later[crossings[0]]]
-    near = np.abs(seen.time - middle) < max(NEAR * period, 4 / result.decay.rate)
     drawn, axes = paper(2.1, 1, 2, sharey=True)
-    titles = ("as recorded", "lag corrected")
-    for axis, second, title in zip(axes, (seen.before, seen.after), titles, strict=True):
-        ms = (seen.time[near] - middle) * 1e3
-        axis.plot(ms, seen.acceleration[near], "o-", color=INK, ms=4, mfc="white", label="acceleration")
-        axis.plot(
-            ms, found.gain.value * second[near], "x--", color=MODEL, ms=4.5,
-            label="displacement, differentiated twice",
-        )  # fmt: skip
-        axis.set(xlabel="time about a zero of the acceleration [ms]", title=title)
-    axes[0].set_ylabel(literal(f"acceleration [{unit(f'{result.decay.unit}/s^2')}]"))
+    draw_about_zero(axes, result, seen, PAPER)
     axes[0].legend(loc="upper left")
     return embedded(drawn)
 
 
 def envelope(found: WaveletResult, length: str) -> str:
     """Draw envelope with fit, instantaneous frequency and backbone: the paper's figure 4 and what it rests on."""
-    factor, name = shown("displacement", length)
+    factor, name = scale("displacement", length)
     drawn, axes = paper(3.9, 2, 2, width_ratios=[2.2, 1])
     top, _, below, _ = axes
     backbone = joined(drawn, axes[1::2])
@@ -102,17 +69,9 @@ def envelope(found: WaveletResult, length: str) -> str:
     half = max(1.5 * float(np.nanpercentile(spread, 98)) if np.isfinite(spread).any() else 0.0, 0.01 * middle)
     below.set(xlabel="time [s]", ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
     below.set_xlim(top.get_xlim())
-    amplitude = found.backbone_amplitude * factor
-    every = max(1, len(amplitude) // MOST_DOTS)
-    backbone.plot(
-        found.backbone_frequency[::every], amplitude[::every], "o", color=GREY, ms=2.5, label="ridge"
-    )
-    backbone.plot(found.backbone_fit[::every], amplitude[::every], color=MODEL, lw=1.0, label="model")
-    backbone.set(xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{name}]"), title="backbone")
-    backbone.set_xlim(middle - half, middle + half)
-    backbone.set_ylim(bottom=0)
+    plots.backbone(backbone, found, factor, name, half, PAPER, MODEL)
+    backbone.set_title("backbone")
     backbone.legend(loc="upper left")
-    backbone.locator_params(axis="x", nbins=3)
     return embedded(drawn)
 
 
@@ -124,32 +83,14 @@ def orders(result: Identification) -> str:
     columns = len(there) + (force is not None)
     drawn, axes = paper(2.2, 1, columns, width=WIDE[columns])
     for axis, (name, found) in zip(axes, there, strict=False):
-        errors = found.mse_percent_by_order
-        axis.semilogy(range(len(errors)), errors, "o-", color=INK, ms=4)
-        axis.semilogy([found.order], [errors[found.order]], "o", ms=11, mfc="none", mec=OTHER, mew=1.4)
-        axis.set(
-            xlabel="order of damping", ylabel="MSE [%]", xticks=range(len(errors)),
-            title=f"{name}: order {found.order}",
-        )  # fmt: skip
-        axis.margins(x=0.15, y=0.2)
+        plots.orders(axis, found.mse_percent_by_order, found.order, PAPER, INK)
+        axis.set_title(f"{name}: order {found.order}")
     if force is not None:
-        _significance(axes[-1], force)
+        plots.significance(axes[-1], force.significance_percent, PAPER)
     return embedded(drawn)
 
 
 WIDE = {1: 3.0, 2: 5.0, 3: 6.9}
-
-
-def _significance(axis: "Axes", found: RestoringForceResult) -> None:
-    terms = sorted(found.significance_percent.items(), key=lambda item: -item[1])
-    values = [max(value, 1e-6) for _, value in terms]
-    axis.barh(range(len(terms)), values, color="#b5b5b5", edgecolor=INK, lw=0.6, height=0.6, log=True)
-    for row, value in enumerate(values):
-        axis.annotate(f" {three(value)} %", (value, row), va="center", fontsize=8)
-    axis.set_yticks(range(len(terms)), [literal(prose(name)) for name, _ in terms])
-    axis.invert_yaxis()
-    axis.set_xlim(min(values, default=1.0) / 3, 2e4)
-    axis.set(xlabel="share of the variance [%]", title="significance, eq. (19)")
 
 
 def reconstruction(result: Identification) -> str:
@@ -159,8 +100,8 @@ def reconstruction(result: Identification) -> str:
     drawn, axes = paper(1.25 * rows, rows, height_ratios=[1.5, 1.0] * (rows // 2), sharex=True)
     row = 0
     if wavelet is not None:
-        factor, name = shown(wavelet.channel, length)
-        fine, fine_name = shown(wavelet.channel, length, fine=True)
+        factor, name = scale(wavelet.channel, length)
+        fine, fine_name = scale(wavelet.channel, length, fine=True)
         measured = getattr(result.aligned, wavelet.channel)
         index = np.clip(np.round(wavelet.time * result.decay.rate).astype(int), 0, len(measured) - 1)
         offset = float(np.median(measured[index] - wavelet.reconstruction))
@@ -168,12 +109,12 @@ def reconstruction(result: Identification) -> str:
         both(
             axes[0], wavelet.time, measured[index] * factor, model * factor, ("measured", "rebuilt, wavelet")
         )
-        axes[0].set_ylabel(literal(f"{wavelet.channel}\n[{unit(name)}]"))
+        axes[0].set_ylabel(literal(f"{wavelet.channel}\n[{name}]"))
         curve(axes[1], wavelet.time, (measured[index] - model) * fine, color=OTHER, lw=0.7)
-        axes[1].set_ylabel(literal(f"left [{unit(fine_name)}]"))
+        axes[1].set_ylabel(literal(f"left [{fine_name}]"))
         row = 2
     if force is not None:
-        label = unit(f"{length}/s^2")
+        label = f"{length}/s^2"
         both(axes[row], force.time, force.force, force.force_fit, ("measured", "fitted, restoring force"))
         axes[row].set_ylabel(literal(f"force per unit\nmass [{label}]"))
         curve(axes[row + 1], force.time, force.force - force.force_fit, color=OTHER, lw=0.7)
@@ -189,7 +130,7 @@ def surface(found: RestoringForceResult, length: str) -> str:
     """Draw the restoring force surface over displacement and velocity with the measured points on it."""
     from matplotlib.tri import Triangulation
 
-    factor, name = shown("displacement", length)
+    factor, name = scale("displacement", length)
     drawn, (flat,) = paper(3.3, subplot_kw={"projection": "3d"}, width=5.2)
     axis: Any = flat  # three-dimensional, which the types of a plain pair of axes do not know
     coarse = replace(
@@ -205,8 +146,8 @@ def surface(found: RestoringForceResult, length: str) -> str:
     points = (found.displacement * factor, found.velocity, found.force)
     axis.plot(*(values[::every] for values in points), ".", color=INK, ms=1.6)
     axis.set_xlabel(literal(f"displacement [{name}]"))
-    axis.set_ylabel(literal(f"velocity [{unit(f'{length}/s')}]"))
-    axis.set_zlabel(literal(f"force per unit mass [{unit(f'{length}/s^2')}]"))
+    axis.set_ylabel(literal(f"velocity [{length}/s]"))
+    axis.set_zlabel(literal(f"force per unit mass [{length}/s^2]"))
     axis.locator_params(nbins=5)
     axis.view_init(22, -125)
     axis.set_box_aspect((1.3, 1.3, 0.9), zoom=0.9)
@@ -215,25 +156,15 @@ def surface(found: RestoringForceResult, length: str) -> str:
 
 def sections(found: RestoringForceResult, length: str) -> str:
     """Draw the cuts through the surface where velocity or displacement is zero."""
-    factor, name = shown("displacement", length)
+    factor, name = scale("displacement", length)
     drawn, axes = paper(2.3, 1, 2)
     first = (found.section_zero_velocity, factor, f"displacement [{name}]", "at velocity 0: the springs")
     second = (
-        found.section_zero_displacement, 1.0, f"velocity [{unit(f'{length}/s')}]", "at displacement 0: the damping",
+        found.section_zero_displacement, 1.0, f"velocity [{length}/s]", "at displacement 0: the damping",
     )  # fmt: skip
-    for axis, (cut, scale, label, title) in zip(axes, (first, second), strict=True):
-        _cut(axis, cut, scale)
+    for axis, (cut, factor, label, title) in zip(axes, (first, second), strict=True):
+        plots.force_section(axis, cut, factor, PAPER)
         axis.set(xlabel=literal(label), title=title)
-    axes[0].set_ylabel(literal(f"force per unit mass [{unit(f'{length}/s^2')}]"))
+    axes[0].set_ylabel(literal(f"force per unit mass [{length}/s^2]"))
     axes[0].legend(loc="upper left")
     return embedded(drawn)
-
-
-def _cut(axis: "Axes", cut: Section, scale: float) -> None:
-    x: Array = cut.position * scale
-    axis.errorbar(
-        x, cut.force, yerr=2 * cut.std, fmt="o", ms=3, mfc="white", lw=0.8, capsize=2, color=INK,
-        label="measured, 2 std. errors",
-    )  # fmt: skip
-    axis.plot(x, cut.fit, color=MODEL, lw=1.2, label="fit")
-    zero_lines(axis)

@@ -3,11 +3,18 @@
 from datetime import UTC
 
 from daq.recording import Channel
-from station.quantities import shown
 from station.report import identification_figures as draw
-from station.report.content import Facts, Figure, Part, Section, Table, Words
+from station.report.content import Facts, Figure, Paragraph, Part, Section, Table
 from station.report.findings import Findings
-from station.report.numbers import prose, rounded, symbol, three, unit, with_unit
+from station.text.numbers import (
+    scale,
+    typeset,
+    typeset_error,
+    typeset_figures,
+    typeset_symbol,
+    typeset_unit,
+    typeset_with_unit,
+)
 from station.text.terminal import KINDS, uncorrected
 
 NOT_STATED = "not stated"
@@ -43,7 +50,7 @@ def _mass(found: Findings) -> str:
     if mass is None:
         return "not given: all results are per unit mass"
     name = "kg m²" if _length(found) == "rad" else "kg"
-    return f"{rounded(mass, std)} {name}" if std else f"{mass:g} {name} (its error was not given)"
+    return f"{typeset_error(mass, std)} {name}" if std else f"{mass:g} {name} (its error was not given)"
 
 
 def _length(found: Findings) -> str:
@@ -63,11 +70,11 @@ def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
     return (
         channel.name,
         channel.quantity,
-        unit(channel.unit),
+        typeset_unit(channel.unit),
         channel.sensor or NOT_STATED,
         (known.calibrated if known else "") or NOT_STATED,
         NOT_STATED if uncertainty is None else f"{100 * uncertainty:.2g} %",
-        "–" if channel.resolution is None else three(channel.resolution),
+        "–" if channel.resolution is None else typeset_figures(channel.resolution),
         "–" if low is None or high is None else f"{low:.4g} to {high:.4g}",
     )
 
@@ -83,36 +90,38 @@ def capture(found: Findings) -> Section:
         for name in ("displacement", "velocity", "acceleration"):
             noise = getattr(decay, f"noise_{name}")
             if noise is not None:
-                factor, label = shown(name, decay.unit, fine=True)
-                rows.append((f"noise, {name}", f"{three(noise * factor)} {unit(label)} rms"))
+                factor, label = scale(name, decay.unit, fine=True)
+                rows.append(
+                    (f"noise, {name}", f"{typeset_figures(noise * factor)} {typeset_unit(label)} rms")
+                )
     if found.recording.notes:
         rows.append(("how it was read", "; ".join(found.recording.notes)))
     parts.append(Facts(tuple(rows)))
     if result is None:
         parts.append(_refused(found.left_out["identification"]))
     free = result is not None and not result.decay.driven
-    words = "The record; dashed: the release." if free else "The record."
+    caption = "The record; dashed: the release." if free else "The record."
     time = result.release.time_s if free and result is not None else None
-    parts.append(Figure(f"{words} Lost samples are left blank.", draw.record(found.recording, time)))
+    parts.append(Figure(f"{caption} Lost samples are left blank.", draw.record(found.recording, time)))
     return Section("capture", "Capture and verdict", tuple(parts))
 
 
-def _refused(reason: str) -> Words:
-    return Words(f"Nothing can be identified in this record: {_ended(reason)}", strong=True)
+def _refused(reason: str) -> Paragraph:
+    return Paragraph(f"Nothing can be identified in this record: {_ended(reason)}", strong=True)
 
 
 def _ended(reason: str) -> str:
     return f"{reason.rstrip('.')}."
 
 
-def _verdict(found: Findings) -> Words:
+def _verdict(found: Findings) -> Paragraph:
     verdict = found.session.verdict if found.manifest is not None else None
     if verdict is None:
-        return Words("none; the session is not sealed", label="Verdict on the recording", strong=True)
+        return Paragraph("none; the session is not sealed", label="Verdict on the recording", strong=True)
     reasons = "; ".join(verdict.reasons)
     advice = f". Before taking it again: {'; '.join(verdict.advice)}" if verdict.advice else ""
-    text = f"{verdict.word.value}{f': {reasons}' if reasons else ''}{advice}"
-    return Words(text, label="Verdict on the recording", strong=True)
+    text = f"{verdict.grade.value}{f': {reasons}' if reasons else ''}{advice}"
+    return Paragraph(text, label="Verdict on the recording", strong=True)
 
 
 def _lost(found: Findings) -> str:
@@ -133,14 +142,14 @@ def _release(found: Findings) -> list[tuple[str, str]]:
     rows = [
         (
             "release",
-            f"at {rounded(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}",
+            f"at {typeset_error(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}",
         ),
         ("rest before", f"{rest:.2f} s"),
     ]
-    amplitude = found.document["release"]["amplitude"]
+    amplitude = None if found.document is None else found.document.release.amplitude
     if amplitude is not None:
-        factor, label = shown("displacement", decay.unit)
-        rows.append(("amplitude", f"{amplitude * factor:.4g} {unit(label)}"))
+        factor, label = scale("displacement", decay.unit)
+        rows.append(("amplitude", f"{amplitude * factor:.4g} {typeset_unit(label)}"))
     return rows
 
 
@@ -150,20 +159,20 @@ def alignment(found: Findings) -> Section:
     parts: list[Part] = []
     if result is None or result.alignment is None:
         reason = found.left_out.get("alignment", "")
-        parts.append(Words(f"The channels were not aligned: {_ended(reason)}"))
+        parts.append(Paragraph(f"The channels were not aligned: {_ended(reason)}"))
         return Section("alignment", "Alignment of the channels", tuple(parts))
     aligned = result.alignment
     late = "late" if aligned.lag.value >= 0 else "early"
-    lag = rounded(abs(aligned.lag.value) * 1e6, aligned.lag.std * 1e6)
+    lag = typeset_error(abs(aligned.lag.value) * 1e6, aligned.lag.std * 1e6)
     facts = [
         ("lag", f"the displacement is {late} by {lag} µs; corrected"),
-        ("gain", f"{with_unit(aligned.gain)} (the acceleration's against the displacement's)"),
+        ("gain", f"{typeset_with_unit(aligned.gain)} (the acceleration's against the displacement's)"),
         ("method", f"{aligned.method}; no law of force is used"),
         ("caution", aligned.caution),
     ]
     warning = uncorrected(result)
     if warning:
-        facts.append(("without it", prose(f"without {warning}").replace("mu_1", symbol("mu_1"))))
+        facts.append(("without it", typeset(f"without {warning}").replace("mu_1", typeset_symbol("mu_1"))))
     parts.append(Facts(tuple((label, text) for label, text in facts if text)))
     picture = draw.alignment(result)
     if picture is not None:

@@ -1,11 +1,18 @@
 """The section of both identifications, side by side: the paper's tables and figures."""
 
 from identify.estimate import Estimate
-from station.quantities import damping_name, shown
+from identify.formatting import damping_name
 from station.report import identification_figures as draw
-from station.report.content import Figure, Part, Section, Table, Words, left_out
+from station.report.content import Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
-from station.report.numbers import lowered, rounded, symbol, three, unit
+from station.text.numbers import (
+    lowered,
+    scale,
+    typeset_error,
+    typeset_figures,
+    typeset_symbol,
+    typeset_unit,
+)
 from station.text.table import Tables, make_tables
 
 TITLE = "Identification by two methods"
@@ -20,23 +27,25 @@ DISAGREE = (
 def methods(found: Findings) -> Section:
     """Put both methods side by side; what was refused says why."""
     result = found.identification
-    if result is None:
+    if result is None or found.document is None:
         return Section("methods", TITLE, (left_out(found.left_out["identification"]),))
     parts: list[Part] = []
     for name, label in (("wavelet", "Wavelet (WT)"), ("restoring_force", "Restoring force surface (RFS)")):
         if name in result.refusals:
-            parts.append(Words(f"not identified: {result.refusals[name].rstrip('.')}.", label=label))
+            parts.append(Paragraph(f"not identified: {result.refusals[name].rstrip('.')}.", label=label))
     if result.wavelet is None and result.restoring_force is None:
         return Section("methods", TITLE, tuple(parts))
     tables = make_tables([found.document])
     parts += [_table_1(tables), _table_2(found), _details(found)]
     if _disagree(parts):
-        parts.append(Words(DISAGREE, label="Caution"))
+        parts.append(Paragraph(DISAGREE, label="Caution"))
     if result.wavelet is not None:
-        parts.append(Words(f"{result.wavelet.reason}; {result.wavelet.stiffness_reason}.", label="Wavelet"))
+        parts.append(
+            Paragraph(f"{result.wavelet.reason}; {result.wavelet.stiffness_reason}.", label="Wavelet")
+        )
     if result.restoring_force is not None:
         source = result.restoring_force.source
-        parts.append(Words(f"{result.restoring_force.reason}. From {source}.", label="Restoring force"))
+        parts.append(Paragraph(f"{result.restoring_force.reason}. From {source}.", label="Restoring force"))
     return Section("methods", TITLE, (*parts, *_figures(found)))
 
 
@@ -48,18 +57,18 @@ def _disagree(parts: list[Part]) -> bool:
 def _table_1(tables: Tables) -> Table:
     head = ["release", "amplitude"]
     for name, method, label in tables.columns:
-        head.append(f"{symbol(name)} ({method}) [{unit(label)}]")
+        head.append(f"{typeset_symbol(name)} ({method}) [{typeset_unit(label)}]")
     rows = []
     for row in tables.rows:
         amplitude = NONE if row.amplitude is None else _length(row.amplitude, row.unit)
-        cells = [NONE if c is None else rounded(c.value, c.std) for c in row.cells]
+        cells = [NONE if c is None else typeset_error(c.value, c.std) for c in row.cells]
         rows.append((row.session, amplitude, *cells))
     return Table("Table 1. Identified parameters (± one standard error)", tuple(head), tuple(rows))
 
 
 def _length(value: float, name: str) -> str:
-    factor, label = shown("displacement", name)
-    return f"{value * factor:.4g} {unit(label)}"
+    factor, label = scale("displacement", name)
+    return f"{value * factor:.4g} {typeset_unit(label)}"
 
 
 def _table_2(found: Findings) -> Table:
@@ -82,8 +91,8 @@ def _table_2(found: Findings) -> Table:
 
 def _row(name: str, meaning: str, values: list[Estimate | None]) -> tuple[str, ...]:
     label = next((value.unit for value in values if value is not None), "")
-    cells = [NONE if value is None else rounded(value.value, value.std) for value in values]
-    return (symbol(name), meaning, unit(label), *cells, _apart(values))
+    cells = [NONE if value is None else typeset_error(value.value, value.std) for value in values]
+    return (typeset_symbol(name), meaning, typeset_unit(label), *cells, _apart(values))
 
 
 def _apart(values: list[Estimate | None]) -> str:
@@ -101,19 +110,19 @@ def _details(found: Findings) -> Table:
         ("order of damping", *(NONE if m is None else str(m.order) for m in both)),
         (
             "error left, MSE [%]",
-            *(NONE if m is None else three(m.mse_percent_by_order[m.order]) for m in both),
+            *(NONE if m is None else typeset_figures(m.mse_percent_by_order[m.order]) for m in both),
         ),
     ]
     force = found.identification.restoring_force
     if force is not None:
-        offset = f"{rounded(force.offset.value, force.offset.std)} {unit(force.offset.unit)}"
+        offset = f"{typeset_error(force.offset.value, force.offset.std)} {typeset_unit(force.offset.unit)}"
         rows.append(("constant force per unit mass", NONE, offset))
         if force.mass is not None:
             rows.append(
                 (
                     "mass, by the force",
                     NONE,
-                    f"{rounded(force.mass.value, force.mass.std)} {unit(force.mass.unit)}",
+                    f"{typeset_error(force.mass.value, force.mass.std)} {typeset_unit(force.mass.unit)}",
                 )
             )
     return Table("What each method left", ("", "WT", "RFS"), tuple(rows))

@@ -3,7 +3,7 @@
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-from station.report.content import Facts, Part, Section, Table, Words
+from station.report.content import Facts, Paragraph, Part, Section, Table
 from station.report.findings import Findings
 
 PACKAGES = ("free-decay-station", "numpy", "scipy", "numba", "matplotlib")
@@ -16,7 +16,7 @@ def provenance(found: Findings) -> Section:
     rows += [(name, _version(name)) for name in PACKAGES]
     parts: list[Part] = [Facts(tuple(rows))]
     if found.manifest is None:
-        parts.append(Words(f"Left out: {found.left_out['checksums']}.", label="Checksums"))
+        parts.append(Paragraph(f"Left out: {found.left_out['checksums']}.", label="Checksums"))
     else:
         files = sorted(found.manifest.files.items())
         table = tuple(
@@ -25,7 +25,7 @@ def provenance(found: Findings) -> Section:
         parts.append(
             Table("Files of the session (SHA-256)", ("file", "bytes", "checksum"), table, texts=1, wordy=True)
         )
-        parts.append(Words("raw.log holds every byte as it came; all results can be made again from it."))
+        parts.append(Paragraph("raw.log holds every byte as it came; all results can be made again from it."))
     return Section("provenance", TITLE, tuple(parts))
 
 

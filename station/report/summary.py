@@ -2,8 +2,9 @@
 
 from station.report.equation import caution
 from station.report.findings import Findings
-from station.report.numbers import SPACE, rounded, symbol, three, unit
+from station.story.compared import Compared
 from station.text.diagnosis_text import headline
+from station.text.numbers import SPACE, typeset_error, typeset_figures, typeset_symbol, typeset_unit
 
 
 def summary(found: Findings) -> tuple[tuple[str, str], ...]:
@@ -15,28 +16,28 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
             if method is not None:
                 values = [("K", method.stiffness), *((f"mu_{i}", v) for i, v in enumerate(method.damping))]
                 text = "; ".join(
-                    f"{symbol(n)} = {rounded(v.value, v.std)}{SPACE}{unit(v.unit)}" for n, v in values
+                    f"{typeset_symbol(n)} = {typeset_error(v.value, v.std)}{SPACE}{typeset_unit(v.unit)}"
+                    for n, v in values
                 )
                 rows.append((f"by the {label}", text))
     else:
         rows.append(("not identified", found.left_out["identification"]))
     if found.compared is not None:
-        seen = found.compared.comparison
-        rows.append(
-            ("usual model", f"leaves {three(seen.motion_error)} % of the motion, {three(seen.chi_square)} times what "
-             "noise explains")
-        )  # fmt: skip
+        rows.append(("usual model", f"leaves {_left(found.compared)}"))
     if found.diagnosis is not None:
         rows.append(("diagnosis", headline(found.diagnosis).replace("_", " ")))
-    if found.climb is not None and found.climb.ladder.present > 0:
-        compared = found.climb.compared
-        seen, names = compared.comparison, " + ".join(compared.start.fit.model.names)
-        left = (
-            f"{three(seen.motion_error)} % of the motion, {three(seen.chi_square)} times what noise explains"
-        )
-        rows.append(("present model", f"{names}: leaves {left}"))
-    final = found.climb.compared if found.climb is not None else found.compared
+    if found.refined is not None and found.refined.ladder.present > 0:
+        compared = found.refined.compared
+        names = " + ".join(compared.baseline.fit.model.names)
+        rows.append(("present model", f"{names}: leaves {_left(compared)}"))
+    final = found.refined.compared if found.refined is not None else found.compared
     if final is not None:
         doubt = caution(final)
         rows.append(("adequacy", doubt or "The model explains the measurement within its noise."))
     return tuple(rows)
+
+
+def _left(compared: Compared) -> str:
+    seen = compared.comparison
+    motion, chi_square = typeset_figures(seen.motion_error), typeset_figures(seen.chi_square)
+    return f"{motion} % of the motion, {chi_square} times what noise explains"

@@ -1,6 +1,5 @@
 """Write the report of a session: a page that needs nothing outside itself."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.resources import files
@@ -8,9 +7,7 @@ from pathlib import Path
 
 from daq.session import Session
 from daq.storage import write_whole
-from station.operations.identifying import options_for
-from station.report.content import Section, left_out
-from station.report.drawing import PAPER
+from station.report.drawing import STYLE
 from station.report.equation import equation
 from station.report.failure import comparison
 from station.report.findings import Findings, gather
@@ -20,6 +17,7 @@ from station.report.methods import methods
 from station.report.provenance import provenance
 from station.report.summary import summary
 from station.settings import Settings
+from station.story.pipeline import Progress, silent
 
 NAME = "report.html"
 SECTIONS = (setup, capture, alignment, methods, comparison, suspects, ladder, equation, apart, provenance)
@@ -40,28 +38,15 @@ def write_report(
     settings: Settings | None = None,
     mass: float | None = None,
     diagnose: bool = False,
-    tell: Callable[[str], None] = lambda text: None,
-) -> Path:
-    """Write the report of a session, to results/report.html unless `output` says otherwise; return the file.
+    progress: Progress = silent,
+) -> Report:
+    """Write the report of a session, to results/report.html unless `output` says otherwise; return where, and what it lacks.
 
     Identifies and compares on the way; diagnoses (seconds) only on request. Raises DataLost when the session
     holds no sample, StorageError when the disk refuses.
     """
-    return make_report(session, output, settings=settings, mass=mass, diagnose=diagnose, tell=tell).path
-
-
-def make_report(
-    session: Session,
-    output: Path | None = None,
-    *,
-    settings: Settings | None = None,
-    mass: float | None = None,
-    diagnose: bool = False,
-    tell: Callable[[str], None] = lambda text: None,
-) -> Report:
-    """Do what `write_report` does, and tell what was left out."""
     chosen = settings or Settings()
-    found = gather(session, chosen, options_for(session, chosen, mass), diagnose=diagnose, tell=tell)
+    found = gather(session, chosen, mass, diagnose=diagnose, progress=progress)
     page = rendered(found).encode()
     if output is None:
         return Report(session.write_result(NAME, page), found.left_out)
@@ -75,8 +60,8 @@ def rendered(found: Findings) -> str:
     from jinja2 import Environment, StrictUndefined
 
     _reasons(found)
-    with matplotlib.rc_context(PAPER):
-        sections = tuple(_made(found, make) for make in SECTIONS)
+    with matplotlib.rc_context(STYLE):
+        sections = tuple(make(found) for make in SECTIONS)
     template = files("station.report").joinpath("page.html").read_text(encoding="utf-8")
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -103,16 +88,3 @@ def _reasons(found: Findings) -> None:
             found.left_out[names[step]] = reason
     if found.identification.alignment is None:
         found.left_out.setdefault("alignment", "there is one channel only")
-
-
-def _made(found: Findings, make: Callable[[Findings], Section]) -> Section:
-    """Make a section; a kept result that was altered or is of another version leaves its section out."""
-    if make not in (suspects, apart):
-        return make(found)
-    try:
-        return make(found)
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError):
-        reason = "results/diagnosis.json cannot be read; diagnose again"
-        found.left_out["suspects"] = reason
-        found.diagnosis, found.suspects = None, None
-        return Section(make.__name__, "Suspects", (left_out(reason),))

@@ -1,20 +1,143 @@
-"""A diagnosis as a plain document: what `--json` prints and `results/diagnosis.json` keeps."""
+"""A diagnosis as a document: what `--json` prints and `results/diagnosis.json` keeps; one writer and one reader."""
 
 from dataclasses import replace
 from typing import Any
 
-from identify.diagnosis.diagnose import Diagnosis, Suspect
+from pydantic import AliasChoices, Field
+
+from daq.session import Session
+from identify.diagnosis.diagnose import Diagnosis
+from identify.diagnosis.judgement import Verdict
 from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.effects.effect import Effect
+from identify.diagnosis.suspect import Suspect
+from identify.effects.effect import Kind
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.leave_one_out import LeftOut
-from identify.fitting.model_error import ModelError, errors_of
+from identify.fitting.model_error import errors_of
 from identify.model.model import Model
-from station.results.document import estimate
-from station.results.models import as_plain, model_file
+from station.results.documents import (
+    ChannelNoise,
+    Document,
+    Errors,
+    EstimateDocument,
+    Number,
+    Numbers,
+    Part,
+    read_document,
+    write_document,
+)
+from station.results.models import ModelFile, model_file
 
+NAME = "diagnosis.json"
 MOST_POINTS = 40
+MOST_CURVES = 2
+MORE_DATA = "Record at least eight seconds or ten cycles, from the largest amplitude that is safe."
+
+
+class ModelSummary(Part):
+    """The model that was diagnosed."""
+
+    effects: list[str] = Field(validation_alias=AliasChoices("names", "effects"))
+    equation: str
+    parameters: dict[str, EstimateDocument]
+
+
+class ErrorDocument(Errors):
+    """The three errors, the standard error of the floor of chi2, and how far the free run goes."""
+
+    chi2_std: Number = Field(None, validation_alias=AliasChoices("chi2_std", "floor_std"))
+    horizon_s: Number = None
+
+
+class ChannelFloor(ChannelNoise):
+    """The noise of one channel with its unit."""
+
+    unit: str
+
+
+class NoiseFloorDocument(Part):
+    """The floor of chi2 with its standard error, and the noise of each channel (of the first session)."""
+
+    chi2: float
+    chi2_std: float
+    channels: dict[str, ChannelFloor]
+
+
+class SuspectDocument(Part):
+    """One effect that the model may lack; `model` is the whole model with it, None where it is not fitted with it."""
+
+    effect: str
+    title: str
+    kind: Kind
+    channel: str | None
+    error_after: Number
+    evidence: Number
+    p_value: Number
+    parameters: dict[str, EstimateDocument]
+    confusable_with: list[str]
+    held_out_gain: Number
+    plausible: bool
+    claimed: bool
+    model: ModelFile | None
+
+
+class FindingDocument(Part):
+    """A sensor's fault that every fit corrects, and that ought to be mended."""
+
+    effect: str
+    title: str
+    channel: str | None
+    parameters: dict[str, EstimateDocument]
+    chi2_drop: Number
+    what_to_do: str
+
+
+class CurveDocument(Part):
+    """The missing force per unit mass along one coordinate."""
+
+    coordinate: str
+    unit: str
+    position: Numbers
+    force_per_mass: Numbers
+    std: Numbers
+
+
+class ShapeDocument(Part):
+    """The free form of what has no name: the share of the rest that it explains, and its curves."""
+
+    explained: float
+    coordinates: list[str]
+    curves: list[CurveDocument]
+
+
+class HeldOutDocument(Part):
+    """The error on one session of physics that was fitted to the others; None where the free run diverges."""
+
+    session: str
+    chi2: Number
+    motion_percent: Number
+
+
+class DiagnosisDocument(Document):
+    """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named."""
+
+    sessions: list[str]
+    model: ModelSummary
+    error: ErrorDocument
+    noise_floor: NoiseFloorDocument | None
+    verdict: Verdict
+    named: list[str]
+    rivals: list[str]
+    suspects: list[SuspectDocument]
+    together: list[str]
+    findings: list[FindingDocument]
+    error_with_named: ErrorDocument | None
+    shape: ShapeDocument | None
+    held_out: list[HeldOutDocument] | None
+    explanation: str
+    next_experiment: str
+    fitted: ModelFile | None
 
 
 def diagnosis_document(
@@ -22,76 +145,79 @@ def diagnosis_document(
     found: Diagnosis,
     expressions: tuple[str, ...] = (),
     left_out: tuple[LeftOut, ...] | None = None,
-) -> dict[str, Any]:
-    """Return a diagnosis of some sessions under the keys that other programs rely on.
+) -> DiagnosisDocument:
+    """Return a diagnosis of some sessions as it is kept.
 
-    `left_out` are the errors of physics fitted to the other sessions, None with one session. Floats may be infinite.
+    `expressions` are the user's own effects; `left_out` are the errors of physics fitted to the other sessions, None
+    with one session.
     """
-    start = found.start
-    return {
-        "sessions": list(names),
-        "model": as_plain(model_file(start.fit, expressions)),
-        "error": error_document(errors_of(start)),
-        "noise_floor": noise_floor(start),
-        "verdict": found.verdict,
-        "named": list(found.named),
-        "suspects": [suspect_document(suspect, expressions) for suspect in found.suspects],
-        "together": list(found.together),
-        "findings": [_finding(fault) for fault in found.findings],
-        "error_with_named": error_document(errors_of(replace(start, fit=found.final))),
-        "shape": None if found.shape is None else _shape(found.shape),
-        "held_out": None if left_out is None else _left_out(names, left_out),
-        "explanation": found.explanation,
-        "next_experiment": found.next_experiment,
-        "fitted": model_file(start.fit, expressions).model_dump(mode="json"),
-    }
+    baseline = found.start
+    fitted = model_file(baseline.fit, expressions)
+    return DiagnosisDocument.model_validate(
+        {
+            "format": 1,
+            "sessions": names,
+            "model": ModelSummary.model_validate(fitted),
+            "error": errors_of(baseline),
+            "noise_floor": _noise_floor(baseline),
+            "verdict": found.verdict,
+            "named": found.named,
+            "rivals": found.suspects[0].rivals if found.named else (),
+            "suspects": [_suspect(suspect, expressions) for suspect in found.suspects],
+            "together": found.together,
+            "findings": [_finding(fault) for fault in found.findings],
+            "error_with_named": errors_of(replace(baseline, fit=found.final)),
+            "shape": None if found.shape is None else _shape(found.shape),
+            "held_out": None if left_out is None else _held_out(names, left_out),
+            "explanation": found.explanation,
+            "next_experiment": found.next_experiment,
+            "fitted": fitted,
+        }
+    )
 
 
-def refused_document(names: tuple[str, ...], model: Model, reason: str) -> dict[str, Any]:
+def refused_document(names: tuple[str, ...], model: Model, reason: str) -> DiagnosisDocument:
     """Return the same document for sessions that hold too little to fit anything."""
-    return {
-        "sessions": list(names),
-        "model": {"effects": list(model.names), "equation": model.equation, "parameters": {}},
-        "error": {"force_mse_percent": None, "motion_percent": None, "chi2": None},
-        "noise_floor": None,
-        "verdict": "not_enough_data",
-        "named": [],
-        "suspects": [],
-        "together": [],
-        "findings": [],
-        "error_with_named": None,
-        "shape": None,
-        "held_out": None,
-        "explanation": reason,
-        "next_experiment": "Record at least eight seconds or ten cycles, from the largest amplitude that is safe.",
-    }
+    return DiagnosisDocument.model_validate(
+        {
+            "format": 1,
+            "sessions": names,
+            "model": {"effects": model.names, "equation": model.equation, "parameters": {}},
+            "error": {},
+            "verdict": "not_enough_data",
+            "explanation": reason,
+            "next_experiment": MORE_DATA,
+            **dict.fromkeys(("named", "rivals", "suspects", "together", "findings"), ()),
+            **dict.fromkeys(("noise_floor", "error_with_named", "shape", "held_out", "fitted")),
+        }
+    )
 
 
-def error_document(error: ModelError) -> dict[str, Any]:
-    """Return the three errors, with the horizon of the free run and the standard error of the floor."""
-    return {
-        "force_mse_percent": error.force_mse_percent,
-        "motion_percent": error.motion_percent,
-        "chi2": error.chi_square,
-        "chi2_std": error.floor_std,
-        "horizon_s": error.horizon_s,
-    }
+def read_diagnosis(session: Session) -> DiagnosisDocument | None:
+    """Return the diagnosis that a session keeps, None when it keeps none.
+
+    Raises UsageProblem when it was altered or another version wrote it.
+    """
+    return read_document(session, NAME, DiagnosisDocument, "diagnose again")
 
 
-def noise_floor(start: Baseline) -> dict[str, Any]:
-    """Return the noise of each channel, of the first session where there are several, and what it leaves open."""
-    unit = start.fit.windows[0].unit
+def write_diagnosis(session: Session, document: DiagnosisDocument) -> None:
+    """Write results/diagnosis.json."""
+    write_document(session, NAME, document)
+
+
+def _noise_floor(baseline: Baseline) -> dict[str, Any]:
+    unit = baseline.fit.windows[0].unit
     units = {"displacement": unit, "velocity": f"{unit}/s", "acceleration": f"{unit}/s^2"}
     channels = {
         name: {"std": n.std, "uncertainty": n.uncertainty, "unit": units[name], "source": n.source}
-        for name, n in start.floors[0].channels.items()
+        for name, n in baseline.floors[0].channels.items()
     }
-    return {"chi2": 1.0, "chi2_std": start.spread, "channels": channels}
+    return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels}
 
 
-def suspect_document(suspect: Suspect, expressions: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Return one suspect; `model` is the whole model with it, so that it can be looked at again."""
-    apart = suspect.fit is None or suspect.effect.name not in suspect.fit.model
+def _suspect(suspect: Suspect, expressions: tuple[str, ...]) -> dict[str, Any]:
+    is_fitted = suspect.effect.name in suspect.fit.model
     return {
         "effect": suspect.effect.name,
         "title": suspect.effect.title,
@@ -100,46 +226,42 @@ def suspect_document(suspect: Suspect, expressions: tuple[str, ...] = ()) -> dic
         "error_after": suspect.error_after,
         "evidence": suspect.evidence,
         "p_value": suspect.p_value,
-        "parameters": {name: estimate(value) for name, value in suspect.parameters.items()},
-        "confusable_with": list(suspect.confusable_with),
+        "parameters": suspect.parameters,
+        "confusable_with": suspect.confusable_with,
         "held_out_gain": suspect.held_out_gain,
         "plausible": suspect.plausible,
-        "model": None
-        if apart or suspect.fit is None
-        else model_file(suspect.fit, expressions).model_dump(mode="json"),
+        "claimed": suspect.claimed,
+        "model": model_file(suspect.fit, expressions) if is_fitted else None,
     }
 
 
 def _finding(fault: CorrectedFault) -> dict[str, Any]:
-    effect: Effect = fault.term.effect
+    effect = fault.term.effect
     return {
         "effect": effect.name,
         "title": effect.title,
         "channel": fault.term.channel or None,
-        "parameters": {name: estimate(value) for name, value in fault.parameters.items()},
+        "parameters": fault.parameters,
         "chi2_drop": fault.drop,
         "what_to_do": effect.confirming_test,
     }
 
 
 def _shape(shape: NonparametricForce) -> dict[str, Any]:
-    return {
-        "explained": shape.explained,
-        "coordinates": list(shape.coordinates),
-        "curves": [
-            {
-                "coordinate": curve.coordinate,
-                "unit": curve.unit,
-                "position": curve.position[:MOST_POINTS].tolist(),
-                "force_per_mass": curve.force[:MOST_POINTS].tolist(),
-                "std": curve.std[:MOST_POINTS].tolist(),
-            }
-            for curve in shape.shapes[:2]
-        ],
-    }
+    curves = [
+        {
+            "coordinate": curve.coordinate,
+            "unit": curve.unit,
+            "position": curve.position[:MOST_POINTS],
+            "force_per_mass": curve.force[:MOST_POINTS],
+            "std": curve.std[:MOST_POINTS],
+        }
+        for curve in shape.shapes[:MOST_CURVES]
+    ]
+    return {"explained": shape.explained, "coordinates": shape.coordinates, "curves": curves}
 
 
-def _left_out(names: tuple[str, ...], left_out: tuple[LeftOut, ...]) -> list[dict[str, Any]]:
+def _held_out(names: tuple[str, ...], left_out: tuple[LeftOut, ...]) -> list[dict[str, Any]]:
     return [
         {"session": names[one.index], "chi2": one.chi_square, "motion_percent": one.motion_percent}
         for one in left_out

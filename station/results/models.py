@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -13,7 +13,9 @@ from identify.effects.library import LIBRARY
 from identify.effects.sensor_fault import SensorFault
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
+from identify.fitting.initial_values import initial_values
 from identify.model.model import Model, Term
+from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 
 LARGEST = 1 << 20
@@ -49,6 +51,20 @@ class ModelFile(_Part):
     equation: str = Field(default="", max_length=10_000)
     effects: tuple[EffectEntry, ...] = Field(min_length=1, max_length=40, strict=False)
     expressions: tuple[str, ...] = Field(default=(), max_length=20, strict=False)
+
+    @property
+    def names(self) -> list[str]:
+        """The effects' names."""
+        return [entry.effect for entry in self.effects]
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """All parameters by "effect.parameter"."""
+        return {
+            f"{entry.effect}.{name}": value
+            for entry in self.effects
+            for name, value in entry.parameters.items()
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,14 +211,15 @@ def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
     return values
 
 
-def as_plain(model: ModelFile) -> dict[str, Any]:
-    """Return a model as `--json` shows it."""
-    return {
-        "effects": [entry.effect for entry in model.effects],
-        "equation": model.equation,
-        "parameters": {
-            f"{entry.effect}.{name}": value.model_dump()
-            for entry in model.effects
-            for name, value in entry.parameters.items()
-        },
-    }
+def starting_values(known: KnownModel, decays: tuple[PreparedDecay, ...]) -> dict[str, float]:
+    """Return where a fit may begin, by unknown's name: the file's values, the releases' own from their motions."""
+    start = initial_values(decays, known.model, known.values)
+    for term in known.model.terms:
+        for parameter in term.free:
+            id = term.parameter(parameter.name)
+            if str(id) not in known.values:
+                continue
+            for i in range(1 if term.is_force else len(decays)):
+                own = id if term.is_force else id.of_release(i, len(decays))
+                start[str(own)] = known.values[str(id)]
+    return start

@@ -1,7 +1,6 @@
 """Sessions as the operator names them: a folder, or a data file that becomes one on the way."""
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -16,7 +15,8 @@ from identify.errors import NotIdentifiable
 from identify.preprocessing.release import Release, find_releases
 from station.exits import UsageProblem
 from station.output import progress
-from station.story.pipeline import Options, free_decay
+from station.results.session_names import find_session
+from station.story.preparation import Options, free_decay
 
 MOST_RELEASES = 100
 
@@ -30,17 +30,12 @@ class Imported:
     notes: tuple[str, ...]
 
 
-def open_session(
-    argument: str,
-    sessions: Path,
-    info: SessionInfo | None = None,
-    tell: Callable[[str], None] = progress,
-) -> Session:
+def open_session(argument: str, sessions: Path, info: SessionInfo | None = None) -> Session:
     """Return the session that the operator means.
 
-    `argument` is a session's folder, its name within `sessions`, or a data file, which is imported first
-    (a second time it is opened, not imported again); `tell` is told what was understood. Raises
-    UsageProblem when it is none of these.
+    `argument` is a session's folder, its name within `sessions` (or its beginning, or `last`: see
+    `session_names`), or a data file, which is imported first (a second time it is opened, not imported
+    again). Raises UsageProblem when it is none of these.
     """
     path = Path(argument)
     if path.is_dir():
@@ -49,26 +44,26 @@ def open_session(
         known = _imported_before(path, sessions)
         if known is not None:
             return Session.open(known)
-        return _import_on_the_way(path, sessions, info or SessionInfo(), tell)
-    inside = sessions / argument
-    if inside.is_dir():
-        return Session.open(inside)
+        return _import_on_the_way(path, sessions, info or SessionInfo())
+    named = find_session(argument, sessions)
+    if named is not None:
+        return Session.open(named)
     raise UsageProblem(
         f"{argument}: there is no such session or data file (sessions are looked for in {sessions.resolve()})"
     )
 
 
-def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo, tell: Callable[[str], None]) -> Session:
+def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session:
     try:
         imported = import_file(file, None, sessions, ImportOptions(), info)
     except UnreadableFile as error:
         raise UsageProblem(f"{error} (options as these belong to `station import {file}`)") from error
     for note in imported.notes:
-        tell(f"{file.name}: {note}")
+        progress(f"{file.name}: {note}")
     first, *others = imported.sessions
-    tell(f"imported as {first.folder}")
+    progress(f"imported as {first.folder}")
     for session in others:
-        tell(f"another release of the file: {session.folder}")
+        progress(f"another release of the file: {session.folder}")
     return first
 
 
@@ -88,8 +83,8 @@ def import_file(
     made = []
     for number, part in enumerate(parts, start=1):
         where = first if len(parts) == 1 else first.with_name(f"{first.name}_{number}")
-        told = info.model_copy(update={"name": where.name})
-        made.append(Session.create_imported(where, part, file, told))
+        known = info.model_copy(update={"name": where.name})
+        made.append(Session.create_imported(where, part, file, known))
     return Imported(tuple(made), recording, (*recording.notes, *notes))
 
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from identify.comparison.compare import Comparison
 from identify.fitting.baseline import Baseline
-from identify.preprocessing.prepared_decay import PreparedDecay
 
 
 @dataclass(frozen=True, eq=False)
@@ -12,6 +11,5 @@ class Compared:
     """A model as fitted to the session `name`, and where it fails."""
 
     name: str
-    setting: PreparedDecay
-    start: Baseline
+    baseline: Baseline
     comparison: Comparison

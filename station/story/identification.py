@@ -11,7 +11,7 @@ from identify.wavelet.wavelet import WaveletResult
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """Everything the story tells about one release.
+    """Everything that was identified in one release.
 
     `decay` is the release as it was recorded, with the noise of each channel; `aligned` the same with the
     displacement moved by the lag (`decay` itself where there was nothing to align). A result that could

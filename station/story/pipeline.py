@@ -1,43 +1,50 @@
-"""The story: recording -> release -> noise -> alignment -> wavelet, restoring force.
+"""The whole way from a recording to the ladder, one function a step; each takes the values that the last one returned.
 
-Each step takes the last one's value and returns its own. A step that cannot be done says why, and the
-others still run.
+- `identify`: recording -> release, noise, alignment, wavelet, restoring force
+- `prepare_session`: session -> a release that can be fitted (station.story.preparation)
+- `compare`: prepared decay, model -> the fitted model, and where it fails
+- `diagnose`: prepared decays, model -> what the model lacks
+- `refine`: prepared decay, model -> the ladder: the error, rung by rung, as effects are added
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TypeVar
 
 from daq.recording import Recording
+from identify.comparison.compare import compare_fitted as compare_baseline
+from identify.diagnosis.diagnose import Diagnosis
+from identify.diagnosis.diagnose import diagnose as diagnose_decays
+from identify.diagnosis.ladder import Ladder, Rung
+from identify.diagnosis.refine import refine as refine_decay
+from identify.effects.effect import Effect
+from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
-from identify.free_decay import FreeDecay
-from identify.preprocessing.alignment import align, correct
-from identify.preprocessing.noise import estimate_noise
-from identify.preprocessing.release import Release, find_release
+from identify.fitting.baseline import Baseline, fit_baseline
+from identify.fitting.leave_one_out import LeftOut, leave_one_out
+from identify.model.model import Model, base_model
+from identify.preprocessing.aligned_decay import locate_and_align
+from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import (
     identify_restoring_force,
     identify_restoring_force_as_recorded,
 )
 from identify.wavelet.wavelet import identify_wavelet
+from station.story.compared import Compared
 from station.story.identification import Identification
+from station.story.preparation import Options, free_decay
 
 Value = TypeVar("Value")
+Progress = Callable[[str], None]
 
-MOTION = ("displacement", "velocity", "acceleration")
+DRIVEN = "a force drives the motion to the end of the record; this method needs a free decay"
 
 
-@dataclass(frozen=True)
-class Options:
-    """What the operator may choose: the mass (kg, or kg m^2 for angles) and how many terms to try."""
-
-    mass: float | None = None
-    mass_std: float | None = None
-    max_order: int = 3
-    stiffness_orders: tuple[int, ...] = (1,)
+def silent(text: str) -> None:
+    """Report no progress."""
 
 
 def identify(recording: Recording, options: Options) -> Identification:
-    """Tell the story of one recording with one release.
+    """Identify one recording with one release; a step that cannot be done says why, and the others still run.
 
     Raises NotIdentifiable when no release can be found, since nothing can follow then.
     """
@@ -50,18 +57,14 @@ def identify(recording: Recording, options: Options) -> Identification:
             refusals[step] = str(refusal)
             return None
 
-    decay = free_decay(recording, options)
-    release = find_motion(decay)
-    decay = estimate_noise(decay.with_(release=release.index, rest=release.rest))
-
-    alignment = attempt("alignment", lambda: align(decay))
-    aligned = decay if alignment is None else correct(decay, alignment)
+    found = locate_and_align(free_decay(recording, options))
+    decay, alignment, aligned = found.recorded, found.alignment, found.decay
+    if found.not_aligned:
+        refusals["alignment"] = found.not_aligned
 
     wavelet = None
     if decay.driven:
-        refusals["wavelet"] = (
-            "a force drives the motion to the end of the record; this method needs a free decay"
-        )
+        refusals["wavelet"] = DRIVEN
     else:
         wavelet = attempt("wavelet", lambda: identify_wavelet(aligned, options.max_order))
 
@@ -74,45 +77,60 @@ def identify(recording: Recording, options: Options) -> Identification:
         )
 
     return Identification(
-        decay, release, alignment, aligned, wavelet, restoring_force, without_alignment, refusals
+        decay, found.release, alignment, aligned, wavelet, restoring_force, without_alignment, refusals
     )
 
 
-def free_decay(recording: Recording, options: Options) -> FreeDecay:
-    """Pick the channels that identification uses out of a recording.
+def compare(
+    name: str,
+    prepared: PreparedDecay,
+    model: Model | None = None,
+    known: dict[str, float] | None = None,
+    *,
+    mass: float | None = None,
+) -> Compared:
+    """Fit a model to the session `name` and find where it fails.
 
-    The first channel of each quantity is taken; a force is divided by the mass where that is
-    known. Raises NotIdentifiable when no channel is a motion.
+    The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin from, by unknown's
+    name; with a `mass` (kg) forces are in N.
     """
-    channels = {name: recording.channel(name) for name in MOTION}
-    if all(values is None for values in channels.values()):
-        present = ", ".join(channel.name for channel in recording.channels) or "none"
-        raise NotIdentifiable(
-            f"no channel is a displacement, a velocity or an acceleration (channels: {present}); "
-            "say what they are when importing"
-        )
-    force = recording.channel("force")
-    return FreeDecay(
-        rate=recording.rate,
-        displacement=channels["displacement"],
-        velocity=channels["velocity"],
-        acceleration=channels["acceleration"],
-        valid=recording.valid,
-        force=force if force is None or options.mass is None else force / options.mass,
-        mass=options.mass,
-        mass_std=options.mass_std,
-        unit=_displacement_unit(recording),
-    )
+    return compare_fitted(name, fit_baseline((prepared,), model or base_model(), known), mass=mass)
 
 
-def _displacement_unit(recording: Recording) -> str:
-    """Return the unit of the displacement, as the first channel that is a motion has it: m, rad, V."""
-    units = [channel.unit for channel in recording.channels if channel.quantity in MOTION]
-    return units[0].split("/")[0] if units else "m"
+def compare_fitted(name: str, baseline: Baseline, *, mass: float | None = None) -> Compared:
+    """Find where a model fails that is fitted already, on the decay as the fit has corrected it."""
+    return Compared(name, baseline, compare_baseline(baseline, mass=mass))
 
 
-def find_motion(decay: FreeDecay) -> Release:
-    """Return the release; for a driven motion the whole record."""
-    if decay.driven:
-        return Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0))
-    return find_release(decay.rate, decay.displacement, decay.velocity, decay.acceleration, decay.valid)
+def diagnose(
+    decays: tuple[PreparedDecay, ...],
+    model: Model | None = None,
+    known: dict[str, float] | None = None,
+    *,
+    library: tuple[Effect, ...] = LIBRARY,
+    progress: Progress = silent,
+) -> tuple[Diagnosis, tuple[LeftOut, ...] | None]:
+    """Find out what a model lacks; with several releases also the error on each of what was found on the others."""
+    chosen = model or base_model()
+    progress(f"trying {len(library) - len(chosen.terms)} effects")
+    found = diagnose_decays(decays, chosen, library=library, known=known)
+    if len(decays) < 2:
+        return found, None
+    progress("leaving one session out at a time")
+    return found, leave_one_out(found.final)
+
+
+def refine(
+    prepared: PreparedDecay,
+    model: Model | None = None,
+    known: dict[str, float] | None = None,
+    *,
+    library: tuple[Effect, ...] = LIBRARY,
+    progress: Progress = silent,
+) -> Ladder:
+    """Add what is missing until nothing is; the first rung is the model itself."""
+
+    def on_rung(rung: Rung, sentence: str) -> None:
+        progress(f"{sentence}: chi2 {rung.error.chi_square:.3g} ({' + '.join(rung.effects)})")
+
+    return refine_decay(prepared, model, library=library, known=known, progress=on_rung)

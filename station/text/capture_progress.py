@@ -15,9 +15,9 @@ from daq.capture import CaptureObserver
 from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
 from station.safe_text import SafeConsole
+from station.text.numbers import scale_as_recorded
 
 BAR = 28
-SCALE = {"m": (1e3, "mm")}
 REFRESH_S = 0.125
 
 STATES = {
@@ -66,7 +66,6 @@ class Watch(CaptureObserver):
         self._channels: tuple[Channel, ...] = ()
         self._largest = np.zeros(0)
         self._last = np.zeros(0)
-        self._told = ""
         self._lost = 0
         self._shown = 0.0
 
@@ -84,17 +83,16 @@ class Watch(CaptureObserver):
             self._live = None
 
     def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
-        """Tell which board answered and what it measures."""
+        """Print which board answered and what it measures."""
         self._channels = channels
         self._largest = self._last = np.zeros(len(channels))
         names = ", ".join(f"{channel.name} [{channel.unit}]" for channel in channels)
         self._line(f"board {hello.board}: {names}")
 
     def state(self, name: str, detail: str) -> None:
-        """Tell what the station is doing and what the operator should do."""
-        said = STATES.get(name, name)
-        self._told = f"{said} ({detail})" if detail else said
-        self._line(self._told)
+        """Print what the station is doing and what the operator should do."""
+        sentence = STATES.get(name, name)
+        self._line(f"{sentence} ({detail})" if detail else sentence)
         self._refresh(force=True)
 
     def block(self, first_index: int, samples: Array) -> None:
@@ -106,7 +104,7 @@ class Watch(CaptureObserver):
         self._refresh()
 
     def loss(self, gap: Gap) -> None:
-        """Tell of a loss at once."""
+        """Print a loss at once."""
         self._lost += gap.count
         self._line(f"lost {gap.count} samples from number {gap.first} on: {gap.reason}")
 
@@ -123,7 +121,7 @@ class Watch(CaptureObserver):
     def _levels(self) -> Table:
         table = Table.grid(padding=(0, 2))
         for channel, value, largest in zip(self._channels, self._last, self._largest, strict=True):
-            factor, unit = SCALE.get(channel.unit, (1.0, channel.unit))
+            factor, unit = scale_as_recorded(channel.quantity, channel.unit)
             table.add_row(
                 channel.name,
                 Text(bar(float(value), float(largest)), style="cyan"),

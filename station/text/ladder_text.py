@@ -1,4 +1,4 @@
-"""The ladder in the terminal: rung by rung what was added, the three errors, what moved; the floor comes last."""
+"""The ladder in the terminal: rung by rung what was added, the three errors, what changed; the floor comes last."""
 
 import math
 
@@ -8,10 +8,11 @@ from rich.table import Table
 from rich.text import Text
 
 from station.results.ladder import KeptLadder, KeptRung
-from station.text.diagnosis_text import number, size
+from station.text.layout import sentence
+from station.text.numbers import change, three_figures, with_unit
 
-MOST_MOVED = 3
-MOVED = 2.0
+MOST_CHANGED = 3
+NOTICED = 2.0
 
 
 def show_ladder(console: Console, name: str, ladder: KeptLadder) -> None:
@@ -44,9 +45,9 @@ def _table(ladder: KeptLadder) -> Table:
         cells = (
             str(place),
             step(rung),
-            size(error.force_mse_percent),
-            size(error.motion_percent),
-            size(error.chi2),
+            three_figures(error.force_mse_percent),
+            three_figures(error.motion_percent),
+            three_figures(error.chi2),
             "" if before is None else change(before.error.chi2, error.chi2),
             bar(error.chi2, largest),
         )
@@ -59,8 +60,8 @@ def _table(ladder: KeptLadder) -> Table:
             for cell in (
                 "",
                 "floor (noise alone)",
-                size(floor.force_mse_percent),
-                size(floor.motion_percent),
+                three_figures(floor.force_mse_percent),
+                three_figures(floor.motion_percent),
                 f"1 ± {ladder.top.chi2_std:.2f}",
                 "",
                 "",
@@ -79,18 +80,6 @@ def step(rung: KeptRung) -> str:
     return "base model" if len(rung.effects) < 4 else f"model of {len(rung.effects)} effects"
 
 
-def change(before: float | None, after: float | None) -> str:
-    """Return by how much something fell or rose, as a factor or in %."""
-    if not before or not after:
-        return ""
-    if before >= 2 * after > 0:
-        return f"÷ {before / after:.3g}"
-    if after >= 2 * before > 0:
-        return f"x {after / before:.3g}"
-    percent = 100 * (after - before) / abs(before)
-    return f"{percent:+.1f} %" if abs(percent) >= 0.1 else f"{percent:+.2g} %"
-
-
 def bar(chi_square: float | None, largest: float, width: int = 12) -> str:
     """Return chi-square on a logarithmic scale from the floor (nothing) to the largest."""
     if chi_square is None or chi_square <= 1.05 or largest <= 1.05:
@@ -98,31 +87,31 @@ def bar(chi_square: float | None, largest: float, width: int = 12) -> str:
     return "█" * max(1, round(width * math.log(chi_square) / math.log(max(largest, 2.0))))
 
 
-def moved(before: KeptRung, after: KeptRung) -> list[str]:
-    """Return the parameters that the step moved most, in standard errors of the fit before."""
+def changed_parameters(before: KeptRung, after: KeptRung) -> list[str]:
+    """Return the parameters that the step changed most, in standard errors of the fit before, and those it added."""
     found = []
     for name, value in after.parameters.items():
         old = before.parameters.get(name)
         if old is None:
-            found.append((math.inf, f"{name} = {number(value)}, new"))
+            found.append((math.inf, f"{name} = {with_unit(value)}, new"))
             continue
-        std = max(old["std"] or 0.0, value["std"] or 0.0)
-        errors = abs(value["value"] - old["value"]) / std if std > 0 else 0.0
-        if errors > MOVED:
-            by = ", ".join(filter(None, (change(old["value"], value["value"]), f"{errors:.0f} std. errors")))
-            found.append((errors, f"{name} {number(value)} ({by})"))
+        std = max(old.std or 0.0, value.std or 0.0)
+        errors = abs(value.value - old.value) / std if std > 0 else 0.0
+        if errors > NOTICED:
+            by = ", ".join(filter(None, (change(old.value, value.value), f"{errors:.0f} std. errors")))
+            found.append((errors, f"{name} {with_unit(value)} ({by})"))
     found.sort(key=lambda entry: -entry[0])
     new = sum(1 for weight, _ in found if math.isinf(weight))
-    return [text for _, text in found[: new + MOST_MOVED]]
+    return [text for _, text in found[: new + MOST_CHANGED]]
 
 
 def _below(ladder: KeptLadder) -> list[str]:
     lines = []
     if ladder.present > 0:
         before = ladder.rungs[ladder.present - 1]
-        lines += [f"moved: {text}" for text in moved(before, ladder.top)]
+        lines += [f"changed: {text}" for text in changed_parameters(before, ladder.top)]
     if ladder.stopped_because:
-        lines.append(f"{ladder.stopped_because[0].upper()}{ladder.stopped_because[1:]}.")
+        lines.append(sentence(ladder.stopped_because))
     above = len(ladder.rungs) - 1 - ladder.present
     if above:
         lines.append(f"{above} rung{'s' if above > 1 else ''} above: `--to N` goes there, adding drops them.")

@@ -7,30 +7,36 @@ from dataclasses import dataclass
 from statistics import fmean, stdev
 from typing import Any
 
-from station.quantities import shown
+from identify.formatting import decimals_for
+from station.results.identification_document import IdentificationDocument, MethodDocument
+from station.text.numbers import scale
 
-METHODS = (("wavelet", "WT"), ("restoring_force", "RFS"))
+MOST_DECIMALS = 8
+METHODS = ("WT", "RFS")
+
+
+def _methods(document: IdentificationDocument) -> tuple[MethodDocument | None, MethodDocument | None]:
+    return document.wavelet, document.restoring_force
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """One column of the tables: its name, its unit, and where it stands in an identification's document."""
+    """One column of the tables: its name, its unit, and its order of damping (None: the stiffness)."""
 
     name: str
     unit: str
     order: int | None
 
-    def of(self, method: dict[str, Any] | None) -> tuple[float, float] | None:
-        """Return value and standard error of one method, or None."""
-        if method is None:
+    def of(self, method: MethodDocument | None) -> "Cell | None":
+        """Return value and standard error by one method, or None."""
+        if method is None or (self.order is not None and self.order >= len(method.damping)):
             return None
-        if self.order is None:
-            found = method["stiffness"]
-        elif self.order < len(method["damping"]):
-            found = method["damping"][self.order]
-        else:
-            return None
-        return (float(found["value"]), float(found["std"]))
+        found = method.stiffness if self.order is None else method.damping[self.order]
+        return Cell(_number(found.value), _number(found.std))
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
 
 
 @dataclass(frozen=True)
@@ -60,45 +66,41 @@ class Tables:
     summary: tuple[tuple[str, tuple[Cell | None, ...]], ...]
 
 
-def make_tables(documents: list[dict[str, Any]]) -> Tables:
-    """Make both tables of identification documents (see `station.results.document`)."""
+def make_tables(documents: list[IdentificationDocument]) -> Tables:
+    """Make both tables of identified sessions."""
     quantities = _quantities(documents)
-    columns = tuple((q.name, label, q.unit) for q in quantities for _, label in METHODS)
+    columns = tuple((q.name, label, q.unit) for q in quantities for label in METHODS)
     rows = tuple(
         Row(
-            document["session"],
-            document["release"].get("amplitude"),
-            document["record"]["unit"],
-            tuple(_cell(q.of(document[method])) for q in quantities for method, _ in METHODS),
+            document.session,
+            document.release.amplitude,
+            document.record.unit,
+            tuple(q.of(method) for q in quantities for method in _methods(document)),
         )
         for document in documents
     )
     summary = tuple(
-        (label, tuple(_mean([q.of(document[method]) for document in documents]) for q in quantities))
-        for method, label in METHODS
+        (label, tuple(_mean([q.of(_methods(document)[place]) for document in documents]) for q in quantities))
+        for place, label in enumerate(METHODS)
     )
     return Tables(columns, rows, summary)
 
 
-def _quantities(documents: list[dict[str, Any]]) -> list[Quantity]:
-    methods = [d[name] for d in documents for name, _ in METHODS if d[name] is not None]
+def _quantities(documents: list[IdentificationDocument]) -> list[Quantity]:
+    methods = [method for document in documents for method in _methods(document) if method is not None]
     if not methods:
         return []
-    most = max(len(method["damping"]) for method in methods)
+    most = max(len(method.damping) for method in methods)
     quantities = []
     for order in range(most):
-        unit = next(m["damping"][order]["unit"] for m in methods if len(m["damping"]) > order)
+        unit = next(m.damping[order].unit for m in methods if len(m.damping) > order)
         quantities.append(Quantity(f"mu_{order}", unit, order))
-    units = sorted({method["stiffness"]["unit"] for method in methods})
+    units = sorted({method.stiffness.unit for method in methods})
     return [*quantities, Quantity("K", " or ".join(units), None)]
 
 
-def _cell(found: tuple[float, float] | None) -> Cell | None:
-    return None if found is None else Cell(*found)
-
-
-def _mean(found: list[tuple[float, float] | None]) -> Cell | None:
-    values = [pair[0] for pair in found if pair is not None and math.isfinite(pair[0])]
+def _mean(found: list[Cell | None]) -> Cell | None:
+    values = [cell.value for cell in found if cell is not None and math.isfinite(cell.value)]
     if not values:
         return None
     return Cell(fmean(values), stdev(values) if len(values) > 1 else math.nan)
@@ -108,8 +110,7 @@ def number(value: float, std: float) -> str:
     """Return a value with as many decimals as two figures of its error have."""
     if not math.isfinite(value):
         return "-"
-    decimals = 4 if not (math.isfinite(std) and std > 0) else max(0, min(8, 1 - math.floor(math.log10(std))))
-    return f"{value:.{decimals}f}"
+    return f"{value:.{min(MOST_DECIMALS, decimals_for(std))}f}"
 
 
 def as_json(tables: Tables) -> dict[str, Any]:
@@ -237,5 +238,5 @@ def _plain(cell: Cell | None) -> str:
 
 
 def _length(value: float, unit: str) -> str:
-    factor, text = shown("displacement", unit)
+    factor, text = scale("displacement", unit)
     return f"{value * factor:.4g} {text}"

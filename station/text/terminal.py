@@ -8,9 +8,12 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.estimate import Estimate
-from station.quantities import damping_name, shown, written
+from identify.formatting import damping_name
 from station.story.identification import Identification
+from station.text.layout import labelled
+from station.text.numbers import scale, with_error
 
+LABEL_WIDTH = 11
 KINDS = {
     "displaced": "held away, then let go",
     "impulse": "set going by an impulse",
@@ -23,21 +26,13 @@ def show_identification(console: Console, name: str, result: Identification) -> 
     console.print()
     console.print(Text(f" {name}", style="bold"))
     for label, text in _facts(result):
-        console.print(_line(label, text))
+        console.print(labelled(label, text, LABEL_WIDTH))
     console.print()
     console.print(Padding(parameters(result), (0, 0, 0, 1)))
     console.print()
     for label, text in _reasons(result):
-        console.print(_line(label, text))
+        console.print(labelled(label, text, LABEL_WIDTH))
     console.print()
-
-
-def _line(label: str, text: str) -> Table:
-    line = Table.grid(padding=(0, 1))
-    line.add_column(width=11)
-    line.add_column(overflow="fold")
-    line.add_row(Text(f" {label}", style="cyan"), Text(text))
-    return line
 
 
 def _facts(result: Identification) -> list[tuple[str, str]]:
@@ -67,7 +62,7 @@ def _noise(result: Identification) -> str:
     for name in ("displacement", "velocity", "acceleration"):
         noise = getattr(decay, f"noise_{name}")
         if noise is not None:
-            factor, unit = shown(name, decay.unit, fine=True)
+            factor, unit = scale(name, decay.unit, fine=True)
             parts.append(f"{name} {noise * factor:.3g} {unit}")
     return f"{', '.join(parts)} rms" if parts else ""
 
@@ -77,8 +72,8 @@ def _lag(result: Identification) -> str:
     if found is None:
         return result.refusals.get("alignment", "not sought")
     late = "late" if found.lag.value >= 0 else "early"
-    lag = Estimate(abs(found.lag.value) * 1e6, found.lag.std * 1e6, "us")
-    text = f"displacement {late} by {written(lag)} us, corrected; gain {written(found.gain)}"
+    lag = with_error(abs(found.lag.value) * 1e6, found.lag.std * 1e6)
+    text = f"displacement {late} by {lag} us, corrected; gain {with_error(found.gain.value, found.gain.std)}"
     return f"{text}. {found.caution}" if found.caution else text
 
 
@@ -122,7 +117,7 @@ def rows(result: Identification) -> list[tuple[str, str, str, str]]:
 
 def _row(name: str, values: list[Estimate | None]) -> tuple[str, str, str, str]:
     unit = next((value.unit for value in values if value is not None), "")
-    cells = ["-" if value is None else written(value) for value in values]
+    cells = ["-" if value is None else with_error(value.value, value.std) for value in values]
     return (name, unit, cells[0], cells[1])
 
 
@@ -148,7 +143,7 @@ def uncorrected(result: Identification) -> str:
         return ""
     right, wrong = with_.damping[1], without.damping[1]
     return (
-        f"the lag corrected, the restoring force would have said mu_1 = {wrong.value:.3f} {wrong.unit} "
+        f"the lag corrected, the restoring force would have given mu_1 = {wrong.value:.3f} {wrong.unit} "
         f"instead of {right.value:.3f}"
     )
 

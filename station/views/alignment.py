@@ -1,19 +1,28 @@
 """The Alignment tab: the channels over each other before and after, and what the lag would have spoiled."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+from numpy.typing import NDArray
 
-from station.quantities import written
 from station.story.identification import Identification
+from station.text.numbers import with_error
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array
+from station.views.plots import SCREEN, Look, literal
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 PERIOD_SHARE = 0.05
 TAIL = 7.0
+NEAR = 0.06
+"""Share of the period that is shown about a zero."""
+
 CURVES = "/alignment"
 
 
@@ -64,7 +73,7 @@ def _period(result: Identification) -> float:
 
 def write(stream: rr.RecordingStream, name: str, result: Identification) -> None:
     """Log the overlaid channels, their difference before and after, and the lag in words."""
-    log.markdown(stream, f"{CURVES}/text", words(result))
+    log.markdown(stream, f"{CURVES}/text", summary(result))
     shown = overlay(result)
     if shown is None:
         return
@@ -92,39 +101,59 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
             f"{when.replace('_', ' ')} [{unit}]",
             colour,
         )
-    _zoom(stream, result, shown, gain)
-    _story(stream, result)
+    _close_up(stream, result, shown)
+    _damping(stream, result)
 
 
-def _zoom(stream: rr.RecordingStream, result: Identification, shown: Overlay, gain: float) -> None:
-    start = result.release.settle / result.decay.rate
-    span = _period(result) or 10 / result.decay.rate
-    later = np.flatnonzero(shown.time > start + span)
-    if len(later) < 10:
+def about_zero(result: Identification, seen: Overlay) -> tuple[Array, NDArray[np.bool_]] | None:
+    """Return the time (ms) about a zero of the acceleration one period after the release, and which samples are near.
+
+    None where there is none.
+    """
+    rate = result.decay.rate
+    period = _period(result) or 10 / rate
+    later = np.flatnonzero(seen.time > result.release.settle / rate + period)
+    crossings = np.flatnonzero(np.diff(np.sign(seen.acceleration[later])) > 0)
+    if not len(crossings):
+        return None
+    time = seen.time - seen.time[later[crossings[0]]]
+    return time * 1e3, np.abs(time) < max(NEAR * period, 4 / rate)
+
+
+def draw_about_zero(axes: list["Axes"], result: Identification, seen: Overlay, look: Look) -> None:
+    """Draw both channels about a zero of the acceleration, as recorded and with the lag corrected."""
+    found = about_zero(result, seen)
+    if found is None:
         return
-    a = shown.acceleration[later]
-    crossings = np.flatnonzero(np.diff(np.sign(a)) > 0)
-    middle = shown.time[later[crossings[0]]] if len(crossings) else shown.time[later[0]]
-    near = np.abs(shown.time - middle) < max(0.06 * span, 3 / result.decay.rate)
-    unit = f"{result.decay.unit}/s²"
-    drawn, axes = figure(7.2, 3.3, 1, 2, sharey=True)
+    ms, near = found
+    gain = 1.0 if result.alignment is None else result.alignment.gain.value
     for axis, second, title in zip(
-        axes, (shown.before, shown.after), ("as recorded", "lag corrected"), strict=True
+        axes, (seen.before, seen.after), ("as recorded", "lag corrected"), strict=True
     ):
-        ms = (shown.time[near] - middle) * 1e3
-        axis.plot(ms, shown.acceleration[near], "o-", color=palette.css(palette.ACCELERATION), ms=4, lw=1)
-        axis.plot(ms, gain * second[near], "s--", color=palette.css(palette.DISPLACEMENT), ms=4, lw=1)
-        axis.set_title(title)
-        axis.set_xlabel("time about a zero of the acceleration [ms]")
-    axes[0].set_ylabel(f"acceleration [{unit}]")
-    legend(axes[1], "upper left", ["acceleration", "displacement, twice\ndifferentiated"])
-    numbers = {"time": shown.time[near], "acceleration": shown.acceleration[near]}
-    log.picture(
-        stream, f"{CURVES}/zoom", drawn, numbers | {"before": shown.before[near], "after": shown.after[near]}
-    )
+        axis.plot(
+            ms[near], seen.acceleration[near], "o-", color=look.second, ms=4, lw=1, label="acceleration"
+        )
+        axis.plot(
+            ms[near], gain * second[near], "x--", color=look.model, ms=4.5, lw=1,
+            label="displacement, twice\ndifferentiated",
+        )  # fmt: skip
+        axis.set(title=title, xlabel="time about a zero of the acceleration [ms]")
+    axes[0].set_ylabel(literal(f"acceleration [{result.decay.unit}/s^2]"))
 
 
-def _story(stream: rr.RecordingStream, result: Identification) -> None:
+def _close_up(stream: rr.RecordingStream, result: Identification, seen: Overlay) -> None:
+    found = about_zero(result, seen)
+    if found is None:
+        return
+    ms, near = found
+    drawn, axes = figure(7.2, 3.3, 1, 2, sharey=True)
+    draw_about_zero(axes, result, seen, SCREEN)
+    legend(axes[1], "upper left")
+    numbers = {"time_ms": ms, "acceleration": seen.acceleration, "before": seen.before, "after": seen.after}
+    log.picture(stream, f"{CURVES}/zoom", drawn, {name: values[near] for name, values in numbers.items()})
+
+
+def _damping(stream: rr.RecordingStream, result: Identification) -> None:
     found = [
         ("restoring force,\nas recorded", result.without_alignment, palette.WRONG),
         ("restoring force,\nlag corrected", result.restoring_force, palette.FORCE),
@@ -140,7 +169,7 @@ def _story(stream: rr.RecordingStream, result: Identification) -> None:
         axis.barh(row, value.value, color=palette.css(colour), height=0.55)
         axis.errorbar(value.value, row, xerr=2 * value.std, color=palette.INK, capsize=4, lw=1.2)
         axis.annotate(
-            f"  {written(value)}",
+            f"  {with_error(value.value, value.std)}",
             (max(value.value, 0.0) + 2 * value.std, row),
             va="center",
             fontsize=9,
@@ -153,10 +182,10 @@ def _story(stream: rr.RecordingStream, result: Identification) -> None:
     axis.set_xlim(left, right + 0.45 * (right - left))
     axis.set_xlabel(f"viscous damping mu_1 [{known[0][1].unit}], bars: 2 standard errors")
     numbers = {"value": [value.value for _, value, _ in known], "std": [value.std for _, value, _ in known]}
-    log.picture(stream, f"{CURVES}/story", drawn, numbers)
+    log.picture(stream, f"{CURVES}/damping", drawn, numbers)
 
 
-def words(result: Identification) -> str:
+def summary(result: Identification) -> str:
     """Return the lag and what it would have done, as markdown."""
     found = result.alignment
     if found is None:
@@ -165,7 +194,7 @@ def words(result: Identification) -> str:
     late = "late" if lag.value >= 0 else "early"
     text = (
         f"## The displacement is {late} by {abs(lag.value) * 1e6:.1f} ± {lag.std * 1e6:.1f} us\n\n"
-        f"Gain of the acceleration against it: {written(found.gain)}. Found by {found.method}; "
+        f"Gain of the acceleration against it: {with_error(found.gain.value, found.gain.std)}. Found by {found.method}; "
         "no law of force is used.\n\n"
     )
     if found.caution:
@@ -174,7 +203,7 @@ def words(result: Identification) -> str:
     if without is not None and with_ is not None and min(len(without.damping), len(with_.damping)) > 1:
         omega_squared = with_.stiffness.value / (result.decay.mass or 1.0)
         text += (
-            "## Without the correction\n\nthe restoring force surface would have said "
+            "## Without the correction\n\nthe restoring force surface would have given "
             f"mu_1 = **{without.damping[1].value:.3f} {without.damping[1].unit}** instead of "
             f"**{with_.damping[1].value:.3f}**. A displacement late by the lag adds omega_0^2 times it: "
             f"{omega_squared * lag.value:+.3f} {with_.damping[1].unit}."
@@ -189,7 +218,7 @@ def tab(result: Identification) -> rrb.Container | None:
     return rrb.Vertical(
         rrb.Horizontal(
             log.shown_picture("Close to a zero of the acceleration", f"{CURVES}/zoom"),
-            log.shown_picture("What each method says of the viscous damping", f"{CURVES}/story"),
+            log.shown_picture("What each method says of the viscous damping", f"{CURVES}/damping"),
             log.document("Lag", f"{CURVES}/text"),
             column_shares=[7.2, 5.4, 3.6],
         ),

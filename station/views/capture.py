@@ -5,8 +5,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.free_decay import FreeDecay
-from station.quantities import shown
 from station.story.identification import Identification
+from station.text.numbers import scale
 from station.text.terminal import KINDS
 from station.views import log, palette
 
@@ -21,7 +21,7 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
     decay = result.decay
     kept = np.ones(len(decay), dtype=bool) if decay.valid is None else decay.valid
     for channel in channels(decay):
-        factor, unit = shown(channel, decay.unit)
+        factor, unit = scale(channel, decay.unit)
         values = np.where(kept, getattr(decay, channel), np.nan) * factor
         label = f"{channel} [{unit}]"
         log.series(stream, f"/capture/{channel}", decay.time, values, label, palette.CHANNEL[channel])
@@ -34,7 +34,7 @@ def _states(stream: rr.RecordingStream, result: Identification) -> None:
     changes = [(release.settle / rate, "free"), (release.end / rate, "stopped")]
     if release.rest[1] > release.rest[0]:
         changes.append((release.rest[0] / rate, "at rest"))
-        changes.append((release.rest[1] / rate, "in the hand"))
+        changes.append((release.rest[1] / rate, "held"))
     if release.settle > release.index:
         changes.append((release.time_s, "letting go"))
     for time, state in sorted(changes):
@@ -62,7 +62,7 @@ def facts(name: str, result: Identification) -> str:
     ]
     for channel in channels(decay):
         noise = getattr(decay, f"noise_{channel}")
-        factor, unit = shown(channel, decay.unit, fine=True)
+        factor, unit = scale(channel, decay.unit, fine=True)
         text = "unknown" if noise is None else f"{noise * factor:.3g} {unit} rms"
         lines.append(f"| noise, {channel} | {text} |")
     lines += [f"\n**{step.replace('_', ' ')}**: {reason}" for step, reason in result.refusals.items()]
@@ -73,7 +73,7 @@ def tab(result: Identification) -> rrb.Container:
     """Return the layout of the tab."""
     views = [
         log.curve(
-            f"{name.capitalize()} as recorded [{shown(name, result.decay.unit)[1]}]", f"/capture/{name}"
+            f"{name.capitalize()} as recorded [{scale(name, result.decay.unit)[1]}]", f"/capture/{name}"
         )
         for name in channels(result.decay)
     ]

@@ -8,9 +8,11 @@ import rerun.blueprint as rrb
 
 from identify.comparison.discrepancy_text import DiscrepancyText
 from station.story.compared import Compared
-from station.views import log, palette
+from station.text.numbers import energy_scale, scale
+from station.views import log, palette, plots
 from station.views.figure import figure, legend
 from station.views.log import Array
+from station.views.plots import SCREEN, literal
 
 ROOT = "/compare"
 NAME = "Compare"
@@ -23,15 +25,7 @@ def write_file(file: Path, compared: Compared) -> None:
     from station.views.show import APPLICATION
 
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
-    blueprint = rrb.Blueprint(
-        rrb.Tabs(tab(compared), active_tab=0),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=log.TIMELINE),
-        auto_views=False,
-        auto_layout=False,
-    )
-    stream.save(file, default_blueprint=blueprint)
+    stream.save(file, default_blueprint=log.blueprint([tab(compared)]))
     write(stream, compared)
     stream.flush()
     stream.disconnect()
@@ -40,7 +34,7 @@ def write_file(file: Path, compared: Compared) -> None:
 def write(stream: rr.RecordingStream, compared: Compared, root: str = ROOT) -> None:
     """Log a comparison under `root`; another model goes under another root, as logged times cannot be replaced."""
     log.markdown(stream, f"{root}/summary", summary(compared))
-    for channel in compared.start.fit.windows[0].channels:
+    for channel in compared.baseline.fit.windows[0].channels:
         _channel(stream, compared, channel, root)
     _phase_plane(stream, compared, root)
     _sections(stream, compared, root)
@@ -48,12 +42,12 @@ def write(stream: rr.RecordingStream, compared: Compared, root: str = ROOT) -> N
 
 
 def _channel(stream: rr.RecordingStream, compared: Compared, channel: str, root: str) -> None:
-    fit = compared.start.fit
-    span = fit.windows[0]
-    factor, unit = _scale(channel, span.unit)
-    used = span.used[channel]
+    fit = compared.baseline.fit
+    window = fit.windows[0]
+    factor, unit = scale(channel, window.unit)
+    used = window.used[channel]
     time = compared.comparison.time[used]
-    measured = span.readings[channel][used] * factor
+    measured = window.readings[channel][used] * factor
     model = fit.predicted[0][channel][used] * factor
     log.series(
         stream, f"{root}/{channel}/measured", time, measured, f"measured [{unit}]", palette.MEASURED, 4.5
@@ -61,9 +55,9 @@ def _channel(stream: rr.RecordingStream, compared: Compared, channel: str, root:
     log.series(
         stream, f"{root}/{channel}/model", time, model, f"model, run freely [{unit}]", palette.FORCE, 1.5
     )
-    fine, fine_unit = _fine(channel, span.unit)
+    fine, fine_unit = scale(channel, window.unit, fine=True)
     left = fit.residual(channel)[used] * fine
-    noise = BAND * span.sigma[channel] * fine
+    noise = BAND * window.sigma[channel] * fine
     log.series(
         stream,
         f"{root}/{channel}_left/residual",
@@ -86,22 +80,10 @@ def _channel(stream: rr.RecordingStream, compared: Compared, channel: str, root:
         )
 
 
-def _scale(channel: str, unit: str) -> tuple[float, str]:
-    if unit == "m" and channel == "displacement":
-        return 1e3, "mm"
-    return 1.0, {"displacement": unit, "velocity": f"{unit}/s"}.get(channel, f"{unit}/s^2")
-
-
-def _fine(channel: str, unit: str) -> tuple[float, str]:
-    if unit == "m" and channel == "displacement":
-        return 1e6, "um"
-    return _scale(channel, unit)
-
-
 def _phase_plane(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
     """Log each bin of the phase plane as a column whose height and colour are the force that the model lacks."""
     found = compared.comparison
-    plane, words = found.phase_plane, DiscrepancyText(found.unit, found.mass)
+    plane, units = found.phase_plane, DiscrepancyText(found.unit, found.mass)
     rows, columns = plane.bins[:, 0], plane.bins[:, 1]
     force = plane.force[rows, columns]
     score = plane.significance[rows, columns]
@@ -126,11 +108,10 @@ def _phase_plane(stream: rr.RecordingStream, compared: Compared, root: str) -> N
     stream.log(
         f"{root}/plane/motion", rr.LineStrips3D([path], colors=palette.REFERENCE, radii=0.003), static=True
     )
-    unit = words.force_unit
     labels = [
-        f"displacement ± {words.length(float(reach[0]))} {words.length_unit}",
+        f"displacement ± {units.length(float(reach[0]))} {units.length_unit}",
         f"velocity ± {reach[1]:.3g} {found.unit}/s",
-        f"measured less model, ± {tallest * words.force_scale:.2g} {unit}",
+        f"measured less model, ± {tallest * units.force_scale:.2g} {units.force_unit}",
     ]
     axes = [
         [[-1, -1, 0], [1, -1, 0]],
@@ -171,25 +152,18 @@ def _colours(share: Array, score: Array) -> Array:
 
 def _sections(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
     found = compared.comparison
-    words = DiscrepancyText(found.unit, found.mass)
-    factor, length = (1e3, "mm") if found.unit == "m" else (1.0, found.unit)
+    units = DiscrepancyText(found.unit, found.mass)
+    factor, length = scale("displacement", found.unit)
     drawn, axes = figure(4.8, 5.6, 2, 1)
     down, up = found.phase_plane.sections_at_reversal
     middle = found.phase_plane.section_at_middle
-    for section, colour, label in (
-        (up, palette.DISPLACEMENT, "moving to the positive side"),
-        (down, palette.ACCELERATION, "moving to the negative side"),
-    ):
-        _errorbars(axes[0], section.position * factor, section.force, section.std, words, colour, label)
-    axes[0].set(xlabel=f"displacement [{length}]", title="at velocity 0: stiffness")
-    _errorbars(
-        axes[1], middle.position, middle.force, middle.std, words, palette.VELOCITY, "passing the middle"
-    )
-    axes[1].set(xlabel=f"velocity [{found.unit}/s]", title="at displacement 0: damping")
+    plots.missing_section(axes[0], up, factor, units, SCREEN, "^-", "moving to the positive side")
+    plots.missing_section(axes[0], down, factor, units, SCREEN, "v--", "moving to the negative side")
+    plots.missing_section(axes[1], middle, 1.0, units, SCREEN, "o-", "")
+    axes[0].set(xlabel=f"displacement [{length}]", title="at velocity 0: stiffness, 2 std")
+    axes[1].set(xlabel=f"velocity [{found.unit}/s]", title="at displacement 0: damping, 2 std")
     for axis in axes:
-        axis.set_ylabel(f"measured less model [{words.force_unit}]")
-        axis.axhline(0, color=palette.FAINT, lw=0.8)
-        axis.axvline(0, color=palette.FAINT, lw=0.8)
+        axis.set_ylabel(literal(f"measured less model [{units.force_unit}]"))
     legend(axes[0], "upper left")
     numbers = {
         "u": up.position,
@@ -201,58 +175,25 @@ def _sections(stream: rr.RecordingStream, compared: Compared, root: str) -> None
     log.picture(stream, f"{root}/sections", drawn, numbers)
 
 
-def _errorbars(
-    axis: object, x: Array, force: Array, std: Array, words: DiscrepancyText, colour: log.Colour, label: str
-) -> None:
-    from matplotlib.axes import Axes
-
-    assert isinstance(axis, Axes)
-    axis.errorbar(
-        x,
-        force * words.force_scale,
-        yerr=2 * std * words.force_scale,
-        fmt="o-",
-        ms=3.5,
-        lw=1,
-        capsize=2,
-        color=palette.css(colour),
-        label=f"{label}, 2 std",
-    )
-
-
 def _cycles(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
     found = compared.comparison
-    words, done = DiscrepancyText(found.unit, found.mass), found.cycles
-    factor, length = (1e3, "mm") if found.unit == "m" else (1.0, found.unit)
+    units, done = DiscrepancyText(found.unit, found.mass), found.cycles
+    factor, length = scale("displacement", found.unit)
     drawn, axes = figure(4.8, 5.6, 2, 1)
-    fine = 1e3 if found.unit == "m" else 1.0
+    energy_factor, energy_unit = energy_scale(units)
     rows = (
         (done.frequency_error, done.frequency_error_std, 1.0, "frequency error [%]", "stiffness"),
         (
             done.energy_error,
             done.energy_error_std,
-            fine * words.force_scale,
-            f"energy error a cycle [{'m' if fine > 1 else ''}{words.energy_unit}]",
+            energy_factor,
+            f"energy error a cycle [{energy_unit}]",
             "damping",
         ),
     )
-    for axis, (values, std, scale, label, title) in zip(axes, rows, strict=True):
-        axis.errorbar(
-            done.amplitude * factor,
-            values * scale,
-            yerr=2 * std * scale,
-            fmt="o-",
-            ms=3.5,
-            lw=1,
-            capsize=2,
-            color=palette.css(palette.FORCE),
-        )
-        axis.axhline(0, color=palette.FAINT, lw=0.8)
-        axis.set(
-            xlabel=f"amplitude of the cycle [{length}]",
-            ylabel=label,
-            title=f"{title}, 2 std",
-        )
+    for axis, (values, std, per_si, label, title) in zip(axes, rows, strict=True):
+        plots.cycle_by_cycle(axis, done.amplitude * factor, values * per_si, std * per_si, SCREEN)
+        axis.set(xlabel=f"amplitude of the cycle [{length}]", ylabel=literal(label), title=f"{title}, 2 std")
     numbers = {
         "amplitude": done.amplitude,
         "frequency_error": done.frequency_error,
@@ -265,7 +206,7 @@ def summary(compared: Compared) -> str:
     """Return the errors and the worst places as markdown."""
     found = compared.comparison
     lines = [
-        f"**{compared.name}** against {', '.join(compared.start.fit.model.names)}",
+        f"**{compared.name}** against {', '.join(compared.baseline.fit.model.names)}",
         "",
         "| error | value | at the floor |",
         "|---|---:|---:|",
@@ -292,13 +233,13 @@ def _range(values: Array) -> tuple[float, float]:
 
 def tab(compared: Compared, root: str = ROOT) -> rrb.Container:
     """Return the layout of the tab."""
-    fit = compared.start.fit
+    fit = compared.baseline.fit
     channels = fit.windows[0].channels
     views = []
     for channel in channels:
         used = fit.windows[0].used[channel]
-        reading = fit.windows[0].readings[channel][used] * _scale(channel, fit.windows[0].unit)[0]
-        left = fit.residual(channel)[used] * _fine(channel, fit.windows[0].unit)[0]
+        reading = fit.windows[0].readings[channel][used] * scale(channel, fit.windows[0].unit)[0]
+        left = fit.residual(channel)[used] * scale(channel, fit.windows[0].unit, fine=True)[0]
         views.append(
             log.curves(
                 f"{channel.capitalize()}: measured, and the model run freely",

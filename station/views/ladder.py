@@ -9,11 +9,10 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.fitting.fit import Fit
-from identify.preprocessing.prepared_decay import PreparedDecay
-from station.quantities import shown
 from station.results.ladder import KeptLadder, KeptRung
-from station.text.diagnosis_text import number, size
-from station.text.ladder_text import moved, step
+from station.text.ladder_text import changed_parameters, step
+from station.text.layout import sentence
+from station.text.numbers import scale, three_figures, with_unit
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array
@@ -36,12 +35,11 @@ ERRORS = (
 
 
 @dataclass(frozen=True, eq=False)
-class Climbed:
-    """What the tab shows: the ladder up to the present rung, the setting, and the fit of each rung."""
+class FittedLadder:
+    """What the tab shows: the ladder of the session `name`, and the fit of each rung up to the present one."""
 
     name: str
     ladder: KeptLadder
-    setting: PreparedDecay
     fits: tuple[Fit, ...]
 
     @property
@@ -50,21 +48,21 @@ class Climbed:
         return self.ladder.rungs[: len(self.fits)]
 
 
-def write(stream: rr.RecordingStream, climbed: Climbed, root: str = ROOT) -> None:
+def write(stream: rr.RecordingStream, fitted: FittedLadder, root: str = ROOT) -> None:
     """Log each rung as a step; `root` is another one each time the ladder has changed."""
-    window = _window(climbed)
-    reach = _reach(climbed)
-    for place in range(len(climbed.fits)):
+    close_up = _close_up(fitted)
+    reach = _reach(fitted)
+    for place in range(len(fitted.fits)):
         stream.set_time(TIMELINE, sequence=place)
         stream.set_time(
             log.TIMELINE, duration=float(place)
         )  # so that the tab is not empty on the other tabs' timeline
-        _frame(stream, f"{root}/motion", _motion(climbed, place, window, reach))
-        _frame(stream, f"{root}/errors", _errors(climbed, place))
-        text = rr.TextDocument(words(climbed, place), media_type="text/markdown")
-        stream.log(f"{root}/words", text)
+        _frame(stream, f"{root}/motion", _motion(fitted, place, close_up, reach))
+        _frame(stream, f"{root}/errors", _errors(fitted, place))
+        text = rr.TextDocument(summary(fitted, place), media_type="text/markdown")
+        stream.log(f"{root}/summary", text)
         for name, _ in ERRORS:
-            value = getattr(climbed.rungs[place].error, name)
+            value = getattr(fitted.rungs[place].error, name)
             stream.log(f"{root}/numbers/{name}", rr.Scalars([np.nan if value is None else value]))
     stream.reset_time()
 
@@ -75,49 +73,49 @@ def _frame(stream: rr.RecordingStream, path: str, drawn: "Figure") -> None:
     stream.log(path, rr.EncodedImage(contents=buffer.getvalue(), media_type="image/png"))
 
 
-def _window(climbed: Climbed) -> slice:
+def _close_up(fitted: FittedLadder) -> slice:
     """Return a few cycles around the place at which the first model is farthest off."""
-    fit = climbed.fits[0]
-    span = fit.windows[0]
-    channel = span.channels[0]
-    left = np.where(span.used[channel], np.abs(fit.residual(channel)), 0.0)
-    width = int(CYCLES * 2.0 * np.pi / fit.frequency * span.rate)
+    fit = fitted.fits[0]
+    window = fit.windows[0]
+    channel = window.channels[0]
+    left = np.where(window.used[channel], np.abs(fit.residual(channel)), 0.0)
+    width = int(CYCLES * 2.0 * np.pi / fit.frequency * window.rate)
     smooth = np.convolve(left, np.ones(width), "same")
     middle = int(np.argmax(smooth))
-    first = int(np.clip(middle - width // 2, 0, max(len(span) - width, 0)))
+    first = int(np.clip(middle - width // 2, 0, max(len(window) - width, 0)))
     return slice(first, first + width)
 
 
-def _reach(climbed: Climbed) -> float:
+def _reach(fitted: FittedLadder) -> float:
     """Return how far the residual's axis goes on all rungs, SI."""
-    span = climbed.fits[0].windows[0]
-    channel = span.channels[0]
+    window = fitted.fits[0].windows[0]
+    channel = window.channels[0]
     largest = max(
-        float(np.max(np.abs(fit.residual(channel)[span.used[channel]]), initial=0.0)) for fit in climbed.fits
+        float(np.max(np.abs(fit.residual(channel)[window.used[channel]]), initial=0.0)) for fit in fitted.fits
     )
-    return ROOM * max(largest, 3.0 * NOISE * span.sigma[channel])
+    return ROOM * max(largest, 3.0 * NOISE * window.sigma[channel])
 
 
-def _motion(climbed: Climbed, place: int, window: slice, reach: float) -> "Figure":
-    fit = climbed.fits[place]
-    span = fit.windows[0]
-    channel = span.channels[0]
-    factor, unit = shown(channel, span.unit)
-    fine, fine_unit = shown(channel, span.unit, fine=True)
-    time, used = span.clock, span.used[channel]
-    measured = np.where(used, span.readings[channel], np.nan)
+def _motion(fitted: FittedLadder, place: int, close_up: slice, reach: float) -> "Figure":
+    fit = fitted.fits[place]
+    window = fit.windows[0]
+    channel = window.channels[0]
+    factor, unit = scale(channel, window.unit)
+    fine, fine_unit = scale(channel, window.unit, fine=True)
+    time, used = window.clock, window.used[channel]
+    measured = np.where(used, window.readings[channel], np.nan)
     model = fit.predicted[0][channel]
     drawn, axes = figure(8.6, 9.4, 3, 1)
     whole, close, left = axes
     _overlay(whole, time, measured * factor, model * factor, 1.0)
-    whole.axvspan(time[window][0], time[window][-1], color=palette.FAINT, alpha=0.35, lw=0)
+    whole.axvspan(time[close_up][0], time[close_up][-1], color=palette.FAINT, alpha=0.35, lw=0)
     whole.set(ylabel=f"{channel} [{unit}]", xlim=(time[0], time[-1]))
-    whole.set_title(f"rung {place}: {step(climbed.rungs[place])}", loc="left", fontsize=13)
-    _overlay(close, time[window], measured[window] * factor, model[window] * factor, 4.0)
-    close.set(ylabel=f"{channel} [{unit}]", xlim=(time[window][0], time[window][-1]))
+    whole.set_title(f"rung {place}: {step(fitted.rungs[place])}", loc="left", fontsize=13)
+    _overlay(close, time[close_up], measured[close_up] * factor, model[close_up] * factor, 4.0)
+    close.set(ylabel=f"{channel} [{unit}]", xlim=(time[close_up][0], time[close_up][-1]))
     close.set_title("where the first model is farthest off", loc="left")
     legend(close, "upper right", ["measured", "model, run freely"])
-    noise = NOISE * span.sigma[channel] * fine
+    noise = NOISE * window.sigma[channel] * fine
     left.axhspan(-noise, noise, color=palette.css(palette.FORCE), alpha=0.3, lw=0)
     left.plot(
         time, np.where(used, fit.residual(channel), np.nan) * fine, color=palette.css(palette.WRONG), lw=1.0
@@ -137,18 +135,20 @@ def _overlay(axis: "Axes", time: Array, measured: Array, model: Array, dot: floa
     axis.plot(time, model, color=palette.css(palette.FORCE), lw=1.3)
 
 
-def _errors(climbed: Climbed, place: int) -> "Figure":
+def _errors(fitted: FittedLadder, place: int) -> "Figure":
     drawn, axes = figure(5.8, 9.4, 3, 1)
-    labels = [f"{n}: {step(rung)}" for n, rung in enumerate(climbed.rungs)]
+    labels = [f"{n}: {step(rung)}" for n, rung in enumerate(fitted.rungs)]
     for axis, (name, title) in zip(axes, ERRORS, strict=True):
-        values = np.array([getattr(rung.error, name) or np.nan for rung in climbed.rungs])
-        floor = getattr(climbed.ladder.floor, name) or np.nan
+        values = np.array([getattr(rung.error, name) or np.nan for rung in fitted.rungs])
+        floor = getattr(fitted.ladder.floor, name) or np.nan
         shown_values = values[: place + 1]
         colours = [palette.css(palette.REFERENCE)] * place + [palette.css(palette.FORCE)]
         bottom = 0.4 * np.nanmin([*values, floor])
         axis.barh(range(place + 1), shown_values - bottom, left=bottom, color=colours, height=0.6)
         for row, value in enumerate(shown_values):
-            axis.annotate(f" {size(float(value))}", (value, row), va="center", fontsize=9, color=palette.INK)
+            axis.annotate(
+                f" {three_figures(float(value))}", (value, row), va="center", fontsize=9, color=palette.INK
+            )
         axis.axvline(floor, color=palette.css(palette.WRONG), lw=1.5, ls="--")
         axis.set_xscale("log")
         axis.set_xlim(bottom, 6.0 * np.nanmax([*values, floor]))
@@ -159,36 +159,35 @@ def _errors(climbed: Climbed, place: int) -> "Figure":
     return drawn
 
 
-def words(climbed: Climbed, place: int) -> str:
+def summary(fitted: FittedLadder, place: int) -> str:
     """Return what one rung did, as markdown."""
-    rung, floor = climbed.rungs[place], climbed.ladder.floor
-    lines = [f"# {climbed.name}, rung {place}", "", f"**{step(rung)}**: {' + '.join(rung.effects)}", ""]
+    rung, floor = fitted.rungs[place], fitted.ladder.floor
+    lines = [f"# {fitted.name}, rung {place}", "", f"**{step(rung)}**: {' + '.join(rung.effects)}", ""]
     lines += ["| error | this rung | before | floor |", "|---|---:|---:|---:|"]
-    before = climbed.rungs[place - 1].error if place else None
+    before = fitted.rungs[place - 1].error if place else None
     for name, title in ERRORS:
-        old = "" if before is None else size(getattr(before, name))
+        old = "" if before is None else three_figures(getattr(before, name))
         lines.append(
-            f"| {title} | {size(getattr(rung.error, name))} | {old} | {size(getattr(floor, name))} |"
+            f"| {title} | {three_figures(getattr(rung.error, name))} | {old} | {three_figures(getattr(floor, name))} |"
         )
     if place:
-        lines += ["", "## What moved", ""]
-        lines += [f"- {text}" for text in moved(climbed.rungs[place - 1], rung)]
+        lines += ["", "## What changed", ""]
+        lines += [f"- {text}" for text in changed_parameters(fitted.rungs[place - 1], rung)]
     lines += ["", "## The model", "", f"`{rung.model.equation}`", ""]
-    lines += [f"- {name} = {number(value)}" for name, value in rung.parameters.items()]
-    if place == len(climbed.rungs) - 1 and climbed.ladder.stopped_because:
-        reason = climbed.ladder.stopped_because
-        lines += ["", f"**{reason[0].upper()}{reason[1:]}.**"]
-    elif place < len(climbed.rungs) - 1:
+    lines += [f"- {name} = {with_unit(value)}" for name, value in rung.parameters.items()]
+    if place == len(fitted.rungs) - 1 and fitted.ladder.stopped_because:
+        lines += ["", f"**{sentence(fitted.ladder.stopped_because)}**"]
+    elif place < len(fitted.rungs) - 1:
         lines += ["", "*Step on along the timeline `rung`.*"]
     return "\n".join(lines)
 
 
-def tab(climbed: Climbed, root: str = ROOT) -> rrb.Container:
+def tab(fitted: FittedLadder, root: str = ROOT) -> rrb.Container:
     """Return the layout of the tab."""
     return rrb.Horizontal(
         log.shown_picture("The model closes in on the measurement", f"{root}/motion"),
         log.shown_picture("The errors fall to the floor", f"{root}/errors"),
-        log.document("This rung", f"{root}/words"),
+        log.document("This rung", f"{root}/summary"),
         column_shares=[1.35, 0.9, 0.75],
         name=NAME,
     )

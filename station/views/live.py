@@ -1,7 +1,5 @@
 """The live view of a capture: levels and both channels as they come, the trigger, the losses."""
 
-import socket
-import time
 from types import TracebackType
 from typing import Self
 
@@ -12,17 +10,16 @@ import rerun.blueprint as rrb
 from daq.capture import CaptureObserver
 from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
+from station.text.numbers import scale_as_recorded
 from station.views import log, palette
-from station.views.viewer import HOST, start
+from station.views.viewer import HOST, free_ports, start, wait_for
 
 APPLICATION = "free-decay-station-live"  # of its own: the viewer keeps one layout for each application
 ROOT = "/live"
-SCALE = {"m": (1e3, "mm")}
-START_S = 20.0
 
 
 class LiveView(CaptureObserver):
-    """Draws what a capture tells; give it to the capture as its observer."""
+    """Draws a capture under way; give it to the capture as its observer."""
 
     def __init__(self, stream: rr.RecordingStream, rate: float) -> None:
         self._stream = stream
@@ -35,7 +32,7 @@ class LiveView(CaptureObserver):
         self._channels = channels
         for channel in channels:
             colour = palette.CHANNEL.get(channel.quantity, palette.MEASURED)
-            _, unit = SCALE.get(channel.unit, (1.0, channel.unit))
+            _, unit = scale_as_recorded(channel.quantity, channel.unit)
             style = rr.SeriesLines(
                 colors=colour, names=f"{channel.name} [{unit}]", widths=1.5, aggregation_policy="MinMax"
             )
@@ -55,7 +52,7 @@ class LiveView(CaptureObserver):
         if len(times):
             self._now = float(times[-1])
         for channel, values in zip(self._channels, samples, strict=True):
-            factor, _ = SCALE.get(channel.unit, (1.0, channel.unit))
+            factor, _ = scale_as_recorded(channel.quantity, channel.unit)
             self._stream.send_columns(
                 f"{ROOT}/{channel.name}",
                 indexes=[rr.TimeColumn(log.TIMELINE, duration=times)],
@@ -63,52 +60,37 @@ class LiveView(CaptureObserver):
             )
 
     def loss(self, gap: Gap) -> None:
-        """Tell a loss in the log."""
+        """Write a loss into the log."""
         self._say(f"lost {gap.count} samples from {gap.first} on ({gap.reason})", rr.TextLogLevel.WARN)
 
     def _say(self, text: str, level: str = rr.TextLogLevel.INFO) -> None:
         self._stream.set_time(log.TIMELINE, duration=self._now)
-        self._stream.log(f"{ROOT}/told", rr.TextLog(text, level=level))
+        self._stream.log(f"{ROOT}/events", rr.TextLog(text, level=level))
         self._stream.reset_time()
 
 
 def layout(channels: tuple[Channel, ...]) -> rrb.Blueprint:
-    """Return the live layout: the channels, the state of the station, its words; it follows the newest sample."""
+    """Return the live layout: the channels, the state of the station, its log; it follows the newest sample."""
     views: list[rrb.View] = [
         log.curves(channel.name.capitalize(), [f"{ROOT}/{channel.name}"]) for channel in channels
     ]
-    return rrb.Blueprint(
-        rrb.Tabs(
-            rrb.Horizontal(
-                rrb.Vertical(
-                    *views,
-                    rrb.StateTimelineView(origin=f"{ROOT}/station", name="Station"),
-                    row_shares=[4.0] * len(views) + [1.2],
-                ),
-                rrb.TextLogView(origin=f"{ROOT}/told", name="What happened"),
-                column_shares=[2, 1],
-                name="Live",
-            ),
-            active_tab=0,
-        ),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=log.TIMELINE, play_state="Following"),
-        auto_views=False,
-        auto_layout=False,
+    curves = rrb.Vertical(
+        *views,
+        rrb.StateTimelineView(origin=f"{ROOT}/station", name="Station"),
+        row_shares=[4.0] * len(views) + [1.2],
     )
+    events = rrb.TextLogView(origin=f"{ROOT}/events", name="What happened")
+    return log.blueprint([rrb.Horizontal(curves, events, column_shares=[2, 1], name="Live")], follow=True)
 
 
 class LiveViewer:
     """A viewer window for one capture, with a `view` to give to it; stays open afterwards."""
 
     def __init__(self, rate: float) -> None:
-        with socket.socket() as free:
-            free.bind((HOST, 0))
-            port = free.getsockname()[1]
+        (port,) = free_ports(1)
         self.url = f"rerun+http://{HOST}:{port}/proxy"
         start("--port", str(port), "--hide-welcome-screen")
-        _wait_for(port)
+        wait_for(port)
         self._stream = rr.RecordingStream(APPLICATION, send_properties=False)
         self._stream.connect_grpc(self.url)
         self.view = LiveView(self._stream, rate)
@@ -121,13 +103,3 @@ class LiveViewer:
     ) -> None:
         self._stream.flush()
         self._stream.disconnect()
-
-
-def _wait_for(port: int) -> None:
-    end = time.monotonic() + START_S
-    while time.monotonic() < end:
-        try:
-            socket.create_connection((HOST, port), timeout=0.5).close()
-            return
-        except OSError:
-            time.sleep(0.1)

@@ -1,6 +1,6 @@
 """The few ways in which numbers are put into a Rerun recording."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from typing import TYPE_CHECKING
 
@@ -61,7 +61,10 @@ def _scalars(
 
 
 def picture(
-    stream: rr.RecordingStream, path: str, figure: "Figure", numbers: Mapping[str, Array | list[float]]
+    stream: rr.RecordingStream,
+    path: str,
+    figure: "Figure",
+    numbers: Mapping[str, Array | Sequence[float | None]],
 ) -> None:
     """Log a picture with real axes, and beside it the numbers that it shows."""
     buffer = BytesIO()
@@ -96,6 +99,21 @@ def _over_time(name: str, contents: list[str], between: tuple[float, float] | No
         axis_y=axis,
         plot_legend=rrb.PlotLegend("RightTop", visible=legend),
         background=PlotBackground(color=palette.BACKGROUND, show_grid=True),
+    )
+
+
+def blueprint(
+    tabs: Sequence[rrb.Container], timeline: str = TIMELINE, *, active: int = 0, follow: bool = False
+) -> rrb.Blueprint:
+    """Return a layout of tabs with the panels out of the way; `follow` keeps to the newest step of the timeline."""
+    play_state = {"play_state": "Following"} if follow else {}
+    return rrb.Blueprint(
+        rrb.Tabs(*tabs, active_tab=active),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline=timeline, **play_state),
+        auto_views=False,
+        auto_layout=False,
     )
 
 

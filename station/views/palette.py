@@ -1,4 +1,4 @@
-"""One colour for one thing, in every tab; told apart by colour-blind eyes (after Okabe and Ito)."""
+"""One colour for one thing, in every tab; distinct for colour-blind eyes (after Okabe and Ito)."""
 
 BACKGROUND = (16, 18, 22)
 PANEL = "#101216"

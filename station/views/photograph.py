@@ -1,7 +1,6 @@
 """Pictures of the tabs where there is no screen: for tests, for documentation, for a machine in the cellar."""
 
 import contextlib
-import socket
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 from rerun.experimental import ViewerClient
 
 from station.exits import Problem
-from station.views.viewer import HOST, start
+from station.views.viewer import HOST, free_ports, start
 
 START_S = 30.0
 PAINT_S = 12.0
@@ -56,9 +55,7 @@ def _name(part: dict[str, Any]) -> str:
 
 @contextlib.contextmanager
 def _viewer(size: str) -> Iterator[ViewerClient]:
-    with socket.socket() as free:
-        free.bind((HOST, 0))
-        port = free.getsockname()[1]
+    (port,) = free_ports(1)
     process = start("--headless", "--port", str(port), "--window-size", size, "--hide-welcome-screen")
     try:
         yield _connected(f"rerun+http://{HOST}:{port}/proxy")

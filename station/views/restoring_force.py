@@ -5,12 +5,13 @@ import rerun as rr
 import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
-from identify.restoring_force.restoring_force import RestoringForceResult, Section
-from station.quantities import shown
+from identify.restoring_force.restoring_force import RestoringForceResult
 from station.story.identification import Identification
-from station.views import log, palette
+from station.text.numbers import scale
+from station.views import log, palette, plots
 from station.views.figure import figure, legend
 from station.views.log import Array
+from station.views.plots import SCREEN, literal
 from station.views.wavelet import orders
 
 ROOT = "/restoring_force"
@@ -40,7 +41,7 @@ class Cube:
         self.scale = np.array(
             [_round_up(np.max(np.abs(v))) for v in (found.displacement, found.velocity, found.force)]
         )
-        factor, unit = shown("displacement", length)
+        factor, unit = scale("displacement", length)
         self.labels = (
             f"displacement ± {self.scale[0] * factor:g} {unit}",
             f"velocity ± {self.scale[1]:g} {length}/s",
@@ -144,24 +145,13 @@ def _points(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube)
 
 
 def _sections(stream: rr.RecordingStream, found: RestoringForceResult, length: str) -> None:
-    factor, unit = shown("displacement", length)
+    factor, unit = scale("displacement", length)
     drawn, axes = figure(8.4, 3.6, 1, 2)
-    _cut(
-        axes[0],
-        found.section_zero_velocity,
-        factor,
-        f"displacement [{unit}]",
-        "at velocity 0: the springs",
-        length,
-    )
-    _cut(
-        axes[1],
-        found.section_zero_displacement,
-        1.0,
-        f"velocity [{length}/s]",
-        "at displacement 0: the damping",
-        length,
-    )
+    plots.force_section(axes[0], found.section_zero_velocity, factor, SCREEN)
+    plots.force_section(axes[1], found.section_zero_displacement, 1.0, SCREEN)
+    axes[0].set(xlabel=f"displacement [{unit}]", title="at velocity 0: the springs")
+    axes[1].set(xlabel=f"velocity [{length}/s]", title="at displacement 0: the damping")
+    axes[0].set_ylabel(literal(f"force per unit mass [{length}/s^2]"))
     legend(axes[0], "upper left")
     numbers: dict[str, Array] = {}
     for name, cut in (("u", found.section_zero_velocity), ("v", found.section_zero_displacement)):
@@ -169,35 +159,11 @@ def _sections(stream: rr.RecordingStream, found: RestoringForceResult, length: s
     log.picture(stream, f"{ROOT}/sections", drawn, numbers)
 
 
-def _cut(axis: object, section: Section, factor: float, label: str, title: str, length: str) -> None:
-    from matplotlib.axes import Axes
-
-    assert isinstance(axis, Axes)
-    x = section.position * factor
-    axis.errorbar(
-        x, section.force, yerr=2 * section.std, fmt="o", ms=3.5, lw=1, capsize=2,
-        color=palette.css(palette.MEASURED), label="measured, 2 std",
-    )  # fmt: skip
-    axis.plot(x, section.fit, color=palette.css(palette.FORCE), lw=1.8, label="fit")
-    axis.axhline(0, color=palette.FAINT, lw=0.8)
-    axis.axvline(0, color=palette.FAINT, lw=0.8)
-    axis.set(xlabel=label, ylabel=f"force per unit mass [{length}/s²]", title=title)
-
-
 def _significance(stream: rr.RecordingStream, found: RestoringForceResult) -> None:
-    terms = sorted(found.significance_percent.items(), key=lambda item: -item[1])
     drawn, (axis,) = figure(4.6, 3.6)
-    floor = 1e-6
-    values = [max(value, floor) for _, value in terms]
-    axis.barh(range(len(terms)), values, color=palette.css(palette.FORCE), height=0.6, log=True)
-    for row, (_, value) in enumerate(terms):
-        axis.annotate(f" {value:.3g} %", (max(value, floor), row), va="center", fontsize=9, color=palette.INK)
-    axis.set_yticks(range(len(terms)), [name for name, _ in terms])
-    axis.invert_yaxis()
-    axis.grid(axis="y", visible=False)
-    axis.set_xlim(min(values) / 3, 3e3)
-    axis.set_xlabel("significance, share of the variance [%]")
-    log.picture(stream, f"{ROOT}/significance", drawn, {"percent": [value for _, value in terms]})
+    plots.significance(axis, found.significance_percent, SCREEN)
+    numbers = {"percent": sorted(found.significance_percent.values(), reverse=True)}
+    log.picture(stream, f"{ROOT}/significance", drawn, numbers)
 
 
 def tab(result: Identification) -> rrb.Container:

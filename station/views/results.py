@@ -4,8 +4,8 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from station.quantities import shown
 from station.story.identification import Identification
+from station.text.numbers import scale
 from station.text.terminal import rows, uncorrected
 from station.views import log, palette
 from station.views.log import Array
@@ -25,8 +25,8 @@ def _decay(stream: rr.RecordingStream, result: Identification) -> None:
     if found is None:
         return
     measured = getattr(result.aligned, found.channel)
-    factor, unit = shown(found.channel, result.decay.unit)
-    fine, fine_unit = shown(found.channel, result.decay.unit, fine=True)
+    factor, unit = scale(found.channel, result.decay.unit)
+    fine, fine_unit = scale(found.channel, result.decay.unit, fine=True)
     index = np.clip(np.round(found.time * result.decay.rate).astype(int), 0, len(measured) - 1)
     offset = float(np.median(measured[index] - found.reconstruction))
     left = measured[index] - found.reconstruction - offset
@@ -81,7 +81,7 @@ def tab(result: Identification) -> rrb.Container:
     """Return the layout of the tab."""
     views = []
     if result.wavelet is not None:
-        _, left = shown(result.wavelet.channel, result.decay.unit, fine=True)
+        _, left = scale(result.wavelet.channel, result.decay.unit, fine=True)
         views.append(log.curves("Decay: measured, and rebuilt from the parameters", [f"{ROOT}/decay/**"]))
         views.append(log.curve(f"What the rebuilt decay leaves [{left}]", f"{ROOT}/decay_error"))
     if result.restoring_force is not None:

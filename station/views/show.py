@@ -39,13 +39,6 @@ def _fill(stream: rr.RecordingStream, name: str, result: Identification, more: t
 
 
 def blueprint(result: Identification, active: str = "Results", more: tuple[Tab, ...] = ()) -> rrb.Blueprint:
-    """Return the layout: one named tab for each step of the story."""
+    """Return the layout: one named tab for each step of the pipeline."""
     tabs = [*(tab.tab(result) for tab in TABS), *(other.layout() for other in more)]
-    return rrb.Blueprint(
-        rrb.Tabs(*tabs, active_tab=NAMES.index(active)),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=log.TIMELINE),
-        auto_views=False,
-        auto_layout=False,
-    )
+    return log.blueprint(tabs, active=NAMES.index(active))

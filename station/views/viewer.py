@@ -2,14 +2,18 @@
 
 import os
 import shutil
+import socket
 import subprocess
 import sys
+import time
 from importlib.util import find_spec
 from pathlib import Path
 
 from station.exits import Problem
 
 HOST = "127.0.0.1"
+START_S = 20.0
+PATIENCE_S = 0.3
 
 
 def has_screen() -> bool:
@@ -53,3 +57,34 @@ def start(*arguments: str) -> "subprocess.Popen[bytes]":
 def open_viewer(file: Path) -> None:
     """Open a recording in a viewer that outlives this command."""
     start(str(file), "--port", "auto")
+
+
+def free_ports(count: int) -> list[int]:
+    """Return ports of this computer on which nobody listens."""
+    sockets = [socket.socket() for _ in range(count)]
+    try:
+        for one in sockets:
+            one.bind((HOST, 0))
+        return [one.getsockname()[1] for one in sockets]
+    finally:
+        for one in sockets:
+            one.close()
+
+
+def answers(host: str, port: int) -> bool:
+    """Return whether somebody listens there."""
+    try:
+        socket.create_connection((host, port), timeout=PATIENCE_S).close()
+    except OSError:
+        return False
+    return True
+
+
+def wait_for(port: int) -> bool:
+    """Wait until a viewer that was started listens, at most `START_S` seconds; return whether it does."""
+    end = time.monotonic() + START_S
+    while not answers(HOST, port):
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.1)
+    return True

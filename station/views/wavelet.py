@@ -5,10 +5,11 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.wavelet.wavelet import WaveletResult
-from station.quantities import shown
 from station.story.identification import Identification
-from station.views import log, palette
+from station.text.numbers import scale
+from station.views import log, palette, plots
 from station.views.figure import figure, legend
+from station.views.plots import SCREEN
 
 ROOT = "/wavelet"
 
@@ -19,7 +20,7 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
     if found is None:
         log.markdown(stream, f"{ROOT}/refusal", f"## Not identified\n\n{result.refusals.get('wavelet', '')}")
         return
-    factor, unit = shown("displacement", result.decay.unit)
+    factor, unit = scale("displacement", result.decay.unit)
     time, trusted = found.time, found.trusted
     hilbert = found.hilbert_envelope * factor
     log.series(
@@ -82,40 +83,21 @@ def orders(
 ) -> None:
     """Log the error left against the order of damping, the paper's figure 3, on a logarithmic axis."""
     drawn, (axis,) = figure(4.2, 3.6)
-    order = np.arange(len(errors))
-    axis.semilogy(order, errors, "o-", color=colour, ms=6)
-    axis.semilogy([chosen], [errors[chosen]], "o", ms=15, mfc="none", mec=palette.INK, mew=1.6)
+    plots.orders(axis, errors, chosen, SCREEN, colour)
     axis.annotate(
-        f"chosen: {chosen}",
-        (chosen, errors[chosen]),
-        xytext=(10, 16),
-        textcoords="offset points",
+        f"chosen: {chosen}", (chosen, errors[chosen]), xytext=(10, 16), textcoords="offset points",
         color=palette.INK,
-    )
-    axis.set(xlabel="order of damping", ylabel="error left, MSE [%]", xticks=order)
-    axis.margins(x=0.12, y=0.18)
-    log.picture(stream, path, drawn, {"order": order.astype(float), "mse_percent": list(errors)})
+    )  # fmt: skip
+    numbers = {"order": [float(order) for order in range(len(errors))], "mse_percent": list(errors)}
+    log.picture(stream, path, drawn, numbers)
 
 
 def _backbone(stream: rr.RecordingStream, found: WaveletResult, factor: float, unit: str) -> None:
     drawn, (axis,) = figure(4.2, 3.6)
-    axis.plot(
-        found.backbone_frequency,
-        found.backbone_amplitude * factor,
-        "o",
-        color=palette.css(palette.MEASURED),
-        ms=3,
-    )
-    axis.plot(
-        found.backbone_fit, found.backbone_amplitude * factor, color=palette.css(palette.WAVELET), lw=1.8
-    )
-    middle = float(np.median(found.backbone_frequency)) if len(found.backbone_frequency) else 1.0
     spread = float(np.ptp(found.backbone_frequency)) if len(found.backbone_frequency) else 0.0
-    half = max(0.6 * spread, 0.005 * middle)
-    axis.set(xlim=(middle - half, middle + half), xlabel="frequency [Hz]", ylabel=f"amplitude [{unit}]")
-    axis.ticklabel_format(axis="x", useOffset=False)
-    axis.set_ylim(bottom=0)
-    legend(axis, "lower left", ["on the ridge", "its averaged model"])
+    half = max(0.6 * spread, 0.005 * float(np.median(found.frequency)))
+    plots.backbone(axis, found, factor, unit, half, SCREEN, palette.css(palette.WAVELET))
+    legend(axis, "lower left")
     numbers = {
         "frequency": found.backbone_frequency,
         "amplitude": found.backbone_amplitude,
@@ -130,7 +112,7 @@ def tab(result: Identification) -> rrb.Container:
     if found is None:
         return rrb.Vertical(log.document("Wavelet", f"{ROOT}/refusal"), name="Wavelet")
     trusted = found.frequency[found.trusted]
-    _, unit = shown("displacement", result.decay.unit)
+    _, unit = scale("displacement", result.decay.unit)
     middle = float(np.median(trusted if len(trusted) else found.frequency))
     spread = float(np.percentile(np.abs(trusted - middle), 98)) if len(trusted) else 0.0
     half = max(1.5 * spread, 0.01 * middle)

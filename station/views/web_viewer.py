@@ -1,14 +1,13 @@
 """Rerun's viewer for a browser: the files that came with the SDK, so that they match it, for one's own server."""
 
 import re
-import socket
 import time
 import urllib.error
 import urllib.request
 from pathlib import Path
 
 from station.exits import Problem
-from station.views.viewer import HOST, start
+from station.views.viewer import HOST, free_ports, start
 
 FILES = ("index.html", "re_viewer.js", "re_viewer_bg.wasm", "sw.js", "favicon.ico")
 START_S = 15.0
@@ -21,7 +20,7 @@ def unpack(folder: Path) -> tuple[Path, ...]:
 
     The viewer holds them inside its program: it is asked to serve them on 127.0.0.1 for the moment that takes.
     """
-    ports = _free_ports(2)
+    ports = free_ports(2)
     process = start("--serve-web", "--web-viewer-port", str(ports[0]), "--port", str(ports[1]))
     try:
         return tuple(folder / name for name in FILES if _fetch(ports[0], name, folder / name))
@@ -45,14 +44,3 @@ def _fetch(port: int, name: str, file: Path) -> bool:
             if time.monotonic() > until:
                 raise Problem(f"the Rerun viewer did not give its files ({error})") from error
             time.sleep(0.1)
-
-
-def _free_ports(count: int) -> list[int]:
-    sockets = [socket.socket() for _ in range(count)]
-    try:
-        for one in sockets:
-            one.bind((HOST, 0))
-        return [one.getsockname()[1] for one in sockets]
-    finally:
-        for one in sockets:
-            one.close()

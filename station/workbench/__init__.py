@@ -1,1 +1,1 @@
-"""The workbench: one page on which the loop is closed by hand. The page shows; workers compute; results stay in sessions."""
+"""The workbench: one page to compare, diagnose and refine. The page shows, workers compute, sessions keep."""

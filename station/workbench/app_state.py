@@ -1,25 +1,25 @@
-"""The room: what all tabs share. Workers, shelf and desks."""
+"""What all tabs share: the workers, the sessions on offer, and those that are open."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 from station.settings import Settings
 from station.workbench.capture_run import CaptureRun
-from station.workbench.session_list import Shelf
-from station.workbench.session_state import Desks
+from station.workbench.session_list import SessionList
+from station.workbench.session_state import SessionStates
 from station.workbench.worker import WorkerPool
 
 
 @dataclass
-class Room:
-    """Settings, workers, the sessions on offer, the desks of those that are open, and the one capture at a time.
+class AppState:
+    """Settings, workers, the sessions on offer, those that are open, and the one capture at a time.
 
-    `aside` is a folder that goes when the server ends.
+    `temporary` is a folder that goes when the server ends.
     """
 
     settings: Settings
-    crew: WorkerPool
-    shelf: Shelf
-    desks: Desks
-    aside: Path
+    workers: WorkerPool
+    session_list: SessionList
+    sessions: SessionStates
+    temporary: Path
     capturing: CaptureRun | None = None

@@ -7,12 +7,12 @@ from nicegui import app as nicegui_app
 from nicegui import background_tasks, ui
 
 from station.settings import Settings
-from station.workbench.app_state import Room
+from station.workbench.app_state import AppState
 from station.workbench.guard import Guard
 from station.workbench.page import Page
 from station.workbench.report_button import serve_reports
-from station.workbench.session_list import Shelf
-from station.workbench.session_state import Desks
+from station.workbench.session_list import SessionList
+from station.workbench.session_state import SessionStates
 from station.workbench.viewer_files import serve_viewer
 from station.workbench.worker import WorkerPool
 
@@ -24,24 +24,26 @@ ICON = (
 
 
 def make(
-    settings: Settings, named: tuple[Path, ...], names: frozenset[str], any_address: bool, aside: Path
-) -> tuple[FastAPI, Room]:
-    """Return the application and the room behind it; `names` are the hosts by which it may be called."""
-    crew = WorkerPool(settings)
-    room = Room(settings, crew, Shelf(settings.sessions, named, crew), Desks(crew), aside)
+    settings: Settings, named: tuple[Path, ...], names: frozenset[str], any_address: bool, temporary: Path
+) -> tuple[FastAPI, AppState]:
+    """Return the application and the state behind it; `names` are the hosts by which it may be called."""
+    workers = WorkerPool(settings)
+    state = AppState(
+        settings, workers, SessionList(settings.sessions, named, workers), SessionStates(workers), temporary
+    )
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
     app.add_middleware(Guard, names=names, any_address=any_address)
     nicegui_app.add_static_files("/static/bench", STATIC)
-    serve_viewer(app, aside, room.shelf)
-    serve_reports(app, room.shelf)
-    nicegui_app.on_startup(lambda: background_tasks.create(crew.warm()))
+    serve_viewer(app, temporary, state.session_list)
+    serve_reports(app, state.session_list)
+    nicegui_app.on_startup(lambda: background_tasks.create(workers.warm()))
 
     @ui.page("/")
     def page(request: Request, session: str | None = None) -> None:
         ui.add_head_html('<link rel="stylesheet" href="/static/bench/bench.css">')
         ui.add_head_html('<script src="/static/bench/bench.js"></script>')
         ui.colors(primary="#00659e")
-        Page(room, session, request.headers["host"]).build()
+        Page(state, session, request.headers["host"]).build()
 
     ui.run_with(
         app,
@@ -52,4 +54,4 @@ def make(
         tailwind=False,
         reconnect_timeout=10.0,
     )
-    return app, room
+    return app, state

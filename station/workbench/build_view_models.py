@@ -1,50 +1,45 @@
 """From a comparison to what the page draws: units that people read, and digits that the eye can see."""
 
-import json
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from daq.session import Session
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.phase_plane import ForceSection
-from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
-from station.operations.diagnosing import RESULT as DIAGNOSIS
-from station.quantities import shown
+from station.results import diagnosis_document
 from station.results.ladder import LADDER, KeptLadder
-from station.results.models import name_of, parsed_effect
+from station.results.models import parsed_effect
 from station.story.compared import Compared
+from station.text.numbers import energy_scale, scale, typeset
 from station.workbench import view_models
 
 MOST_POINTS = 6000
 EYE = 2000
 MOST_PLACES = 3
-LARGEST = 50 << 20
 
 Array = NDArray[np.float64]
 
 
-def picture_of(compared: Compared, document: dict[str, Any]) -> view_models.Picture:
+def picture_of(compared: Compared) -> view_models.Picture:
     """Return what the middle of the page draws."""
-    found, span = compared.comparison, compared.start.fit.windows[0]
-    words = DiscrepancyText(found.unit, found.mass)
-    step = max(1, math.ceil(len(span) / MOST_POINTS))
-    factor, unit = shown("displacement", found.unit)
+    found, window = compared.comparison, compared.baseline.fit.windows[0]
+    units = DiscrepancyText(found.unit, found.mass)
+    step = max(1, math.ceil(len(window) / MOST_POINTS))
+    factor, unit = scale("displacement", found.unit)
     return view_models.Picture(
         time=numbers(found.time[::step], 1e-5),
         displacement=for_eye(found.displacement[::step] * factor),
         velocity=for_eye(found.velocity[::step]),
-        force=for_eye(found.residual_force[::step] * words.force_scale),
+        force=for_eye(found.residual_force[::step] * units.force_scale),
         displacement_unit=unit,
         velocity_unit=f"{found.unit}/s",
-        force_unit=pretty(words.force_unit),
-        traces=tuple(_trace(compared, channel, step) for channel in span.channels),
-        plane=_plane(compared, factor, words.force_scale),
-        cycles=_cycles(compared, words),
+        force_unit=typeset(units.force_unit),
+        traces=tuple(_trace(compared, channel, step) for channel in window.channels),
+        plane=_plane(compared, factor, units.force_scale),
+        cycles=_cycles(compared, units),
         errors={
             "force_mse_percent": found.force_error,
             "force_floor_percent": found.force_floor,
@@ -56,25 +51,25 @@ def picture_of(compared: Compared, document: dict[str, Any]) -> view_models.Pict
         },
         summary=found.summary,
         cause=found.cause,
-        places=tuple(place["text"] for place in document["places"][:MOST_PLACES]),
+        places=tuple(place.text for place in found.places[:MOST_PLACES]),
     )
 
 
 def _trace(compared: Compared, channel: str, step: int) -> view_models.Trace:
-    fit = compared.start.fit
-    span = fit.windows[0]
-    factor, unit = shown(channel, span.unit)
-    fine, fine_unit = shown(channel, span.unit, fine=True)
-    hole = ~span.used[channel]
-    hole[: span.lead] = False
-    measured = np.where(hole, np.nan, span.readings[channel]) * factor
+    fit = compared.baseline.fit
+    window = fit.windows[0]
+    factor, unit = scale(channel, window.unit)
+    fine, fine_unit = scale(channel, window.unit, fine=True)
+    hole = ~window.used[channel]
+    hole[: window.lead] = False
+    measured = np.where(hole, np.nan, window.readings[channel]) * factor
     left = np.where(hole, np.nan, fit.residual(channel)) * fine
-    sigma = float(span.sigma[channel] * fine)
-    quantum = min(float(np.nanmax(np.abs(measured))) / EYE / 10, span.sigma[channel] * factor / 2)
+    sigma = float(window.sigma[channel] * fine)
+    quantum = min(float(np.nanmax(np.abs(measured))) / EYE / 10, window.sigma[channel] * factor / 2)
     return view_models.Trace(
         channel,
-        pretty(unit),
-        pretty(fine_unit),
+        typeset(unit),
+        typeset(fine_unit),
         numbers(measured[::step], quantum),
         numbers(fit.predicted[0][channel][::step] * factor, quantum),
         numbers(left[::step], max(sigma / 10, float(np.nanmax(np.abs(left))) / EYE)),
@@ -83,7 +78,7 @@ def _trace(compared: Compared, channel: str, step: int) -> view_models.Trace:
     )
 
 
-def _plane(compared: Compared, factor: float, scale: float) -> view_models.Plane:
+def _plane(compared: Compared, factor: float, force_scale: float) -> view_models.Plane:
     plane = compared.comparison.phase_plane
     bins = []
     for row, column in plane.bins.tolist():
@@ -92,36 +87,37 @@ def _plane(compared: Compared, factor: float, scale: float) -> view_models.Plane
             plane.displacement_edges[column + 1] * factor,
             plane.velocity_edges[row],
             plane.velocity_edges[row + 1],
-            plane.force[row, column] * scale,
-            plane.std[row, column] * scale,
+            plane.force[row, column] * force_scale,
+            plane.std[row, column] * force_scale,
         )
         bins.append([float(f"{edge:.4g}") for edge in edges])
     down, up = plane.sections_at_reversal
     return view_models.Plane(
         bins,
-        _section("u = 0", plane.section_at_middle, 1.0, scale),
-        (_section("v < 0", down, factor, scale), _section("v > 0", up, factor, scale)),
+        _section("u = 0", plane.section_at_middle, 1.0, force_scale),
+        (_section("v < 0", down, factor, force_scale), _section("v > 0", up, factor, force_scale)),
     )
 
 
-def _section(name: str, section: ForceSection, factor: float, scale: float) -> view_models.Section:
+def _section(name: str, section: ForceSection, factor: float, force_scale: float) -> view_models.Section:
     return view_models.Section(
-        name, for_eye(section.position * factor), for_eye(section.force * scale), for_eye(section.std * scale)
+        name,
+        for_eye(section.position * factor),
+        for_eye(section.force * force_scale),
+        for_eye(section.std * force_scale),
     )
 
 
-def _cycles(compared: Compared, words: DiscrepancyText) -> view_models.Cycles:
+def _cycles(compared: Compared, units: DiscrepancyText) -> view_models.Cycles:
     found = compared.comparison.cycles
-    scale = words.force_scale
-    large = scale * float(np.max(np.abs(found.energy_error), initial=0.0))
-    fine, prefix = (1e3, "m") if words.energy_unit.startswith("J") and large < 1.0 else (1.0, "")
+    factor, energy = energy_scale(units)
     return view_models.Cycles(
         for_eye(found.time),
         for_eye(found.frequency_error),
         for_eye(found.frequency_error_std),
-        for_eye(found.energy_error * scale * fine),
-        for_eye(found.energy_error_std * scale * fine),
-        pretty(f"{prefix}{words.energy_unit}"),
+        for_eye(found.energy_error * factor),
+        for_eye(found.energy_error_std * factor),
+        typeset(energy),
     )
 
 
@@ -137,43 +133,17 @@ def for_eye(values: Array) -> view_models.Numbers:
     return numbers(values, float(np.max(np.abs(finite), initial=0.0)) / EYE)
 
 
-def pretty(unit: str) -> str:
-    """Return a unit as people write it."""
-    return unit.replace("^2", "²").replace("^3", "³").replace("um", "µm")
-
-
-def kept_diagnosis(session: Session) -> dict[str, Any] | None:
-    """Return the diagnosis that a session keeps; None without one, or where another version wrote it."""
-    file = session.results / DIAGNOSIS
-    if not file.is_file() or file.stat().st_size > LARGEST:
-        return None
-    try:
-        document = json.loads(file.read_text(encoding="utf-8"))
-    except (ValueError, OSError):
-        return None
-    wanted = {"verdict", "named", "suspects", "explanation", "next_experiment", "model", "findings", "error"}
-    return document if isinstance(document, dict) and wanted <= set(document) else None
-
-
-def effects_of(ladder: KeptLadder, diagnosis: dict[str, Any] | None) -> dict[str, view_models.EffectWords]:
-    """Return how the effects of the library, and the user's own in the ladder, are named."""
-    texts = {name_of(text): text for rung in ladder.rungs for text in rung.model.expressions}
-    found = {effect.name: _words(effect) for effect in LIBRARY}
-    for name, text in texts.items():
-        found[name] = _words(parsed_effect(text))
-    return found
-
-
-def _words(effect: Effect) -> view_models.EffectWords:
-    return view_models.EffectWords(
-        effect.name, effect.title, pretty(effect.equation), effect.kind, effect.symptom
-    )
+def equations_of(ladder: KeptLadder) -> dict[str, str]:
+    """Return the equations of the effects of the library, and of the user's own in the ladder, by the effect's name."""
+    own = dict.fromkeys(text for rung in ladder.rungs for text in rung.model.expressions)
+    effects = (*LIBRARY, *(parsed_effect(text) for text in own))
+    return {effect.name: typeset(effect.equation) for effect in effects}
 
 
 def results_stamp(folder: Path) -> tuple[int, ...]:
     """Return what changes when a command, or another tab, has written results."""
     stamp = []
-    for name in (LADDER, DIAGNOSIS):
+    for name in (LADDER, diagnosis_document.NAME):
         try:
             stamp.append((folder / "results" / name).stat().st_mtime_ns)
         except OSError:

@@ -6,26 +6,26 @@ from nicegui import ui
 
 from daq.errors import StationError
 from station.exits import Problem
+from station.text.layout import sentence
 from station.workbench import widgets
-from station.workbench.app_state import Room
+from station.workbench.app_state import AppState
 from station.workbench.capture_run import CaptureRun, Level, Progress
 from station.workbench.sessions_panel import address_of
 
 TICK_S = 0.1
-ENDED = ("", "sealed")
 
 
 class CapturePanel:
     """What records a release."""
 
-    def __init__(self, room: Room) -> None:
-        self._room = room
+    def __init__(self, state: AppState) -> None:
+        self._state = state
         self._shown: Progress | None = None
         self._levels: list[tuple[ui.element, ui.label]] = []
 
     def build(self) -> None:
         """Make the panel."""
-        settings = self._room.settings
+        settings = self._state.settings
         with widgets.card():
             widgets.head("Capture a release")
             with ui.element("div") as self._form:
@@ -40,14 +40,14 @@ class CapturePanel:
                     self._duration = _field("Record, s", settings.capture.duration)
                 self._arm = widgets.button("Arm", self._start, "Arm the capture", strong=True, classes="arm")
                 self._arm.style("width:100%; height:52px; margin-top:8px")
-            self._said = ui.element("div").props("aria-live=polite")
+            self._message = ui.element("div").props("aria-live=polite")
         ui.timer(TICK_S, self._tick)
 
     def _known(self) -> list[str]:
         from daq.port import system_ports
 
         known = [port.name for port in system_ports()]
-        wanted = self._room.settings.capture.port
+        wanted = self._state.settings.capture.port
         return list(dict.fromkeys([*([wanted] if wanted else []), *known]))
 
     async def _find(self) -> None:
@@ -64,7 +64,7 @@ class CapturePanel:
         self._say(lines or [("no board answers; plug it in, or type its port", "bad")])
 
     def _start(self) -> None:
-        if self._room.capturing is not None and not self._room.capturing.now.finished:
+        if self._state.capturing is not None and not self._state.capturing.now.finished:
             return
         port = str(self._port.value or "").strip()
         if not port:
@@ -72,21 +72,21 @@ class CapturePanel:
             return
         from station.operations.new_session import capture_settings, session_info
 
-        settings = self._room.settings
+        settings = self._state.settings
         try:
             info = session_info(settings, self._mass.value or None, None, None, None)
             wanted = capture_settings(settings, info, duration=self._duration.value)
         except (StationError, Problem, ValueError) as error:
             self._say([(str(error).splitlines()[0], "bad")])
             return
-        self._room.capturing = CaptureRun(port, wanted, settings.sessions)
+        self._state.capturing = CaptureRun(port, wanted, settings.sessions)
 
     def _cancel(self) -> None:
-        if self._room.capturing is not None:
-            self._room.capturing.cancel()
+        if self._state.capturing is not None:
+            self._state.capturing.cancel()
 
     def _tick(self) -> None:
-        run = self._room.capturing
+        run = self._state.capturing
         if run is None or run.now is self._shown:
             return
         now, before = run.now, self._shown
@@ -97,7 +97,7 @@ class CapturePanel:
             return
         if (
             before is None
-            or _words(before) != _words(now)
+            or _state_of(before) != _state_of(now)
             or len(before.levels) != len(now.levels)
             or before.finished
         ):
@@ -106,20 +106,20 @@ class CapturePanel:
         self._bar.value = now.recorded
 
     def _under_way(self, now: Progress) -> None:
-        self._said.clear()
+        self._message.clear()
         self._levels = []
-        with self._said:
-            widgets.words(now.said, f"strong wrap {'good' if now.state == 'armed' else ''}").style(
+        with self._message:
+            widgets.label(now.sentence, f"strong wrap {'good' if now.state == 'armed' else ''}").style(
                 "font-size:17px"
             )
             silent = now.detail.startswith("nothing came")
-            widgets.words(now.detail, f"small wrap {'bad strong' if silent else 'faint'}")
+            widgets.label(now.detail, f"small wrap {'bad strong' if silent else 'faint'}")
             if now.lost:
-                widgets.words(f"{now.lost} samples lost so far; they are asked for again", "small bad")
+                widgets.label(f"{now.lost} samples lost so far; they are asked for again", "small bad")
             for level in now.levels:
                 with widgets.line("small"):
-                    widgets.words(level.channel, "grow")
-                    number = widgets.words("", "mono")
+                    widgets.label(level.channel, "grow")
+                    number = widgets.label("", "mono")
                 with ui.element("div").classes("level"):
                     bar = ui.element("i")
                 self._levels.append((bar, number))
@@ -134,30 +134,30 @@ class CapturePanel:
             bar.style(f"left:{start:.1f}%; width:{half:.1f}%")
 
     def _finished(self, now: Progress) -> None:
-        self._said.clear()
-        with self._said:
+        self._message.clear()
+        with self._message:
             if now.problem:
-                widgets.words(_sentence(now.problem), "bad small wrap")
+                widgets.label(sentence(now.problem), "bad small wrap")
                 if now.kept is not None:
-                    widgets.words("What was received is in the list below.", "small faint wrap")
+                    widgets.label("What was received is in the list below.", "small faint wrap")
                 return
             good = now.verdict == "OK"
-            widgets.words(now.verdict or "recorded", f"strong {'good' if good else 'bad'}").style(
+            widgets.label(now.verdict or "recorded", f"strong {'good' if good else 'bad'}").style(
                 "font-size:17px"
             )
             for reason in now.reasons:
-                widgets.words(reason, "small wrap")
+                widgets.label(reason, "small wrap")
             for advice in now.advice:
-                widgets.words(f"To take it again: {advice}", "small wrap")
+                widgets.label(f"To take it again: {advice}", "small wrap")
             if now.session is not None:
                 key = now.session.name
                 widgets.button(f"Open {key}", lambda: ui.navigate.to(address_of(key)), strong=True)
 
     def _say(self, lines: list[tuple[str, str]]) -> None:
-        self._said.clear()
-        with self._said:
+        self._message.clear()
+        with self._message:
             for text, kind in lines:
-                widgets.words(text, f"small wrap {kind}")
+                widgets.label(text, f"small wrap {kind}")
 
 
 def _field(label: str, value: float | None) -> ui.number:
@@ -166,9 +166,5 @@ def _field(label: str, value: float | None) -> ui.number:
     return made
 
 
-def _words(now: Progress) -> tuple[str, str, int]:
+def _state_of(now: Progress) -> tuple[str, str, int]:
     return now.state, now.detail, now.lost
-
-
-def _sentence(text: str) -> str:
-    return f"{text[0].upper()}{text[1:]}." if text else text

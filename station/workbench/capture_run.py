@@ -1,4 +1,4 @@
-"""One capture under way: in a thread of its own, watched by every tab, and ended by a word."""
+"""One capture under way: in a thread of its own, watched by every tab, and ended on request."""
 
 import threading
 import time
@@ -13,8 +13,8 @@ from daq.recording import Array, Channel, Gap
 from daq.session import Session
 from firmware_protocol import Hello
 from station.operations.new_session import new_folder
-from station.quantities import shown
 from station.text.capture_progress import STATES
+from station.text.numbers import scale_as_recorded
 
 
 @dataclass(frozen=True)
@@ -29,16 +29,15 @@ class Level:
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a capture stands. `state` as the observer is told, "" before the board has answered.
+    """Where a capture stands. `state` as the observer was given it, "" before the board has answered.
 
-    `finished` says that it has ended: with a `session` (its folder), or with a `problem` in words; `kept` is
+    `finished` says that it has ended: with a `session` (its folder), or with a `problem` in a sentence; `kept` is
     what was received of a capture that failed.
     """
 
     state: str = ""
-    said: str = "asking the board"
+    sentence: str = "asking the board"
     detail: str = ""
-    board: str = ""
     levels: tuple[Level, ...] = ()
     lost: int = 0
     recorded: float = 0.0
@@ -74,11 +73,10 @@ class CaptureRun(CaptureObserver):
         self._thread.join(seconds)
 
     def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
-        """Note which board it is."""
+        """Note the channels."""
         self._go_on()
         self._channels = channels
         self._largest = np.full(len(channels), 1e-300)
-        self.now = replace(self.now, board=hello.board)
 
     def state(self, name: str, detail: str) -> None:
         """Note where it stands."""
@@ -86,7 +84,7 @@ class CaptureRun(CaptureObserver):
             self._go_on()
         if name == "recording" and self.now.state != name:
             self._recording_since = time.monotonic()
-        self.now = replace(self.now, state=name, said=STATES.get(name, name), detail=detail)
+        self.now = replace(self.now, state=name, sentence=STATES.get(name, name), detail=detail)
 
     def block(self, first_index: int, samples: Array) -> None:
         """Note the levels."""
@@ -96,7 +94,7 @@ class CaptureRun(CaptureObserver):
         self._largest = np.maximum(self._largest, np.abs(samples).max(axis=1))
         levels = []
         for channel, value, largest in zip(self._channels, samples[:, -1], self._largest, strict=True):
-            factor, unit = shown(channel.quantity, channel.unit.split("/")[0])
+            factor, unit = scale_as_recorded(channel.quantity, channel.unit)
             levels.append(Level(channel.name, float(value) * factor, unit, float(value / largest)))
         seconds = time.monotonic() - self._recording_since
         share = min(seconds / self._settings.duration_s, 1.0) if self.now.state == "recording" else 0.0
@@ -134,7 +132,7 @@ class CaptureRun(CaptureObserver):
             self.now,
             finished=True,
             session=session.folder,
-            verdict="" if verdict is None else verdict.word.value,
+            verdict="" if verdict is None else verdict.grade.value,
             reasons=() if verdict is None else tuple(verdict.reasons),
             advice=() if verdict is None else tuple(verdict.advice),
         )

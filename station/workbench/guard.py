@@ -1,7 +1,7 @@
 """The guard at the door: who may speak to the server, and what its pages may fetch.
 
 A page of another site can reach a server on 127.0.0.1: by a name that it points there (DNS rebinding), or by opening
-a websocket. Both are told by their headers.
+a websocket. Both show in their headers.
 """
 
 from collections.abc import Iterable

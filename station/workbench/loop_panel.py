@@ -3,13 +3,14 @@
 from nicegui import ui
 
 from station.results.ladder import KeptLadder
-from station.text.diagnosis_text import number, size
-from station.text.ladder_text import change, step
+from station.results.models import name_of
+from station.text.ladder_text import step
+from station.text.layout import sentence
+from station.text.numbers import change, three_figures, typeset, with_unit
 from station.workbench import view_models, widgets
-from station.workbench.build_view_models import pretty
 from station.workbench.ladder_bars import share
 from station.workbench.own_panel import OwnPanel
-from station.workbench.session_state import Desk
+from station.workbench.session_state import SessionState
 from station.workbench.suspects_panel import SuspectsPanel
 from station.workbench.theme import Theme
 
@@ -17,10 +18,10 @@ from station.workbench.theme import Theme
 class LoopPanel:
     """Model, suspects, own effect and ladder of one session."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._desk = desk
-        self._suspects = SuspectsPanel(desk)
-        self._own = OwnPanel(desk)
+    def __init__(self, session: SessionState) -> None:
+        self._session = session
+        self._suspects = SuspectsPanel(session)
+        self._own = OwnPanel(session)
 
     def build(self) -> None:
         """Make the panel; it is empty until something is shown. The ladder stays in sight below the rest."""
@@ -40,7 +41,7 @@ class LoopPanel:
         self._model.clear()
         with self._model:
             self._show_model(view)
-        self._suspects.show(view, self._desk.prints, colours)
+        self._suspects.show(view, self._session.force_maps, colours)
         self._ladder.clear()
         with self._ladder:
             self._show_ladder(view.ladder)
@@ -48,64 +49,67 @@ class LoopPanel:
     def _show_model(self, view: view_models.View) -> None:
         top = view.ladder.top
         for entry in top.model.effects:
-            words = view.effects.get(entry.effect)
             with ui.element("div").classes("effect"):
                 with widgets.line():
                     switch = ui.switch(value=True, on_change=lambda e, n=entry.effect: self._turn(n, e.value))
                     switch.props("dense size=sm").props["aria-label"] = f"{entry.effect} in the model"
-                    widgets.words(_called(entry.effect), "strong grow wrap")
-                    widgets.words(words.equation if words else "", "mono faint")
+                    widgets.label(_called(entry.effect), "strong grow wrap")
+                    widgets.label(view.equations.get(entry.effect, ""), "mono faint")
                 with ui.element("div").classes("values small"):
                     for name, value in entry.parameters.items():
-                        widgets.words(f"{name} = {pretty(number(value.model_dump()))}")
+                        widgets.label(f"{name} = {typeset(with_unit(value))}")
         for name in _switched_off(view.ladder):
             with ui.element("div").classes("effect off"), widgets.line():
                 switch = ui.switch(value=False, on_change=lambda e, n=name: self._turn(n, e.value))
                 switch.props("dense size=sm").props["aria-label"] = f"{name} in the model"
-                widgets.words(f"{_called(name)} (off)", "grow wrap")
+                widgets.label(f"{_called(name)} (off)", "grow wrap")
 
     def _turn(self, name: str, on: bool) -> None:
         if on:
-            text = _expression(self._desk.view.ladder, name) if self._desk.view else ""
-            self._desk.start(f"Adding {_called(name)}", "add", text or name)
+            text = _expression(self._session.view.ladder, name) if self._session.view else ""
+            self._session.start(f"Adding {_called(name)}", "add", text or name)
         else:
-            self._desk.start(f"Taking {_called(name)} out", "remove", name)
-        self._desk.version += 1
+            self._session.start(f"Taking {_called(name)} out", "remove", name)
+        self._session.version += 1
 
     def _show_ladder(self, ladder: KeptLadder) -> None:
         with widgets.line():
             with ui.element("div").classes("grow"):
                 widgets.head("Rung by rung")
-            widgets.words("chi2; green: noise floor", "small faint")
+            widgets.label("chi2; green: noise floor", "small faint")
         before = None
         for place, rung in enumerate(ladder.rungs):
             kind = "present" if place == ladder.present else "above" if place > ladder.present else ""
             row = ui.element("button").classes(f"rung {kind}").on("click", lambda n=place: self._go(n))
             row.props["type"] = "button"
-            row.props["aria-label"] = f"go to rung {place}: {step(rung)}, chi2 {size(rung.error.chi2)}"
+            row.props["aria-label"] = (
+                f"go to rung {place}: {step(rung)}, chi2 {three_figures(rung.error.chi2)}"
+            )
             with row:
-                widgets.words(str(place), "faint")
-                widgets.words(step(rung), "what")
-                widgets.words(
+                widgets.label(str(place), "faint")
+                widgets.label(step(rung), "what")
+                widgets.label(
                     "" if before is None else change(before.error.chi2, rung.error.chi2), "small faint"
                 )
-                widgets.words(size(rung.error.chi2), "value strong")
+                widgets.label(three_figures(rung.error.chi2), "value strong")
                 filled, floor = share(rung.error.chi2, ladder)
                 with ui.element("div").classes("track"):
                     ui.element("div").classes("fill").style(f"width:{filled:.1f}%")
                     ui.element("div").classes("floor").style(f"left:{floor:.1f}%")
             before = rung
         if ladder.stopped_because:
-            widgets.words(f"{ladder.stopped_because[0].upper()}{ladder.stopped_because[1:]}.", "small wrap")
+            widgets.label(sentence(ladder.stopped_because), "small wrap")
         with widgets.line():
-            widgets.button("Climb by itself", lambda: self._desk.start("Climbing", "climb", long=True))
+            widgets.button(
+                "Add all that is missing", lambda: self._session.start("Refining", "refine", long=True)
+            )
             if len(ladder.rungs) > 1:
-                widgets.button("Begin again", lambda: self._desk.start("Beginning again", "again"))
+                widgets.button("Begin again", lambda: self._session.start("Beginning again", "again"))
 
     def _go(self, number: int) -> None:
-        ladder = self._desk.view.ladder if self._desk.view else None
+        ladder = self._session.view.ladder if self._session.view else None
         if ladder is not None and number != ladder.present:
-            self._desk.start(f"Going to rung {number}", "go", number)
+            self._session.start(f"Going to rung {number}", "go", number)
 
 
 def _called(name: str) -> str:
@@ -125,6 +129,6 @@ def _expression(ladder: KeptLadder, name: str) -> str:
     """Return the user's own text of an effect; "" where the library has it."""
     for rung in ladder.rungs:
         for text in rung.model.expressions:
-            if text.partition("=")[0].strip() == name:
+            if name_of(text) == name:
                 return text
     return ""

@@ -1,24 +1,15 @@
 """Middle: what was measured and what the model says, in linked pictures."""
 
 import json
-from dataclasses import dataclass
 
 from nicegui import ui
 
-from station.text.diagnosis_text import size
+from station.text.numbers import three_figures
 from station.workbench import charts, view_models, widgets
 from station.workbench.theme import Theme
 
 NOTICED = 0.15
 HINT = "Move the pointer over a picture, or use the arrow keys in one: the same moment is marked in all."
-
-
-@dataclass(frozen=True)
-class _Drawn:
-    """A chart and what it draws."""
-
-    element: ui.echart
-    name: str
 
 
 class MiddlePanel:
@@ -35,11 +26,11 @@ class MiddlePanel:
         """Make the panel; it is empty until something is shown."""
         with widgets.card("tight"):
             self._numbers = ui.element("div").classes("numbers").props("aria-live=polite")
-            self._summary = widgets.words("", "wrap")
-            self._cause = widgets.words("", "small faint wrap")
+            self._summary = widgets.label("", "wrap")
+            self._cause = widgets.label("", "small faint wrap")
         with widgets.card("tight"):
             with widgets.line():
-                self._readout = widgets.words(HINT, "small faint grow readout").props("id=readout")
+                self._readout = widgets.label(HINT, "small faint grow readout").props("id=readout")
                 self._choice = ui.element("div")
             self._frame = ui.element("div").classes("pictures")
 
@@ -51,7 +42,7 @@ class MiddlePanel:
             self._channel = max(picture.traces, key=_misfit).channel
             self._choose(kinds)
         self._picture, self._colours, self._of_ladder = picture, colours, of_ladder
-        self._tell(picture)
+        self._show_errors(picture)
         options = self._options()
         if fresh:
             self._make(options)
@@ -74,20 +65,21 @@ class MiddlePanel:
         if self._picture is not None and self._colours is not None:
             self.show(self._picture, self._colours, self._of_ladder)
 
-    def _tell(self, picture: view_models.Picture) -> None:
+    def _show_errors(self, picture: view_models.Picture) -> None:
         errors = picture.errors
         self._numbers.clear()
         with self._numbers:
             _number(
-                f"{size(errors['chi2'])} ×", f"what noise explains (floor 1.00 ± {errors['chi2_std']:.2f})"
+                f"{three_figures(errors['chi2'])} ×",
+                f"what noise explains (floor 1.00 ± {errors['chi2_std']:.2f})",
             )
             _number(
-                f"{size(errors['motion_percent'])} %",
+                f"{three_figures(errors['motion_percent'])} %",
                 f"of the motion is left, over {errors['horizon_s']:.1f} s ({errors['cycles']:.0f} cycles)",
             )
             _number(
-                f"{size(errors['force_mse_percent'])} %",
-                f"of the force is left (MSE; noise alone {size(errors['force_floor_percent'])} %)",
+                f"{three_figures(errors['force_mse_percent'])} %",
+                f"of the force is left (MSE; noise alone {three_figures(errors['force_floor_percent'])} %)",
             )
         self._summary.text = picture.summary
         self._cause.text = f"{picture.cause} {_apart(errors['chi2'], self._of_ladder)}".strip()
@@ -158,7 +150,7 @@ def _apart(whole: float, of_ladder: float | None) -> str:
         return ""
     return (
         f"Here the model runs through the whole record without a new start; the ladder lets it begin anew in pieces "
-        f"of a long release, which leaves {size(of_ladder)} times the noise."
+        f"of a long release, which leaves {three_figures(of_ladder)} times the noise."
     )
 
 
@@ -175,5 +167,5 @@ def _misfit(trace: view_models.Trace) -> float:
 def _number(value: str, meaning: str) -> None:
     with ui.element("div").classes("number"):
         with ui.element("b"):
-            widgets.words(value)
-        widgets.words(meaning, "small faint")
+            widgets.label(value)
+        widgets.label(meaning, "small faint")

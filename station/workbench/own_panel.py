@@ -7,7 +7,7 @@ from nicegui import ui
 from identify.effects.library import LIBRARY
 from station.results.models import name_of, parsed_effect
 from station.workbench import widgets
-from station.workbench.session_state import Desk
+from station.workbench.session_state import SessionState
 
 EXAMPLE = "magnet = a*u/(1 + (u/b)**2)"
 PAUSE_S = 0.25
@@ -16,8 +16,8 @@ PAUSE_S = 0.25
 class OwnPanel:
     """A line to type in, what is wrong with it beneath, and Add."""
 
-    def __init__(self, desk: Desk) -> None:
-        self._desk = desk
+    def __init__(self, session: SessionState) -> None:
+        self._session = session
         self._typed = ""
 
     def build(self) -> None:
@@ -29,32 +29,32 @@ class OwnPanel:
         )
         self._field.classes("mono").style("width:100%").on("keydown.enter", self._add)
         with widgets.line("top"):
-            self._said = widgets.words("", "small grow wrap").props("aria-live=polite")
+            self._message = widgets.label("", "small grow wrap").props("aria-live=polite")
             self._button = widgets.button("Add", self._add, "Add the effect of your own")
             self._button.disable()
-        self._tell("", _HELP)
+        self._show_verdict("", _HELP)
 
     async def _changed(self, text: str) -> None:
         self._typed = text
         self._button.disable()
         if not text.strip():
-            self._tell("", _HELP)
+            self._show_verdict("", _HELP)
             return
         await asyncio.sleep(PAUSE_S)
         if text != self._typed:
             return
-        fault, words = await asyncio.to_thread(check, text)
+        fault, verdict = await asyncio.to_thread(check, text)
         if text == self._typed:
-            self._tell("bad" if fault else "good", words)
+            self._show_verdict("bad" if fault else "good", verdict)
             self._button.set_enabled(not fault)
 
-    def _tell(self, kind: str, text: str) -> None:
-        self._said.classes(remove="bad good faint", add=kind or "faint")
-        self._said.text = text
+    def _show_verdict(self, kind: str, text: str) -> None:
+        self._message.classes(remove="bad good faint", add=kind or "faint")
+        self._message.text = text
 
     def _add(self) -> None:
         if self._button.enabled:
-            self._desk.start(f"Adding {name_of(self._typed)}", "add", self._typed)
+            self._session.start(f"Adding {name_of(self._typed)}", "add", self._typed)
 
 
 _HELP = "The force per unit mass on the left of u'' + ... = 0, from u, v, t and parameters of your own."
@@ -67,8 +67,8 @@ def check(text: str) -> tuple[bool, str]:
     try:
         effect = parsed_effect(text)
     except ValueError as error:
-        sentence = str(error)
-        return True, f"{sentence[0].upper()}{sentence[1:]}"
+        reason = str(error)
+        return True, f"{reason[0].upper()}{reason[1:]}"
     if any(effect.name == other.name for other in LIBRARY):
         return True, f"{effect.name} is in the library already; choose another name for your own"
     names = ", ".join(parameter.name for parameter in effect.parameters)

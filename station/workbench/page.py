@@ -5,13 +5,13 @@ import time
 from nicegui import ui
 
 from station.workbench import widgets
-from station.workbench.app_state import Room
+from station.workbench.app_state import AppState
 from station.workbench.capture_panel import CapturePanel
 from station.workbench.loop_panel import LoopPanel
 from station.workbench.middle_panel import MiddlePanel
 from station.workbench.report_button import ReportButton
 from station.workbench.rerun_tab import RerunTab
-from station.workbench.session_state import Desk
+from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.theme import theme
 
@@ -22,10 +22,10 @@ SLOW_S = 0.4
 class Page:
     """One browser tab."""
 
-    def __init__(self, room: Room, key: str | None, host: str) -> None:
-        self._room, self._key, self._host = room, key, host
-        folder = room.shelf.folder_of(key) if key else None
-        self._desk: Desk | None = room.desks.at(folder) if folder else None
+    def __init__(self, state: AppState, key: str | None, host: str) -> None:
+        self._state, self._key, self._host = state, key, host
+        folder = state.session_list.folder_of(key) if key else None
+        self._session: SessionState | None = state.sessions.at(folder) if folder else None
         self._seen = -1
         self._shown: object = None
         self._loop_shown: object = None
@@ -38,8 +38,8 @@ class Page:
         self._header()
         with ui.element("div").classes("bench-columns"):
             with ui.element("aside").classes("bench-column").props('aria-label="The bench"'):
-                CapturePanel(self._room).build()
-                SessionsPanel(self._room.shelf, self._room.crew, self._key).build()
+                CapturePanel(self._state).build()
+                SessionsPanel(self._state.session_list, self._state.workers, self._key).build()
             with ui.element("div").classes("bench-column").props('aria-label="Measurement and model"'):
                 self._build_middle()
             with ui.element("aside").classes("bench-column loop").props('aria-label="The loop"'):
@@ -51,21 +51,21 @@ class Page:
             ui.link("Free-Decay Station", "/").classes("bench-title").style(
                 "color:inherit;text-decoration:none"
             )
-            widgets.words(self._key or "workbench", "bench-session")
-            if self._desk is not None and self._key is not None:
-                ReportButton(self._room, self._desk, self._key).build()
+            widgets.label(self._key or "workbench", "bench-session")
+            if self._session is not None and self._key is not None:
+                ReportButton(self._state, self._session, self._key).build()
             self._theme_button = widgets.button("Dark", self._turn_theme, "Switch between light and dark")
 
     def _build_middle(self) -> None:
         self._busy = ui.element("section").classes("card tight busybar").props("role=status aria-live=polite")
         with self._busy, widgets.line():
             ui.spinner(size="18px")
-            self._busy_words = widgets.words("", "grow")
-            widgets.button("Cancel", lambda: self._desk.cancel() if self._desk else None)
+            self._busy_label = widgets.label("", "grow")
+            widgets.button("Cancel", lambda: self._session.cancel() if self._session else None)
         self._busy.set_visibility(False)
         self._notice = widgets.card("tight notice")
         with self._notice, widgets.line():
-            self._notice_words = widgets.words("", "grow wrap")
+            self._notice_label = widgets.label("", "grow wrap")
             widgets.button("Close", self._close_notice, "Close the message")
         self._notice.set_visibility(False)
         self._empty = ui.element("div").classes("empty grow")
@@ -84,47 +84,47 @@ class Page:
             with ui.tab_panel(charts):
                 self._middle.build()
             with ui.tab_panel(rerun):
-                if self._desk is not None and self._key is not None:
-                    viewer = RerunTab(self._room, self._desk, self._key, self._host)
+                if self._session is not None and self._key is not None:
+                    viewer = RerunTab(self._state, self._session, self._key, self._host)
                     viewer.build()
                     tabs.on_value_change(lambda e: viewer.open() if e.value == "3-D / Rerun" else None)
 
     def _say_empty(self) -> None:
         self._empty.clear()
         with self._empty:
-            if self._desk is not None and self._desk.problem:
-                widgets.words("This recording does not allow an analysis", "strong")
-                widgets.words(self._desk.problem, "wrap").style("max-width:520px")
-                widgets.words("What was recorded is kept. Choose another session, or record again.", "small")
-            elif self._desk is not None:
+            if self._session is not None and self._session.problem:
+                widgets.label("This recording does not allow an analysis", "strong")
+                widgets.label(self._session.problem, "wrap").style("max-width:520px")
+                widgets.label("What was recorded is kept. Choose another session, or record again.", "small")
+            elif self._session is not None:
                 ui.spinner(size="32px")
-                widgets.words("The session is read, and the usual model fitted to it.")
+                widgets.label("The session is read, and the usual model fitted to it.")
             elif self._key:
-                widgets.words(f"There is no session called {self._key}", "strong wrap")
-                widgets.words("Choose one on the left.")
+                widgets.label(f"There is no session called {self._key}", "strong wrap")
+                widgets.label("Choose one on the left.")
             else:
-                widgets.words("Choose a session on the left,", "strong")
-                widgets.words("drop a file there, or capture a release from a board.")
+                widgets.label("Choose a session on the left,", "strong")
+                widgets.label("drop a file there, or capture a release from a board.")
 
     def _build_right(self) -> None:
         self._loop: LoopPanel | None = None
         self._right = ui.element("div").style("display:flex;flex-direction:column;height:100%")
         with self._right:
-            if self._desk is not None:
-                self._loop = LoopPanel(self._desk)
+            if self._session is not None:
+                self._loop = LoopPanel(self._session)
                 self._loop.build()
             else:
                 with widgets.card(), ui.element("div").classes("empty"):
-                    widgets.words("Here the loop is closed:", "strong")
-                    widgets.words("diagnose what the model lacks, add it, and watch the error fall.", "small")
-        if self._desk is not None:
+                    widgets.label("Here the loop is closed:", "strong")
+                    widgets.label("diagnose what the model lacks, add it, and watch the error fall.", "small")
+        if self._session is not None:
             self._right.set_visibility(False)
 
     async def _begin(self) -> None:
         self._dark = bool(await ui.run_javascript("bench.dark()", timeout=5.0))
         self._set_theme()
-        if self._desk is not None:
-            self._desk.open()
+        if self._session is not None:
+            self._session.open()
             ui.timer(TICK_S, self._tick)
 
     def _turn_theme(self) -> None:
@@ -139,9 +139,9 @@ class Page:
         self._theme_button.text = "Light" if self._dark else "Dark"
 
     def _close_notice(self) -> None:
-        if self._desk is not None:
-            self._desk.notice = ""
-            self._desk.version += 1
+        if self._session is not None:
+            self._session.notice = ""
+            self._session.version += 1
 
     def _hold_still(self, still: bool) -> None:
         """Take no clicks on the loop while it computes; what it shows stays readable."""
@@ -149,14 +149,14 @@ class Page:
             self._right.props(add="inert") if still else self._right.props(remove="inert")
 
     def _tick(self) -> None:
-        desk = self._desk
-        if desk is None:
+        session = self._session
+        if session is None:
             return
-        running = desk.running
+        running = session.running
         if running is not None:
             seconds = time.monotonic() - running.since
-            self._busy_words.text = (
-                f"{running.title}: {desk.said or 'waiting for a free worker'} ({seconds:.0f} s)"
+            self._busy_label.text = (
+                f"{running.title}: {session.progress or 'waiting for a free worker'} ({seconds:.0f} s)"
             )
             slow = running.long or seconds > SLOW_S
             self._busy.set_visibility(slow)
@@ -164,22 +164,22 @@ class Page:
         else:
             self._busy.set_visibility(False)
             self._hold_still(False)
-        if desk.version == self._seen:
+        if session.version == self._seen:
             return
-        self._seen = desk.version
-        self._notice_words.text = desk.notice
-        self._notice.set_visibility(bool(desk.notice))
-        if desk.view is None:
+        self._seen = session.version
+        self._notice_label.text = session.notice
+        self._notice.set_visibility(bool(session.notice))
+        if session.view is None:
             self._say_empty()
             return
         self._empty.set_visibility(False)
         self._pictures.set_visibility(True)
         self._right.set_visibility(True)
         colours = theme(self._dark)
-        if self._shown is not desk.view.picture:
-            self._middle.show(desk.view.picture, colours, desk.view.ladder.top.error.chi2)
-            self._shown = desk.view.picture
-        loop = (desk.view, desk.prints, desk.notice, self._dark)
+        if self._shown is not session.view.picture:
+            self._middle.show(session.view.picture, colours, session.view.ladder.top.error.chi2)
+            self._shown = session.view.picture
+        loop = (session.view, session.force_maps, session.notice, self._dark)
         if self._loop is not None and loop != self._loop_shown:
-            self._loop.show(desk.view, colours)
+            self._loop.show(session.view, colours)
             self._loop_shown = loop

@@ -8,9 +8,9 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 
 from station.report.write import NAME
 from station.workbench import widgets
-from station.workbench.app_state import Room
-from station.workbench.session_list import Shelf
-from station.workbench.session_state import Desk
+from station.workbench.app_state import AppState
+from station.workbench.session_list import SessionList
+from station.workbench.session_state import SessionState
 from station.workbench.worker import Cancelled, Failed, Job
 
 PLACE = "/report"
@@ -21,10 +21,10 @@ POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; i
 class ReportButton:
     """Report, then the way to it; while it is written, how to cancel."""
 
-    def __init__(self, room: Room, desk: Desk, key: str) -> None:
-        self._room, self._desk, self._key = room, desk, key
+    def __init__(self, state: AppState, session: SessionState, key: str) -> None:
+        self._state, self._session, self._key = state, session, key
         self._job: Job | None = None
-        self._said = ""
+        self._message = ""
 
     def build(self) -> None:
         """Make the button."""
@@ -32,13 +32,13 @@ class ReportButton:
         self._offer()
         ui.timer(0.3, self._tick)
 
-    def _offer(self, words: str = "", bad: bool = False) -> None:
+    def _offer(self, message: str = "", bad: bool = False) -> None:
         self._place.clear()
         with self._place:
-            if words and bad:
-                widgets.words(words, "small bad wrap")
-            elif words:
-                link = ui.link(words, f"{PLACE}/{quote(self._key, safe='')}", new_tab=True).classes(
+            if message and bad:
+                widgets.label(message, "small bad wrap")
+            elif message:
+                link = ui.link(message, f"{PLACE}/{quote(self._key, safe='')}", new_tab=True).classes(
                     "small strong"
                 )
                 link.style("color: var(--accent)")
@@ -47,15 +47,19 @@ class ReportButton:
     async def _write(self) -> None:
         if self._job is not None:
             return
-        self._job, self._said = Job(), "gathering"
+        self._job, self._message = Job(), "gathering"
         self._place.clear()
         with self._place:
             ui.spinner(size="16px")
-            self._words = widgets.words(self._said, "small faint")
+            self._words = widgets.label(self._message, "small faint")
             widgets.button("Cancel", self._cancel, "Cancel the report")
         try:
-            await self._room.crew.do(
-                self._job, str(self._desk.folder), "report", self._desk.folder, tell=self._tell
+            await self._state.workers.do(
+                self._job,
+                str(self._session.folder),
+                "report",
+                self._session.folder,
+                progress=self._on_progress,
             )
         except Cancelled:
             self._offer()
@@ -70,20 +74,20 @@ class ReportButton:
         if self._job is not None:
             self._job.cancel()
 
-    def _tell(self, text: str) -> None:
-        self._said = text
+    def _on_progress(self, text: str) -> None:
+        self._message = text
 
     def _tick(self) -> None:
         if self._job is not None:
-            self._words.text = self._said
+            self._words.text = self._message
 
 
-def serve_reports(app: FastAPI, shelf: Shelf) -> None:
-    """Let the application give the reports of the sessions on the shelf."""
+def serve_reports(app: FastAPI, session_list: SessionList) -> None:
+    """Let the application give the reports of the sessions on offer."""
 
     @app.get(f"{PLACE}/{{key}}")
     def report(key: str) -> Response:
-        session = shelf.folder_of(key)
+        session = session_list.folder_of(key)
         file = None if session is None else session / "results" / NAME
         if file is None or not file.is_file() or file.is_symlink():
             return PlainTextResponse("there is no report of this session yet\n", 404)

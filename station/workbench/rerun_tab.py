@@ -3,8 +3,8 @@
 from nicegui import ui
 
 from station.workbench import widgets
-from station.workbench.app_state import Room
-from station.workbench.session_state import Desk
+from station.workbench.app_state import AppState
+from station.workbench.session_state import SessionState
 from station.workbench.viewer_files import address_of
 from station.workbench.worker import Cancelled, Failed, Job
 
@@ -12,8 +12,8 @@ from station.workbench.worker import Cancelled, Failed, Job
 class RerunTab:
     """Made when it is first looked at, and again on request: writing a recording takes some seconds."""
 
-    def __init__(self, room: Room, desk: Desk, key: str, host: str) -> None:
-        self._room, self._desk, self._key, self._host = room, desk, key, host
+    def __init__(self, state: AppState, session: SessionState, key: str, host: str) -> None:
+        self._state, self._session, self._key, self._host = state, session, key, host
         self._job: Job | None = None
         self._made: object = None
 
@@ -24,7 +24,7 @@ class RerunTab:
 
     async def open(self) -> None:
         """Show the recording of the session as its results stand."""
-        view = self._desk.view
+        view = self._session.view
         if view is None or self._job is not None or self._made == view.stamp:
             return
         self._job = Job()
@@ -32,11 +32,11 @@ class RerunTab:
         self._top.clear()
         with self._top, widgets.card("tight"), widgets.line():
             ui.spinner(size="18px")
-            widgets.words("Writing the recording: surface, ridge, comparison, ladder", "grow")
+            widgets.label("Writing the recording: surface, ridge, comparison, ladder", "grow")
             widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
         try:
-            stamp = await self._room.crew.do(
-                self._job, str(self._desk.folder), "viewer", self._desk.folder, self._room.aside
+            stamp = await self._state.workers.do(
+                self._job, str(self._session.folder), "viewer", self._session.folder, self._state.temporary
             )
         except Cancelled:
             self._say("Cancelled.")
@@ -55,5 +55,5 @@ class RerunTab:
     def _say(self, text: str) -> None:
         self._top.clear()
         with self._top, widgets.card("tight"), widgets.line():
-            widgets.words(text, "grow wrap")
+            widgets.label(text, "grow wrap")
             widgets.button("Try again", self.open)

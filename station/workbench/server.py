@@ -45,12 +45,12 @@ def serve(
     signal.signal(
         signal.SIGTERM, signal.default_int_handler
     )  # ended from outside, it tidies up as after Ctrl-C
-    with listen(host, port) as opened, tempfile.TemporaryDirectory(prefix="workbench-") as aside:
-        os.environ.setdefault("NICEGUI_STORAGE_PATH", aside)
+    with listen(host, port) as opened, tempfile.TemporaryDirectory(prefix="workbench-") as temporary:
+        os.environ.setdefault("NICEGUI_STORAGE_PATH", temporary)
         bound = opened.getsockname()[1]
         shown = HOST if host in ("0.0.0.0", "::") else host
         place = f"[{shown}]:{bound}" if ":" in shown else f"{shown}:{bound}"
-        _run(settings, named, opened, place, Path(aside), open_browser, say)
+        _run(settings, named, opened, place, Path(temporary), open_browser, say)
 
 
 def _run(
@@ -58,7 +58,7 @@ def _run(
     named: tuple[Path, ...],
     opened: socket.socket,
     place: str,
-    aside: Path,
+    temporary: Path,
     open_browser: bool,
     say: Callable[[str], None],
 ) -> None:
@@ -72,7 +72,7 @@ def _run(
     names = {place, f"localhost:{port}"}
     if everywhere:
         names.add(f"{socket.gethostname()}:{port}")
-    app, room = make(settings, named, frozenset(names), everywhere, aside)
+    app, state = make(settings, named, frozenset(names), everywhere, temporary)
     address = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
     config = uvicorn.Config(app, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2)
     server = uvicorn.Server(config)
@@ -89,7 +89,7 @@ def _run(
     except KeyboardInterrupt:
         say("workbench closed; everything is kept in the sessions")
     finally:
-        if room.capturing is not None:
-            room.capturing.cancel()
-            room.capturing.wait(3.0)
-        room.crew.end()
+        if state.capturing is not None:
+            state.capturing.cancel()
+            state.capturing.wait(3.0)
+        state.workers.end()

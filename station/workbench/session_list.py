@@ -1,4 +1,4 @@
-"""The shelf: the sessions that the page offers, newest first, each with its portrait."""
+"""The sessions that the page offers, newest first, each with its thumbnail."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,25 +14,25 @@ MOST = 200
 
 @dataclass(frozen=True)
 class Entry:
-    """One session: its key in addresses, its folder, and a line of words; `portrait` None while it is being made."""
+    """One session: its key in addresses, its folder, and what is said of it; `thumbnail` None while it is being made."""
 
     key: str
     folder: Path
     date: str
     verdict: str
     problem: str
-    portrait: view_models.Portrait | None
+    thumbnail: view_models.Thumbnail | None
 
 
-class Shelf:
-    """The sessions of a folder and those named on the command line; portraits are made by workers and remembered."""
+class SessionList:
+    """The sessions of a folder and those named on the command line; thumbnails are made by workers and remembered."""
 
-    def __init__(self, sessions: Path, named: tuple[Path, ...], crew: WorkerPool) -> None:
+    def __init__(self, sessions: Path, named: tuple[Path, ...], workers: WorkerPool) -> None:
         self.sessions = sessions
         self.problem = ""
         self._named = tuple(folder.resolve() for folder in named)
-        self._crew = crew
-        self._portraits: dict[tuple[Path, int], view_models.Portrait] = {}
+        self._workers = workers
+        self._thumbnails: dict[tuple[Path, int], view_models.Thumbnail] = {}
         self._making = False
 
     def entries(self) -> tuple[Entry, ...]:
@@ -63,31 +63,31 @@ class Shelf:
             return Entry(folder.name, folder, "", "damaged", summary.problem, None)
         date = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
         word = info.verdict if info.verdict and info.state is not State.ABORTED else info.state.value
-        return Entry(folder.name, folder, date, word, "", self._portraits.get(_stamp(folder)))
+        return Entry(folder.name, folder, date, word, "", self._thumbnails.get(_stamp(folder)))
 
-    async def make_portraits(self) -> bool:
-        """Make the portraits that are missing, one at a time; True where one was made."""
+    async def make_thumbnails(self) -> bool:
+        """Make the thumbnails that are missing, one at a time; True where one was made."""
         if self._making:
             return False
         self._making = True
         made = False
         try:
             for entry in self.entries():
-                if entry.portrait is None and not entry.problem and entry.verdict != State.RECORDING.value:
-                    portrait = await self._portrait(entry.folder)
-                    self._portraits[_stamp(entry.folder)] = portrait
+                if entry.thumbnail is None and not entry.problem and entry.verdict != State.RECORDING.value:
+                    thumbnail = await self._thumbnail(entry.folder)
+                    self._thumbnails[_stamp(entry.folder)] = thumbnail
                     made = True
         finally:
             self._making = False
         return made
 
-    async def _portrait(self, folder: Path) -> view_models.Portrait:
+    async def _thumbnail(self, folder: Path) -> view_models.Thumbnail:
         try:
-            found: view_models.Portrait = await self._crew.do(Job(), "portraits", "portrait", folder)
+            found: view_models.Thumbnail = await self._workers.do(Job(), "thumbnails", "thumbnail", folder)
         except Cancelled:
-            return view_models.Portrait("", [], "")
+            return view_models.Thumbnail("", [], "")
         except Failed as failure:
-            return view_models.Portrait("", [], str(failure))
+            return view_models.Thumbnail("", [], str(failure))
         return found
 
 

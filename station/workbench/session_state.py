@@ -1,4 +1,4 @@
-"""A desk: one session as every tab that shows it sees it. One computation at a time; each change has a number."""
+"""One session as every tab that shows it sees it. One computation at a time; each change has a number."""
 
 import asyncio
 import time
@@ -19,19 +19,19 @@ class Running:
     long: bool
 
 
-class Desk:
+class SessionState:
     """The state of one session on the page; `version` grows with every change."""
 
-    def __init__(self, folder: Path, crew: WorkerPool) -> None:
+    def __init__(self, folder: Path, workers: WorkerPool) -> None:
         self.folder = folder
         self.view: view_models.View | None = None
-        self.prints: dict[str, view_models.Print] = {}
+        self.force_maps: dict[str, view_models.ForceMap] = {}
         self.problem = ""
         self.notice = ""
-        self.said = ""
+        self.progress = ""
         self.running: Running | None = None
         self.version = 0
-        self._crew = crew
+        self._workers = workers
         self._job: Job | None = None
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -55,7 +55,7 @@ class Desk:
             self.version += 1
             return False
         self.running = Running(title, time.monotonic(), long)
-        self.said, self.notice, self.problem = "", "", ""
+        self.progress, self.notice, self.problem = "", "", ""
         self._job = Job()
         self.version += 1
         running = asyncio.get_running_loop().create_task(self._run(self._job, task, arguments))
@@ -72,12 +72,14 @@ class Desk:
     async def _run(self, job: Job, task: str, arguments: tuple[Any, ...]) -> None:
         title = self.running.title if self.running else task
         try:
-            found = await self._crew.do(job, str(self.folder), task, self.folder, *arguments, tell=self._tell)
+            found = await self._workers.do(
+                job, str(self.folder), task, self.folder, *arguments, progress=self._on_progress
+            )
             if isinstance(found, tuple):
-                self.view, self.prints = found
+                self.view, self.force_maps = found
             else:
                 if self.view is not None and found.diagnosis != self.view.diagnosis:
-                    self.prints = {}  # a command has diagnosed since
+                    self.force_maps = {}  # a command has diagnosed since
                 self.view = found
         except Cancelled:
             self.notice = f"{title}: cancelled; nothing was changed"
@@ -89,29 +91,29 @@ class Desk:
         finally:
             self.running, self._job = None, None
             self.version += 1
-        if self.view is not None and self.view.diagnosis is not None and not self.prints:
-            await self._find_prints()
+        if self.view is not None and self.view.diagnosis is not None and not self.force_maps:
+            await self._find_force_maps()
 
-    async def _find_prints(self) -> None:
+    async def _find_force_maps(self) -> None:
         try:
-            self.prints = await self._crew.do(Job(), str(self.folder), "prints", self.folder)
+            self.force_maps = await self._workers.do(Job(), str(self.folder), "force_maps", self.folder)
         except (Cancelled, Failed):
             return
         self.version += 1
 
-    def _tell(self, text: str) -> None:
-        self.said = text
+    def _on_progress(self, text: str) -> None:
+        self.progress = text
 
 
 @dataclass
-class Desks:
-    """All desks by session folder."""
+class SessionStates:
+    """The states of all sessions that are open, by folder."""
 
-    crew: WorkerPool
-    known: dict[Path, Desk] = field(default_factory=dict)
+    workers: WorkerPool
+    known: dict[Path, SessionState] = field(default_factory=dict)
 
-    def at(self, folder: Path) -> Desk:
-        """Return the desk of a session."""
+    def at(self, folder: Path) -> SessionState:
+        """Return the state of the session in a folder."""
         if folder not in self.known:
-            self.known[folder] = Desk(folder, self.crew)
+            self.known[folder] = SessionState(folder, self.workers)
         return self.known[folder]

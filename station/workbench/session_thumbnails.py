@@ -1,4 +1,4 @@
-"""Portraits: a session at a glance, for the list on the left."""
+"""Thumbnails: a session at a glance, for the list on the left."""
 
 from pathlib import Path
 
@@ -6,30 +6,29 @@ import numpy as np
 
 from daq.errors import StationError
 from daq.session import Session
-from station.quantities import shown
+from station.text.numbers import scale_as_recorded, typeset
 from station.workbench import view_models
 
 POINTS = 60
 
 
-def portrait_of(folder: Path) -> view_models.Portrait:
+def thumbnail_of(folder: Path) -> view_models.Thumbnail:
     """Return the largest amplitude and the outline of the decay; `problem` where the session cannot be read."""
     try:
         recording = Session.open(folder).recording()
     except StationError as error:
-        return view_models.Portrait("", [], str(error))
+        return view_models.Thumbnail("", [], str(error))
     if not recording.channels or recording.samples.shape[1] < 2:
-        return view_models.Portrait("", [], "no samples")
+        return view_models.Thumbnail("", [], "no samples")
     places = {channel.quantity: i for i, channel in reversed(list(enumerate(recording.channels)))}
     row = next((places[q] for q in ("displacement", "velocity", "acceleration") if q in places), 0)
     values = np.where(recording.valid, recording.samples[row], np.nan)
     if not np.isfinite(values).any():
-        return view_models.Portrait("", [], "no samples")
+        return view_models.Thumbnail("", [], "no samples")
     values = values - np.nanmedian(values)
     largest = float(np.nanmax(np.abs(values)))
     channel = recording.channels[row]
-    unit = channel.unit.split("/")[0]
-    factor, written = shown(channel.quantity, unit)
+    factor, unit = scale_as_recorded(channel.quantity, channel.unit)
     line: list[float | None] = []
     for part in np.array_split(values, POINTS):
         finite = part[np.isfinite(part)]
@@ -37,4 +36,4 @@ def portrait_of(folder: Path) -> view_models.Portrait:
             line += [round(float(edge) / (largest or 1.0), 2) for edge in (finite.max(), finite.min())]
         else:
             line += [None, None]
-    return view_models.Portrait(f"{largest * factor:.3g} {written.replace('^2', '²')}", line)
+    return view_models.Thumbnail(f"{largest * factor:.3g} {typeset(unit)}", line)

@@ -1,16 +1,18 @@
 """Left, the sessions: name, date, verdict, amplitude and a sparkline of each; and a place to drop a file."""
 
 import tempfile
+from functools import partial
 from pathlib import Path
 from urllib.parse import quote
 
 from nicegui import events, ui
 
 from station.exits import UsageProblem
+from station.operations.examples import EXAMPLES
 from station.workbench import widgets
 from station.workbench.import_choices import ImportChoices, for_the_page
-from station.workbench.session_list import Entry, Shelf
-from station.workbench.thumbnail import sparkline
+from station.workbench.session_list import Entry, SessionList
+from station.workbench.small_pictures import sparkline
 from station.workbench.uploads import plain_name
 from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
 
@@ -26,8 +28,8 @@ def address_of(key: str) -> str:
 class SessionsPanel:
     """The list, and what imports a file into it."""
 
-    def __init__(self, shelf: Shelf, crew: WorkerPool, chosen: str | None) -> None:
-        self._shelf, self._crew, self._chosen = shelf, crew, chosen
+    def __init__(self, session_list: SessionList, workers: WorkerPool, chosen: str | None) -> None:
+        self._session_list, self._workers, self._chosen = session_list, workers, chosen
         self._seen: tuple[Entry, ...] | None = None
         self._job: Job | None = None
         self._options = ImportChoices()
@@ -45,33 +47,57 @@ class SessionsPanel:
                     on_rejected=lambda: self._say("that file is too large: at most 200 MB", "bad"),
                 ).props('aria-label="Import a recording"')
             self._options.build()
-            self._said = ui.element("div").props("aria-live=polite")
+            self._message = ui.element("div").props("aria-live=polite")
         with widgets.card("grow"):
             widgets.head("Sessions")
             self._list = ui.element("nav").props('aria-label="Sessions"')
         self.refresh()
         ui.timer(2.0, self.refresh)
-        ui.timer(0.6, self._portraits, once=True)
+        ui.timer(0.6, self._thumbnails, once=True)
 
     def refresh(self) -> None:
         """Show the list as the folder is now."""
-        entries = self._shelf.entries()
+        entries = self._session_list.entries()
         if entries == self._seen:
             return
-        fresh = self._seen is not None and any(e.portrait is None and not e.problem for e in entries)
+        fresh = self._seen is not None and any(e.thumbnail is None and not e.problem for e in entries)
         self._seen = entries
         self._list.clear()
         with self._list:
-            if self._shelf.problem:
-                widgets.words(self._shelf.problem, "bad small wrap")
+            if self._session_list.problem:
+                widgets.label(self._session_list.problem, "bad small wrap")
             elif not entries:
                 with ui.element("div").classes("empty"):
-                    widgets.words("No session yet.")
-                    widgets.words("Drop a file above, or capture a release.", "small")
+                    widgets.label("No session yet.")
+                    widgets.label("Drop a file above, capture a release, or open an example:", "small")
+                    self._examples()
             for entry in entries:
                 self._row(entry)
         if fresh:
-            ui.timer(0.1, self._portraits, once=True)
+            ui.timer(0.1, self._thumbnails, once=True)
+
+    def _examples(self) -> None:
+        for example in EXAMPLES:
+            does = partial(self._open_example, example.name)
+            with widgets.line("small"):
+                widgets.button(example.name, does, f"Open the example {example.name}: {example.about}")
+
+    async def _open_example(self, name: str) -> None:
+        if self._job is not None:
+            return
+        self._job = Job()
+        self._importing(name)
+        try:
+            key = await self._workers.do(self._job, "imports", "example", name)
+        except Cancelled:
+            self._say(f"opening {name} was cancelled", "faint")
+        except Failed as failure:
+            self._say(str(failure), "bad")
+        else:
+            with self._message:  # the button is gone by now: the list shows the session
+                ui.navigate.to(address_of(key))
+        finally:
+            self._job = None
 
     def _row(self, entry: Entry) -> None:
         link = ui.element("a").classes("session" + (" chosen" if entry.key == self._chosen else ""))
@@ -79,19 +105,19 @@ class SessionsPanel:
         if entry.key == self._chosen:
             link.props["aria-current"] = "page"
         with link:
-            widgets.words(entry.key, "name").style("grid-column:1/-1").tooltip(str(entry.folder))
-            portrait = entry.portrait
+            widgets.label(entry.key, "name").style("grid-column:1/-1").tooltip(str(entry.folder))
+            thumbnail = entry.thumbnail
             with widgets.line("small faint"):
-                widgets.words(entry.verdict, f"tag {'ok' if entry.verdict in GOOD else 'bad'}")
-                widgets.words(portrait.amplitude if portrait else "")
-            widgets.svg(sparkline(portrait.line if portrait else []))
-            widgets.words(entry.date, "small faint date")
-            problem = entry.problem or (portrait.problem if portrait else "")
+                widgets.label(entry.verdict, f"tag {'ok' if entry.verdict in GOOD else 'bad'}")
+                widgets.label(thumbnail.amplitude if thumbnail else "")
+            widgets.svg(sparkline(thumbnail.line if thumbnail else []))
+            widgets.label(entry.date, "small faint date")
+            problem = entry.problem or (thumbnail.problem if thumbnail else "")
             if problem:
-                widgets.words(problem, "small bad wrap").style("grid-column:1/-1")
+                widgets.label(problem, "small bad wrap").style("grid-column:1/-1")
 
-    async def _portraits(self) -> None:
-        if await self._shelf.make_portraits():
+    async def _thumbnails(self) -> None:
+        if await self._session_list.make_thumbnails():
             self.refresh()
 
     async def _dropped(self, given: events.UploadEventArguments) -> None:
@@ -111,33 +137,33 @@ class SessionsPanel:
             with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
                 file = Path(folder) / name
                 await given.file.save(file)
-                made, notes = await self._crew.do(self._job, "imports", "import", file, *chosen)
+                made, notes = await self._workers.do(self._job, "imports", "import", file, *chosen)
         except Cancelled:
             self._say(f"the import of {name} was cancelled", "faint")
         except (Failed, OSError) as failure:
             self._say(for_the_page(str(failure).replace(f"{folder}/", "")), "bad")
         else:
             self.refresh()
-            self._said.clear()
-            with self._said:
-                widgets.words(
+            self._message.clear()
+            with self._message:
+                widgets.label(
                     f"{name}: {len(made)} session{'s' if len(made) > 1 else ''}", "good strong small"
                 )
                 for note in notes:
-                    widgets.words(note, "small faint wrap")
+                    widgets.label(note, "small faint wrap")
                 for key in made:
                     ui.link(f"open {key}", address_of(key)).classes("small")
         finally:
             self._job = None
 
     def _importing(self, name: str) -> None:
-        self._said.clear()
-        with self._said, widgets.line():
+        self._message.clear()
+        with self._message, widgets.line():
             ui.spinner(size="16px")
-            widgets.words(f"reading {name}", "small grow wrap")
+            widgets.label(f"reading {name}", "small grow wrap")
             widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
 
     def _say(self, text: str, kind: str) -> None:
-        self._said.clear()
-        with self._said:
-            widgets.words(text, f"small wrap {kind}")
+        self._message.clear()
+        with self._message:
+            widgets.label(text, f"small wrap {kind}")

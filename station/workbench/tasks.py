@@ -6,32 +6,33 @@ from pathlib import Path
 from typing import Any
 
 from daq.session import Session
-from identify.preprocessing.prepared_decay import PreparedDecay
-from station.operations.comparing import compare_ready, setting_of
+from station.exits import UsageProblem
+from station.operations import refining
+from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
-from station.operations.identifying import options_for
-from station.operations.refining import Refinement, add, climb_on, go_to, open_refinement, remove
+from station.operations.refining import Refinement, add, go_to, open_refinement, remove
 from station.operations.session_set import SessionSet
+from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
+from station.results.diagnosis_fits import fits_of, refitted
 from station.results.ladder import LADDER, MODEL, KeptLadder, read_ladder, write_ladder
 from station.settings import Settings
+from station.story.pipeline import Progress
+from station.story.preparation import options_for
 from station.workbench import view_models
-from station.workbench.build_view_models import effects_of, kept_diagnosis, picture_of, results_stamp
-from station.workbench.force_map import prints_of, prints_of_kept
-from station.workbench.session_thumbnails import portrait_of
+from station.workbench.build_view_models import equations_of, picture_of, results_stamp
+from station.workbench.force_map import MOST, force_maps_of
+from station.workbench.session_thumbnails import thumbnail_of
 from station.workbench.warm_up import warm_up
-
-Tell = Callable[[str], None]
 
 MOST_OPEN = 8
 
 
 @dataclass(frozen=True, eq=False)
 class _Opened:
-    """A session made ready, kept while the process lives; `stamp` tells whether it is still the same file."""
+    """A session whose release is prepared, kept while the process lives; `stamp` changes when the session does."""
 
     stamp: tuple[int, ...]
     refinement: Refinement
-    setting: PreparedDecay
 
 
 _opened: dict[Path, _Opened] = {}
@@ -44,8 +45,7 @@ def _open(settings: Settings, folder: Path) -> _Opened:
     stamp = (raw.st_mtime_ns, raw.st_size, hash(ladder.gain_percent if ladder else None))
     known = _opened.get(folder)
     if known is None or known.stamp != stamp:
-        refinement = open_refinement(session, settings)
-        known = _Opened(stamp, refinement, setting_of(session, options_for(session, settings)))
+        known = _Opened(stamp, open_refinement(session, settings))
         while len(_opened) >= MOST_OPEN:
             _opened.pop(next(iter(_opened)))
         _opened[folder] = known
@@ -54,62 +54,70 @@ def _open(settings: Settings, folder: Path) -> _Opened:
     return replace(known, refinement=replace(known.refinement, ladder=ladder, session=session))
 
 
-def look(settings: Settings, tell: Tell, folder: Path) -> view_models.View:
+def look(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
     """Return what the page shows of a session, as its results stand."""
-    tell("reading the session")
+    progress("reading the session")
     opened = _open(settings, folder)
     return _view(settings, opened, opened.refinement.ladder)
 
 
 def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> view_models.View:
     session = opened.refinement.session
-    is_kept = (session.results / LADDER).is_file()
-    model = session.results / MODEL if is_kept else None
-    mass = options_for(session, settings).mass
-    compared, document = compare_ready(session, opened.setting, mass, model)
-    diagnosis = kept_diagnosis(session)
+    model = _present_model(session)
+    compared, _ = compare_session(session, settings, model, prepared=opened.refinement.prepared)
     return view_models.View(
-        session.folder.name,
         ladder,
-        is_kept,
-        picture_of(compared, document),
-        diagnosis,
-        effects_of(ladder, diagnosis),
+        picture_of(compared),
+        _diagnosis(session),
+        equations_of(ladder),
         results_stamp(session.folder),
     )
 
 
-def add_effect(settings: Settings, tell: Tell, folder: Path, wanted: str) -> view_models.View:
+def _present_model(session: Session) -> Path | None:
+    """Return the file of the present model; None while the ladder has not begun."""
+    return session.results / MODEL if (session.results / LADDER).is_file() else None
+
+
+def _diagnosis(session: Session) -> DiagnosisDocument | None:
+    """Return the diagnosis that a session keeps; one that cannot be read counts as none: the page offers a new one."""
+    try:
+        return read_diagnosis(session)
+    except UsageProblem:
+        return None
+
+
+def add_effect(settings: Settings, progress: Progress, folder: Path, wanted: str) -> view_models.View:
     """Add an effect by name, or an expression as "magnet = a*u"."""
-    tell(f"adding {wanted.partition('=')[0].strip()}")
+    progress(f"adding {wanted.partition('=')[0].strip()}")
     opened = _open(settings, folder)
     return _view(settings, opened, add(opened.refinement, wanted))
 
 
-def remove_effect(settings: Settings, tell: Tell, folder: Path, name: str) -> view_models.View:
+def remove_effect(settings: Settings, progress: Progress, folder: Path, name: str) -> view_models.View:
     """Take an effect out of the model."""
-    tell(f"taking {name} out")
+    progress(f"taking {name} out")
     opened = _open(settings, folder)
     return _view(settings, opened, remove(opened.refinement, name))
 
 
-def go_to_rung(settings: Settings, tell: Tell, folder: Path, number: int) -> view_models.View:
+def go_to_rung(settings: Settings, progress: Progress, folder: Path, number: int) -> view_models.View:
     """Make a rung of the ladder the present model."""
-    tell(f"going to rung {number}")
+    progress(f"going to rung {number}")
     opened = _open(settings, folder)
     return _view(settings, opened, go_to(opened.refinement, number))
 
 
-def climb(settings: Settings, tell: Tell, folder: Path) -> view_models.View:
+def refine_to_floor(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
     """Add what is missing until nothing is."""
-    tell("looking for what is missing")
+    progress("looking for what is missing")
     opened = _open(settings, folder)
-    return _view(settings, opened, climb_on(opened.refinement, tell))
+    return _view(settings, opened, refining.refine_to_floor(opened.refinement, progress))
 
 
-def begin_again(settings: Settings, tell: Tell, folder: Path) -> view_models.View:
+def begin_again(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
     """Begin the ladder again with the base model."""
-    tell("beginning again")
+    progress("beginning again")
     opened = _open(settings, folder)
     refinement = open_refinement(opened.refinement.session, settings, reset=True)
     write_ladder(refinement.session, refinement.ladder)
@@ -117,34 +125,40 @@ def begin_again(settings: Settings, tell: Tell, folder: Path) -> view_models.Vie
 
 
 def diagnose(
-    settings: Settings, tell: Tell, folder: Path
-) -> tuple[view_models.View, dict[str, view_models.Print]]:
-    """Ask what the present model lacks, keep the answer, and return it with its fingerprints."""
+    settings: Settings, progress: Progress, folder: Path
+) -> tuple[view_models.View, dict[str, view_models.ForceMap]]:
+    """Ask what the present model lacks, keep the answer, and return it with its maps of force."""
     opened = _open(settings, folder)
     refinement = opened.refinement
     session = refinement.session
-    sessions = SessionSet((session,), (refinement.setting,))
-    model = session.results / MODEL if (session.results / LADDER).is_file() else None
-    found, document = diagnose_sessions(sessions, model, None, tell)
+    sessions = SessionSet((session,), (refinement.prepared,))
+    found, document = diagnose_sessions(sessions, _present_model(session), None, progress)
     keep(sessions, document)
-    return _view(settings, opened, refinement.ladder), prints_of(refinement.setting, found)
+    return _view(settings, opened, refinement.ladder), force_maps_of(fits_of(found, document, MOST))
 
 
-def prints(settings: Settings, tell: Tell, folder: Path) -> dict[str, view_models.Print]:
-    """Return the fingerprints of the diagnosis that a session keeps."""
+def force_maps(settings: Settings, progress: Progress, folder: Path) -> dict[str, view_models.ForceMap]:
+    """Return the maps of force of the diagnosis that a session keeps; none where it cannot be read."""
     opened = _open(settings, folder)
-    document = kept_diagnosis(opened.refinement.session)
-    return {} if document is None else prints_of_kept(opened.refinement, document)
+    refinement = opened.refinement
+    document = _diagnosis(refinement.session)
+    if document is None:
+        return {}
+    try:
+        fits = refitted(document, refinement.prepared, refinement.library, MOST)
+    except UsageProblem:  # an effect of a file that is not at hand
+        return {}
+    return {} if fits is None else force_maps_of(fits)
 
 
-def portrait(settings: Settings, tell: Tell, folder: Path) -> view_models.Portrait:
+def thumbnail(settings: Settings, progress: Progress, folder: Path) -> view_models.Thumbnail:
     """Return a session's amplitude and sparkline."""
-    return portrait_of(folder)
+    return thumbnail_of(folder)
 
 
 def import_file(
     settings: Settings,
-    tell: Tell,
+    progress: Progress,
     file: Path,
     columns: dict[str, str | int],
     units: dict[str, str],
@@ -156,38 +170,46 @@ def import_file(
     from station.operations.new_session import session_info
     from station.results.sessions import import_file as make
 
-    tell(f"reading {file.name}")
+    progress(f"reading {file.name}")
     info = session_info(settings, mass, None, None, None)
     options = ImportOptions(columns=columns, units=units, rate=rate)
     imported = make(file, None, settings.sessions, options, info)
     return [session.folder.name for session in imported.sessions], list(imported.notes)
 
 
-def viewer(settings: Settings, tell: Tell, folder: Path, aside: Path) -> int:
+def open_example(settings: Settings, progress: Progress, name: str) -> str:
+    """Import a recording that comes with the station, unless it is there already; return its session's name."""
+    from station.operations.examples import open_example as opened
+
+    progress(f"reading {name}")
+    return opened(name, settings.sessions).folder.name
+
+
+def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path) -> int:
     """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
     from station.operations.identifying import identify_session, write_view
     from station.operations.viewer_tabs import story_tabs
     from station.views import web_viewer
 
     session = Session.open(folder)
-    tell("identifying")
+    progress("identifying")
     result, _ = identify_session(session, options_for(session, settings))
-    tell("writing the recording")
+    progress("writing the recording")
     file = write_view(session, result, story_tabs(session, settings))
-    if not (aside / web_viewer.FILES[0]).is_file():
-        web_viewer.unpack(aside)
+    if not (temporary / web_viewer.FILES[0]).is_file():
+        web_viewer.unpack(temporary)
     return file.stat().st_mtime_ns
 
 
-def report(settings: Settings, tell: Tell, folder: Path) -> str:
+def report(settings: Settings, progress: Progress, folder: Path) -> str:
     """Write the report of a session; return its path."""
     from station.report.write import write_report
 
-    tell("writing the report")
-    return str(write_report(Session.open(folder), settings=settings, tell=tell))
+    progress("writing the report")
+    return str(write_report(Session.open(folder), settings=settings, progress=progress).path)
 
 
-def warm(settings: Settings, tell: Tell) -> None:
+def warm(settings: Settings, progress: Progress) -> None:
     """Compile what the other tasks need."""
     warm_up()
 
@@ -197,12 +219,13 @@ TASKS: dict[str, Callable[..., Any]] = {
     "add": add_effect,
     "remove": remove_effect,
     "go": go_to_rung,
-    "climb": climb,
+    "refine": refine_to_floor,
     "again": begin_again,
     "diagnose": diagnose,
-    "prints": prints,
-    "portrait": portrait,
+    "force_maps": force_maps,
+    "thumbnail": thumbnail,
     "import": import_file,
+    "example": open_example,
     "viewer": viewer,
     "report": report,
     "warm": warm,

@@ -1,4 +1,4 @@
-"""Colours of the page, light and dark; told apart by colour-blind eyes (after Okabe and Ito)."""
+"""Colours of the page, light and dark; distinct for colour-blind eyes (after Okabe and Ito)."""
 
 from dataclasses import dataclass
 

@@ -1,8 +1,8 @@
-"""What a worker tells of a session: plain values, ready to be drawn."""
+"""What the page shows of a session: plain values, ready to be drawn."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
+from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 
 Numbers = list[float | None]
@@ -77,41 +77,28 @@ class Picture:
 
 
 @dataclass(frozen=True, eq=False)
-class Print:
-    """A fingerprint: edges of amplitude (0 to 1) and phase (rad), and the force in each bin, None where unknown."""
+class ForceMap:
+    """A force over the cycle: edges of amplitude (0 to 1) and phase (rad), and the force in each bin, None where unknown."""
 
     amplitude: Numbers
     phase: Numbers
     force: list[Numbers]
 
 
-@dataclass(frozen=True)
-class EffectWords:
-    """An effect as the page names it."""
-
-    name: str
-    title: str
-    equation: str
-    kind: str
-    tell: str = ""
-
-
 @dataclass(frozen=True, eq=False)
 class View:
-    """All that the page shows of a session: its ladder, the comparison of the present model, the last diagnosis."""
+    """What the page shows of a session: ladder, comparison of the present model, last diagnosis, equations by effect."""
 
-    name: str
     ladder: KeptLadder
-    kept: bool
     picture: Picture
-    diagnosis: dict[str, Any] | None = None
-    effects: dict[str, EffectWords] = field(default_factory=dict)
+    diagnosis: DiagnosisDocument | None = None
+    equations: dict[str, str] = field(default_factory=dict)
     stamp: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
-class Portrait:
-    """A session on the shelf: amplitude in words, the decay as points for a sparkline (-1 to 1)."""
+class Thumbnail:
+    """A session on offer: amplitude in words, the decay as points for a sparkline (-1 to 1)."""
 
     amplitude: str
     line: Numbers

@@ -7,7 +7,7 @@ from fastapi import FastAPI
 from starlette.responses import FileResponse, PlainTextResponse, Response
 
 from station.operations.identifying import VIEW
-from station.workbench.session_list import Shelf
+from station.workbench.session_list import SessionList
 
 TYPES = {
     "index.html": "text/html",
@@ -24,12 +24,12 @@ def address_of(key: str, stamp: int, host: str) -> str:
     return f"{PLACE}/index.html?url={quote(recording, safe='')}&hide_welcome_screen=1&theme=dark"
 
 
-def serve_viewer(app: FastAPI, folder: Path, shelf: Shelf) -> None:
-    """Let the application serve the viewer's files out of `folder`, and the recordings of sessions on the shelf."""
+def serve_viewer(app: FastAPI, folder: Path, session_list: SessionList) -> None:
+    """Let the application serve the viewer's files out of `folder`, and the recordings of sessions on offer."""
 
     @app.get(f"{PLACE}/recording/{{stamp}}/{{name}}")
     def recording(stamp: int, name: str) -> Response:
-        session = shelf.folder_of(name.removesuffix(".rrd"))
+        session = session_list.folder_of(name.removesuffix(".rrd"))
         file = None if session is None else session / "results" / VIEW
         if file is None or not file.is_file() or file.is_symlink():
             return PlainTextResponse("no such recording\n", 404)

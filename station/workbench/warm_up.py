@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from identify.comparison.compare import compare
-from identify.diagnosis.refine import add_effect, first_rung
+from identify.comparison.compare import compare_fitted
+from identify.diagnosis.ladder import add_effect, first_rung
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import prepare
-from station.story.pipeline import find_motion
 
 RATE, SECONDS, FREQUENCY, DECAY, AMPLITUDE = 256.0, 6.0, 25.0, 0.25, 0.02
 
@@ -22,9 +21,7 @@ def warm_up() -> None:
     u = shape * np.cos(FREQUENCY * moving) + 5e-6 * draw.standard_normal(len(time))
     a = np.where(time > 0, -(FREQUENCY**2) * shape * np.cos(FREQUENCY * moving), 0.0)
     a = a + 0.01 * draw.standard_normal(len(time))
-    decay = FreeDecay(rate=RATE, displacement=u, acceleration=a)
-    release = find_motion(decay)
-    setting = prepare(decay.with_(release=release.index, rest=release.rest), release)
+    prepared = prepare(FreeDecay(rate=RATE, displacement=u, acceleration=a))
     friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
-    rung = add_effect(first_rung((setting,)), friction, library=LIBRARY)
-    compare(setting, rung.fit, rung.start.floors[0].channels)
+    rung = add_effect(first_rung((prepared,)), friction, library=LIBRARY)
+    compare_fitted(rung.start)

@@ -19,10 +19,10 @@ def line(classes: str = "") -> ui.element:
 def head(text: str) -> None:
     """Show a heading."""
     with ui.element("h2").classes("head"):
-        words(text)
+        label(text)
 
 
-def words(text: str, classes: str = "") -> ui.label:
+def label(text: str, classes: str = "") -> ui.label:
     """Show text; it is escaped, whatever is in it."""
     return ui.label(text).classes(classes)
 

@@ -6,7 +6,6 @@ import multiprocessing
 import signal
 import threading
 import traceback
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
@@ -14,13 +13,12 @@ from typing import Any
 
 from station import exits
 from station.settings import Settings
+from station.story.pipeline import Progress, silent
 
 MOST = 2
 STOP_S = 5.0
 LOOK_S = 0.1
 """How often a task that waits for a worker looks whether it was cancelled."""
-
-Tell = Callable[[str], None]
 
 
 class Cancelled(Exception):
@@ -54,14 +52,14 @@ class Worker:
         """Whether the process runs."""
         return self._process.is_alive()
 
-    def do(self, task: str, arguments: tuple[Any, ...], tell: Tell) -> Any:
+    def do(self, task: str, arguments: tuple[Any, ...], progress: Progress) -> Any:
         """Do a task and return its result; blocks. Raises Failed, or Cancelled when the process was ended."""
         try:
             self._pipe.send((task, arguments))
             while True:
                 kind, content = self._pipe.recv()
-                if kind == "tell":
-                    tell(content)
+                if kind == "progress":
+                    progress(content)
                 elif kind == "done":
                     return content
                 else:
@@ -83,14 +81,14 @@ def _serve(pipe: Connection, settings: Settings) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then ends its workers
     from station.workbench import tasks
 
-    def tell(text: str) -> None:
-        pipe.send(("tell", text))
+    def progress(text: str) -> None:
+        pipe.send(("progress", text))
 
     try:
         while True:
             name, arguments = pipe.recv()
             try:
-                result = tasks.TASKS[name](settings, tell, *arguments)
+                result = tasks.TASKS[name](settings, progress, *arguments)
             except Exception as error:
                 pipe.send(("failed", (_sentence(error), exits.code_of(error))))
             else:
@@ -117,7 +115,7 @@ class Job:
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def cancel(self) -> None:
-        """End the task; the crew starts another worker."""
+        """End the task; the pool starts another worker."""
         with self.lock:
             self.cancelled = True
             worker = self.worker
@@ -132,16 +130,16 @@ class WorkerPool:
         self._settings = settings
         self._workers = [Worker(settings) for _ in range(most)]
         self._free = asyncio.Condition()
-        self._threads = ThreadPoolExecutor(most, thread_name_prefix="crew")
+        self._threads = ThreadPoolExecutor(most, thread_name_prefix="workers")
 
-    async def do(self, job: Job, key: str, task: str, *arguments: Any, tell: Tell = lambda text: None) -> Any:
+    async def do(self, job: Job, key: str, task: str, *arguments: Any, progress: Progress = silent) -> Any:
         """Do a task when a worker is free; raises Failed or Cancelled."""
         worker = await self._take(job, key)
         try:
             if job.cancelled:
                 raise Cancelled
             loop = asyncio.get_running_loop()
-            result = await loop.run_in_executor(self._threads, worker.do, task, arguments, tell)
+            result = await loop.run_in_executor(self._threads, worker.do, task, arguments, progress)
         except Cancelled:
             if job.cancelled:
                 raise

@@ -3,41 +3,25 @@
 from functools import cache
 from typing import Any
 
-from identify.comparison.compare import Comparison, compare
-from identify.fitting.fit import Fit, fit
-from identify.fitting.initial_values import initial_values
+from identify.comparison.compare import Comparison, compare_fitted
+from identify.fitting.baseline import Baseline, fit_baseline
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
-from identify.preprocessing.noise import noise_of
-from identify.preprocessing.prepared_decay import PreparedDecay, prepare
-from identify.preprocessing.release import find_release
+from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 
 MASS = 21.36
 
 
 @cache
-def fitted(
-    effect: str | None, strength: float, seed: int
-) -> tuple[PreparedDecay, Fit, dict[str, Any], dict[str, Any]]:
-    """Return the setting, the fit of stiffness and friction, the noise of each channel and the truth."""
+def fitted(effect: str | None, strength: float, seed: int) -> tuple[Baseline, dict[str, Any]]:
+    """Return the fit of stiffness and friction with its floor, and the truth."""
     sample = draw(effect, strength, seed)
-    release = find_release(sample.rate, sample.displacement, None, sample.acceleration)
-    decay = FreeDecay(
-        sample.rate,
-        displacement=sample.displacement,
-        acceleration=sample.acceleration,
-        release=release.index,
-        rest=release.rest,
-    )
-    prepared = prepare(decay, release)
-    model = base_model()
-    found = fit(model, (prepared.window,), initial_values((prepared,), model, {}), prepared.frequency)
-    return prepared, found, noise_of(decay), sample.truth
+    prepared = prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration))
+    return fit_baseline((prepared,), base_model()), sample.truth
 
 
 @cache
 def compared(effect: str | None, strength: float, seed: int) -> Comparison:
     """Return the comparison of the same, with the testbed's mass."""
-    prepared, found, floor, _ = fitted(effect, strength, seed)
-    return compare(prepared, found, floor, mass=MASS)
+    return compare_fitted(fitted(effect, strength, seed)[0], mass=MASS)

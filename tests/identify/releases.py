@@ -8,7 +8,6 @@ import numpy as np
 
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
-from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
 HIDDEN = Path(__file__).resolve().parents[1] / "data" / "hidden"
@@ -22,15 +21,7 @@ def drawn(
 
 
 def ready(rate: float, displacement: np.ndarray, acceleration: np.ndarray | None) -> PreparedDecay:
-    release = find_release(rate, displacement, None, acceleration)
-    decay = FreeDecay(
-        rate,
-        displacement=displacement,
-        acceleration=acceleration,
-        release=release.index,
-        rest=release.rest,
-    )
-    return prepare(decay, release)
+    return prepare(FreeDecay(rate, displacement, acceleration))
 
 
 def hidden(name: str) -> tuple[PreparedDecay, dict[str, Any]]:

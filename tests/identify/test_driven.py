@@ -3,13 +3,12 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from identify.comparison.compare import compare
+from identify.comparison.compare import compare_fitted
 from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
-from identify.preprocessing.release import Release
 
 RATE, MASS, K, MU_1 = 256.0, 2.5, 620.0, 1.1
 NOISE = 5e-6
@@ -40,7 +39,7 @@ def clock(seconds: float) -> np.ndarray:
 def recorded(motion: np.ndarray, force: np.ndarray, mass: float | None = None) -> PreparedDecay:
     noise = NOISE * np.random.default_rng(0).standard_normal(len(motion))
     decay = FreeDecay(RATE, displacement=motion + noise, force=force, mass=mass)
-    return prepare(decay, Release(0.0, 0.0, 0, 0, len(decay), "in_motion", (0, 0)))
+    return prepare(decay)
 
 
 def linear(seed: int, seconds: float = 8.0, mass: float | None = None) -> PreparedDecay:
@@ -82,7 +81,7 @@ def test_the_mass_behind_a_force_is_found():
 def test_the_force_error_of_a_driven_record_counts_the_force_in():
     prepared = linear(6)
     start = fit_baseline((prepared,), base_model())
-    found = compare(prepared, start.fit, start.floors[0].channels)
+    found = compare_fitted(start)
     assert found.force_error < 0.05  # %; inertia alone would leave some 50
     assert 0.9 < start.fit.reduced < 1.1
 

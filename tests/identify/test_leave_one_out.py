@@ -11,14 +11,11 @@ from identify.fitting.leave_one_out import leave_one_out
 from identify.free_decay import FreeDecay
 from identify.model.model import Term, base_model
 from identify.preprocessing.prepared_decay import prepare
-from identify.preprocessing.release import find_release
 from mocks.generate import draw
 
 
 def prepared(sample):
-    decay = FreeDecay(sample.rate, displacement=sample.displacement, acceleration=sample.acceleration)
-    release = find_release(decay.rate, decay.displacement, None, decay.acceleration)
-    return prepare(decay.with_(release=release.index, rest=release.rest), release)
+    return prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration))
 
 
 @pytest.fixture(scope="module")

@@ -1,36 +1,45 @@
 """The tabs Suspects and Ladder, read back: what they show is what was found, and every rung is a step."""
 
+import shutil
 import socket
 import subprocess
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import rerun as rr
 from hidden import DUFFING, TRUTH
 from rerun.chunk import RrdReader
 
+from daq.session import Session
 from station.operations import viewer_tabs
-from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import open_sessions
 from station.settings import Settings
 from station.views import open_viewer
 from station.views.viewer import executable
 
+pytestmark = pytest.mark.xdist_group("diagnosed")
+
 
 @pytest.fixture(scope="module")
-def refinement(tmp_path_factory):
+def refinement(tmp_path_factory, diagnosed):
     settings = Settings(sessions=tmp_path_factory.mktemp("sessions"))
-    bench = open_sessions((str(DUFFING),), settings)
-    _, document = diagnose_sessions(bench)
-    keep(bench, document)
-    begun = open_refinement(bench.sessions[0], settings)
+    session = Session.open(shutil.copytree(diagnosed, settings.sessions / DUFFING.stem))
+    begun = open_refinement(session, settings)
     return replace(begun, ladder=add(begun, "cubic_stiffness"))
 
 
 @pytest.fixture(scope="module")
 def file(refinement):
-    return viewer_tabs.keep_view(refinement.session, viewer_tabs.kept_tabs(refinement), "rung")
+    written = refinement.session.folder.parent / "model.rrd"
+    stream = rr.RecordingStream("tabs", send_properties=False)
+    stream.save(written)
+    for tab in viewer_tabs.kept_tabs(refinement):
+        tab.write(stream)
+    stream.flush()
+    stream.disconnect()
+    return written
 
 
 def chunks(file, path):
@@ -65,7 +74,7 @@ def test_every_rung_is_a_step_with_its_errors(file, refinement):
 
 
 def test_each_rung_tells_what_it_added_and_why_the_climb_stopped(file):
-    first, second = texts(file, "/ladder/words")
+    first, second = texts(file, "/ladder/summary")
     assert "base model" in first
     assert "+ cubic_stiffness" in second
     assert "floor is reached" in second
@@ -81,25 +90,25 @@ def test_the_suspects_tab_shows_the_errors_that_were_found(file, refinement):
     assert shown[1] == min(shown)
 
 
-def test_the_fingerprint_of_the_right_suspect_is_that_of_the_residual(file, refinement):
-    residual = column(file, "/suspects/fingerprints/numbers", "residual")
-    right = column(file, "/suspects/fingerprints/numbers", "cubic_stiffness")
+def test_the_force_map_of_the_right_suspect_is_that_of_the_residual(file, refinement):
+    residual = column(file, "/suspects/force_maps/numbers", "residual")
+    right = column(file, "/suspects/force_maps/numbers", "cubic_stiffness")
     known = np.isfinite(residual) & np.isfinite(right)
     assert known.sum() > 150  # bins
     assert np.corrcoef(residual[known], right[known])[0, 1] > 0.8
 
 
-def test_the_fingerprint_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follow(refinement):
+def test_the_force_map_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follow(refinement):
     from identify.diagnosis.force_map import force_added
     from station.operations.refining import rung_again
 
     base, top = (rung_again(refinement, rung).fit for rung in refinement.ladder.rungs)
-    setting = refinement.setting
-    added = force_added(setting, base, top, top.model.terms[-1])
-    u = setting.motion.displacement
+    prepared = refinement.prepared
+    added = force_added(prepared, base, top, top.model.terms[-1])
+    u = prepared.motion.displacement
     truth = TRUTH[DUFFING.name]["parameters"]["k3"] * u**3
-    used = np.abs(setting.motion.velocity) > 0.05
-    line = np.column_stack([u, setting.motion.velocity, np.sign(setting.motion.velocity), np.ones_like(u)])
+    used = np.abs(prepared.motion.velocity) > 0.05
+    line = np.column_stack([u, prepared.motion.velocity, np.sign(prepared.motion.velocity), np.ones_like(u)])
     left = truth - line @ np.linalg.lstsq(line[used], truth[used], rcond=None)[0]
     # The regression along noisy motion finds k3 to some per cent; the two fits weigh the samples a little differently.
     assert np.abs((added - left)[used]).max() < 0.15 * np.abs(left[used]).max()

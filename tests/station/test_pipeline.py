@@ -1,4 +1,4 @@
-"""The story: each step takes the last one's value; a step that cannot be done says why, and the others still run."""
+"""The pipeline: each step takes the last one's value; a step that cannot be done says why, and the others still run."""
 
 import json
 
@@ -9,16 +9,17 @@ from daq.recording import Channel, Recording
 from identify.errors import NotIdentifiable
 from mocks import generate
 from station.output import finite
-from station.results.document import as_document
-from station.story.pipeline import Options, free_decay, identify
+from station.results.identification_document import identification_document
+from station.story.pipeline import identify
+from station.story.preparation import Options, free_decay
 
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 
 
 def record(rate, **channels):
     samples = np.array(list(channels.values()))
-    told = tuple(Channel(name, name, UNITS.get(name, "N")) for name in channels)
-    return Recording(rate, told, samples, np.ones(samples.shape[1], dtype=bool))
+    described = tuple(Channel(name, name, UNITS.get(name, "N")) for name in channels)
+    return Recording(rate, described, samples, np.ones(samples.shape[1], dtype=bool))
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +90,7 @@ def test_a_force_is_divided_by_the_mass_where_that_is_known():
 
 
 def test_the_document_has_the_keys_that_other_programs_rely_on(both):
-    document = json.loads(json.dumps(finite(as_document("x", both))))
+    document = json.loads(identification_document("x", both).model_dump_json())
     assert document["release"]["kind"] == "displaced"
     assert set(document["alignment"]["lag_s"]) == {"value", "std", "unit"}
     assert set(document["alignment"]["gain"]) == {"value", "std", "unit"}

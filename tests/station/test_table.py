@@ -6,6 +6,7 @@ from statistics import fmean, stdev
 
 import pytest
 
+from station.results.identification_document import IdentificationDocument
 from station.text import table
 
 # The paper's Table 1, its nine releases: mu_0, mu_1, K by the wavelet and by the restoring force.
@@ -20,28 +21,50 @@ RFS = [
 AMPLITUDES = (-0.025, -0.02, -0.015, -0.005, 0.02, 0.025, None, None, None)
 
 
+def document(name, amplitude, mass, wavelet, restoring_force):
+    """Return an identification as it is kept, of which the tables need little."""
+    record = {
+        "rate_hz": 256.0, "samples": 2048, "lost_samples": 0, "channels": ["displacement"], "unit": "m",
+        "mass_kg": mass, "mass_std_kg": None, "noise": {},
+    }  # fmt: skip
+    release = {
+        "time_s": 1.0, "std_s": 0.001, "kind": "displaced", "amplitude": amplitude, "index": 256, "settled_s": 1.0,
+        "end_s": 8.0, "rest_s": (0.0, 1.0),
+    }  # fmt: skip
+    left = {
+        "mse_percent": 0.1,
+        "significance_percent": {},
+        "offset": value(0.0, "m/s^2"),
+        "mass": None,
+        "source": "",
+    }
+    return IdentificationDocument.model_validate(
+        {
+            "format": 1, "session": name, "record": record, "release": release, "alignment": None,
+            "wavelet": wavelet and method(wavelet) | {"stiffness_reason": "", "channel": "displacement"},
+            "restoring_force": method(restoring_force) | left, "restoring_force_without_alignment": None, "refusals": {},
+        }
+    )  # fmt: skip
+
+
+def value(amount, unit, std=0.001):
+    return {"value": amount, "std": std, "unit": unit}
+
+
 def method(values):
     mu_0, mu_1, stiffness = values
     return {
-        "stiffness": {"value": stiffness, "std": 1.0, "unit": "N/m"},
-        "damping": [
-            {"value": mu_0, "std": 0.001, "unit": "m/s^2"},
-            {"value": mu_1, "std": 0.002, "unit": "1/s"},
-        ],
-    }
+        "order": 1, "reason": "", "mse_percent_by_order": [], "stiffness_by_order": {},
+        "stiffness_per_mass": value(614.0, "1/s^2"),
+        "stiffness": value(stiffness, "N/m", 1.0), "damping": [value(mu_0, "m/s^2"), value(mu_1, "1/s", 0.002)],
+    }  # fmt: skip
 
 
 @pytest.fixture
 def tables():
     return table.make_tables(
         [
-            {
-                "session": f"release_{number}",
-                "record": {"unit": "m", "mass_kg": 21.36},
-                "release": {"amplitude": amplitude},
-                "wavelet": method(wt),
-                "restoring_force": method(rfs),
-            }
+            document(f"release_{number}", amplitude, 21.36, wt, rfs)
             for number, (wt, rfs, amplitude) in enumerate(zip(WT, RFS, AMPLITUDES, strict=True), start=1)
         ]
     )
@@ -85,22 +108,14 @@ def test_latex_has_as_many_cells_in_every_line_as_in_its_head(tables):
 
 
 def test_json_has_both_tables_with_units(tables):
-    document = table.as_json(tables)
-    assert document["table_1"][0]["K (WT)"] == {"value": 13104, "std": 1.0, "unit": "N/m"}
-    assert document["table_2"][0]["method"] == "WT"
-    assert document["table_2"][1]["K"]["unit"] == "N/m"
+    both = table.as_json(tables)
+    assert both["table_1"][0]["K (WT)"] == {"value": 13104, "std": 1.0, "unit": "N/m"}
+    assert both["table_2"][0]["method"] == "WT"
+    assert both["table_2"][1]["K"]["unit"] == "N/m"
 
 
 def test_a_method_that_refused_leaves_an_empty_cell_and_the_others_stand():
-    documents = [
-        {
-            "session": "a",
-            "record": {"unit": "m", "mass_kg": 1.0},
-            "release": {"amplitude": 0.01},
-            "wavelet": None,
-            "restoring_force": method((0.1, 0.2, 100.0)),
-        }
-    ]
+    documents = [document("a", 0.01, 1.0, None, (0.1, 0.2, 100.0))]
     tables = table.make_tables(documents)
     assert tables.rows[0].cells[0] is None
     assert dict(tables.summary)["WT"] == (None, None, None)

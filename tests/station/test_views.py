@@ -66,7 +66,7 @@ def test_the_lag_is_told_with_its_error_and_what_it_would_have_done(file):
     told = text(file, "/alignment/text")
     assert "late by 1300.0 ± 3.1 us" in told
     assert f"{VISCOUS + OMEGA**2 * LAG:.3f}" in told
-    story = column(file, "/alignment/story/numbers", "value")
+    story = column(file, "/alignment/damping/numbers", "value")
     assert np.allclose(story, [VISCOUS + OMEGA**2 * LAG, VISCOUS, 0.2765])
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from daq.capture import CaptureSettings, capture
 from daq.session_info import SessionInfo
-from station.operations.simulated_board import double
+from station.operations.simulated_board import simulated_board
 
 ROOT = Path(__file__).parents[2]
 
@@ -61,7 +61,7 @@ def mysteries(tmp_path_factory: pytest.TempPathFactory) -> Path:
             envelope = Path(aside) / f"{name}.json"
             seed = int(name.rpartition("_")[2])
             info = SessionInfo(name=name, mass_kg=21.36)
-            with double(seed, 0.0, False, "--truth", str(envelope), module="mocks.mystery") as port:
+            with simulated_board(seed, 0.0, False, "--truth", str(envelope), module="mocks.mystery") as port:
                 capture(port, CaptureSettings(check_clock=False, info=info), made / name)
             assert f'"hidden": "{hidden}"' in envelope.read_text()
     return made
@@ -116,7 +116,7 @@ def visit(browser, bench: Bench) -> Iterator[Visit]:
     context.on("weberror", lambda error: complaints.append(str(error.error)))
     context.on("dialog", lambda dialog: complaints.append(f"dialog: {dialog.message}"))
     page = context.new_page()
-    page.set_default_timeout(30_000)
+    page.set_default_timeout(120_000)  # no test asserts a time: a busy computer is only slow
     page.on("websocket", lambda socket: asked.append(socket.url))
     yield Visit(page, asked, complaints)
     context.close()

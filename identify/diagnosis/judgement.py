@@ -1,0 +1,193 @@
+"""The judgement: what is claimed, what is not told apart, what is to be said. It is decided here and nowhere else."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.diagnosis.nonparametric_force import NonparametricForce, nonparametric_force
+from identify.diagnosis.null_distribution import NullDistribution
+from identify.diagnosis.rest_evidence import at_rest
+from identify.diagnosis.search import Pair, pairs
+from identify.diagnosis.suspects import Candidate
+from identify.effects.effect import Effect
+from identify.fitting.baseline import Baseline, force_along_motion
+from identify.fitting.corrected_faults import CorrectedFault
+from identify.fitting.fit import Fit
+
+Verdict = Literal["missing_effect", "sensor_fault", "nothing_missing", "unknown_effect", "not_enough_data"]
+
+HEADLINES: dict[Verdict, str] = {
+    "missing_effect": "A force is missing",
+    "sensor_fault": "A sensor is at fault",
+    "nothing_missing": "Nothing is missing",
+    "unknown_effect": "Something is missing that has no name here",
+    "not_enough_data": "Not enough data",
+}
+
+ALPHA = 0.02
+"""Probability of claiming an effect where there is none; the promise is 5 %."""
+
+ALPHA_GUESSED = 2e-4
+"""The same where the floor could only be guessed: on such records nothing weak is claimed."""
+
+RIVALS_WITHIN = 4.6
+"""Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
+
+_DECISIVE = 12.0
+"""Nats of evidence below which a force is not claimed while a sensor is known to be faulty: mend that first."""
+
+_FREE_FORM_EXPLAINS = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Ranked:
+    """A candidate with its evidence (nats) and the probability that chance gives any suspect as good a reason."""
+
+    candidate: Candidate
+    evidence: float
+    p_value: float
+    claimed: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """What is to be said of a model.
+
+    `ranked` are the candidates, what the verdict names first; `together` the second effect where it takes two; `final`
+    the fit with what was found; `shape` the free form, when something is missing that has no name. `corrected` tells
+    that a fault which every fit corrects decides, not a candidate that was tried.
+    """
+
+    verdict: Verdict
+    ranked: tuple[Ranked, ...]
+    final: Fit
+    together: tuple[str, ...] = ()
+    shape: NonparametricForce | None = None
+    corrected: bool = False
+
+
+def alpha(baseline: Baseline) -> float:
+    """Return the probability of a false claim that is allowed on these records."""
+    return ALPHA if baseline.floor_is_sure else ALPHA_GUESSED
+
+
+def rivals_of(entry: Ranked, ranked: tuple[Ranked, ...]) -> tuple[str, ...]:
+    """Return the names of the claimed candidates that explain the record as well as one of them does."""
+    if not entry.claimed:
+        return ()
+    return tuple(
+        other.candidate.name
+        for other in ranked
+        if other is not entry and other.claimed and abs(other.evidence - entry.evidence) < RIVALS_WITHIN
+    )
+
+
+def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribution) -> tuple[Ranked, ...]:
+    """Return the candidates with their evidence: plausible claims first, then implausible ones, then the rest."""
+    dispersion, allowed = _dispersion(baseline, tried), alpha(baseline)
+    ranked = []
+    for candidate in tried:
+        drop = candidate.gain / dispersion
+        evidence = chance.surprise(candidate.name, drop) + at_rest(baseline.decays, candidate)
+        p_value = chance.p_value(candidate.name, drop) if evidence > 0.0 else 1.0
+        ranked.append(Ranked(candidate, evidence, p_value, p_value < allowed))
+    return tuple(sorted(ranked, key=_order))
+
+
+def _order(entry: Ranked) -> tuple[int, float]:
+    tier = 2 if not entry.claimed else 0 if entry.candidate.plausible else 1
+    return tier, -entry.evidence
+
+
+def _dispersion(baseline: Baseline, tried: tuple[Candidate, ...]) -> float:
+    """Return by how much a misfit that nothing explains widens chance: 1 where the best refit reaches a sure floor."""
+    best = min(
+        (c.fit for c in tried if c.plausible), key=lambda found: found.chi_square, default=baseline.fit
+    )
+    if baseline.adequate(best) and baseline.floor_is_sure:
+        return 1.0
+    lengths = []
+    for i, window in enumerate(best.windows):
+        for channel in window.channels:
+            residual = np.where(window.used[channel], best.residual(channel, i), 0.0)
+            lengths.append(_correlation_length(residual))
+    return max(1.0, best.reduced * float(np.mean(lengths)))
+
+
+def _correlation_length(values: Array) -> float:
+    """Return how many readings count as one, from the autocorrelation up to its first zero."""
+    n = len(values)
+    power = np.abs(np.fft.rfft(values - values.mean(), 2 * n)) ** 2
+    correlation = np.fft.irfft(power)[:n]
+    if correlation[0] <= 0.0:
+        return 1.0
+    correlation = correlation / correlation[0]
+    below = np.flatnonzero(correlation < 0.0)
+    return float(1.0 + 2.0 * correlation[1 : below[0] if len(below) else n].sum())
+
+
+def judge(
+    baseline: Baseline,
+    ranked: tuple[Ranked, ...],
+    faults: tuple[CorrectedFault, ...],
+    library: tuple[Effect, ...],
+) -> Judgement:
+    """Return what is to be said: of nothing claimed, of one effect that reaches the floor, of two, or of no name."""
+    faulty = any(fault.significant for fault in faults)
+    top = ranked[0] if ranked else None
+    if top is None or not top.claimed:
+        return _without_claim(baseline, ranked, faulty)
+    best = top.candidate
+    if best.term.effect.kind == "physics" and top.evidence < _DECISIVE and faulty:
+        return Judgement("sensor_fault", ranked, baseline.fit, corrected=True)
+    if baseline.adequate(best.fit):
+        if not best.plausible:
+            shape = _free_form(baseline, baseline.fit)
+            return Judgement("unknown_effect", ranked, best.fit, shape=shape)
+        return Judgement(_verdict_of(best), ranked, best.fit)
+    return _beyond_one(baseline, ranked, library)
+
+
+def _without_claim(baseline: Baseline, ranked: tuple[Ranked, ...], faulty: bool) -> Judgement:
+    if not baseline.adequate(baseline.fit):
+        shape = _free_form(baseline, baseline.fit)
+        return Judgement("unknown_effect", ranked, baseline.fit, shape=shape)
+    if faulty:
+        return Judgement("sensor_fault", ranked, baseline.fit, corrected=True)
+    return Judgement("nothing_missing", ranked, baseline.fit)
+
+
+def _beyond_one(baseline: Baseline, ranked: tuple[Ranked, ...], library: tuple[Effect, ...]) -> Judgement:
+    """Judge where no single effect reaches the floor: two together, a name for most of it, or no name."""
+    best = ranked[0].candidate
+    two = pairs(baseline, tuple(entry.candidate for entry in ranked), library)
+    together = two[0] if two and two[0].plausible else None
+    if together is not None and baseline.adequate(together.second.fit):
+        return _of_pair(ranked, together, None)
+    final = together.second.fit if together is not None else best.fit
+    shape = _free_form(baseline, final)
+    if shape.explained > _FREE_FORM_EXPLAINS or baseline.floor_is_sure or not best.plausible:
+        return Judgement("unknown_effect", ranked, final, shape=_free_form(baseline, best.fit))
+    if together is not None:
+        return _of_pair(ranked, together, shape)
+    return Judgement(_verdict_of(best), ranked, best.fit, shape=shape)
+
+
+def _of_pair(ranked: tuple[Ranked, ...], pair: Pair, shape: NonparametricForce | None) -> Judgement:
+    """Return the judgement that names a pair, the one that is better alone first."""
+    names = (pair.first.name, pair.second.name)
+    first = next(entry for entry in ranked if entry.candidate.name in names)
+    rest = tuple(entry for entry in ranked if entry is not first)
+    other = tuple(name for name in names if name != first.candidate.name)
+    return Judgement(_verdict_of(first.candidate), (first, *rest), pair.second.fit, other, shape)
+
+
+def _verdict_of(candidate: Candidate) -> Verdict:
+    return "missing_effect" if candidate.term.effect.kind == "physics" else "sensor_fault"
+
+
+def _free_form(baseline: Baseline, found: Fit) -> NonparametricForce:
+    largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
+    return nonparametric_force(largest, force_along_motion(largest, found))

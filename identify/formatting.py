@@ -1,0 +1,67 @@
+"""How numbers are written for people: with as many digits as their error allows, and with their unit."""
+
+import math
+
+from identify.estimate import Estimate
+
+_PREFIXED = "NJm"
+"""First letters of units that can take a prefix."""
+
+
+def decimals_for(std: float) -> int:
+    """Return how many decimals show two figures of a standard error."""
+    if not math.isfinite(std) or std <= 0:
+        return 4
+    return max(0, 1 - math.floor(math.log10(std)))
+
+
+def with_error(value: float, std: float) -> str:
+    """Return "13115.0 ± 0.4" with the digits that the error allows."""
+    if not math.isfinite(value):
+        return "unknown"
+    if not math.isfinite(std):
+        return f"{value:.5g} ± unknown"
+    if abs(value) >= 1e6 or 0 < abs(value) < 1e-4:
+        return f"{value:.4g} ± {std:.1g}"
+    decimals = decimals_for(std)
+    return f"{value:.{decimals}f} ± {std:.{decimals}f}"
+
+
+def quantity(estimate: Estimate) -> str:
+    """Return an estimate with its error, where there is one, and its unit."""
+    unit = "" if estimate.unit == "1" else f" {estimate.unit}"
+    if not math.isfinite(estimate.std) or estimate.std == 0.0:
+        return f"{estimate.value:.4g}{unit}"
+    return f"{with_error(estimate.value, estimate.std)}{unit}"
+
+
+def identified_rows(stiffness: dict[int, Estimate], damping: tuple[Estimate, ...]) -> list[tuple[str, str]]:
+    """Return name and value of each stiffness and damping coefficient by its order."""
+    rows = []
+    for order, found in stiffness.items():
+        rows.append(("stiffness K" if order == 1 else f"stiffness of order {order}", quantity(found)))
+    for order, found in enumerate(damping):
+        rows.append((damping_name(order), quantity(found)))
+    return rows
+
+
+def damping_name(order: int) -> str:
+    """Return what the damping coefficient of an order is called."""
+    names = ("dry friction mu_0", "viscous damping mu_1", "quadratic damping mu_2", "cubic damping mu_3")
+    return names[order] if order < len(names) else f"damping mu_{order}"
+
+
+def three_figures(value: float) -> str:
+    """Return an error or a ratio with three figures; "-" where there is none."""
+    if not math.isfinite(value):
+        return "-"
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}"
+
+
+def scaled(value: float, unit: str) -> str:
+    """Return a number to two figures with its unit, in thousandths where it is small and the unit can take a prefix."""
+    if value != 0.0 and abs(value) < 0.01 and unit[:1] in tuple(_PREFIXED) and "^" not in unit.split("/")[0]:
+        if abs(value) < 1e-5:
+            return f"{value * 1e6:.2g} u{unit}"
+        return f"{value * 1e3:.2g} m{unit}"
+    return f"{value:.2g} {unit}"

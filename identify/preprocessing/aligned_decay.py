@@ -1,0 +1,82 @@
+"""The first steps of every identification: the release, the noise, lost readings, and the lag between the channels."""
+
+from dataclasses import dataclass
+
+from identify.arrays import Mask
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+from identify.preprocessing.alignment import ONE_CHANNEL, Alignment, align, correct
+from identify.preprocessing.lost_readings import find_lost_readings, find_spikes
+from identify.preprocessing.noise import Noise, noise_of
+from identify.preprocessing.release import Release, release_of
+from identify.preprocessing.usable import valid_samples
+from identify.summary import Summarised, Summary
+
+MOST_LOST = 0.2
+"""Share of a channel's readings above which they are its normal way of reading, a coarse converter's, and not lost."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AlignedDecay(Summarised):
+    """One release, located in its record, with its channels moved onto one clock.
+
+    `recorded` is the decay as it was recorded, with `release`, `rest` and `noise_*` filled in; `noise` tells where each
+    channel's noise was read. `lost` marks the readings of each channel that its sensor repeated or lost, shape (n,).
+    `alignment` is None where there is nothing to align, and `not_aligned` says why. `decay` is what identification
+    works on: lost readings not valid, the displacement (or velocity) moved by the lag, the acceleration divided by its
+    gain.
+    """
+
+    recorded: FreeDecay
+    release: Release
+    noise: dict[str, Noise]
+    lost: dict[str, Mask]
+    alignment: Alignment | None
+    not_aligned: str
+    decay: FreeDecay
+
+    def brief(self) -> Summary:
+        """Return where the motion becomes free, the lag and the gain."""
+        lines = [f"Released at {self.release.time_s:.4f} s ({self.release.kind}).", self.not_aligned]
+        rows = () if self.alignment is None else self.alignment.brief().rows
+        return Summary("Aligned decay", lines, ("quantity", "value"), rows)
+
+
+def locate_and_align(decay: FreeDecay) -> AlignedDecay:
+    """Locate the release, measure the noise, mark lost readings, and align the channels.
+
+    Raises NotIdentifiable when nothing in the record oscillates freely.
+    """
+    release = release_of(decay)
+    located = decay.with_(release=release.index, rest=release.rest)
+    noise = noise_of(located)
+    std = {name: max(found.std, 1e-300) for name, found in noise.items()}
+    recorded = located.with_(**{f"noise_{name}": value for name, value in std.items()})
+    lost = {name: find_lost_readings(getattr(recorded, name), value) for name, value in std.items()}
+    lost = {name: mask for name, mask in lost.items() if mask.mean() < MOST_LOST}
+    valid = valid_samples(recorded)
+    for mask in lost.values():
+        valid &= ~mask
+    if recorded.displacement is not None:
+        free = slice(recorded.start, None)
+        valid[free] &= ~find_spikes(recorded.displacement[free], valid[free], recorded.rate)
+    usable = recorded.with_(valid=None if valid.all() else valid)
+    alignment, refusal = _align(usable)
+    corrected = usable if alignment is None else correct(usable, alignment)
+    return AlignedDecay(recorded, release, noise, lost, alignment, refusal, corrected)
+
+
+def aligned(decay: FreeDecay | AlignedDecay) -> FreeDecay:
+    """Return what identification works on; a decay whose release was located already is taken as it is."""
+    if isinstance(decay, AlignedDecay):
+        return decay.decay
+    return decay if decay.release is not None else locate_and_align(decay).decay
+
+
+def _align(decay: FreeDecay) -> tuple[Alignment | None, str]:
+    if decay.acceleration is None or (decay.displacement is None and decay.velocity is None):
+        return None, ONE_CHANNEL
+    try:
+        return align(decay), ""
+    except NotIdentifiable as refusal:
+        return None, str(refusal)

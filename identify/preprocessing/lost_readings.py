@@ -1,0 +1,113 @@
+"""Lost readings: they stand still, fall to zero, or fly off while the motion runs on."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from identify.arrays import Array, Mask
+
+_STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0
+_STENCIL_SPREAD = np.sqrt(70.0) / 6.0
+"""Standard deviation of the fourth difference of white noise, over that of the noise."""
+
+_LONGEST = 12
+_FAR = 8.0
+_USUAL = 0.75
+_UNUSUAL = 6.0
+_SPIKE = 14.0
+_SPIKE_SHARE = 0.08
+
+
+def find_lost_readings(readings: Array, sigma: float) -> Mask:
+    """Return which readings of a channel cannot be its sensor's answer to a smooth motion, shape (n,).
+
+    A reading is lost when it repeats the one before it exactly, or is exactly zero, and lies more than eight noise
+    standard deviations from the cubic through its neighbours, and farther than readings usually do where the motion is
+    quick for the rate; or when it stands alone, far off both neighbours.
+    """
+    n = len(readings)
+    lost = np.zeros(n, dtype=np.bool_)
+    suspicious = stale(readings)
+    start = 2
+    usual: dict[int, float] = {}
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], suspicious.astype(np.int8), [0]])))
+    for first, stop in edges.reshape(-1, 2):
+        if first < start or stop + 2 > n or stop - first > _LONGEST:
+            continue
+        length = stop - first
+        if length not in usual:
+            usual[length] = float(np.quantile(_off_cubic(readings, length), _USUAL))
+        limit = _FAR * sigma if usual[length] < _FAR * sigma else _UNUSUAL * usual[length]
+        if _off_cubic(readings[first - 2 : stop + 2], length)[0] > limit:
+            lost[first:stop] = True
+    return lost | _spikes(readings, sigma, lost)
+
+
+def stale(readings: Array) -> Mask:
+    """Return which readings repeat the one before exactly, or are exactly zero, shape (n,)."""
+    mask = np.asarray(readings == 0.0)
+    mask[1:] |= readings[1:] == readings[:-1]
+    return mask
+
+
+def _off_cubic(readings: Array, length: int) -> Array:
+    """Return how far each run of readings strays at most from the cubic through two on either side, (n - length - 3,)."""
+    at = np.array([-2.0, -1.0, length, length + 1.0])
+    windows = np.lib.stride_tricks.sliding_window_view(readings, length + 4)
+    around = windows[:, [0, 1, -2, -1]]
+    weights = np.stack(
+        [
+            np.prod((np.arange(length)[:, None] - np.delete(at, i)) / (at[i] - np.delete(at, i)), axis=1)
+            for i in range(4)
+        ]
+    )
+    return np.asarray(np.abs(windows[:, 2:-2] - around @ weights).max(axis=1))
+
+
+def _spikes(readings: Array, sigma: float, lost: Mask) -> Mask:
+    """Return single readings that the cubic through their four neighbours misses by far.
+
+    The cubics of the neighbours, which lean on such a reading, miss them on the other side; a quick motion does not.
+    """
+    off = np.zeros(len(readings))
+    off[2:-2] = (
+        readings[2:-2] - (-readings[:-4] + 4.0 * (readings[1:-3] + readings[3:-1]) - readings[4:]) / 6.0
+    )
+    size = np.abs(off)
+    usual = float(np.quantile(size, _USUAL))
+    limit = max(_SPIKE * sigma, _UNUSUAL * usual, _SPIKE_SHARE * float(np.ptp(readings)) / 2.0)
+    alone = np.zeros(len(readings), dtype=np.bool_)
+    alone[1:-1] = (size[1:-1] > limit) & (size[1:-1] > 1.2 * np.maximum(size[:-2], size[2:]))
+    alone[1:-1] &= (off[1:-1] * off[:-2] < 0.0) & (off[1:-1] * off[2:] < 0.0)
+    return alone & ~lost
+
+
+def find_spikes(samples: Array, valid: Mask, rate: float) -> Mask:
+    """Return the mask of samples (n,) that stand out of their four neighbours, with those neighbours.
+
+    The measure is the fourth difference against eight times its typical size near by (half a hundred samples), which noise
+    of any level and motion of any amplitude give themselves.
+    """
+    n = len(samples)
+    spikes = np.zeros(n, dtype=np.bool_)
+    if n < 64:
+        return spikes
+    usable = np.convolve(valid, np.ones(5), mode="valid") > 4.5
+    size = np.where(usable, np.abs(np.convolve(np.where(valid, samples, 0.0), _STENCIL, mode="valid")), 0.0)
+    block = max(50, int(rate * 0.25))
+    blocks = max(1, len(size) // block)
+    edges = np.linspace(0, len(size), blocks + 1).astype(int)
+    typical = np.array([np.median(size[a:b]) for a, b in pairwise(edges)])
+    level = np.maximum(typical, np.median(typical)) / 0.6745
+    floor = _resolution(samples[valid]) * _STENCIL_SPREAD / np.sqrt(12.0)
+    limit = _FAR * np.maximum(np.interp(np.arange(len(size)), 0.5 * (edges[1:] + edges[:-1]), level), floor)
+    out = np.flatnonzero(size > limit)
+    for shift in range(5):
+        spikes[out + shift] = True
+    return spikes if np.mean(spikes) < 0.2 else np.zeros(n, dtype=np.bool_)
+
+
+def _resolution(samples: Array) -> float:
+    steps = np.diff(np.unique(samples))
+    steps = steps[steps > 1e-9 * np.ptp(samples)] if len(steps) else steps
+    return float(np.median(steps)) if len(steps) else 0.0

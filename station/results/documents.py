@@ -1,0 +1,93 @@
+"""What all kept documents share: numbers that JSON can hold, a version, one way to read and one to write."""
+
+import math
+from typing import Annotated, Any, Literal, TypeVar
+
+import numpy as np
+from pydantic import AliasChoices, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from daq.session import Session
+from station.exits import UsageProblem
+
+LARGEST = 50 << 20
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _as_list(values: Any) -> Any:
+    return values.tolist() if isinstance(values, np.ndarray) else values
+
+
+Number = Annotated[float | None, BeforeValidator(_finite)]
+"""A number; None where it is not finite, as JSON has no other way to say so."""
+
+Numbers = Annotated[list[Number], BeforeValidator(_as_list)]
+Table = Annotated[list[list[Number]], BeforeValidator(_as_list)]
+
+
+class Part(BaseModel):
+    """A part of a document, made of the fields of a result; what another version added is passed over."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True, from_attributes=True, coerce_numbers_to_str=True)
+
+    def plain(self) -> dict[str, Any]:
+        """Return the keys and values that `--json` prints."""
+        return self.model_dump(mode="json")
+
+
+class Document(Part):
+    """A whole document; one without the version, or of another one, cannot be read."""
+
+    format: Literal[1]
+
+
+class EstimateDocument(Part):
+    """A value with its standard error and its unit."""
+
+    value: Number
+    std: Number
+    unit: str
+
+
+class ChannelNoise(Part):
+    """The noise of one channel, its standard error and where it was seen."""
+
+    std: Number
+    uncertainty: Number
+    source: str
+
+
+class Errors(Part):
+    """The three errors of a model, or what noise alone leaves of them; None where one is not finite."""
+
+    force_mse_percent: Number = None
+    motion_percent: Number = None
+    chi2: Number = Field(None, validation_alias=AliasChoices("chi2", "chi_square"))
+
+
+Kept = TypeVar("Kept", bound=Document)
+
+
+def read_document(session: Session, name: str, kind: type[Kept], remedy: str) -> Kept | None:
+    """Return a result that a session keeps, None when it keeps none of that name.
+
+    Raises UsageProblem, which ends with the `remedy`, when it was altered or another version wrote it.
+    """
+    file = session.results / name
+    if not file.is_file():
+        return None
+    try:
+        if file.stat().st_size > LARGEST:
+            raise ValueError(f"more than {LARGEST} bytes")
+        return kind.model_validate_json(file.read_bytes())
+    except (ValidationError, ValueError, OSError) as error:
+        raise UsageProblem(
+            f"{session.folder.name}: results/{name} was altered, or another version wrote it; {remedy}"
+        ) from error
+
+
+def write_document(session: Session, name: str, document: Document) -> None:
+    """Write a result into a session."""
+    session.write_result(name, document.model_dump_json(indent=2) + "\n")

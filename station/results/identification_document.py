@@ -1,0 +1,151 @@
+"""An identification as a document: what `--json` prints and `results/identification.json` keeps."""
+
+import numpy as np
+from pydantic import AliasChoices, Field
+
+from station.results.documents import Document, EstimateDocument, Number, Part
+from station.story.identification import Identification
+from station.story.preparation import MOTION
+
+NAME = "identification.json"
+
+
+class RecordDocument(Part):
+    """What was recorded; the noise of each channel is its standard deviation, None without that channel."""
+
+    rate_hz: float
+    samples: int
+    lost_samples: int
+    channels: list[str]
+    unit: str
+    mass_kg: float | None
+    mass_std_kg: float | None
+    noise: dict[str, Number]
+
+
+class ReleaseDocument(Part):
+    """When and how the mass was released, and the spans (s) of rest and free motion."""
+
+    time_s: float
+    std_s: Number
+    kind: str
+    amplitude: Number
+    index: int
+    settled_s: float
+    end_s: float
+    rest_s: tuple[float, float]
+
+
+class AlignmentDocument(Part):
+    """By how much the displacement is late, and the gain between the channels."""
+
+    lag_s: EstimateDocument = Field(validation_alias=AliasChoices("lag_s", "lag"))
+    gain: EstimateDocument
+    method: str
+    caution: str
+
+
+class MethodDocument(Part):
+    """What both methods find: stiffness and damping, and why the order was chosen."""
+
+    stiffness: EstimateDocument
+    damping: list[EstimateDocument]
+    order: int
+    reason: str
+    mse_percent_by_order: list[Number]
+    stiffness_by_order: dict[str, EstimateDocument]
+    stiffness_per_mass: EstimateDocument
+
+
+class WaveletDocument(MethodDocument):
+    """What the wavelet found."""
+
+    stiffness_reason: str
+    channel: str
+
+
+class RestoringForceDocument(MethodDocument):
+    """What the restoring force surface found."""
+
+    mse_percent: Number
+    significance_percent: dict[str, Number]
+    offset: EstimateDocument
+    mass: EstimateDocument | None
+    source: str
+
+
+class IdentificationDocument(Document):
+    """One release, identified; what could not be had is None, and `refusals` says why."""
+
+    session: str
+    record: RecordDocument
+    release: ReleaseDocument
+    alignment: AlignmentDocument | None
+    wavelet: WaveletDocument | None
+    restoring_force: RestoringForceDocument | None
+    restoring_force_without_alignment: RestoringForceDocument | None
+    refusals: dict[str, str]
+
+
+def identification_document(name: str, result: Identification) -> IdentificationDocument:
+    """Return the identification of the session `name` as it is kept."""
+    return IdentificationDocument.model_validate(
+        {
+            "format": 1,
+            "session": name,
+            "record": _record(result),
+            "release": _release(result),
+            "alignment": result.alignment,
+            "wavelet": result.wavelet,
+            "restoring_force": result.restoring_force,
+            "restoring_force_without_alignment": result.without_alignment,
+            "refusals": dict(result.refusals),
+        }
+    )
+
+
+def _record(result: Identification) -> RecordDocument:
+    decay = result.decay
+    return RecordDocument(
+        rate_hz=decay.rate,
+        samples=len(decay),
+        lost_samples=0 if decay.valid is None else int((~decay.valid).sum()),
+        channels=[name for name in MOTION if getattr(decay, name) is not None],
+        unit=decay.unit,
+        mass_kg=decay.mass,
+        mass_std_kg=decay.mass_std,
+        noise={name: getattr(decay, f"noise_{name}") for name in MOTION},
+    )
+
+
+def _release(result: Identification) -> ReleaseDocument:
+    release, rate = result.release, result.decay.rate
+    return ReleaseDocument(
+        time_s=float(release.time_s),
+        std_s=float(release.std_s),
+        kind=release.kind,
+        amplitude=amplitude(result),
+        index=int(release.index),
+        settled_s=release.settle / rate,
+        end_s=release.end / rate,
+        rest_s=(release.rest[0] / rate, release.rest[1] / rate),
+    )
+
+
+def amplitude(result: Identification) -> float | None:
+    """Return how far the mass was from its rest at the release, m or rad, or None.
+
+    Signed where it was held away and the displacement was measured: its mean before the release less its
+    mean over the last tenth of the record. Otherwise the envelope at the start of the ridge.
+    """
+    displacement, rest = result.decay.displacement, result.release.rest
+    if result.release.kind == "displaced" and displacement is not None and rest[1] > rest[0]:
+        valid = result.decay.valid
+        kept = np.ones(len(displacement), dtype=bool) if valid is None else valid
+        held = displacement[rest[0] : rest[1]][kept[rest[0] : rest[1]]]
+        tail = slice(len(displacement) - len(displacement) // 10, None)
+        if len(held) and kept[tail].any():
+            return float(np.mean(held) - np.mean(displacement[tail][kept[tail]]))
+    if result.wavelet is not None and len(result.wavelet.envelope):
+        return float(result.wavelet.envelope[0])
+    return None

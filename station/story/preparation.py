@@ -1,0 +1,92 @@
+"""From a recording to a release that can be fitted: channels, release, alignment, motion."""
+
+import math
+from dataclasses import dataclass
+
+from daq.recording import Recording
+from daq.session import Session
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from station.settings import Settings
+
+MOTION = ("displacement", "velocity", "acceleration")
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the operator may choose: the mass (kg, or kg m^2 for angles) and how many terms to try."""
+
+    mass: float | None = None
+    mass_std: float | None = None
+    max_order: int = 3
+    stiffness_orders: tuple[int, ...] = (1,)
+
+
+def options_for(session: Session, settings: Settings, mass: float | None = None) -> Options:
+    """Return the mass as given here, by the session or by the settings, and the orders from the settings."""
+    info, specimen, orders = session.info, settings.specimen, settings.identify
+    if mass is not None:
+        return Options(mass, None, orders.max_order, orders.stiffness_orders)
+    if info.mass_kg is not None:
+        return Options(info.mass_kg, info.mass_std_kg, orders.max_order, orders.stiffness_orders)
+    return Options(specimen.mass_kg, specimen.mass_std_kg, orders.max_order, orders.stiffness_orders)
+
+
+def prepare_session(
+    session: Session, settings: Settings, gain_percent: float | None = None, *, mass: float | None = None
+) -> PreparedDecay:
+    """Return the release of a session, ready to be fitted.
+
+    `gain_percent`, the relative uncertainty of the gain between the channels, replaces what the sensors' certificates
+    say; `mass` (kg) replaces the session's. Raises NotIdentifiable, with the session's name, when it holds too little.
+    """
+    recording = session.recording()
+    gain = gain_uncertainty(recording) if gain_percent is None else gain_percent / 100.0
+    try:
+        return prepare(free_decay(recording, options_for(session, settings, mass)), gain_uncertainty=gain)
+    except NotIdentifiable as refusal:
+        raise NotIdentifiable(f"{session.folder.name}: {refusal}") from refusal
+
+
+def free_decay(recording: Recording, options: Options) -> FreeDecay:
+    """Pick the channels that identification uses out of a recording.
+
+    The first channel of each quantity is taken; a force is divided by the mass where that is
+    known. Raises NotIdentifiable when no channel is a motion.
+    """
+    channels = {name: recording.channel(name) for name in MOTION}
+    if all(values is None for values in channels.values()):
+        present = ", ".join(channel.name for channel in recording.channels) or "none"
+        raise NotIdentifiable(
+            f"no channel is a displacement, a velocity or an acceleration (channels: {present}); "
+            "say what they are when importing"
+        )
+    force = recording.channel("force")
+    return FreeDecay(
+        rate=recording.rate,
+        displacement=channels["displacement"],
+        velocity=channels["velocity"],
+        acceleration=channels["acceleration"],
+        valid=recording.valid,
+        force=force if force is None or options.mass is None else force / options.mass,
+        mass=options.mass,
+        mass_std=options.mass_std,
+        unit=_displacement_unit(recording),
+    )
+
+
+def _displacement_unit(recording: Recording) -> str:
+    """Return the unit of the displacement, as the first channel that is a motion has it: m, rad, V."""
+    units = [channel.unit for channel in recording.channels if channel.quantity in MOTION]
+    return units[0].split("/")[0] if units else "m"
+
+
+def gain_uncertainty(recording: Recording) -> float:
+    """Return the relative uncertainty of the gain between the channels, as their certificates leave it."""
+    parts = []
+    for quantity in MOTION:
+        first = next((c for c in recording.channels if c.quantity == quantity), None)
+        if first is not None and first.calibration_uncertainty is not None:
+            parts.append(first.calibration_uncertainty)
+    return math.sqrt(sum(part**2 for part in parts))

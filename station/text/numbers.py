@@ -1,0 +1,174 @@
+"""How numbers and units are written for people, in a terminal and, typeset, on a page."""
+
+import math
+import re
+from typing import Protocol
+
+from identify import formatting
+from identify.comparison.discrepancy_text import DiscrepancyText
+from identify.estimate import Estimate
+
+DASH = "-"
+SPACE = "\u00a0"  # keeps a number with its error and its unit on one line
+EVIDENCE = ((100.0, "decisive"), (12.0, "strong"), (4.6, "some"))
+_RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+_LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+_LARGE, _SMALL = 1e5, 1e-3
+
+
+class Estimated(Protocol):
+    """A value with its standard error and its unit; None where either is not known."""
+
+    @property
+    def value(self) -> float | None:
+        """The value."""
+
+    @property
+    def std(self) -> float | None:
+        """Its standard error."""
+
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+
+
+# In a terminal.
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def with_error(value: float | None, std: float | None) -> str:
+    """Return "13115.0 ± 0.4" with the digits that the error allows."""
+    return formatting.with_error(_number(value), _number(std))
+
+
+def with_unit(found: Estimated) -> str:
+    """Return "13115.0 ± 0.4 N/m"; without an error where none is known."""
+    return formatting.quantity(Estimate(_number(found.value), _number(found.std), found.unit))
+
+
+def three_figures(value: float | None) -> str:
+    """Return an error with three figures, a dash where there is none."""
+    return formatting.three_figures(_number(value))
+
+
+def evidence(nats: float | None) -> str:
+    """Return evidence in words and in nats: how much better than chance."""
+    if nats is None or not math.isfinite(nats):
+        return "none"
+    words = next((word for limit, word in EVIDENCE if nats >= limit), "none")
+    return f"{words} {nats:.0f}" if abs(nats) < 1e4 else f"{words} {nats:.1e}".replace("e+0", "e")
+
+
+def probability(p: float | None) -> str:
+    """Return a probability as people read it."""
+    if p is None or not math.isfinite(p):
+        return DASH
+    return "<1e-6" if p < 1e-6 else f"{p:.0e}".replace("e-0", "e-") if p < 0.01 else f"{p:.2f}"
+
+
+def change(before: float | None, after: float | None) -> str:
+    """Return by how much something fell or rose, as a factor or in %."""
+    if not before or not after:
+        return ""
+    if before >= 2 * after > 0:
+        return f"÷ {before / after:.3g}"
+    if after >= 2 * before > 0:
+        return f"x {after / before:.3g}"
+    percent = 100 * (after - before) / abs(before)
+    return f"{percent:+.1f} %" if abs(percent) >= 0.1 else f"{percent:+.2g} %"
+
+
+# Units.
+
+
+def scale(channel: str, unit: str, fine: bool = False) -> tuple[float, str]:
+    """Return the factor to the unit in which a channel is shown, and that unit.
+
+    `unit` is that of the displacement (m, rad, or what a sensor gave, as V). `fine` chooses a thousand
+    times smaller unit, for noise and for what a model leaves.
+    """
+    if channel == "displacement":
+        plain, small = {"m": ((1e3, "mm"), (1e6, "um")), "rad": ((1.0, "rad"), (1e3, "mrad"))}.get(
+            unit, ((1.0, unit), (1e3, f"m{unit}"))
+        )
+        return small if fine else plain
+    return 1.0, f"{unit}/s" if channel == "velocity" else f"{unit}/s^2"
+
+
+def scale_as_recorded(quantity: str, unit: str) -> tuple[float, str]:
+    """Return the same for a channel in its own `unit`: lengths in mm, everything else as it was recorded."""
+    return scale("displacement", unit) if quantity == "displacement" else (1.0, unit)
+
+
+def energy_scale(units: DiscrepancyText) -> tuple[float, str]:
+    """Return the factor on an energy per unit mass to the unit in which it is shown, and that unit: mJ, mJ/kg ..."""
+    fine, prefix = (1e3, "m") if units.energy_unit.startswith("J") else (1.0, "")
+    return fine * units.force_scale, f"{prefix}{units.energy_unit}"
+
+
+# Typeset, on a page: raised powers, Greek letters, powers of ten.
+
+
+def typeset(text: str) -> str:
+    """Return a sentence with raised powers and the signs that a terminal has no letters for."""
+    raised = re.sub(r"\^(-?\d+)", lambda found: found.group(1).translate(_RAISED), text)
+    return re.sub(r"\bu(m|s|J|N)\b", r"µ\1", raised).replace("+-", "±")
+
+
+def typeset_unit(text: str) -> str:
+    """Return a unit with raised powers: m/s^2 becomes m/s²; "1" (a pure number) becomes nothing."""
+    return "" if text == "1" else typeset(text).replace(" ", SPACE)
+
+
+def typeset_symbol(name: str) -> str:
+    """Return a parameter's name as it is printed: mu_0 becomes μ₀."""
+    found = re.fullmatch(r"mu_(\d)", name)
+    return name if found is None else f"μ{lowered(int(found.group(1)))}"
+
+
+def lowered(number: int) -> str:
+    """Return a number as an index."""
+    return str(number).translate(_LOWERED)
+
+
+def typeset_error(value: float | None, std: float | None) -> str:
+    """Return "13115.0 ± 2.1": the error with two figures, the value with the same decimals.
+
+    A power of ten is taken out where either would need many digits or zeros that mean nothing.
+    """
+    if value is None or not math.isfinite(value):
+        return "unknown"
+    if std is None or not math.isfinite(std) or std <= 0.0:
+        return f"{_power_of_ten(f'{value:.4g}')} (error unknown)"
+    exponent = math.floor(math.log10(max(abs(value), std)))
+    last = math.floor(math.log10(std)) - 1
+    if float(f"{std:.1e}") >= 10.0 ** (last + 2):
+        last += 1
+    if last > 0 or exponent >= math.log10(_LARGE) or 10.0**exponent < _SMALL:
+        decimals, factor = exponent - last, 10.0**exponent
+        power = f"10{str(exponent).translate(_RAISED)}"
+        return f"({value / factor:.{decimals}f} ±{SPACE}{std / factor:.{decimals}f}){SPACE}×{SPACE}{power}"
+    return f"{value:.{-last}f} ±{SPACE}{std:.{-last}f}"
+
+
+def typeset_with_unit(found: Estimated) -> str:
+    """Return a value with its error and its unit."""
+    return f"{typeset_error(found.value, found.std)}{SPACE}{typeset_unit(found.unit)}".rstrip()
+
+
+def typeset_figures(value: float | None) -> str:
+    """Return three figures of an error, or a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    if value != 0 and not _SMALL <= abs(value) < _LARGE:
+        return _power_of_ten(f"{value:.2e}")
+    return three_figures(value).rstrip(".")
+
+
+def _power_of_ten(text: str) -> str:
+    """Return "1.20e-04" as 1.20 × 10⁻⁴."""
+    mantissa, e, power = text.partition("e")
+    return f"{mantissa} × 10{str(int(power)).translate(_RAISED)}" if e else mantissa

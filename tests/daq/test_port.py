@@ -1,0 +1,186 @@
+import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from daq.errors import Disconnected, NoBoard, PortBusy, PortForbidden
+from daq.port import Port, SerialPort, open_port
+
+pty_only = pytest.mark.skipif(os.name == "nt", reason="this system has no pty")
+
+
+def read_often(port: Port) -> None:
+    for _ in range(10):
+        port.read()
+
+
+def write_often(port: Port) -> None:
+    for _ in range(4000):
+        port.write(bytes(1 << 16))
+
+
+@pytest.fixture
+def pty() -> "tuple[int, str]":
+    import tty
+
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    name = os.ttyname(slave)
+    os.close(slave)
+    yield master, name  # type: ignore[misc]
+    with suppress(OSError):
+        os.close(master)
+
+
+@pty_only
+def test_bytes_go_both_ways_over_a_pty(pty: "tuple[int, str]") -> None:
+    master, name = pty
+    port = open_port(name)
+    port.write(b"\x00question")
+    assert os.read(master, 100) == b"\x00question"
+    os.write(master, b"\x00\x11\x13\xff answer")
+    time.sleep(0.05)
+    assert port.read() == b"\x00\x11\x13\xff answer"
+    port.close()
+
+
+@pty_only
+def test_a_read_without_bytes_returns_none(pty: "tuple[int, str]") -> None:
+    port = open_port(pty[1])
+    assert port.read() == b""
+    port.close()
+
+
+@pty_only
+def test_an_unplugged_adapter_is_reported_in_words(pty: "tuple[int, str]") -> None:
+    master, name = pty
+    port = open_port(name)
+    os.close(master)
+    with pytest.raises(Disconnected, match="went away; check cable and board"):
+        read_often(port)
+    port.close()
+
+
+@pty_only
+def test_a_second_program_on_the_port_is_refused(pty: "tuple[int, str]") -> None:
+    _, name = pty
+    code = f"import serial, sys; p = serial.Serial({name!r}, exclusive=True); print('open', flush=True); sys.stdin.read()"
+    other = subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    try:
+        assert other.stdout is not None
+        assert other.stdout.readline().strip() == b"open"
+        with pytest.raises(PortBusy, match="another program has this port"):
+            open_port(name)
+    finally:
+        other.communicate(b"")
+
+
+def test_a_port_that_is_not_there_is_reported_in_words() -> None:
+    with pytest.raises(NoBoard, match=r"there is no such port|cannot be opened"):
+        open_port("/dev/does-not-exist" if os.name != "nt" else "COM250")
+
+
+def test_a_file_is_no_port(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(NoBoard):
+        open_port(str(tmp_path / "file"))
+
+
+@pytest.mark.parametrize("name", ["", "socket://", "socket://127.0.0.1:notaport", "nonsense://x"])
+def test_a_name_that_is_no_port_is_reported_in_words(name: str) -> None:
+    with pytest.raises(NoBoard):
+        open_port(name)
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="needs a user whom permissions bind")
+def test_a_port_without_permission_is_reported_in_words(pty: "tuple[int, str]") -> None:
+    os.chmod(pty[1], 0)
+    with pytest.raises(PortForbidden, match="no permission"):
+        open_port(pty[1])
+
+
+def test_a_refusal_of_permission_is_understood(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What pyserial raises on Linux, where this test may run as a user whom nothing binds."""
+    import serial
+
+    def refuse(*_: object, **__: object) -> None:
+        raise serial.SerialException(13, "could not open port /dev/ttyX: [Errno 13] Permission denied")
+
+    monkeypatch.setattr(serial, "serial_for_url", refuse)
+    with pytest.raises(PortForbidden, match="dialout"):
+        open_port("/dev/ttyX")
+
+
+@pytest.fixture
+def listener() -> socket.socket:
+    server = socket.create_server(("127.0.0.1", 0))
+    server.settimeout(5)
+    yield server  # type: ignore[misc]
+    server.close()
+
+
+def test_a_socket_is_a_port(listener: socket.socket) -> None:
+    port = open_port(f"socket://127.0.0.1:{listener.getsockname()[1]}")
+    side, _ = listener.accept()
+    with side:
+        side.sendall(bytes(range(256)) * 40)
+        got = b""
+        until = time.monotonic() + 5
+        while len(got) < 10240 and time.monotonic() < until:
+            got += port.read()
+        assert got == bytes(range(256)) * 40
+        port.write(b"back")
+        assert side.recv(10) == b"back"
+    with pytest.raises(Disconnected):
+        read_often(port)
+    port.close()
+
+
+def test_a_socket_that_nobody_listens_on_is_reported_in_words(listener: socket.socket) -> None:
+    number = listener.getsockname()[1]
+    listener.close()
+    with pytest.raises(NoBoard, match="nothing listens there"):
+        open_port(f"socket://127.0.0.1:{number}")
+
+
+def test_a_socket_that_takes_nothing_does_not_hold_the_station(listener: socket.socket) -> None:
+    port = open_port(f"socket://127.0.0.1:{listener.getsockname()[1]}")
+    side, _ = listener.accept()
+    with side, pytest.raises(Disconnected):
+        write_often(port)
+    port.close()
+
+
+def test_no_thread_stays_behind() -> None:
+    assert all("reader of" not in thread.name for thread in threading.enumerate())
+
+
+@pytest.mark.parametrize("name", ["/dev/ttyX", "socket://127.0.0.1:9"])
+def test_bytes_that_came_before_the_cable_was_pulled_are_kept(name: str) -> None:
+    class Pulled:
+        """Gives four bytes (a socket: one), and is gone when it is asked for more."""
+
+        gone = False
+
+        @property
+        def in_waiting(self) -> int:
+            if self.gone:
+                raise OSError(5, "Input/output error")
+            return 4
+
+        def read(self, size: int) -> bytes:
+            if self.gone:
+                raise OSError(5, "Input/output error")
+            self.gone = True
+            return b"last"[:size]
+
+    port = SerialPort(name, Pulled())
+    assert b"last".startswith(port.read() or b"?")
+    with pytest.raises(Disconnected):
+        port.read()

@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+
+from identify.preprocessing.lost_readings import find_lost_readings
+
+RATE = 256.0
+
+
+def decay(noise: float, seed: int = 0, samples: int = 2048) -> np.ndarray:
+    time = np.arange(samples) / RATE
+    random = np.random.default_rng(seed)
+    return 0.02 * np.exp(-0.3 * time) * np.cos(25.0 * time) + noise * random.standard_normal(samples)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_readings_that_repeat_while_the_motion_runs_on_are_found_and_no_others(seed):
+    random = np.random.default_rng(seed)
+    noise = 5e-6
+    reading = decay(noise, seed)
+    # The motion passes zero at these samples, where it is quickest: a repeated reading is far off.
+    crossings = np.flatnonzero(np.diff(np.sign(reading)) != 0)[2:40:3]
+    lengths = random.integers(1, 4, len(crossings))
+    wanted = np.zeros(len(reading), dtype=bool)
+    for at, length in zip(crossings, lengths, strict=True):
+        reading[at : at + length] = reading[at - 1]
+        wanted[at : at + length] = True
+    assert np.array_equal(find_lost_readings(reading, noise), wanted)
+
+
+def test_a_clean_decay_has_none():
+    for seed in range(20):
+        assert not find_lost_readings(decay(5e-6, seed), 5e-6).any()
+
+
+def test_a_reading_that_flies_off_alone_is_one():
+    reading = decay(5e-6)
+    reading[700] += 0.01
+    assert np.flatnonzero(find_lost_readings(reading, 5e-6)).tolist() == [700]
+
+
+def test_equal_readings_on_either_side_of_a_peak_are_no_dropout():
+    # Two samples placed evenly about a crest are equal; sixteen a cycle, so that the cubic misses by far more than noise.
+    angle = 2 * np.pi * (np.arange(800) + 0.5) / 16
+    reading = np.round(np.cos(angle), 9)
+    assert not find_lost_readings(reading, 1e-6).any()
+
+
+def test_a_quick_motion_for_its_rate_is_not_called_a_faulty_sensor():
+    random = np.random.default_rng(4)
+    time = np.arange(4096) / 610.0
+    lines = random.uniform(20.0, 150.0, 60)  # as little as four samples a cycle
+    phases = random.uniform(0.0, 2 * np.pi, 60)
+    reading = np.round(np.sin(2 * np.pi * np.outer(time, lines) + phases).sum(axis=1), 2)
+    assert (reading[1:] == reading[:-1]).any()
+    assert not find_lost_readings(reading, 0.003).any()

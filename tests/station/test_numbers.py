@@ -1,0 +1,70 @@
+"""Numbers and units: the same value reads the same in a terminal, on the page and in the report."""
+
+import pytest
+
+from identify.comparison.discrepancy_text import DiscrepancyText
+from identify.estimate import Estimate
+from station.text.numbers import (
+    SPACE,
+    energy_scale,
+    scale,
+    scale_as_recorded,
+    three_figures,
+    typeset,
+    typeset_figures,
+    typeset_symbol,
+    typeset_with_unit,
+    with_error,
+    with_unit,
+)
+
+
+def test_what_is_not_known_is_said_so():
+    assert with_error(None, None) == "unknown"
+    assert with_error(2.0, None) == "2 ± unknown"
+    assert three_figures(None) == "-"
+    assert typeset_figures(None) == "–"
+
+
+def test_a_value_has_the_digits_that_its_error_allows():
+    found = Estimate(13115.04, 2.08, "N/m")
+    assert with_unit(found) == "13115.0 ± 2.1 N/m"
+    assert typeset_with_unit(found).replace(SPACE, " ") == "13115.0 ± 2.1 N/m"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0123456, "0.0123"),
+        (132.4, "132"),
+        (1234567.0, "1.23 × 10⁶"),
+        (1.2e-5, "1.20 × 10⁻⁵"),
+        (0.0, "0.00"),
+    ],
+)
+def test_three_figures_of_what_is_very_large_or_small_take_a_power_of_ten_on_a_page(value, text):
+    assert typeset_figures(value) == text
+
+
+def test_a_channel_is_shown_in_a_unit_that_suits_it():
+    assert scale("displacement", "m") == (1e3, "mm")
+    assert scale("displacement", "rad", fine=True) == (1e3, "mrad")
+    assert scale("acceleration", "m") == (1.0, "m/s^2")
+
+
+def test_a_force_keeps_the_unit_in_which_it_was_recorded():
+    assert scale_as_recorded("force", "N") == (1.0, "N")
+    assert scale_as_recorded("acceleration", "m/s^2") == (1.0, "m/s^2")
+    assert scale_as_recorded("displacement", "m") == (1e3, "mm")
+
+
+def test_an_energy_is_in_thousandths_of_a_joule_and_of_the_whole_mass_where_it_is_known():
+    assert energy_scale(DiscrepancyText("m", 2.0)) == (2e3, "mJ")
+    assert energy_scale(DiscrepancyText("m", None)) == (1e3, "mJ/kg")
+    assert energy_scale(DiscrepancyText("rad", None)) == (1.0, "rad^2/s^2")
+
+
+def test_powers_and_greek_letters_are_typeset():
+    assert typeset("3 um at 2 m/s^2, 1 +- 0.1") == "3 µm at 2 m/s², 1 ± 0.1"
+    assert typeset_symbol("mu_0") == "μ₀"
+    assert typeset_symbol("k3") == "k3"
