@@ -87,7 +87,7 @@ class Diagnosis(Summarised):
                 rungs.append(rung)
                 progress(rung, f"removed {rung.removed}: it is no longer needed")
             top = rungs[-1].fit
-            known = dict(zip(top.names, top.theta.tolist(), strict=True))
+            known = top.point
             found = diagnose(self.baseline.decays, top.model, library=self.library, known=known)
         return Ladder(tuple(rungs), reason, found.verdict)
 
@@ -202,7 +202,7 @@ def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: B
         evidence=entry.evidence,
         p_value=entry.p_value,
         claimed=entry.claimed,
-        parameters=found.parameters_of(candidate.name),
+        parameters=found.of(candidate.term),
         fit=candidate.fit,
         rivals=rivals_of(entry, judgement.ranked),
         plausible=candidate.plausible,
@@ -245,8 +245,7 @@ def _held_out_error(found: Fit, windows: tuple[FitWindow, ...]) -> float:
         cycle = np.floor(window.clock * found.frequency / (2.0 * np.pi)).astype(int) % 2 == 0
         kept.append(window.with_(used={c: m & cycle for c, m in window.used.items()}))
         held.append(window.with_(used={c: m & ~cycle for c, m in window.used.items()}))
-    values = dict(zip(found.names, found.theta.tolist(), strict=True))
-    refit = fit(found.model, tuple(kept), values, found.frequency, tolerance=1.0)
+    refit = fit(found.model, tuple(kept), found.point, found.frequency, tolerance=1.0)
     total = 0.0
     for i, window in enumerate(held):
         for channel in window.channels:

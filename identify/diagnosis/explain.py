@@ -117,7 +117,7 @@ def _where(suspect: Suspect) -> str:
 def _limit(suspects: tuple[Suspect, ...]) -> str:
     words = []
     for suspect in suspects:
-        if suspect.effect.name not in ("cubic_stiffness", "quadratic_damping"):
+        if not suspect.effect.shows_detection_limit:
             continue
         strength = suspect.parameters.get(suspect.effect.strength.name)
         if strength is not None and np.isfinite(strength.std):

@@ -3,9 +3,10 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from identify.diagnosis.suspects import JUDGED_APART, candidate_terms, try_terms
+from identify.diagnosis.suspects import candidate_terms, try_terms
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
+from identify.effects.sensor_fault import SensorFault
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
 from identify.fitting.corrected_faults import corrected_faults
@@ -106,8 +107,13 @@ def add_effect(rung: Rung, effect: Effect, *, library: tuple[Effect, ...] = LIBR
     baseline = rung.baseline
     if effect.name in baseline.fit.model:
         raise ValueError(f"{effect.name} is in the model already")
-    if effect.name in JUDGED_APART:
+    if isinstance(effect, SensorFault) and effect.corrected_in_every_fit:
         return _name_corrected_fault(rung, effect)
+    unit = baseline.fit.windows[0].unit
+    if not effect.has_meaning_for(unit):
+        raise NotIdentifiable(
+            f"{effect.name} acts on displacements in {' or '.join(effect.units)}; this record is in {unit}."
+        )
     terms = candidate_terms(baseline.fit.model, (effect,), baseline.fit.windows[0])
     tried = try_terms(baseline.decays, baseline.fit, terms)
     if not tried:
@@ -119,8 +125,7 @@ def remove_effect(rung: Rung, name: str) -> Rung:
     """Return the next rung: the model without an effect; KeyError when it has none of that name."""
     baseline = rung.baseline
     model = baseline.fit.model.minus(name)
-    known = dict(zip(baseline.fit.names, baseline.fit.theta.tolist(), strict=True))
-    found = fit(model, baseline.fit.windows, known, baseline.fit.frequency)
+    found = fit(model, baseline.fit.windows, baseline.fit.point, baseline.fit.frequency)
     return replace(rung_of(refit_at_floor(baseline.decays, found)), removed=name)
 
 

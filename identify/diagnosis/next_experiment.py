@@ -76,17 +76,12 @@ def _amplitude(baseline: Baseline) -> tuple[float, str]:
     return scale * side * prepared.amplitude, name
 
 
-def _shared(name: str) -> bool:
-    return name == "force_gain" or ("." in name and ".state" not in name)
-
-
 def _apart(first: Fit, second: Fit, factor: float) -> float:
     """Return by how much chi-square would favour `first`, were it true, over `second` on one more release."""
     window = first.windows[0]
     moved = first.theta.copy()
-    names = list(first.names)
-    for i, name in enumerate(names):
-        if name in ("displacement", "velocity") or ".state" in name:
+    for i, unknown in enumerate(first.unknowns):
+        if unknown.window >= 0 and unknown.simulated:  # the state from which the motion starts
             moved[i] *= factor
     if window.force is not None:
         window = window.with_(force=factor * window.force)
@@ -95,17 +90,12 @@ def _apart(first: Fit, second: Fit, factor: float) -> float:
     if not all(np.isfinite(values).all() for values in predicted.values()):
         return 0.0
     record: FitWindow = replace(window, readings=predicted)
-    known = dict(zip(second.names, second.theta.tolist(), strict=True))
-    beginning = {name: value for name, value in known.items() if _shared(name)}
-    for name in (
-        "displacement",
-        "velocity",
-        "lag",
-        "gain",
-        *(n for n in known if n.endswith("_offset") or ".state" in n),
-    ):
-        if name in known:
-            scale = factor if name in ("displacement", "velocity") or ".state" in name else 1.0
-            beginning |= {f"{name}[0]": known[name], f"{name}[1]": known[name] * scale}
+    beginning = second.point
+    for unknown in second.unknowns:
+        if unknown.window >= 0:
+            value, again = beginning.pop(unknown.name), factor if unknown.simulated else 1.0
+            beginning |= {
+                str(unknown.id.of_release(i, 2)): value * scale for i, scale in enumerate((1.0, again))
+            }
     joint = fit(second.model, (second.windows[0], record), beginning, second.frequency, tolerance=1.0)
     return max(joint.chi_square - second.chi_square, 0.0)

@@ -101,8 +101,8 @@ def _greedy(
     """Yield the best single candidates with what may go with them; two forces are left to the screening but once."""
     for rank, first in enumerate(_distinct(tried)):
         terms = candidate_terms(first.fit.model, library, first.fit.windows[0])
-        whole = rank == 0 or first.term.effect.kind == "sensor"
-        yield first, terms if whole else tuple(term for term in terms if term.effect.kind == "sensor")
+        whole = rank == 0 or not first.term.is_force
+        yield first, terms if whole else tuple(term for term in terms if not term.is_force)
 
 
 def _distinct(tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
