@@ -81,14 +81,13 @@ class Comparison(Summarised):
             if self.at_floor
             else "The model does not reach the noise floor"
         )
-        sentences = (
-            f"It leaves {three_figures(self.force_error)} % of the force (mean square), "
-            f"{three_figures(self.motion_error)} % of the motion (rms over {self.horizon:.3g} s), and a reduced "
-            f"chi-square of {three_figures(self.chi_square)} (1 ± {self.chi_square_std:.2f} for an adequate model).",
-            self.cause,
+        places = [f"- {place.text} ({place.significance:.0f} standard errors)" for place in self.places]
+        rows = (
+            ("force, mean square %", three_figures(self.force_error), three_figures(self.force_floor)),
+            ("motion, rms %", three_figures(self.motion_error), "-"),
+            ("reduced chi-square", three_figures(self.chi_square), f"1 ± {self.chi_square_std:.2f}"),
         )
-        rows = [(place.text, f"{place.significance:.0f}") for place in self.places]
-        return Summary(title, sentences, ("where it fails", "std. errors"), rows)
+        return Summary(title, (self.cause, *places), ("error", "value", "at the floor"), rows)
 
 
 def compare(
