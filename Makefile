@@ -2,35 +2,49 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-STAMP := $(VENV)/.installed
+STATION := $(VENV)/.installed
+TOOLS := $(VENV)/.installed-dev
+INSTALL := STATION_VENV=$(VENV) $(PYTHON) install.py
 
-.PHONY: help install demo test check bench clean
+.PHONY: help install launcher demo test check bench docs clean
 
 help:  ## what can be made
 	@grep -hE '^[a-z]+:.*##' Makefile | sed 's/:.*##/ -/'
 
-install: $(STAMP)  ## create .venv and install everything that development needs
+$(STATION): pyproject.toml
+	@$(INSTALL)
+	@touch $@
 
-$(STAMP): pyproject.toml
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
-	touch $@
+$(TOOLS): pyproject.toml
+	@$(INSTALL) --dev
+	@touch $(STATION) $@
 
-demo: $(STAMP)  ## run the main job on the simulated board
-	$(BIN)/station demo
+install: $(STATION) launcher  ## create .venv, install the station, put `station` where a shell finds it
 
-check: $(STAMP)  ## format, lint, types, import contracts
+launcher: $(STATION)
+	@$(INSTALL) --launcher
+
+demo: $(STATION)  ## run the main job on the simulated board
+	@$(BIN)/station demo
+	@$(INSTALL) --launcher
+
+check: $(TOOLS)  ## format, lint, types, import contracts
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-test: $(STAMP)  ## all tests
+test: $(TOOLS)  ## all tests
 	$(BIN)/pytest -n 2 --dist loadgroup
 
-bench: $(STAMP)  ## the long proofs; results go to docs/benchmarks.md
+bench: $(TOOLS)  ## the long proofs; results go to docs/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	$(BIN)/python -m bench
 
+docs: $(STATION)  ## the documentation as a site, in site/; a broken link fails
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+
 clean:  ## remove what was made
-	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	-@$(INSTALL) --remove
+	rm -rf $(VENV) build site *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

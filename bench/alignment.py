@@ -36,7 +36,7 @@ def _sample(seed: int) -> Sample:
     common = {
         "noise_displacement": 5e-6,
         "noise_acceleration": 0.01,
-        "hand": hand,
+        "release_time": hand,
         "gain_error": rng.uniform(-0.01, 0.01),
     }
     which = seed % 9

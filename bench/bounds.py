@@ -33,7 +33,7 @@ def expected_drop(job: tuple[str, float, int]) -> float:
             noise_acceleration=2e-4,
             bits=22,
             amplitude=0.02,
-            hand=0.0,
+            release_time=0.0,
         )
         setting = prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration))
         span = setting.window.with_(sigma=dict(_NOISE))

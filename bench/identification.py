@@ -54,7 +54,7 @@ def measure(job: tuple[int, int]) -> Measured:
     seed, number = job
     fixed: dict[str, Any] = dict(WORKING_POINT) | RELEASES[number]
     if "velocity" in fixed:
-        fixed["hand"] = 0.0
+        fixed["release_time"] = 0.0
     sample = draw(None, 0.0, 10_000 + 97 * seed + number, **fixed)
     decay = _decay(sample.rate, sample.displacement, sample.acceleration)
     aligned = correct(decay, align(decay))
@@ -169,7 +169,7 @@ def _lag_story() -> str:
         "|---|---|---|---|---|",
     ]
     for lag in (-3e-3, -1.5e-3, -0.5e-3, 0.0, 0.5e-3, 1.5e-3, 3e-3):
-        sample = draw(None, 0.0, 77, **WORKING_POINT, amplitude=0.02, lag=lag, hand=0.0)
+        sample = draw(None, 0.0, 77, **WORKING_POINT, amplitude=0.02, lag=lag, release_time=0.0)
         decay = _decay(sample.rate, sample.displacement, sample.acceleration)
         alignment = align(decay)
         raw = identify_restoring_force_as_recorded(decay, 1).damping[1].value

@@ -1,5 +1,7 @@
 """How long an operator waits: start of the program, identification of one session, the demo; and its memory."""
 
+import contextlib
+import itertools
 import json
 import os
 import statistics
@@ -7,7 +9,15 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
+
+import numpy as np
+
+from daq.importing import read_file
+from daq.session import Session
+from mocks.forces import Effect
+from mocks.testbed import Bench, Release, simulate
 
 TITLE = "The program"
 
@@ -35,7 +45,6 @@ def _timed(*arguments: str, folder: Path) -> tuple[float, float]:
 
 def _warm(session: Path, repetitions: int) -> tuple[float, float]:
     """Return milliseconds of the wavelet and the restoring force together, and of the whole pipeline."""
-    from daq.session import Session
     from identify.restoring_force.restoring_force import identify_restoring_force
     from identify.wavelet.wavelet import identify_wavelet
     from station.story.pipeline import identify
@@ -56,6 +65,47 @@ def _warm(session: Path, repetitions: int) -> tuple[float, float]:
     return statistics.median(both) * 1e3, statistics.median(whole) * 1e3
 
 
+def _median_ms(act: Callable[[], object], repetitions: int) -> float:
+    """Return the median of some runs in milliseconds; one before them is not counted."""
+    act()
+    took = []
+    for _ in range(repetitions):
+        before = time.perf_counter()
+        act()
+        took.append(time.perf_counter() - before)
+    return statistics.median(took) * 1e3
+
+
+def _compared(session: Path, repetitions: int) -> float:
+    """Return milliseconds of the comparison of the base model with a session, the fit not counted."""
+    from daq.session import Session
+    from identify.comparison.compare import compare_fitted
+    from identify.fitting.baseline import fit_baseline
+    from identify.model.model import base_model
+    from station.operations.session_set import make_ready
+    from station.settings import Settings
+
+    prepared = make_ready(Session.open(session), Settings())
+    start = fit_baseline((prepared,), base_model())
+    return _median_ms(lambda: compare_fitted(start), repetitions)
+
+
+def _formulas(repetitions: int) -> tuple[float, float]:
+    """Return milliseconds from a formula to an effect that is compiled, and to the refusal of what is none."""
+    from identify.effects.user import parse_effect
+
+    numbers = itertools.count(2)
+
+    def ready() -> object:  # another formula each time: nothing is remembered
+        return parse_effect(f"x = a*u/(1 + (u/b)**2)*exp(-abs(v)/c)*sgn(v) + {next(numbers)}*a*sin(u)")
+
+    def refuse() -> None:
+        with contextlib.suppress(ValueError):
+            parse_effect("x = " + "(" * 300 + "u" + ")" * 300)
+
+    return _median_ms(ready, repetitions), _median_ms(refuse, repetitions)
+
+
 def run(quick: bool) -> str:
     """Return the section of the benchmark page."""
     repetitions = 3 if quick else 15
@@ -67,12 +117,17 @@ def run(quick: bool) -> str:
         session = folder / "sessions" / "one"
         colds = [_timed("identify", str(session), "--json", folder=folder) for _ in range(repetitions)]
         both, whole = _warm(session, repetitions * 3)
+        compared = _compared(session, repetitions * 3)
+        formula, refused = _formulas(repetitions)
         demo, _ = _timed("demo", "--json", folder=folder)
         views = [
             _timed("view", str(session), "--no-viewer", folder=folder)
             for _ in range(max(1, repetitions // 3))
         ]
         listed = _listed(folder)
+        read = 1e3 * _shortest(lambda: Session.open(session).recording())
+        table = _table_read(folder / "long.csv")
+        simulated = 1e3 * _simulated()
     middle = statistics.median
     rows.append(("`station --help`", f"{middle(helps):.2f} s", "0.4 s"))
     rows.append(("`station identify SESSION`, cold", f"{middle([c[0] for c in colds]):.2f} s", "2 s"))
@@ -80,16 +135,49 @@ def run(quick: bool) -> str:
     rows.append(("the same, peak memory", f"{max(c[1] for c in colds):.0f} MB", "500 MB"))
     rows.append(("wavelet and restoring force, 8 s at 256 Hz, warm", f"{both:.1f} ms", "20 ms"))
     rows.append(("recording to both results, warm", f"{whole:.0f} ms", ""))
+    rows.append(("comparison of a fit with 8 s at 256 Hz, warm", f"{compared:.0f} ms", "100 ms"))
+    rows.append(("an effect of one's own, from its formula to ready", f"{formula:.0f} ms", "300 ms"))
+    rows.append(("a line that is no formula, refused", f"{refused:.1f} ms", "at once"))
     rows.append(
         ("`station view SESSION --no-viewer` (all tabs), cold", f"{middle([v[0] for v in views]):.2f} s", "")
     )
     rows.append(("the same, peak memory", f"{max(v[1] for v in views):.0f} MB", ""))
     rows.append(("`station demo`, without a screen", f"{demo:.1f} s", "well under 60 s"))
     rows.append(("`station list` of 10,000 sessions", f"{listed:.1f} s", "seconds"))
+    rows.append(("a session of 2048 samples read", f"{read:.1f} ms", "20 ms"))
+    rows.append(("a table of a million rows with decimal commas read", f"{table:.1f} s", "seconds"))
+    rows.append(("8 s of the simulated testbed", f"{simulated:.1f} ms", "50 ms"))
     lines = ["| what | measured | wanted |", "|---|---:|---:|"]
     lines += [f"| {what} | {value} | {wanted} |" for what, value, wanted in rows]
     lines += ["", f"Medians of {repetitions} runs in processes of their own, the bytecode compiled before."]
     return "\n".join(lines)
+
+
+def _shortest(work: Callable[[], object]) -> float:
+    """Return the shortest of five durations, s."""
+    times = []
+    for _ in range(5):
+        before = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - before)
+    return min(times)
+
+
+def _table_read(path: Path) -> float:
+    """Return the seconds that the reading of a million rows takes."""
+    t = np.arange(1_000_000) / 1000.0
+    rows = "".join(f"{a:.3f};{b:.6f};{c:.4f}\n" for a, b, c in zip(t, np.sin(t), np.cos(t), strict=True))
+    path.write_text("Zeit [s];Weg [mm];Beschleunigung [g]\n" + rows.replace(".", ","))
+    before = time.perf_counter()
+    read_file(path)
+    return time.perf_counter() - before
+
+
+def _simulated() -> float:
+    """Return the seconds that the testbed takes for one release of 8 s with Stribeck friction, compiled."""
+    grid = np.arange(2048) / 256.0
+    bench = Bench(effects=(Effect("stribeck_friction", {"dmu": 0.1, "vs": 0.1}),))
+    return _shortest(lambda: simulate(bench, Release(0.02), grid))
 
 
 def _listed(folder: Path) -> float:

@@ -51,7 +51,7 @@ def _tried(speed: float, seeds: range) -> tuple[int, list[str]]:
 
 
 def _silences(count: int) -> list[str]:
-    """Return rows: how long a stalled board's silence lasts until it is told, and until it is given up."""
+    """Return rows: how long a stalled board's silence lasts until it is announced, and until it is given up."""
     _harness()
     from fault_bench import silence
 
@@ -61,8 +61,8 @@ def _silences(count: int) -> list[str]:
         for number in range(count):
             with tempfile.TemporaryDirectory() as folder:
                 times.append(silence(line, Path(folder), 1.5 + 0.3 * number))
-        told, given_up = zip(*times, strict=True)
-        rows.append(f"| {line} | {count} | {max(told):.2f} | {max(given_up):.2f} |")
+        announced, given_up = zip(*times, strict=True)
+        rows.append(f"| {line} | {count} | {max(announced):.2f} | {max(given_up):.2f} |")
     return rows
 
 
@@ -82,7 +82,7 @@ def run(quick: bool) -> str:
     lines += [f"- broken: {text}" for text in (*fast[1], *real[1])]
     lines += [
         "",
-        "| a stalled board on | stalls | told after, s (longest) | given up and closed after, s (longest) |",
+        "| a stalled board on | stalls | announced after, s (longest) | given up and closed after, s (longest) |",
     ]
     lines += ["|---|---:|---:|---:|", *_silences(1 if quick else STALLS)]
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""A short look at a board: handshake, some seconds of samples, nothing written, every wait bounded."""
+"""A short sample of a board: handshake, some seconds of data, nothing written, every wait bounded."""
 
 import time
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from firmware_protocol import Hello
 
 @dataclass(frozen=True)
 class BoardSample:
-    """Who answered, what came, the rate by this computer's clock, damaged frames, and a board's lies."""
+    """Who answered, what came, the rate by this computer's clock, damaged frames, and what contradicts the protocol."""
 
     hello: Hello
     recording: Recording
@@ -37,7 +37,7 @@ def sample_board(port: str, seconds: float, rate_hz: float = 0.0) -> BoardSample
         return BoardSample(
             hello,
             assembly.recording(),
-            assembly.host_clock(),
+            assembly.samples.host_clock(),
             link.statistics.damaged,
             tuple(assembly.contradictions),
         )

@@ -1,24 +1,23 @@
 """From messages to a recording: the one way used live, in a replay and when a session is read.
 
 `Assembly` takes frames in the order of their arrival. The sample index is the time axis; the frames'
-order, `dropped_before` and `boot_id` tell a frame lost on the wire from an overrun of the board and from
-a board that started anew. Nothing that arrives makes it raise: what contradicts the protocol is listed in
+order, `dropped_before` and `boot_id` distinguish a frame lost on the wire from an overrun of the board
+and from a board that rebooted. Nothing that arrives makes it raise: what contradicts the protocol is listed in
 `contradictions`, and what a capture does about it is the capture's affair.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import isfinite
 from typing import Any
-from zlib import crc32
 
 import numpy as np
 
-from daq.clock import ClockFit, fit_clock
 from daq.description_checks import Window, channels_of, gap_of, items_of, problem_of, window_of
 from daq.errors import DataLost
+from daq.losses import Losses
 from daq.raw_log import Kind, Record
 from daq.recording import Array, Channel, Gap, Mask, Recording
+from daq.sample_store import Piece, SampleStore
 from firmware_protocol import Data, Decoder, Describe, End, Event, EventKind, Frame, Hello, Log
 
 MAX_MISSING = 1 << 22
@@ -34,16 +33,6 @@ class Block:
     time: float
 
 
-@dataclass(frozen=True)
-class _Piece:
-    data: Data
-    time: float
-
-    @property
-    def stop(self) -> int:
-        return self.data.first_index + self.data.n
-
-
 class Assembly:
     """Puts messages together; `recording()` may be asked at any time for what is there so far."""
 
@@ -53,17 +42,13 @@ class Assembly:
         self.end: End | None = None
         self.window: Window | None = None
         self.rebooted = False
-        self.expected = 0
         self.frames = 0
-        self.duplicates = 0
         self.notes: list[str] = []
         self.events: list[Event] = []
         self.contradictions: list[str] = []
-        self._pieces: dict[int, _Piece] = {}
-        self._overruns: list[tuple[int, int]] = []
-        self._reasons: list[Gap] = []
-        self._missing = 0
-        self._sequence = -1
+        self.samples = SampleStore()
+        self._losses = Losses()
+        self._missing, self._sequence = 0, -1
 
     def take(self, frame: Frame, time: float) -> tuple[Block | Gap, ...]:
         """Take one frame; return the samples it brought and, before them, what was found missing."""
@@ -90,8 +75,13 @@ class Assembly:
         elif note.get("event") == "start":
             self._forget_samples()
         elif note.get("event") == "imported":
-            self._reasons = [gap for item in items_of(note, "gaps") if (gap := gap_of(item)) is not None]
+            self._losses.noted = [gap for item in items_of(note, "gaps") if (gap := gap_of(item)) is not None]
             self.notes += [item for item in items_of(note, "notes") if isinstance(item, str)]
+
+    @property
+    def expected(self) -> int:
+        """The sample after the newest that arrived."""
+        return self.samples.expected
 
     @property
     def rate(self) -> float:
@@ -106,9 +96,7 @@ class Assembly:
     @property
     def start(self) -> int:
         """The first sample of the recording: the window's, else the first that arrived."""
-        if self.window is not None:
-            return self.window.first
-        return min(self._pieces, default=0)
+        return self.window.first if self.window is not None else self.samples.first
 
     @property
     def stop(self) -> int:
@@ -131,17 +119,17 @@ class Assembly:
 
     def missing(self) -> tuple[Gap, ...]:
         """Return what is missing from the recording so far, with reasons."""
-        return self._gaps(self._mask(self.start, self.stop), self.start)
+        return self._gaps(self.samples.mask(self.start, self.stop), self.start)
 
     def recording(self, notes: Iterable[str] = ()) -> Recording:
         """Return the recording; lost samples are NaN and not `valid`. DataLost when there are none at all."""
         channels, first, stop = self.channels, self.start, self.stop
-        if not self._pieces or not channels or stop <= first:
+        if not self.samples or self.description is None or stop <= first:
             raise DataLost("no sample was received, so there is nothing to read")
         samples = np.full((len(channels), stop - first), np.nan)
-        for piece in self._within(first, stop):
+        for piece in self.samples.within(first, stop):
             at = piece.data.first_index - first
-            block = self._convert(piece.data)[:, max(-at, 0) : stop - first - at]
+            block = _convert(piece.data, self.description)[:, max(-at, 0) : stop - first - at]
             samples[:, max(at, 0) : max(at, 0) + block.shape[1]] = block
         valid = np.isfinite(samples).all(axis=0)
         samples[:, ~valid] = np.nan
@@ -157,39 +145,25 @@ class Assembly:
         )
 
     def checksum_agrees(self) -> bool | None:
-        """Whether the CRC-32 of all samples is the one told in END; None while that cannot be known."""
+        """Whether the CRC-32 of all samples is the one in END; None while that cannot be known."""
         if self.end is None:
             return None
-        check, at, count = 0, 0, 0
-        for piece in sorted(self._pieces.values(), key=lambda p: p.data.first_index):
-            data, known = piece.data, max(at - piece.data.first_index, 0)
-            check = crc32(data.samples[known * data.channels * data.format.size :], check)
-            count += max(data.n - known, 0)
-            at = max(at, piece.stop)
+        count, check = self.samples.checksum()
         if count != self.end.total_samples - self.end.total_dropped:
             return None
         return check == self.end.checksum
 
-    def board_clock(self) -> ClockFit | None:
-        """The rate by the board's own times of its samples; None with too few."""
-        pieces = self._pieces.values()
-        return fit_clock([p.data.first_index for p in pieces], [p.data.board_time_us * 1e-6 for p in pieces])
-
-    def host_clock(self) -> ClockFit | None:
-        """The rate by the times at which samples reached the host before END; None with too few."""
-        pieces = [p for p in self._pieces.values() if isfinite(p.time)]
-        return fit_clock([p.stop for p in pieces], [p.time for p in pieces])
-
     def _forget_samples(self) -> None:
-        """Begin at index 0: what came before belongs to a capture of somebody who is gone."""
+        """Begin at index 0: what came before belongs to an earlier capture."""
         self.end, self.window, self.rebooted = None, None, False
-        self.expected, self.duplicates, self._missing, self._sequence = 0, 0, 0, -1
-        for items in (self._pieces, self._overruns, self.events, self.contradictions):
+        self.samples = SampleStore()
+        self._missing, self._sequence = 0, -1
+        for items in (self._losses, self.events, self.contradictions):
             items.clear()
 
     def _take_hello(self, hello: Hello) -> tuple[Block | Gap, ...]:
         known = self.hello
-        if known is None or not self._pieces:
+        if known is None or not self.samples:
             self.hello = hello
         elif hello.boot_id != known.boot_id and not self.rebooted:
             self.rebooted = True
@@ -201,7 +175,7 @@ class Assembly:
         problem = problem_of(description)
         if problem:
             _list(self.contradictions, problem)
-        elif self._pieces and description != self.description:
+        elif self.samples and description != self.description:
             _list(self.contradictions, "the board described other channels in the middle of the recording")
         else:
             self.description = description
@@ -210,10 +184,10 @@ class Assembly:
         if len(self.events) < MAX_LISTED:
             self.events.append(event)
         if event.kind == EventKind.OVERRUN:
-            self._overrun(event.index, event.index + event.count)
+            self._losses.overrun(event.index, event.index + event.count)
 
     def _take_data(self, sequence: int, data: Data, time: float) -> tuple[Block | Gap, ...]:
-        if self.end is not None and not self._pieces and data.first_index + data.n > self._total():
+        if self.end is not None and not self.samples and data.first_index + data.n > self._total():
             self.end = None  # a STOP asked twice is answered twice: this END was of the capture before
         problem = self._objection(data)
         if problem:
@@ -222,33 +196,27 @@ class Assembly:
             return ()
         again = self.end is not None
         if data.first_index < self.expected and not again:
-            self._take_late(sequence, _Piece(data, time))
+            self._take_late(sequence, Piece(data, time))
             return ()
         if data.dropped_before:
-            self._overrun(data.first_index - data.dropped_before, data.first_index)
-        lost = self._lost_before(data) if not again else ()
+            self._losses.overrun(data.first_index - data.dropped_before, data.first_index)
+        lost: tuple[Gap, ...] = ()
+        if not again:
+            self._missing += data.first_index - self.expected
+            lost = self._losses.before(data.first_index, self.expected, data.dropped_before)
         self._sequence = sequence
-        if not self._keep(_Piece(data, float("nan") if again else time)):
+        if not self.samples.add(Piece(data, float("nan") if again else time)):
             return ()
-        return (*lost, Block(data.first_index, self._convert(data), time))
+        assert self.description is not None
+        return (*lost, Block(data.first_index, _convert(data, self.description), time))
 
-    def _take_late(self, sequence: int, piece: _Piece) -> None:
+    def _take_late(self, sequence: int, piece: Piece) -> None:
         """A frame sent before the last one was delayed or doubled by the wire; a newer one contradicts it."""
         if 0 < (sequence - self._sequence) & 0xFFFFFFFF < 1 << 31:
             where = piece.data.first_index
             _list(self.contradictions, f"the sample index went back to {where} without a reboot")
         else:
-            self._keep(piece)
-
-    def _keep(self, piece: _Piece) -> bool:
-        """Store a piece unless the one stored at that place is as long; tell whether it was news."""
-        known = self._pieces.get(piece.data.first_index)
-        if known is not None and known.data.n >= piece.data.n:
-            self.duplicates += 1
-            return False
-        self._pieces[piece.data.first_index] = piece
-        self.expected = max(self.expected, piece.stop)
-        return True
+            self.samples.add(piece)
 
     def _objection(self, data: Data) -> str | None:
         if self.description is None:
@@ -262,57 +230,21 @@ class Assembly:
             return f"sample {data.first_index + data.n - 1} came after the board had said END"
         return None
 
-    def _lost_before(self, data: Data) -> tuple[Gap, ...]:
-        count = data.first_index - self.expected
-        self._missing += count
-        dropped = min(data.dropped_before, count)
-        wire, overrun = count - dropped, dropped
-        if self._reasons:
-            return tuple(gap for gap in self._reasons if self.expected <= gap.first < data.first_index)
-        lost = (Gap(self.expected, wire, "wire"), Gap(self.expected + wire, overrun, "overrun"))
-        return tuple(gap for gap in lost if gap.count)
-
-    def _overrun(self, first: int, stop: int) -> None:
-        if len(self._overruns) < MAX_LISTED * 100:
-            self._overruns.append((max(first, 0), stop))
-
-    def _convert(self, data: Data) -> Array:
-        assert self.description is not None
-        numbers = np.frombuffer(data.samples, data.format.code).reshape(data.n, data.channels).T
-        values = numbers.astype(np.float64)
-        for row, channel in zip(values, self.description.channels, strict=True):
-            if channel.scale != 1.0:
-                row *= channel.scale
-            if channel.offset != 0.0:
-                row += channel.offset
-        return values
-
-    def _within(self, first: int, stop: int) -> list[_Piece]:
-        return [p for p in self._pieces.values() if p.data.first_index < stop and p.stop > first]
-
-    def _mask(self, first: int, stop: int) -> Mask:
-        valid = np.zeros(max(stop - first, 0), dtype=np.bool_)
-        for piece in self._within(first, stop):
-            valid[max(piece.data.first_index - first, 0) : piece.stop - first] = True
-        return valid
-
     def _gaps(self, valid: Mask, first: int) -> tuple[Gap, ...]:
-        if valid.all():
-            return ()
-        reasons = np.full(len(valid), "wire", dtype=object)
-        arrived = self._mask(first, first + len(valid))
-        reasons[arrived] = "not a number"
-        for a, b in self._overruns:
-            part = slice(max(a - first, 0), max(b - first, 0))
-            reasons[part][~arrived[part]] = "overrun"
-        for gap in self._reasons:
-            reasons[max(gap.first - first, 0) : max(gap.first + gap.count - first, 0)] = gap.reason
-        if self.rebooted:
-            reasons[max(self.expected - first, 0) :] = "reboot"
-        reasons[valid] = None
-        edges = np.flatnonzero(reasons[1:] != reasons[:-1]) + 1
-        runs = zip([0, *edges.tolist()], [*edges.tolist(), len(valid)], strict=True)
-        return tuple(Gap(first + a, b - a, reasons[a]) for a, b in runs if reasons[a] is not None)
+        arrived = self.samples.mask(first, first + len(valid))
+        return self._losses.gaps(valid, arrived, first, self.expected if self.rebooted else None)
+
+
+def _convert(data: Data, description: Describe) -> Array:
+    """Return samples in SI units, shape (channels, n)."""
+    numbers = np.frombuffer(data.samples, data.format.code).reshape(data.n, data.channels).T
+    values = numbers.astype(np.float64)
+    for row, channel in zip(values, description.channels, strict=True):
+        if channel.scale != 1.0:
+            row *= channel.scale
+        if channel.offset != 0.0:
+            row += channel.offset
+    return values
 
 
 def assemble(records: Iterable[Record]) -> Assembly:

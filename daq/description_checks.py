@@ -1,4 +1,4 @@
-"""What a board told in DESCRIBE and the station in its notes, checked before it is believed."""
+"""Descriptions from a board and notes in a raw log, checked before they are used."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -71,7 +71,7 @@ def gap_of(item: object) -> Gap | None:
 
 
 def window_of(note: dict[str, Any]) -> Window | None:
-    """Return the window that a note tells, or None."""
+    """Return the window in a note, or None."""
     match note:
         case {"first": int(first), "count": int(count)} if _whole(first) and _whole(count):
             trigger = note.get("trigger")

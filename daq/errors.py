@@ -14,7 +14,7 @@
     |  `- PortForbidden           no permission
     |- BoardError              4  the board's fault
     |  |- VersionRefused          another major version of the protocol
-    |  |- BoardRefused            the board said no, in its own words
+    |  |- BoardRefused            the board refused, for the reason it gave
     |  `- ProtocolError           the board does not keep to the protocol
     |- DataLost                5  more samples lost than the limit allows
     |- LinkLost                6  the connection ended before the recording did
@@ -32,7 +32,7 @@ from pathlib import Path
 
 
 class StationError(Exception):
-    """What the operator must be told; `exit_code` is the program's, `session` the folder that was kept."""
+    """An error with a message for the operator; `exit_code` is the program's, `session` the folder that was kept."""
 
     exit_code = 1
 

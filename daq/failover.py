@@ -1,4 +1,4 @@
-"""Keeping what was received when the disk fails: the same log and session, written in another place."""
+"""A session written through a failing disk: the same log and session, continued in another folder."""
 
 import tempfile
 from collections.abc import Callable
@@ -16,7 +16,7 @@ FallbackFolder = Callable[[StorageError], Path | None]
 PLACES = 10
 
 
-def elsewhere_in_temporary_folder(error: StorageError) -> Path | None:
+def temporary_folder(error: StorageError) -> Path | None:
     """Return a new folder among the system's temporary files, or None when there is none either."""
     try:
         return Path(tempfile.mkdtemp(prefix="free-decay-session-"))
@@ -27,22 +27,22 @@ def elsewhere_in_temporary_folder(error: StorageError) -> Path | None:
 class SessionWriter:
     """A session that is being written, and where it goes when its disk fails."""
 
-    def __init__(self, session: Session, log: RawLog, elsewhere: FallbackFolder | None) -> None:
+    def __init__(self, session: Session, log: RawLog, fallback: FallbackFolder | None) -> None:
         self._session = session
         self._log = log
-        self._elsewhere = elsewhere or elsewhere_in_temporary_folder
+        self._fallback = fallback or temporary_folder
 
     @classmethod
     def begin(
-        cls, folder: Path, info: SessionInfo, log: RawLog, elsewhere: FallbackFolder | None, space: int
+        cls, folder: Path, info: SessionInfo, log: RawLog, fallback: FallbackFolder | None, space: int
     ) -> "SessionWriter":
-        """Create the session, in another place when the first refuses and `elsewhere` offers one."""
+        """Create the session, in another place when the first refuses and `fallback` offers one."""
         for _ in range(PLACES):
             try:
                 require_space(folder, space)
-                return cls(Session.create(folder, info, log), log, elsewhere)
+                return cls(Session.create(folder, info, log), log, fallback)
             except StorageError as error:
-                place = elsewhere(error) if elsewhere is not None else None
+                place = fallback(error) if fallback is not None else None
                 if place is None:
                     raise
                 folder = place
@@ -61,7 +61,7 @@ class SessionWriter:
                     self._session.update(**changes)
                     self._session.seal(state, reason, **counts)
                     return self._session
-                place = self._elsewhere(failure)
+                place = self._fallback(failure)
                 if place is None:
                     break
                 self._move(place, failure)
@@ -72,7 +72,7 @@ class SessionWriter:
         raise StorageError(f"no place was found for the session: {failure}", self._session.folder)
 
     def _move(self, place: Path, failure: StorageError) -> None:
-        """Write the whole log into a new session elsewhere."""
+        """Write the whole log into a new session at `place`."""
         moved = Session.create(place, self._session.info.model_copy(update={"name": ""}), self._log)
         self._log.close()
         with suppress(StorageError, OperatorError):

@@ -8,7 +8,7 @@ import numpy as np
 from daq.description_checks import MAX_RATE
 from daq.errors import SettingsError
 from daq.raw_log import Kind, RawLog
-from daq.recording import Channel, Recording
+from daq.recording import Channel, Recording, runs
 from firmware_protocol import ChannelDescription, Data, Describe, End, Hello, Message, SampleFormat, encode
 
 ROOM_FOR_SAMPLES = 980
@@ -60,10 +60,9 @@ def _messages(recording: Recording) -> list[Message]:
     table = np.ascontiguousarray(recording.samples.T.astype("<f8"))
     channels = len(recording.channels)
     per_frame = max(ROOM_FOR_SAMPLES // (8 * channels), 1)
-    edges = np.flatnonzero(np.diff(recording.valid.astype(np.int8), prepend=0, append=0))
     messages: list[Message] = []
     check = 0
-    for start, stop in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+    for start, stop in runs(recording.valid):
         for first in range(start, stop, per_frame):
             n = min(per_frame, stop - first)
             samples = table[first : first + n].tobytes()

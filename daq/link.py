@@ -1,13 +1,10 @@
-"""The conversation with a board: a thread that frames and timestamps, and requests that are answered.
+"""The conversation with a board: frames taken as they come, and requests that are answered.
 
-The thread reads, writes the bytes to the raw log, cuts them into frames and queues these: nothing else.
-Everything that understands happens in the caller's thread, in `take`, `request` and what builds on them.
-No wait is unbounded.
+Everything but the reading (see `frame_reader`) happens in the caller's thread, in `take`, `request` and what
+builds on them. No wait is unbounded.
 """
 
 import itertools
-import queue
-import threading
 import time
 from collections.abc import Callable
 from typing import Self
@@ -15,13 +12,13 @@ from typing import Self
 from daq.decode import Assembly, Block
 from daq.errors import (
     BoardRefused,
-    Disconnected,
     NoBoard,
     ProtocolError,
     Stalled,
     StationError,
     VersionRefused,
 )
+from daq.frame_reader import FrameReader
 from daq.port import Port
 from daq.raw_log import Kind, RawLog
 from daq.recording import Gap
@@ -32,7 +29,6 @@ from firmware_protocol import (
     Ack,
     Config,
     Data,
-    Decoder,
     Describe,
     Frame,
     Hello,
@@ -57,7 +53,6 @@ GIVE_UP_S = 2.0
 RESEND_FOR_S = 30.0
 
 StreamEvent = Block | Gap
-Arrival = tuple[float, Frame]
 
 
 class Link:
@@ -68,15 +63,9 @@ class Link:
         self.log = RawLog() if log is None else log
         self.assembly = Assembly()
         self.last_frame = time.monotonic()
-        self.bytes_received = 0
-        self.on_happening: Callable[[StreamEvent], None] = lambda happening: None
-        self._decoder = Decoder()
-        self._queue: queue.SimpleQueue[Arrival | StationError] = queue.SimpleQueue()
-        self._gone: StationError | None = None
-        self._stopping = threading.Event()
+        self.on_event: Callable[[StreamEvent], None] = lambda event: None
         self._sequence = 0
-        self._reader = threading.Thread(target=self._read, name=f"reader of {port.name}", daemon=True)
-        self._reader.start()
+        self._reader = FrameReader(port, self.log)
 
     def __enter__(self) -> Self:
         return self
@@ -86,28 +75,13 @@ class Link:
 
     def close(self) -> None:
         """Stop reading and give the port back."""
-        self._stopping.set()
-        self._reader.join(timeout=2.0)
+        self._reader.close()
         self.port.close()
 
     @property
     def statistics(self) -> Statistics:
         """What the decoder counted."""
-        return self._decoder.statistics
-
-    def _read(self) -> None:
-        try:
-            while not self._stopping.is_set():
-                data = self.port.read()
-                if data:
-                    when = self.log.append(Kind.RECEIVED, data)
-                    self.bytes_received += len(data)
-                    for frame in self._decoder.feed(data):
-                        self._queue.put((when, frame))
-        except StationError as error:
-            self._queue.put(error)
-        except Exception as error:
-            self._queue.put(Disconnected(f"{self.port.name} cannot be read any more ({error})"))
+        return self._reader.statistics
 
     def take(self, timeout: float) -> Frame | None:
         """Return the next frame, having passed it through the assembly; None when none came in time.
@@ -115,19 +89,13 @@ class Link:
         Raises Disconnected once everything that came before it was taken.
         """
         self.log.sync_if_due()
-        if self._gone is not None:
-            raise self._gone
-        try:
-            item = self._queue.get(timeout=timeout) if timeout > 0 else self._queue.get_nowait()
-        except queue.Empty:
+        arrival = self._reader.take(timeout)
+        if arrival is None:
             return None
-        if isinstance(item, StationError):
-            self._gone = item
-            raise item
-        when, frame = item
+        when, frame = arrival
         self.last_frame = time.monotonic()
-        for happening in self.assembly.take(frame, when):
-            self.on_happening(happening)
+        for event in self.assembly.take(frame, when):
+            self.on_event(event)
         return frame
 
     def silence(self) -> float:
@@ -180,15 +148,15 @@ class Link:
         return self.assembly.hello if described and isinstance(message, Hello | Describe) else None
 
     def _nobody(self, seconds: float) -> str:
-        if not self.bytes_received:
+        if not self._reader.bytes_received:
             return f"{self.port.name}: nothing answered within {seconds:g} s; is the board there and powered?"
         return (
-            f"{self.port.name}: {self.bytes_received} bytes came within {seconds:g} s, but no answer of a"
+            f"{self.port.name}: {self._reader.bytes_received} bytes came within {seconds:g} s, but no answer of a"
             " board; check baud rate and port"
         )
 
     def _at_rest(self, hello: Hello) -> Hello:
-        """Stop a board that may still be sampling for somebody who is gone, and hear an END of this very STOP."""
+        """Stop a board that may still be sampling for an earlier host, and wait for the END of this STOP."""
         self.assembly.end = None
         self.stop()
         self.assembly.contradictions.clear()
@@ -197,14 +165,12 @@ class Link:
     def request(self, message: Message, also: Callable[[Message | OtherVersion], bool] | None = None) -> None:
         """Send a request until it is answered by ACK, or by what is as good (`also`).
 
-        BoardRefused on NACK, Stalled when the board fell silent, ProtocolError when it talks of other things.
+        BoardRefused on NACK, Stalled when the board fell silent, ProtocolError when it sends other things.
         """
         sent = set()
-        for patience in ANSWER_S:
+        for seconds in ANSWER_S:
             sent.add(self.send(message))
-            frame = self.wait(
-                lambda m: _answers(m, message, sent) or (also is not None and also(m)), patience
-            )
+            frame = self.wait(lambda m: _answers(m, message, sent) or (also is not None and also(m)), seconds)
             if frame is None:
                 continue
             if isinstance(frame.message, Nack):
@@ -241,15 +207,15 @@ class Link:
     def stop(self) -> None:
         """End sampling and wait for END; asked for again when it was lost.
 
-        A slow line may first have to carry what the board had sampled: while samples come there is patience,
+        A slow line may first have to carry what the board had sampled: while samples come it is waited for,
         up to END_S. BoardRefused, Stalled and ProtocolError as in `request`.
         """
         until = time.monotonic() + END_S
         sent: set[int] = set()
-        for patience in itertools.chain(ANSWER_S, itertools.repeat(ANSWER_S[-1])):
+        for seconds in itertools.chain(ANSWER_S, itertools.repeat(ANSWER_S[-1])):
             before = self.assembly.expected
             sent.add(self.send(Stop()))
-            if self._ended(sent, patience):
+            if self._ended(sent, seconds):
                 return
             still = self.assembly.expected == before
             if self.silence() > GIVE_UP_S or time.monotonic() > until:
@@ -272,7 +238,7 @@ class Link:
         return self.assembly.end is not None
 
     def resend(self, first: int, count: int) -> bool:
-        """Ask for samples again, after END; tell whether the board holds them all.
+        """Ask for samples again, after END; return whether the board holds them all.
 
         Returns when it is answered or nothing comes any more.
         """

@@ -1,4 +1,4 @@
-"""The usual noise: what the same board had at rest in the sessions beside this one."""
+"""The typical noise of a board: its noise at rest in the sessions beside this one."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,7 +14,7 @@ INFO = "session.json"
 _LARGEST = 1 << 20
 
 
-def usual_noise(folder: Path, info: SessionInfo) -> dict[str, float]:
+def typical_noise(folder: Path, info: SessionInfo) -> dict[str, float]:
     """Return the median noise of each channel (channel's unit) over the latest sessions beside `folder`.
 
     Only captures of the same board count, and only channels that three of them know; empty where there are
@@ -37,7 +37,7 @@ def _neighbours(folder: Path) -> Iterator[SessionInfo]:
     try:
         files = [f for f in folder.absolute().parent.glob(f"*/{INFO}") if f.parent.name != folder.name]
         files = sorted(files, key=lambda f: f.stat().st_mtime, reverse=True)[:_MOST_SESSIONS]
-    except OSError:  # the folder vanished, and with it what was usual
+    except OSError:  # the folder was deleted
         return
     for file in files:
         try:

@@ -1,11 +1,11 @@
-"""Who watches a capture or a replay: told what happens, as it happens."""
+"""The observer of a capture or a replay: called with states, samples and losses as they come."""
 
 from daq.recording import Array, Channel, Gap
 from firmware_protocol import Hello
 
 
 class CaptureObserver:
-    """Told what happens during a capture, in the thread that captures; override what is of interest."""
+    """Called during a capture, in the thread that captures; override what is of interest."""
 
     def connected(self, hello: Hello, channels: tuple[Channel, ...]) -> None:
         """The board answered and described its channels."""
@@ -13,7 +13,7 @@ class CaptureObserver:
     def state(self, name: str, detail: str) -> None:
         """Where the capture stands: resting, armed, triggered, recording, resending, sealed; and a sentence.
 
-        Told again with another detail when something happens that is no new state, such as a silence.
+        Called again with another detail for what is no new state, such as a silence.
         """
 
     def block(self, first_index: int, samples: Array) -> None:

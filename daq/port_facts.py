@@ -12,7 +12,7 @@ SYSTEM_TTY = Path("/sys/class/tty")
 class PortFacts:
     """`holders` are the programs (name, pid) that have it open, as far as this user may see them.
 
-    `latency_ms` is that of an FTDI adapter, None where the system tells none.
+    `latency_ms` is that of an FTDI adapter, None where the system does not know it.
     """
 
     exists: bool

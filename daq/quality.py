@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from enum import StrEnum
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 
 from daq.decode import Assembly
 from daq.recording import Array, Channel, Gap, Mask, Recording
@@ -23,13 +23,13 @@ BLOW_S = 0.05
 CLOCK_LIMIT = 0.005
 SHORTEST_CLOCK_S = 2.0
 MOTION_TO_NOISE = 20.0
-UNUSUAL_NOISE = 3.0
+NOISIER_LIMIT = 3.0
 EARLY_SHARE = 0.1
 EARLY_SWING = 0.25
 
 
 class Grade(StrEnum):
-    """The verdict in a word."""
+    """How good a recording is."""
 
     OK = "OK"
     USABLE = "USABLE WITH GAPS"
@@ -37,16 +37,19 @@ class Grade(StrEnum):
 
 
 class Verdict(BaseModel):
-    """A word and its reasons, worst first; `advice` says what to do before taking it again."""
+    """A grade and its reasons, worst first; `advice` says what to do before taking it again.
 
-    model_config = ConfigDict(frozen=True)
+    In files and in JSON the grade stands under `word`.
+    """
 
-    word: Grade
+    model_config = ConfigDict(frozen=True, serialize_by_alias=True)
+
+    grade: Grade = Field(validation_alias=AliasChoices("word", "grade"), serialization_alias="word")
     reasons: tuple[str, ...] = ()
     advice: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        return "\n".join((self.word.value, *(f"- {reason}" for reason in self.reasons)))
+        return "\n".join((self.grade.value, *(f"- {reason}" for reason in self.reasons)))
 
 
 class _Findings:
@@ -60,14 +63,14 @@ class _Findings:
         self.found.append((Grade.USABLE, reason, advice))
 
     def verdict(self) -> Verdict:
-        for word in (Grade.REJECT, Grade.USABLE):
-            if any(found[0] is word for found in self.found):
+        for grade in (Grade.REJECT, Grade.USABLE):
+            if any(found[0] is grade for found in self.found):
                 break
         else:
-            return Verdict(word=Grade.OK)
+            return Verdict(grade=Grade.OK)
         ordered = sorted(self.found, key=lambda found: found[0] is not Grade.REJECT)
         advice = dict.fromkeys(found[2] for found in ordered if found[2])
-        return Verdict(word=word, reasons=tuple(found[1] for found in ordered), advice=tuple(advice))
+        return Verdict(grade=grade, reasons=tuple(found[1] for found in ordered), advice=tuple(advice))
 
 
 def judge(
@@ -76,23 +79,23 @@ def judge(
     planned: int | None = None,
     noise: Mapping[str, float] | None = None,
     check_clock: bool = True,
-    usual: Mapping[str, float] | None = None,
+    typical: Mapping[str, float] | None = None,
 ) -> Verdict:
     """Return the verdict on a recording.
 
-    `assembly` adds what the board and the wire told, `planned` the number of samples wanted, `noise` the
-    standard deviation of each channel at rest by its name (channel's unit), `usual` the same of other sessions.
+    `assembly` adds what the board and the wire reported, `planned` the number of samples wanted, `noise` the
+    standard deviation of each channel at rest by its name (channel's unit), `typical` the same in other sessions.
     """
     findings = _Findings()
     _losses(findings, recording, planned)
     for channel, samples in zip(recording.channels, recording.samples, strict=True):
         _one_channel(findings, channel, samples[recording.valid], (noise or {}).get(channel.name))
-    _unusual_noise(findings, recording, noise or {}, usual or {})
+    _noisier(findings, recording, noise or {}, typical or {})
     _saturation(findings, recording, assembly)
     _start(findings, recording)
     _kinematics(findings, recording)
     if assembly is not None:
-        _told_by_board(findings, assembly)
+        _board_reports(findings, assembly)
         _clocks(findings, assembly, check_clock)
     return findings.verdict()
 
@@ -150,13 +153,13 @@ def _one_channel(findings: _Findings, channel: Channel, samples: Array, noise: f
         )
 
 
-def _unusual_noise(
-    findings: _Findings, recording: Recording, noise: Mapping[str, float], usual: Mapping[str, float]
+def _noisier(
+    findings: _Findings, recording: Recording, noise: Mapping[str, float], typical: Mapping[str, float]
 ) -> None:
-    """Noise far above what the same board had in other sessions tells of a loose cable or a neighbour's machine."""
+    """Noise far above that of the same board's other sessions means a loose cable or a shaken bench."""
     for channel in recording.channels:
-        now, before = noise.get(channel.name, 0.0), usual.get(channel.name, 0.0)
-        if before > 0.0 and now > UNUSUAL_NOISE * before:
+        now, before = noise.get(channel.name, 0.0), typical.get(channel.name, 0.0)
+        if before > 0.0 and now > NOISIER_LIMIT * before:
             findings.usable(
                 f"{channel.name} is {now / before:.1f} times as noisy at rest as usual "
                 f"({now:.2g} {channel.unit}, usually {before:.2g})",
@@ -165,16 +168,16 @@ def _unusual_noise(
 
 
 def _saturation(findings: _Findings, recording: Recording, assembly: Assembly | None) -> None:
-    """Saturation by the samples and by the board's word; a blow may saturate, what follows it may not."""
+    """Saturation by the samples and by the board's events; a blow may saturate, what follows it may not."""
     blow = np.zeros(len(recording.valid), dtype=np.bool_)
     if recording.trigger is not None:
         after = recording.trigger + round(BLOW_S * recording.rate)
         blow[max(recording.trigger - 2, 0) : after] = True
     for number, channel in enumerate(recording.channels):
         seen = _at_end(channel, recording.samples[number])
-        told = _told_saturated(assembly, number, len(blow)) if assembly else np.zeros_like(blow)
-        count, in_blow = int((seen | told)[~blow].sum()), int((seen | told)[blow].sum())
-        if count >= SATURATED_LIMIT or told[~blow].any():
+        reported = _reported_saturation(assembly, number, len(blow)) if assembly else np.zeros_like(blow)
+        count, in_blow = int((seen | reported)[~blow].sum()), int((seen | reported)[blow].sum())
+        if count >= SATURATED_LIMIT or reported[~blow].any():
             findings.reject(
                 f"{channel.name} is at the end of its range in {count} samples",
                 f"a smaller release, or a wider range of {channel.name}",
@@ -200,13 +203,13 @@ def _at_end(channel: Channel, samples: Array) -> Mask:
     return stays
 
 
-def _told_saturated(assembly: Assembly, number: int, n: int) -> Mask:
-    told = np.zeros(n, dtype=np.bool_)
+def _reported_saturation(assembly: Assembly, number: int, n: int) -> Mask:
+    reported = np.zeros(n, dtype=np.bool_)
     for event in assembly.events:
         if event.kind == EventKind.SATURATION and event.channel in (number, NO_CHANNEL):
             first = event.index - assembly.start
-            told[max(first, 0) : max(first + event.count, 0)] = True
-    return told
+            reported[max(first, 0) : max(first + event.count, 0)] = True
+    return reported
 
 
 def _start(findings: _Findings, recording: Recording) -> None:
@@ -238,7 +241,7 @@ def _kinematics(findings: _Findings, recording: Recording) -> None:
         say(suspicion.reason, suspicion.advice)
 
 
-def _told_by_board(findings: _Findings, assembly: Assembly) -> None:
+def _board_reports(findings: _Findings, assembly: Assembly) -> None:
     for contradiction in assembly.contradictions[:3]:
         findings.reject(f"the board contradicts itself: {contradiction}", "correct the firmware")
     faults = [e for e in assembly.events if e.kind == EventKind.SENSOR_FAULT]
@@ -253,13 +256,13 @@ def _told_by_board(findings: _Findings, assembly: Assembly) -> None:
 
 
 def _clocks(findings: _Findings, assembly: Assembly, check_host: bool) -> None:
-    board, rate = assembly.board_clock(), assembly.rate
+    board, rate = assembly.samples.board_clock(), assembly.rate
     if board is not None and abs(board.rate / rate - 1) > max(CLOCK_LIMIT, 5 * board.std / rate):
         findings.reject(
             f"the board says {rate:g} Hz, but its own clock says {board.rate:.6g} Hz", "correct the firmware"
         )
         return
-    host = assembly.host_clock()
+    host = assembly.samples.host_clock()
     if not check_host or host is None or host.span < SHORTEST_CLOCK_S:
         return
     if abs(host.rate / rate - 1) > max(CLOCK_LIMIT, 5 * host.std / rate):

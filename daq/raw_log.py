@@ -1,4 +1,4 @@
-"""The raw log: every byte as it came and went, written before anybody tries to understand it.
+"""The raw log: every byte as it came and went, written before it is decoded.
 
 A file is `MAGIC`, then records. A record is a head of 24 bytes (marker, kind, payload length, host time,
 CRC-32 of the payload, CRC-32 of the head before it) and the payload. Because a record is handed to the

@@ -9,6 +9,12 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
+def runs(mask: Mask) -> list[tuple[int, int]]:
+    """Return the runs of True in a mask, shape (n,), as (first, one past the last), in order."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
 @dataclass(frozen=True)
 class Channel:
     """What one channel measures: `quantity` is displacement, velocity, acceleration, force or other.

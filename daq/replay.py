@@ -1,4 +1,4 @@
-"""A replay: a session's raw bytes through the decoder that heard them live, at any speed, to an observer."""
+"""A replay: a session's raw bytes through the same decoder as live, at any speed, to an observer."""
 
 import time
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class _Pace:
 
 
 def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> Recording:
-    """Tell `observer` what it would have been told live and return the recording, the same as ever.
+    """Show `observer` what it would have seen live and return the recording, which does not depend on the speed.
 
     `speed` times as fast as it came (0: as fast as possible); imports, which came at once, are paced by
     their sample times. Pauses longer than 1 s are cut short. SettingsError for a negative speed.
@@ -38,7 +38,7 @@ def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> R
     if not 0 <= speed < float("inf"):
         raise SettingsError(f"the speed must be 0 or more, not {speed:g}")
     decoder, assembly, pace = Decoder(), Assembly(), _Pace(speed)
-    told = False
+    described = False
     for record in session.records():
         if record.kind is Kind.NOTE:
             _note(assembly, observer, record)
@@ -46,8 +46,8 @@ def replay(session: Session, observer: CaptureObserver, speed: float = 1.0) -> R
             continue
         for frame in decoder.feed(record.payload):
             _frame(assembly, observer, frame, record.time, pace)
-            if not told and isinstance(frame.message, Describe) and assembly.hello is not None:
-                told = True
+            if not described and isinstance(frame.message, Describe) and assembly.hello is not None:
+                described = True
                 observer.connected(assembly.hello, assembly.channels)
     observer.state("sealed", f"{session.info.verdict or session.info.state.value}: {session.folder}")
     return session.complete(assembly.recording())
@@ -66,10 +66,10 @@ def _note(assembly: Assembly, observer: CaptureObserver, record: Record) -> None
 
 
 def _frame(assembly: Assembly, observer: CaptureObserver, frame: Frame, when: float, pace: _Pace) -> None:
-    for happening in assembly.take(frame, when):
-        if not isinstance(happening, Block):
-            observer.loss(happening)
+    for event in assembly.take(frame, when):
+        if not isinstance(event, Block):
+            observer.loss(event)
             continue
         imported = assembly.hello is not None and assembly.hello.firmware == "import"
-        pace.wait(happening.first / assembly.rate if imported else when)
-        observer.block(happening.first, happening.samples)
+        pace.wait(event.first / assembly.rate if imported else when)
+        observer.block(event.first, event.samples)

@@ -34,7 +34,7 @@ def smallest_motion(channel: Channel, level: float | None = None) -> float:
 
 
 def is_still(channel: Channel, samples: Array, level: float | None = None) -> bool:
-    """Tell whether one channel, shape (n,), shows noise only: no drift or swing beyond its white part."""
+    """Return whether one channel, shape (n,), shows noise only: no drift or swing beyond its white part."""
     white = float(np.median(np.abs(np.diff(samples)))) / 0.6745 / np.sqrt(2)
     allowed = max(3 * white, channel.resolution or 0.0, 0.1 * smallest_motion(channel, level))
     return bool(samples.std() <= allowed)
@@ -80,6 +80,6 @@ class RestPeriod:
 
 
 def primary(channels: tuple[Channel, ...]) -> str | None:
-    """Return the quantity that tells of a release first: displacement, velocity, then acceleration."""
+    """Return the quantity by which a release is seen first: displacement, velocity, then acceleration."""
     present = {channel.quantity for channel in channels}
     return next((quantity for quantity in MOTION if quantity in present), None)

@@ -20,7 +20,7 @@ from daq.manifest import (
     session_files,
     write_manifest,
 )
-from daq.noise_history import usual_noise
+from daq.noise_history import typical_noise
 from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog, Record, read
 from daq.recording import Channel, Recording
@@ -92,7 +92,7 @@ class Session:
         session = cls.create(folder, info.model_copy(update=changes), log)
         try:
             if source is not None:
-                session._store_source(source.name, content)
+                _store_source(session.folder / SOURCE, source.name, content)
             log.close()
             if log.failure is not None:
                 raise log.failure
@@ -185,16 +185,15 @@ class Session:
             write_manifest(self.folder, known.model_copy(update={"files": self._entries(known.files)}))
             return known.verdict
         assembly = self.assembly()
-        verdict, gaps, counts = self._judge(assembly, check_clock)
+        verdict, gaps, counts = _judge(self.folder, self.info, assembly, check_clock)
         counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
         self.info = self.info.model_copy(
-            update={"state": state, "reason": reason[:2000], "verdict": verdict.word.value}
+            update={"state": state, "reason": reason[:2000], "verdict": verdict.grade.value}
         )
         self._write_info()
         files = self._entries(known.files if known else {})
-        write_manifest(
-            self.folder, Manifest(state=state, files=files, counts=counts, gaps=gaps, verdict=verdict)
-        )
+        sealed = Manifest(state=state, files=files, counts=counts, gaps=gaps, verdict=verdict)
+        write_manifest(self.folder, sealed)
         self.release()
         return verdict
 
@@ -203,25 +202,6 @@ class Session:
         if self._lock is not None:
             self._lock.release()
             self._lock = None
-
-    def _judge(self, assembly: Assembly, check_clock: bool) -> tuple[Verdict, tuple[GapEntry, ...], Counts]:
-        planned = self.info.planned_samples
-        try:
-            recording = assembly.recording()
-        except DataLost:
-            nothing = Verdict(word=Grade.REJECT, reasons=("no sample was received",))
-            return nothing, (), Counts(planned=planned or 0)
-        usual = usual_noise(self.folder, self.info)
-        verdict = judge(recording, assembly, planned, self.info.noise, check_clock, usual)
-        counts = Counts(
-            samples=len(recording.valid),
-            lost=int(len(recording.valid) - recording.valid.sum()),
-            planned=planned or 0,
-            frames=assembly.frames,
-            duplicates=assembly.duplicates,
-        )
-        gaps = tuple(GapEntry(first=g.first, count=g.count, reason=g.reason) for g in recording.gaps)
-        return verdict, gaps, counts
 
     def _entries(self, known: dict[str, FileEntry]) -> dict[str, FileEntry]:
         """Checksums of all files; the raw log's and the source's, once known, are never made again."""
@@ -255,13 +235,6 @@ class Session:
         except OSError as error:
             raise refused(self.results, error) from error
 
-    def _store_source(self, name: str, content: bytes) -> None:
-        try:
-            (self.folder / SOURCE).mkdir(exist_ok=True)
-        except OSError as error:
-            raise refused(self.folder / SOURCE, error) from error
-        write_whole(self.folder / SOURCE / name, content)
-
 
 def read_info(folder: Path) -> SessionInfo:
     """Read and check `session.json`."""
@@ -289,3 +262,32 @@ def _calibrated(channel: Channel, sensor: SensorInfo | None) -> Channel:
         return channel
     uncertainty = channel.calibration_uncertainty if sensor.uncertainty is None else sensor.uncertainty
     return replace(channel, sensor=channel.sensor or sensor.sensor, calibration_uncertainty=uncertainty)
+
+
+def _judge(
+    folder: Path, info: SessionInfo, assembly: Assembly, check_clock: bool
+) -> tuple[Verdict, tuple[GapEntry, ...], Counts]:
+    planned = info.planned_samples
+    try:
+        recording = assembly.recording()
+    except DataLost:
+        nothing = Verdict(grade=Grade.REJECT, reasons=("no sample was received",))
+        return nothing, (), Counts(planned=planned or 0)
+    verdict = judge(recording, assembly, planned, info.noise, check_clock, typical_noise(folder, info))
+    counts = Counts(
+        samples=len(recording.valid),
+        lost=int(len(recording.valid) - recording.valid.sum()),
+        planned=planned or 0,
+        frames=assembly.frames,
+        duplicates=assembly.samples.duplicates,
+    )
+    gaps = tuple(GapEntry(first=g.first, count=g.count, reason=g.reason) for g in recording.gaps)
+    return verdict, gaps, counts
+
+
+def _store_source(folder: Path, name: str, content: bytes) -> None:
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise refused(folder, error) from error
+    write_whole(folder / name, content)

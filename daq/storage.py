@@ -90,7 +90,7 @@ def write_whole(path: Path, data: bytes) -> None:
     """Write a file so that after any crash the old or the new content is there: temporary, sync, rename."""
     temporary = path.with_name(f".{path.name}.new")
     try:
-        temporary.unlink(missing_ok=True)  # may be a stranger's link to elsewhere
+        temporary.unlink(missing_ok=True)  # it may be a link to another place
         with temporary.open("xb") as file:
             file.write(data)
             file.flush()
@@ -148,7 +148,7 @@ class Lock:
         raise SessionLocked(f"{self.path.parent} is being locked and unlocked by others; try again")
 
     def _is_current(self, file: IO[bytes]) -> bool:
-        """Tell whether nobody removed the lock's file between opening and locking it."""
+        """Return whether nobody removed the lock's file between opening and locking it."""
         try:
             return os.path.samestat(os.fstat(file.fileno()), self.path.stat())
         except OSError:

@@ -1,7 +1,7 @@
 """The trigger: a release is what free swings follow.
 
-A pull is one slow swing, a bump of the table a small or short one, a hand's tremor an uneven one, so the
-trigger waits for three swings that shrink and keep their time, and then looks back for the sample at which
+A pull is one slow swing, a bump of the table a small or short one, an unsteady grip an uneven one, so the
+trigger waits for three swings that shrink at an even period, and then looks back for the sample at which
 the motion began. Nothing is lost by waiting: every sample is kept from START on.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from daq.recording import Array, Channel
 from daq.rest_detection import MOTION, Rest, primary, smallest_motion
-from daq.turning_points import FreeSwings, Swings
+from daq.turning_points import FreeOscillation, TurningPoints
 
 TIMES_NOISE = 30.0
 TIMES_RESOLUTION = 10.0
@@ -23,7 +23,7 @@ HISTORY_S = 120.0
 
 @dataclass(frozen=True)
 class Triggered:
-    """The release as the station saw it: `sample` is the first that moves, `channel` the one that told."""
+    """The release as the station saw it: `sample` is the first that moves, `channel` the one that showed it."""
 
     sample: int
     channel: str
@@ -44,7 +44,7 @@ class Trigger:
         self._rows = [i for i, channel in enumerate(channels) if channel.quantity in MOTION]
         self._rows.sort(key=lambda i: MOTION.index(channels[i].quantity))
         self.rest = rest
-        self._swings = {row: Swings(self._threshold(row)) for row in self._rows}
+        self._swings = {row: TurningPoints(self._threshold(row)) for row in self._rows}
 
     def _threshold(self, row: int) -> float:
         channel, noise = self._channels[row], float(self.rest.noise[row])
@@ -74,7 +74,7 @@ class Trigger:
                 )
         return None
 
-    def _counts(self, row: int, found: FreeSwings) -> bool:
+    def _counts(self, row: int, found: FreeOscillation) -> bool:
         """A velocity or acceleration counts beside a displacement only if it means a motion large enough.
 
         So a table that rings at 20 Hz does not trigger, and a displacement sensor that is dead does not
@@ -85,7 +85,7 @@ class Trigger:
         omega = np.pi * self._rate / found.half_period
         return bool(found.size / omega**steps > self._threshold(main))
 
-    def _onset(self, row: int, found: FreeSwings) -> int:
+    def _onset(self, row: int, found: FreeOscillation) -> int:
         """Return the first sample that moves, by the earlier of this channel and the acceleration."""
         half = max(found.half_period, 1.0)
         sample = self._begin(row, found, half)
@@ -98,7 +98,7 @@ class Trigger:
                     sample = earlier
         return max(sample, 0)
 
-    def _begin(self, row: int, found: FreeSwings, half: float) -> int:
+    def _begin(self, row: int, found: FreeOscillation, half: float) -> int:
         """Where this channel leaves the place it was held at, or the place it was struck at."""
         turn, crossing = found.turns[0], found.crossing
         before = self._at(row, crossing - round(half))

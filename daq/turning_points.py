@@ -1,4 +1,4 @@
-"""Swings: the turning points of one channel, found as its samples come, deaf to anything small."""
+"""Turning points of one channel, found as its samples come; motion below a threshold is ignored."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -23,8 +23,8 @@ class Turn:
 
 
 @dataclass(frozen=True)
-class FreeSwings:
-    """Swings that shrink and keep their time: `turns` from the first of them on, `half_period` in samples.
+class FreeOscillation:
+    """Swings that shrink at an even period: `turns` from the first of them on, `half_period` in samples.
 
     `crossing` is the sample at which the first of them was half done.
     """
@@ -39,8 +39,8 @@ class FreeSwings:
         return abs(self.turns[1].value - self.turns[0].value)
 
 
-class Swings:
-    """Turning points of one channel that are at least `threshold` apart."""
+class TurningPoints:
+    """The turning points of one channel that are at least `threshold` apart (channel's unit)."""
 
     def __init__(self, threshold: float) -> None:
         self.threshold = threshold
@@ -50,8 +50,8 @@ class Swings:
         self._direction = 0
         self._path: deque[tuple[int, float]] = deque(maxlen=LONGEST_SWING)
 
-    def feed(self, first: int, samples: Array) -> FreeSwings | None:
-        """Take samples, shape (n,), from index `first` on; return free swings once there are enough."""
+    def feed(self, first: int, samples: Array) -> FreeOscillation | None:
+        """Take samples, shape (n,), from index `first` on; return a free oscillation once three swings show it."""
         found = None
         for index, value in enumerate(samples.tolist(), first):
             if not isnan(value) and self._step(index, value):
@@ -59,7 +59,7 @@ class Swings:
         return found
 
     def _step(self, index: int, value: float) -> bool:
-        """Follow one sample; tell whether a turning point before it is now certain."""
+        """Take one sample; return whether a turning point before it is now certain."""
         self._path.append((index, value))
         if self._low.index < 0:
             self._low = self._high = Turn(index, value)
@@ -93,8 +93,8 @@ class Swings:
                 return index
         return before.index
 
-    def _regular(self) -> FreeSwings | None:
-        """Return the last three swings if they shrink and keep their time."""
+    def _regular(self) -> FreeOscillation | None:
+        """Return the last three swings if they shrink and their half periods agree."""
         if len(self._turns) <= REGULAR:
             return None
         values = [turn.value for turn in self._turns]
@@ -104,4 +104,4 @@ class Swings:
         times = [b - a for a, b in pairwise(self._crossings)]
         if min(times) < 1 or max(times) > UNEVEN * min(times) + 2:
             return None
-        return FreeSwings(tuple(self._turns), self._crossings[0], sum(times) / len(times))
+        return FreeOscillation(tuple(self._turns), self._crossings[0], sum(times) / len(times))

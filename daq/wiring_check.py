@@ -28,7 +28,7 @@ def suspicions(displacement: Array, acceleration: Array, rate: float) -> tuple[S
     """
     if len(displacement) < SHORTEST or not (np.ptp(displacement) and np.ptp(acceleration)):
         return ()
-    with np.errstate(over="ignore", invalid="ignore"):  # a stranger's file may hold numbers near the largest
+    with np.errstate(over="ignore", invalid="ignore"):  # a file may hold numbers near the largest
         x = displacement - displacement[-len(displacement) // 8 :].mean()
         a = acceleration - acceleration.mean()
         finite = np.isfinite((x @ x) * (a @ a))
@@ -58,7 +58,7 @@ def suspicions(displacement: Array, acceleration: Array, rate: float) -> tuple[S
 
 def _scales(x: Array, a: Array, rate: float) -> tuple[Suspicion, ...]:
     """Compare a/x with the square of the frequency at which x crosses its middle."""
-    big, crossings = swings(x)
+    big, crossings = large_motion(x)
     if crossings < 4 or len(big) < 16:
         return ()
     omega = np.pi * crossings / ((big[-1] - big[0]) / rate)
@@ -75,8 +75,8 @@ def _scales(x: Array, a: Array, rate: float) -> tuple[Suspicion, ...]:
     )
 
 
-def swings(x: Array) -> tuple[np.ndarray, int]:
-    """Return where |x| is above a fifth of its largest, and how often x went from side to side there."""
+def large_motion(x: Array) -> tuple[np.ndarray, int]:
+    """Return the indices at which |x| is above a fifth of its largest, and how often x changed sides there."""
     threshold = 0.2 * np.abs(x).max()
     side = np.where(x > threshold, 1, np.where(x < -threshold, -1, 0))
     side = side[side != 0]

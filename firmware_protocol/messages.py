@@ -223,7 +223,7 @@ class Heartbeat:
 
 @dataclass(frozen=True)
 class Event:
-    """Board to host: something befell samples `index` to `index + count - 1` (channel 255: all of them)."""
+    """Board to host: something happened to samples `index` to `index + count - 1` (channel 255: all of them)."""
 
     kind: EventKind
     index: int

@@ -1,4 +1,4 @@
-"""Draw a bench, a hand and two sensors: off every grid, and different from seed to seed."""
+"""Draw the parameters of bench, release and sensors: off every grid, and different from seed to seed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mocks.testbed import Bench, Release
 
 
 @dataclass(frozen=True)
-class Setting:
+class BenchParameters:
     """What is drawn for one recording, SI units; `lag` is how late the displacement is."""
 
     stiffness: float
@@ -21,7 +21,7 @@ class Setting:
     mu_1: float
     amplitude: float
     lag: float
-    hand: float
+    release_time: float
     released_at: float
     offset_displacement: float
     offset_acceleration: float
@@ -44,7 +44,7 @@ class Setting:
     @property
     def release(self) -> Release:
         """How the mass is let go."""
-        return Release(self.amplitude, self.velocity, self.hand)
+        return Release(self.amplitude, self.velocity, self.release_time)
 
     @property
     def sensors(self) -> dict[str, Sensor]:
@@ -68,26 +68,26 @@ class Setting:
         }
 
 
-def draw_setting(seed: int, fixed: dict[str, Any]) -> Setting:
-    """Return the setting of `seed` with the values of `fixed` in place of drawn ones.
+def draw_parameters(seed: int, fixed: dict[str, Any]) -> BenchParameters:
+    """Return the parameters of `seed` with the values of `fixed` in place of drawn ones.
 
-    TypeError names what a setting does not have.
+    TypeError names what is no parameter.
     """
-    known = [field.name for field in dataclasses.fields(Setting)]
+    known = [field.name for field in dataclasses.fields(BenchParameters)]
     unknown = sorted(set(fixed) - set(known))
     if unknown:
-        raise TypeError(f"a setting has no {', '.join(unknown)}; it has {', '.join(known)}")
+        raise TypeError(f"a bench has no {', '.join(unknown)}; it has {', '.join(known)}")
     random = np.random.default_rng([seed, 1])
     rest = float(fixed.get("rest", 0.75))
     rate = float(fixed.get("rate", 256.0))
     side = -1.0 if random.random() < 0.5 else 1.0
-    drawn = Setting(
+    drawn = BenchParameters(
         stiffness=614.0 * (1.0 + random.uniform(-0.01, 0.01)),
         mu_0=random.uniform(0.10, 0.15),
         mu_1=random.uniform(0.25, 0.30),
         amplitude=side * random.uniform(0.015, 0.025),
         lag=random.uniform(-3e-3, 3e-3),
-        hand=draw_hand(random),
+        release_time=draw_release_time(random),
         released_at=rest + random.random() / rate,
         offset_displacement=random.uniform(-2e-4, 2e-4),
         offset_acceleration=random.uniform(-0.05, 0.05),
@@ -97,6 +97,6 @@ def draw_setting(seed: int, fixed: dict[str, Any]) -> Setting:
     return dataclasses.replace(drawn, **fixed)
 
 
-def draw_hand(random: np.random.Generator) -> float:
-    """Return how long a hand takes to let go, s: no time in one half of the cases, else 2-12 ms."""
+def draw_release_time(random: np.random.Generator) -> float:
+    """Return how long letting go takes, s: no time in one half of the cases, else 2-12 ms."""
     return float(random.random() < 0.5) * random.uniform(0.002, 0.012)

@@ -37,7 +37,7 @@ from firmware_protocol import (
     encode,
 )
 from mocks.capture import Capture, Settings, Source
-from mocks.misconfigurations import Lies
+from mocks.misconfigurations import Misconfiguration
 
 RATES_HZ = (5.0, 20000.0)
 ROOM_FOR_SAMPLES = 900  # Bytes of samples in a frame of 1024.
@@ -55,14 +55,14 @@ class Board:
         random: np.random.Generator,
         now: float,
         speed: float = 1.0,
-        lies: Lies | None = None,
+        misconfiguration: Misconfiguration | None = None,
         memory_s: float = 12.0,
     ) -> None:
         self._channels = channels
         self._source = source
         self._random = random
         self._speed = speed
-        self._lies = lies or Lies()
+        self._misconfiguration = misconfiguration or Misconfiguration()
         self._memory_s = memory_s
         self._settings = Settings()
         self._boot(now, ResetCause.POWER_ON)
@@ -116,13 +116,13 @@ class Board:
         return out
 
     def _say(self, message: Message) -> None:
-        version = 2 if self._lies.wrong_version else PROTOCOL_MAJOR
+        version = 2 if self._misconfiguration.wrong_version else PROTOCOL_MAJOR
         self._out.append(encode(message, self._sequence, version=version))
         self._sequence = (self._sequence + 1) & 0xFFFFFFFF
 
     def _uptime_us(self, now: float) -> int:
         pace = self._speed or 1.0
-        return int((now - self._booted) * pace * self._lies.clock * 1e6) + self._ahead_us
+        return int((now - self._booted) * pace * self._misconfiguration.clock * 1e6) + self._ahead_us
 
     def _answer(self, frame: Frame, now: float) -> None:
         message = frame.message
@@ -164,25 +164,15 @@ class Board:
             boot_id=self._boot_id,
             clock_hz=48_000_000,
             reset_cause=self._cause,
-            major=2 if self._lies.wrong_version else PROTOCOL_MAJOR,
+            major=2 if self._misconfiguration.wrong_version else PROTOCOL_MAJOR,
             firmware="bench double 1.0",
             board="Simulated bench board",
             unique_id="SIM-0001",
         )
 
     def _describe(self) -> Describe:
-        form = self._settings.format
-        whole = form in (SampleFormat.I16, SampleFormat.I32)
-        channels = tuple(
-            dataclasses.replace(
-                channel,
-                rate_hz=self._settings.rate,
-                scale=channel.scale if whole else 1.0,
-                offset=channel.offset if whole else 0.0,
-            )
-            for channel in self._channels
-        )
-        return self._lies.description(Describe(form, channels))
+        channels = _described(self._channels, self._settings)
+        return self._misconfiguration.description(Describe(self._settings.format, channels))
 
     def _configure(self, frame: Frame, wanted: Config) -> None:
         rate = wanted.rate_hz or self._settings.rate
@@ -200,12 +190,12 @@ class Board:
         return self._say(self._describe())
 
     def _start(self, message: Start, now: float) -> None:
-        source = self._source(self._settings.rate * self._lies.rate)
+        source = self._source(self._settings.rate * self._misconfiguration.rate)
         self._capture = Capture(
             source,
             self._settings,
             self._channels,
-            self._lies,
+            self._misconfiguration,
             self._uptime_us(now),
             message.count,
             self._memory_s,
@@ -217,7 +207,7 @@ class Board:
     def _sample(self, capture: Capture, now: float, room: bool) -> None:
         """Take the samples that are due; send them while there is room on the way out."""
         if self._speed:
-            pace = self._speed * self._settings.rate * self._lies.rate
+            pace = self._speed * self._settings.rate * self._misconfiguration.rate
             due = int((now - self._started) * pace) - capture.sampled
         else:
             due = self._settings.samples_per_frame - capture.unsent if room else 0
@@ -250,3 +240,19 @@ class Board:
             self._ack(frame)
         else:
             self._nack(frame, NackCode.NOT_HELD, f"{wanted.count - sent} of these samples are not held")
+
+
+def _described(
+    channels: tuple[ChannelDescription, ...], settings: Settings
+) -> tuple[ChannelDescription, ...]:
+    """Return the channels at the rate and format set: floating-point samples are in SI units already."""
+    whole = settings.format in (SampleFormat.I16, SampleFormat.I32)
+    return tuple(
+        dataclasses.replace(
+            channel,
+            rate_hz=settings.rate,
+            scale=channel.scale if whole else 1.0,
+            offset=channel.offset if whole else 0.0,
+        )
+        for channel in channels
+    )

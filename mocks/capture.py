@@ -11,7 +11,7 @@ from zlib import crc32
 import numpy as np
 
 from firmware_protocol import ChannelDescription, Data, End, Event, EventKind, SampleFormat
-from mocks.misconfigurations import Lies
+from mocks.misconfigurations import Misconfiguration
 
 FORMATS: dict[SampleFormat, np.dtype[Any]] = {
     SampleFormat.I16: np.dtype("<i2"),
@@ -48,7 +48,7 @@ class Capture:
         source: Source,
         settings: Settings,
         channels: tuple[ChannelDescription, ...],
-        lies: Lies,
+        misconfiguration: Misconfiguration,
         started_us: int,
         count: int,
         memory_s: float,
@@ -60,7 +60,7 @@ class Capture:
         self.settings = settings
         self._source = source
         self._channels = channels
-        self._lies = lies
+        self._misconfiguration = misconfiguration
         self._started_us = started_us
         self._memory = int(memory_s * settings.rate)
         self._capacity = max(64, int(BUFFER_S * settings.rate * max(1.0, pace)))
@@ -87,14 +87,14 @@ class Capture:
         return bool(self.count) and self.sampled >= self.count
 
     def take(self, due: int) -> list[Event]:
-        """Sample `due` times; keep what fits, drop the rest, and return what befell the samples."""
+        """Sample `due` times; keep what fits, drop the rest, and return the events."""
         if self.count:
             due = min(due, self.count - self.sampled)
         if due <= 0:
             return []
-        codes = self._lies.codes(self._source.take(due))
+        codes = self._misconfiguration.codes(self._source.take(due))
         events = self._saturation(codes)
-        first = self._lies.index(self.sampled)
+        first = self._misconfiguration.index(self.sampled)
         self.sampled += due
         kept = codes[: max(0, self._capacity - self.unsent)]
         if len(kept):
@@ -143,7 +143,7 @@ class Capture:
 
     def end(self) -> End:
         """Return the END of what has been sent."""
-        return self._lies.end(End(self.sampled, self.dropped, self._checksum))
+        return self._misconfiguration.end(End(self.sampled, self.dropped, self._checksum))
 
     def _data(self, first: int, dropped: int, codes: np.ndarray) -> Data:
         form = self.settings.format
@@ -151,7 +151,7 @@ class Capture:
         if form in (SampleFormat.F32, SampleFormat.F64):
             scale = np.array([c.scale for c in self._channels])
             numbers = codes * scale + np.array([c.offset for c in self._channels])
-        since_us = int(first * 1e6 / (self.settings.rate * self._lies.told_rate))
+        since_us = int(first * 1e6 / (self.settings.rate * self._misconfiguration.time_stamp_rate))
         payload = np.ascontiguousarray(numbers.astype(FORMATS[form])).tobytes()
         return Data(first, self._started_us + since_us, dropped, len(codes), codes.shape[1], form, payload)
 

@@ -8,37 +8,46 @@ import select
 import signal
 import stat
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from mocks import faults as wire
 from mocks import generate
 from mocks.link import Link, PtyLink, TcpLink
-from mocks.misconfigurations import LIES
+from mocks.misconfigurations import MISCONFIGURATIONS
 from mocks.serve import serve
-from mocks.simulated_board import Rig
+from mocks.simulated_board import SimulatedBoard
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run the double; the exit code is 0, or 2 for a wrong command line."""
-    commands = parser()
-    options = commands.parse_args(_joined(sys.argv[1:] if argv is None else argv))
+    options = parse(sys.argv[1:] if argv is None else argv)
     try:
-        rig = Rig(options)
+        simulated = SimulatedBoard(options)
     except ValueError as error:
-        commands.error(str(error))
+        parser().error(str(error))
     ended = _ending()
-    link: Link = PtyLink() if options.pty else TcpLink(options.tcp)
+    link = open_link(options)
     try:
-        rig.write_truth()
+        simulated.write_truth()
         print(f"port: {link.address}", flush=True)
-        serve(link, rig.board, rig.line, options.speed, options.once, ended)
+        serve(link, simulated.board, simulated.line, options.speed, options.once, ended)
     finally:
         link.close()
     return 0
 
 
-def _joined(words: list[str]) -> list[str]:
+def parse(words: Sequence[str]) -> argparse.Namespace:
+    """Return the options of a command line; SystemExit with words on stderr for a wrong one."""
+    return parser().parse_args(_joined(words))
+
+
+def open_link(options: argparse.Namespace) -> Link:
+    """Return the board's end of the line that the options name."""
+    return PtyLink() if options.pty else TcpLink(options.tcp)
+
+
+def _joined(words: Sequence[str]) -> list[str]:
     """Join `--releases -25,20` to one word: argparse takes the minus for an option."""
     out: list[str] = []
     for word in words:
@@ -50,7 +59,7 @@ def _joined(words: list[str]) -> list[str]:
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the parser of the options that a `Rig` is built from."""
+    """Return the parser of the options that a `SimulatedBoard` is built from."""
     parser = argparse.ArgumentParser(
         prog="python -m mocks",
         description="The bench's double: a simulated testbed behind a board that speaks the real protocol.",
@@ -67,9 +76,9 @@ def parser() -> argparse.ArgumentParser:
         "--releases", default="", help="paper, or a list of mm (-25,20) and velocities (v0.4, m/s)"
     )
     parser.add_argument("--hide", action="append", default=[], metavar="NAME:STRENGTH", help="hide an effect")
-    parser.add_argument("--seed", type=int, default=1, help="of bench, sensors, hand, noise and faults")
+    parser.add_argument("--seed", type=int, default=1, help="of bench, sensors, release, noise and faults")
     parser.add_argument("--lag-ms", type=float, help="how late the displacement is; else drawn, +-3 ms")
-    parser.add_argument("--hand-ms", type=float, help="how long the hand takes to let go; else drawn")
+    parser.add_argument("--release-ms", type=float, help="how long letting go takes; else drawn")
     parser.add_argument("--fault", action="append", default=[], metavar="NAME[:AMOUNT]", help="see below")
     parser.add_argument("--memory-s", type=float, help="seconds of samples kept for RESEND; else 12")
     parser.add_argument("--truth", type=Path, metavar="FILE", help="write what is simulated, JSON")
@@ -84,7 +93,7 @@ def _names() -> str:
     table = wire.PER_BYTE | wire.PER_FRAME | wire.LASTING | wire.ONCE
     lines += [f"  {name:<14}{amount:<8g}{what}" for name, (amount, what) in table.items()]
     lines += ["faults of the board, NAME[:AMOUNT]:"]
-    lines += [f"  {name:<14}{what}" for name, what in LIES.items()]
+    lines += [f"  {name:<14}{what}" for name, what in MISCONFIGURATIONS.items()]
     return "\n".join(lines)
 
 

@@ -1,4 +1,4 @@
-"""Find how large a hidden effect must be for its force to have the strength asked for."""
+"""The scale of a hidden effect at which its force has the strength asked for."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from mocks.forces import PARAMETERS, Effect, pulled
+from mocks.sensor_faults import rms
 from mocks.testbed import Bench, Release, simulate
 
 #: Fine enough for the rms of a force that jumps.
@@ -24,7 +25,7 @@ SIGNED = {
 }
 
 
-def hide(
+def add_effects(
     bench: Bench,
     release: Release,
     strengths: Mapping[str, float],
@@ -60,8 +61,8 @@ def hide(
             effects.append(Effect(name, shape | {main: value}))
         hidden = Bench(bench.stiffness, bench.mu_0, bench.mu_1, tuple(effects), bench.mass)
         motion = simulate(hidden, release, time)
-        total = _rms(motion.acceleration)
-        reached = {n: _rms(f) / total for n, f in zip(strengths, motion.effects, strict=True)}
+        total = rms(motion.acceleration)
+        reached = {n: rms(f) / total for n, f in zip(strengths, motion.effects, strict=True)}
         if all(abs(reached[n] / strengths[n] - 1.0) < 1e-3 for n in searched):
             return hidden, reached
         for name in searched:
@@ -129,7 +130,3 @@ def _draw_shape(
     elif name == "adhesion":
         shape |= {"length": random.uniform(0.001, 0.003)}
     return shape
-
-
-def _rms(x: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(x))))

@@ -136,6 +136,23 @@ def pulled(displacement: float, yield_at: float) -> float:
 
 
 @njit(cache=True)
+def _friction(code, row, t, u, v, at, way, turned_at):  # type: ignore[no-untyped-def]
+    """Return the dry friction of one effect times `way`."""
+    a = row[1]
+    if code == _COULOMB:
+        return a * way
+    if code == _STRIBECK:
+        return a * math.exp(-((v / row[2]) ** 2)) * way
+    if code == _BINDING:
+        return a * (u if at > 0.0 else -u) * way
+    if code == _FADING:
+        return a * math.exp(-t / row[2]) * way
+    if code == _ONE_SIDED:
+        return a * way if at > 0.0 else 0.0
+    return a * math.exp(-abs(u - turned_at) / row[2]) * way
+
+
+@njit(cache=True)
 def force(row, k, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
     """Return one effect's force; for dry friction its size times `way`.
 
@@ -195,17 +212,7 @@ def force(row, k, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
         return a * v if abs(at) > row[2] else 0.0
     if code == _CABLE:
         return a * u if (at > 0.0 and way > 0.0) else 0.0
-    if code == _COULOMB:
-        return a * way
-    if code == _STRIBECK:
-        return a * math.exp(-((v / row[2]) ** 2)) * way
-    if code == _BINDING:
-        return a * (u if at > 0.0 else -u) * way
-    if code == _FADING:
-        return a * math.exp(-t / row[2]) * way
-    if code == _ONE_SIDED:
-        return a * way if at > 0.0 else 0.0
-    return a * math.exp(-abs(u - turned_at) / row[2]) * way
+    return _friction(code, row, t, u, v, at, way, turned_at)
 
 
 @njit(cache=True)

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from mocks import sensor_faults
-from mocks.bench_parameters import Setting, draw_setting
-from mocks.effect_scaling import hide
+from mocks.bench_parameters import BenchParameters, draw_parameters
+from mocks.effect_scaling import add_effects
 from mocks.forces import OUTSIDE_THE_LIBRARY, PARAMETERS
 from mocks.sensor_faults import IMMEDIATE, OVERSAMPLING, SENSOR_FAULTS
 from mocks.sensors import hold_samples
@@ -48,18 +48,18 @@ def everything() -> tuple[str, ...]:
 def draw(effect: str | None, strength: float | tuple[float, ...], seed: int, **fixed: Any) -> Sample:
     """Return one recorded release with `effect` hidden ("a+b" for two; None for nothing).
 
-    `fixed` pins what is otherwise drawn: any field of `Setting`, and `parameters`
+    `fixed` pins what is otherwise drawn: any field of `BenchParameters`, and `parameters`
     ({effect: {name: value}}; one that pins an effect's first parameter switches the search for
-    its strength off). The same seed draws the same bench, hand, sensors and noise whatever is
+    its strength off). The same seed draws the same bench, release, sensors and noise whatever is
     hidden. ValueError for a name that cannot be hidden or a strength that cannot be reached.
     """
     pinned: Pinned = fixed.pop("parameters", {})
     strengths = named_strengths(effect, strength)
-    setting = draw_setting(seed, fixed)
+    drawn = draw_parameters(seed, fixed)
     physics = {n: s for n, s in strengths.items() if n in PARAMETERS}
     faults = {n: s for n, s in strengths.items() if n in SENSOR_FAULTS}
-    bench, reached = hide(setting.bench, setting.release, physics, seed, setting.seconds, pinned)
-    displacement, acceleration, found = _record(bench, setting, faults, seed, pinned)
+    bench, reached = add_effects(drawn.bench, drawn.release, physics, seed, drawn.seconds, pinned)
+    displacement, acceleration, found = _record(bench, drawn, faults, seed, pinned)
     parameters = {e.name: dict(e.parameters) for e in bench.effects} | {n: p for n, (p, _) in found.items()}
     truth = {
         "hidden": "+".join(strengths) if strengths else "none",
@@ -68,11 +68,11 @@ def draw(effect: str | None, strength: float | tuple[float, ...], seed: int, **f
         "strengths": strengths,
         "strengths_reached": reached | {n: s for n, (_, s) in found.items()},
         "parameters": parameters[next(iter(strengths))] if len(strengths) == 1 else parameters,
-        "displacement_late_s": setting.lag
+        "displacement_late_s": drawn.lag
         + (found["channel_lag"][0]["lag"] if "channel_lag" in found else 0.0),
         "seed": seed,
-    } | described(setting)
-    return Sample(setting.rate, displacement, acceleration, truth)
+    } | described(drawn)
+    return Sample(drawn.rate, displacement, acceleration, truth)
 
 
 def named_strengths(effect: str | None, strength: float | tuple[float, ...]) -> dict[str, float]:
@@ -96,42 +96,42 @@ def kind_of(names: Mapping[str, float]) -> str:
     return "+".join(sorted(kinds)) or "none"
 
 
-def described(setting: Setting) -> dict[str, Any]:
-    """Return the true values of a setting under the names of a truth file."""
+def described(drawn: BenchParameters) -> dict[str, Any]:
+    """Return the true values of drawn parameters under the names of a truth file."""
     return {
-        "stiffness_per_mass": setting.stiffness,
-        "stiffness": setting.stiffness * setting.bench.mass,
-        "mu_0": setting.mu_0,
-        "mu_1": setting.mu_1,
-        "mass_kg": setting.bench.mass,
-        "gain": 1.0 + setting.gain_error,
-        "hand_s": setting.hand,
-        "released_at_s": setting.released_at,
-        "from_m": setting.amplitude,
-        "velocity_m_s": setting.velocity,
-        "offset_m": setting.offset_displacement,
-        "offset_m_s2": setting.offset_acceleration,
-        "noise_m": setting.noise_displacement,
-        "noise_m_s2": setting.noise_acceleration,
-        "rate": setting.rate,
+        "stiffness_per_mass": drawn.stiffness,
+        "stiffness": drawn.stiffness * drawn.bench.mass,
+        "mu_0": drawn.mu_0,
+        "mu_1": drawn.mu_1,
+        "mass_kg": drawn.bench.mass,
+        "gain": 1.0 + drawn.gain_error,
+        "hand_s": drawn.release_time,
+        "released_at_s": drawn.released_at,
+        "from_m": drawn.amplitude,
+        "velocity_m_s": drawn.velocity,
+        "offset_m": drawn.offset_displacement,
+        "offset_m_s2": drawn.offset_acceleration,
+        "noise_m": drawn.noise_displacement,
+        "noise_m_s2": drawn.noise_acceleration,
+        "rate": drawn.rate,
     }
 
 
 def find_faults(
-    bench: Bench, setting: Setting, faults: Mapping[str, float], seed: int, pinned: Pinned
+    bench: Bench, drawn: BenchParameters, faults: Mapping[str, float], seed: int, pinned: Pinned
 ) -> tuple[dict[str, np.ndarray], Found]:
     """Return both channels before noise and converter, faults included, and what the faults are."""
-    clock = np.arange(round((setting.rest + setting.seconds) * setting.rate)) / setting.rate
-    since = clock - setting.released_at
+    clock = np.arange(round((drawn.rest + drawn.seconds) * drawn.rate)) / drawn.rate
+    since = clock - drawn.released_at
     after = since >= 0.0
-    late = setting.lag
+    late = drawn.lag
     found: Found = {}
     if "channel_lag" in faults:
-        lag, reached = _find_lag(bench, setting, since, faults["channel_lag"], seed, pinned)
+        lag, reached = _find_lag(bench, drawn, since, faults["channel_lag"], seed, pinned)
         late += lag
         found["channel_lag"] = ({"lag": lag, "channel": "displacement"}, reached)
-    u, a = simulate_channels(bench, setting.release, since - late, since)
-    gains = {channel: setting.sensors[channel].gain for channel in CHANNELS}
+    u, a = simulate_channels(bench, drawn.release, since - late, since)
+    gains = {channel: drawn.sensors[channel].gain for channel in CHANNELS}
     clean = {"displacement": u * gains["displacement"], "acceleration": a * gains["acceleration"]}
     signal = dict(clean)
     for name in (n for n in faults if n in (*IMMEDIATE, "ac_coupling")):
@@ -139,8 +139,8 @@ def find_faults(
         fixed = pinned.get(name, {})
         channel = sensor_faults.draw_channel(name, random, fixed)
         if name == "ac_coupling":
-            fine = gains[channel] * _fine(bench, setting, since, late, channel)
-            corner, wrong = _find_coupling(faults[name], fine, setting.rate, after, fixed)
+            fine = gains[channel] * _fine(bench, drawn, since, late, channel)
+            corner, wrong = _find_coupling(faults[name], fine, drawn.rate, after, fixed)
             parameters: dict[str, Any] = {"fc": corner}
         else:
             parameters = sensor_faults.size_of(
@@ -154,28 +154,30 @@ def find_faults(
 
 
 def _record(
-    bench: Bench, setting: Setting, faults: Mapping[str, float], seed: int, pinned: Pinned
+    bench: Bench, drawn: BenchParameters, faults: Mapping[str, float], seed: int, pinned: Pinned
 ) -> tuple[np.ndarray, np.ndarray, Found]:
-    signal, found = find_faults(bench, setting, faults, seed, pinned)
+    signal, found = find_faults(bench, drawn, faults, seed, pinned)
     noise = np.random.default_rng([seed, 3])
-    seen = {c: setting.sensors[c].convert(signal[c] / setting.sensors[c].gain, noise) for c in CHANNELS}
+    seen = {c: drawn.sensors[c].convert(signal[c] / drawn.sensors[c].gain, noise) for c in CHANNELS}
     if "dropouts" in faults:
-        found["dropouts"] = _drop(signal, seen, setting, faults["dropouts"], seed, pinned.get("dropouts", {}))
+        found["dropouts"] = _drop(signal, seen, drawn, faults["dropouts"], seed, pinned.get("dropouts", {}))
     for array in seen.values():
         array.setflags(write=False)
     return seen["displacement"], seen["acceleration"], found
 
 
-def find_dropouts(bench: Bench, setting: Setting, strength: float, seed: int) -> tuple[dict[str, Any], float]:
-    """Return drop-outs of this strength on a recording of `setting`, and the strength reached."""
-    signal, _ = find_faults(bench, setting, {}, seed, {})
-    return _drop(signal, dict(signal), setting, strength, seed, {})
+def find_dropouts(
+    bench: Bench, drawn: BenchParameters, strength: float, seed: int
+) -> tuple[dict[str, Any], float]:
+    """Return drop-outs of this strength on a recording of `drawn`, and the strength reached."""
+    signal, _ = find_faults(bench, drawn, {}, seed, {})
+    return _drop(signal, dict(signal), drawn, strength, seed, {})
 
 
 def _drop(
     signal: dict[str, np.ndarray],
     seen: dict[str, np.ndarray],
-    setting: Setting,
+    drawn: BenchParameters,
     strength: float,
     seed: int,
     pinned: Mapping[str, Any],
@@ -184,7 +186,7 @@ def _drop(
     random = _random(seed, "dropouts")
     channel = sensor_faults.draw_channel("dropouts", random, pinned)
     kind = str(pinned.get("kind", "hold"))
-    first = math.ceil(setting.released_at * setting.rate)
+    first = math.ceil(drawn.released_at * drawn.rate)
     size = float(np.sum(signal[channel][first:] ** 2))
     held, lost = hold_samples(seen[channel], strength**2 * size, first + 1, random, kind)
     reached = math.sqrt(float(np.sum((held - seen[channel]) ** 2)) / size)
@@ -197,24 +199,24 @@ def _random(seed: int, name: str) -> np.random.Generator:
 
 
 def _find_lag(
-    bench: Bench, setting: Setting, since: np.ndarray, strength: float, seed: int, pinned: Pinned
+    bench: Bench, drawn: BenchParameters, since: np.ndarray, strength: float, seed: int, pinned: Pinned
 ) -> tuple[float, float]:
     """Return the lag whose error has this strength: rms(u') lag over rms(u), to first order."""
-    motion = simulate(bench, setting.release, since)
+    motion = simulate(bench, drawn.release, since)
     after = since >= 0.0
     given = pinned.get("channel_lag", {}).get("lag")
     side = -1.0 if np.random.default_rng([seed, 5]).random() < 0.5 else 1.0
     size = float(np.sqrt(np.mean(motion.displacement[after] ** 2) / np.mean(motion.velocity[after] ** 2)))
     lag = float(given) if given is not None else side * strength * size
-    wrong = simulate(bench, setting.release, since - lag).displacement - motion.displacement
+    wrong = simulate(bench, drawn.release, since - lag).displacement - motion.displacement
     return lag, sensor_faults.strength_of("channel_lag", wrong[after], motion.displacement[after])
 
 
-def _fine(bench: Bench, setting: Setting, since: np.ndarray, late: float, channel: str) -> np.ndarray:
+def _fine(bench: Bench, drawn: BenchParameters, since: np.ndarray, late: float, channel: str) -> np.ndarray:
     """Return the true channel on a grid `OVERSAMPLING` times finer."""
     shift = late if channel == "displacement" else 0.0
-    steps = np.arange(len(since) * OVERSAMPLING) / (setting.rate * OVERSAMPLING)
-    motion = simulate(bench, setting.release, since[0] - shift + steps)
+    steps = np.arange(len(since) * OVERSAMPLING) / (drawn.rate * OVERSAMPLING)
+    motion = simulate(bench, drawn.release, since[0] - shift + steps)
     return motion.displacement if channel == "displacement" else motion.acceleration
 
 

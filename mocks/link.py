@@ -32,7 +32,7 @@ class Link(Protocol):
         """Send what the line takes at once and return how many bytes that was."""
 
     def untaken(self) -> int:
-        """Bytes that the host is known not to have taken yet; 0 when the line does not tell."""
+        """Bytes that the host is known not to have taken yet; 0 when the line does not say."""
 
     def unplug(self) -> None:
         """Break the line as a pulled cable does. A TCP line can be taken up again."""
@@ -92,7 +92,7 @@ class TcpLink:
             return 0
 
     def untaken(self) -> int:
-        """A socket does not tell what the host's side still holds."""
+        """A socket does not say what the host's side still holds."""
         return 0
 
     def unplug(self) -> None:

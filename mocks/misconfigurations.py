@@ -1,4 +1,4 @@
-"""What a wrongly built or wrongly described board says: lies that no checksum catches."""
+"""Misconfigured boards: wrong wiring, wrong descriptions and wrong clocks, which no checksum catches."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from firmware_protocol import Describe, End, SampleFormat
 
 #: The faults of the board on the command line (`saturation` and `bump` are built into the bench).
-LIES = {
+MISCONFIGURATIONS = {
     "wrong-version": "speaks major version 2",
-    "rate-lie": "samples 1 % (or AMOUNT) faster than described",
-    "describe-lie": "describes a format and a channel that DATA does not have",
-    "counter-lie": "indices jump by 7, the checksum of END is wrong",
+    "wrong-rate": "samples 1 % (or AMOUNT) faster than described",
+    "wrong-description": "describes a format and a channel that DATA does not have",
+    "wrong-counter": "indices jump by 7, the checksum of END is wrong",
     "clock-200ppm": "the board's clock is 200 ppm (or AMOUNT) fast",
     "saturation": "accelerometer with a range of 8 m/s^2 (or AMOUNT)",
     "dead-channel": "channel 1 (or AMOUNT) reads nothing but zero",
@@ -24,17 +24,17 @@ LIES = {
 
 
 @dataclass
-class Lies:
-    """All off by default.
+class Misconfiguration:
+    """What is wrong with one board; nothing by default.
 
-    `rate` true rate over the described one, `clock` the board's clock over a true one, `told_rate`
-    the true rate over the described one as the board's own time stamps tell it.
+    `rate` true rate over the described one, `clock` the board's clock over a true one, `time_stamp_rate`
+    the true rate over the described one by the board's own time stamps.
     """
 
     wrong_version: bool = False
     rate: float = 1.0
     clock: float = 1.0
-    told_rate: float = 1.0
+    time_stamp_rate: float = 1.0
     describe: bool = False
     counter: bool = False
     swapped: bool = False
@@ -53,15 +53,15 @@ class Lies:
         return out
 
     def index(self, first: int) -> int:
-        """Return the index that is told of a sample: from the third second on, 7 too high."""
+        """Return the index sent for a sample: from the third second on, 7 too high."""
         return first + 7 if self.counter and first > 700 else first
 
     def end(self, end: End) -> End:
-        """Return the END that is told."""
+        """Return the END that is sent."""
         return replace(end, checksum=end.checksum ^ 1) if self.counter else end
 
     def description(self, describe: Describe) -> Describe:
-        """Return the DESCRIBE that is told: twice as wide numbers, and a channel too many."""
+        """Return the DESCRIBE that is sent: twice as wide numbers, and a channel too many."""
         if not self.describe:
             return describe
         form = SampleFormat.I32 if describe.format is SampleFormat.I16 else SampleFormat.I16

@@ -1,6 +1,6 @@
-"""`python -m mocks.mystery --seed N ...`: the bench's double with something hidden that nobody chose.
+"""`python -m mocks.mystery --seed N ...`: the bench's double with an effect hidden that its seed draws.
 
-What it is depends on the seed alone and is told in the `--truth` file only.
+What it is depends on the seed alone and stands in the `--truth` file only.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from mocks import cli
 from mocks.generate import PHYSICS
-from mocks.simulated_board import Rig
+from mocks.simulated_board import SimulatedBoard
 
 STRENGTHS = (0.005, 0.03)
 FAULTY_SENSOR = 0.2
@@ -39,7 +39,7 @@ def main(argv: list[str] | None = None) -> int:
     for again in range(MOST_DRAWS):
         hidden = draw(options.seed, again)
         try:
-            Rig(cli.parser().parse_args([*arguments, "--hide", hidden]))
+            SimulatedBoard(cli.parser().parse_args([*arguments, "--hide", hidden]))
         except ValueError:  # no size of it reaches the strength on this bench
             continue
         return cli.main([*arguments, "--hide", hidden])

@@ -68,7 +68,7 @@ class Episode:
         return u, a
 
 
-class BenchRun:
+class OperatorSequence:
     """The releases of a sequence; one instance lives through all captures."""
 
     def __init__(self, bench: Bench, releases: tuple[Release, ...], bumped: bool = False) -> None:
@@ -99,7 +99,7 @@ class BenchRun:
         release = self.releases[number]
         at = start + REST_S + PULL_S + HOLD_S + random.uniform(0.0, 0.3)
         if release.velocity:
-            release = Release(self._rest, release.velocity, release.hand)
+            release = Release(self._rest, release.velocity, release.release_time)
         time = np.arange(0.0, LONGEST_S, 1.0 / 64.0)
         moving = np.nonzero(simulate(self.bench, release, time).velocity)[0]
         stops = time[moving[-1]] if len(moving) else 0.0
@@ -112,7 +112,7 @@ class BenchRun:
         return float(simulate(self.bench, episode.release, end).displacement[0])
 
 
-def parse_releases(text: str, hands: Iterator[float]) -> tuple[Release, ...]:
+def parse_releases(text: str, release_times: Iterator[float]) -> tuple[Release, ...]:
     """Return the releases of `paper` or of a list: millimetres, or v0.4 for a velocity in m/s."""
     if text == "paper":
         text = "-25,-20,-15,-5,20,25,v0.45,v-0.35,v0.6"
@@ -120,9 +120,9 @@ def parse_releases(text: str, hands: Iterator[float]) -> tuple[Release, ...]:
     for item in text.split(","):
         try:
             if item.strip().startswith("v"):
-                releases.append(Release(0.0, float(item.strip()[1:]), next(hands)))
+                releases.append(Release(0.0, float(item.strip()[1:]), next(release_times)))
             else:
-                releases.append(Release(float(item) * 1e-3, 0.0, next(hands)))
+                releases.append(Release(float(item) * 1e-3, 0.0, next(release_times)))
         except ValueError:
             raise ValueError(
                 f"a release is a displacement in mm (-25) or a velocity in m/s (v0.4), not {item!r}"

@@ -29,6 +29,11 @@ IMMEDIATE = ("channel_gain", "offset_drift", "clipping", "mains_hum")
 OVERSAMPLING = 16
 
 
+def rms(signal: np.ndarray) -> float:
+    """Return the root mean square of a signal."""
+    return float(np.sqrt(np.mean(np.square(signal))))
+
+
 def draw_channel(name: str, random: np.random.Generator, pinned: Mapping[str, Any]) -> str:
     """Return the channel at fault; coupling capacitors sit in accelerometers."""
     drawn = "displacement" if random.random() < 0.4 and name != "ac_coupling" else "acceleration"
@@ -70,7 +75,7 @@ def size_of(
 
     `after` marks the samples from the release on; values in `pinned` are kept.
     """
-    rms = _rms(signal[after])
+    size = rms(signal[after])
     side = -1.0 if random.random() < 0.5 else 1.0
     if name == "channel_gain":
         found = {"error": side * strength}
@@ -78,7 +83,7 @@ def size_of(
         found = {"rate": side * strength * float(np.std(signal[after]) / np.std(time[after]))}
     elif name == "clipping":
         level = bisect(
-            lambda limit: _rms(error(name, {"limit": limit}, signal, time)[after]) / rms,
+            lambda limit: rms(error(name, {"limit": limit}, signal, time)[after]) / size,
             strength,
             float(np.max(np.abs(signal))),
             0.0,
@@ -86,7 +91,7 @@ def size_of(
         found = {"limit": level}
     else:
         mains = 50.0 if random.random() < 0.7 else 60.0
-        found = {"amp": strength * rms * math.sqrt(2.0), "f": mains + random.uniform(-0.03, 0.03)}
+        found = {"amp": strength * size * math.sqrt(2.0), "f": mains + random.uniform(-0.03, 0.03)}
         found |= {"phase": random.uniform(0.0, 2.0 * math.pi)}
     return found | {key: value for key, value in pinned.items() if key in SENSOR_FAULTS[name]}
 
@@ -95,7 +100,7 @@ def strength_of(name: str, wrong: np.ndarray, signal: np.ndarray) -> float:
     """Return the strength of the error `wrong` on `signal`, both from the release on."""
     if name == "offset_drift":
         return float(np.std(wrong) / np.std(signal))
-    return _rms(wrong) / _rms(signal)
+    return rms(wrong) / rms(signal)
 
 
 def bisect(strength_at: Callable[[float], float], wanted: float, weak: float, strong: float) -> float:
@@ -107,7 +112,3 @@ def bisect(strength_at: Callable[[float], float], wanted: float, weak: float, st
         else:
             strong = middle
     return 0.5 * (weak + strong)
-
-
-def _rms(x: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(x))))

@@ -1,4 +1,4 @@
-"""The loop that joins board, line and link, until it is told to end."""
+"""The loop that joins board, line and link, until it is asked to end."""
 
 from __future__ import annotations
 

@@ -17,20 +17,20 @@ from firmware_protocol import ChannelDescription
 from mocks import faults as wire
 from mocks import generate
 from mocks.acquisition import Acquisition, Converter
-from mocks.bench_parameters import draw_hand, draw_setting
+from mocks.bench_parameters import draw_parameters, draw_release_time
 from mocks.board import Board
-from mocks.effect_scaling import hide
+from mocks.effect_scaling import add_effects
 from mocks.forces import PARAMETERS
-from mocks.misconfigurations import LIES, Lies
-from mocks.operator_sequence import BenchRun, Episode, parse_releases
+from mocks.misconfigurations import MISCONFIGURATIONS, Misconfiguration
+from mocks.operator_sequence import Episode, OperatorSequence, parse_releases
 from mocks.sensor_faults import SENSOR_FAULTS
 from mocks.testbed import Release, simulate
 
-#: Offsets that calibration has found and DESCRIBE tells, m and m/s^2.
+#: Offsets that calibration has found and DESCRIBE states, m and m/s^2.
 CALIBRATION = (4e-4, -0.25)
 
 
-class Rig:
+class SimulatedBoard:
     """What `options` ask for (see `cli`): `board`, `line` and the truth about them.
 
     ValueError in words for what cannot be had.
@@ -39,52 +39,61 @@ class Rig:
     def __init__(self, options: argparse.Namespace) -> None:
         self._options = options
         self._random = np.random.default_rng([options.seed, 7])
-        self._releases_seen: list[dict[str, Any]] = []
+        self._releases: list[dict[str, Any]] = []
         self._captures = 0
         fixed: dict[str, float] = {}
         if options.lag_ms is not None:
             fixed["lag"] = options.lag_ms * 1e-3
-        if options.hand_ms is not None:
-            fixed["hand"] = options.hand_ms * 1e-3
-        self.lies, bumped, line_faults, fixed_range = _sort_faults(options.fault, self._random)
-        self.setting = draw_setting(options.seed, fixed | fixed_range)
+        if options.release_ms is not None:
+            fixed["release_time"] = options.release_ms * 1e-3
+        self.misconfiguration, bumped, line_faults, fixed_range = _sort_faults(options.fault, self._random)
+        self.drawn = draw_parameters(options.seed, fixed | fixed_range)
         releases = parse_releases(
-            options.releases or f"{self.setting.amplitude * 1e3:.6f}", self._hands(options)
+            options.releases or f"{self.drawn.amplitude * 1e3:.6f}", self._release_times(options)
         )
         strengths = dict(_strength(text) for text in options.hide)
-        self._hide(strengths, releases)
-        self.run = BenchRun(self.bench, releases, bumped)
+        self._add_hidden(strengths, releases)
+        self.sequence = OperatorSequence(self.bench, releases, bumped)
         simulate(self.bench, releases[0], np.arange(0.0, 0.1, 0.01))  # Compiles before a host waits.
         self.line = wire.Line(line_faults, np.random.default_rng([options.seed, 8]))
-        self._sensors = self.setting.sensors
+        self._sensors = self.drawn.sensors
         self._converters = tuple(
-            Converter(2.0 * limit / 2.0**self.setting.bits, offset, self.setting.bits)
+            Converter(2.0 * limit / 2.0**self.drawn.bits, offset, self.drawn.bits)
             for limit, offset in zip(
-                (self.setting.range_displacement, self.setting.range_acceleration), CALIBRATION, strict=True
+                (self.drawn.range_displacement, self.drawn.range_acceleration), CALIBRATION, strict=True
             )
         )
         memory = options.memory_s or (12.0 * max(1.0, options.speed) if options.speed else 600.0)
         self.board = Board(
-            self._channels(), self._source, self._random, time.monotonic(), options.speed, self.lies, memory
+            self._channels(),
+            self._source,
+            self._random,
+            time.monotonic(),
+            options.speed,
+            self.misconfiguration,
+            memory,
         )
 
-    def _hands(self, options: argparse.Namespace) -> Iterator[float]:
+    def _release_times(self, options: argparse.Namespace) -> Iterator[float]:
         random = np.random.default_rng([options.seed, 9])
         while True:
-            drawn = draw_hand(random)
-            yield self.setting.hand if options.hand_ms is not None else drawn
+            drawn = draw_release_time(random)
+            yield self.drawn.release_time if options.release_ms is not None else drawn
 
-    def _hide(self, strengths: dict[str, float], releases: tuple[Release, ...]) -> None:
+    def _add_hidden(self, strengths: dict[str, float], releases: tuple[Release, ...]) -> None:
         """Fix the size of everything hidden on the largest release of the sequence."""
-        plain = self.setting.bench
+        plain = self.drawn.bench
         largest = max(
             releases, key=lambda r: max(abs(r.displacement), abs(r.velocity) / plain.angular_frequency)
         )
         physics = {n: s for n, s in strengths.items() if n in PARAMETERS}
-        self.bench, reached = hide(plain, largest, physics, self._options.seed)
+        self.bench, reached = add_effects(plain, largest, physics, self._options.seed)
         sensor = {n: s for n, s in strengths.items() if n in SENSOR_FAULTS}
         reference = dataclasses.replace(
-            self.setting, amplitude=largest.displacement, velocity=largest.velocity, hand=largest.hand
+            self.drawn,
+            amplitude=largest.displacement,
+            velocity=largest.velocity,
+            release_time=largest.release_time,
         )
         found = generate.find_faults(self.bench, reference, sensor, self._options.seed, {})[1]
         if "dropouts" in sensor:
@@ -93,8 +102,8 @@ class Rig:
             )
         self.faults = {name: parameters for name, (parameters, _) in found.items()}
         if "channel_lag" in self.faults:
-            late = self.setting.lag + self.faults["channel_lag"]["lag"]
-            self.setting = dataclasses.replace(self.setting, lag=late)
+            late = self.drawn.lag + self.faults["channel_lag"]["lag"]
+            self.drawn = dataclasses.replace(self.drawn, lag=late)
         self.reached = reached | {name: strength for name, (_, strength) in found.items()}
         self.strengths = strengths
 
@@ -104,22 +113,22 @@ class Rig:
 
         def released(episode: Episode, sample: float) -> None:
             assert episode.release is not None
-            if all(entry["capture"] != capture for entry in self._releases_seen):
-                self.run.use_up(episode)
-            self._releases_seen.append(
+            if all(entry["capture"] != capture for entry in self._releases):
+                self.sequence.use_up(episode)
+            self._releases.append(
                 {
                     "capture": capture,
                     "sample": sample,
                     "from_m": episode.release.displacement,
                     "velocity_m_s": episode.release.velocity,
-                    "hand_s": episode.release.hand,
+                    "hand_s": episode.release.release_time,
                 }
             )
             self.write_truth()
 
         return Acquisition(
             self.bench,
-            self.run.capture(self._random),
+            self.sequence.capture(self._random),
             rate,
             (self._sensors["displacement"], self._sensors["acceleration"]),
             (self._converters[0], self._converters[1]),
@@ -133,7 +142,7 @@ class Rig:
             ("displacement", "m", "Simulated LVDT"),
             ("acceleration", "m/s^2", "Simulated accelerometer"),
         )
-        half = 2 ** (self.setting.bits - 1)
+        half = 2 ** (self.drawn.bits - 1)
         return tuple(
             ChannelDescription(
                 name=quantity,
@@ -141,7 +150,7 @@ class Rig:
                 unit=unit,
                 scale=c.scale,
                 offset=c.offset,
-                rate_hz=self.setting.rate,
+                rate_hz=self.drawn.rate,
                 low=c.offset - half * c.scale,
                 high=c.offset + (half - 1) * c.scale,
                 resolution=c.scale,
@@ -161,12 +170,12 @@ class Rig:
             "strengths": self.strengths,
             "strengths_reached": self.reached,
             "parameters": {e.name: e.parameters for e in self.bench.effects} | self.faults,
-            "displacement_late_s": self.setting.lag,
+            "displacement_late_s": self.drawn.lag,
             "faults": self._options.fault,
             "seed": self._options.seed,
-            "releases": self._releases_seen,
+            "releases": self._releases,
         }
-        described = generate.described(self.setting)
+        described = generate.described(self.drawn)
         for mine in ("hand_s", "released_at_s", "from_m", "velocity_m_s"):
             described.pop(mine)
         part = path.with_suffix(path.suffix + ".part")
@@ -185,26 +194,26 @@ def _strength(text: str) -> tuple[str, float]:
 
 def _sort_faults(
     texts: list[str], random: np.random.Generator
-) -> tuple[Lies, bool, tuple[wire.Fault, ...], dict[str, float]]:
-    """Return the board's lies, whether the table is bumped, the line's faults, a smaller range."""
-    lies, bumped, fixed = Lies(), False, {}
+) -> tuple[Misconfiguration, bool, tuple[wire.Fault, ...], dict[str, float]]:
+    """Return what is wrong with the board, whether the table is bumped, the line's faults, a smaller range."""
+    misconfiguration, bumped, fixed = Misconfiguration(), False, {}
     line: list[wire.Fault] = []
     for text in texts:
         name, _, amount = text.partition(":")
-        if name not in LIES:
-            line.append(wire.parse_fault(text, random, tuple(LIES)))
+        if name not in MISCONFIGURATIONS:
+            line.append(wire.parse_fault(text, random, tuple(MISCONFIGURATIONS)))
         elif name == "saturation":
             fixed["range_acceleration"] = float(amount or 8.0)
-        elif name == "rate-lie":
-            lies.rate = lies.told_rate = 1.0 + float(amount or 0.01)
+        elif name == "wrong-rate":
+            misconfiguration.rate = misconfiguration.time_stamp_rate = 1.0 + float(amount or 0.01)
         elif name == "clock-200ppm":
-            lies.rate = lies.clock = 1.0 + float(amount or 200.0) * 1e-6
+            misconfiguration.rate = misconfiguration.clock = 1.0 + float(amount or 200.0) * 1e-6
         elif name == "dead-channel":
-            lies.dead_channel = int(amount or 1)
+            misconfiguration.dead_channel = int(amount or 1)
         bumped |= name == "bump"
-        lies.wrong_version |= name == "wrong-version"
-        lies.describe |= name == "describe-lie"
-        lies.counter |= name == "counter-lie"
-        lies.swapped |= name == "swapped"
-        lies.reversed |= name == "reversed"
-    return lies, bumped, tuple(line), fixed
+        misconfiguration.wrong_version |= name == "wrong-version"
+        misconfiguration.describe |= name == "wrong-description"
+        misconfiguration.counter |= name == "wrong-counter"
+        misconfiguration.swapped |= name == "swapped"
+        misconfiguration.reversed |= name == "reversed"
+    return misconfiguration, bumped, tuple(line), fixed

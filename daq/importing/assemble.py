@@ -63,7 +63,7 @@ def assemble(table: Table, options: ImportOptions) -> Recording:
 
 
 def _unit(table: Table, choice: Choice, options: ImportOptions, angular: bool, notes: list[str]) -> Unit:
-    """Return the unit of a channel: from the options, the header, or SI by default; tell which."""
+    """Return the unit of a channel: from the options, the header, or SI by default, and note which."""
     quantity, text = choice.quantity, options.units.get(choice.quantity)
     if text is not None:
         unit = parse_scaled_unit(text)
@@ -132,7 +132,7 @@ def _same_kind(
 
 
 def _is_angle(choices: dict[str, Choice], options: ImportOptions) -> bool:
-    """Tell whether channels without a unit are angles: an option's unit decides, else the headers."""
+    """Return whether channels without a unit are angles: an option's unit decides, else the headers."""
     asked = [
         unit
         for q in ORDER

@@ -81,7 +81,7 @@ def _refuse_twice(table: Table, choices: dict[str, Choice]) -> None:
 
 
 def left_out(table: Table, choices: dict[str, Choice]) -> str:
-    """Return a sentence that names the columns nobody chose, or ""."""
+    """Return a sentence that names the columns not used, or ""."""
     taken = {choice.column.number for choice in choices.values()}
     rest = [column.place for column in table.columns if column.number not in taken]
     if not rest:

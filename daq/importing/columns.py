@@ -3,6 +3,7 @@
 import re
 import unicodedata
 from dataclasses import dataclass
+from functools import lru_cache
 
 from daq.importing.units import Unit, parse_unit
 
@@ -130,14 +131,18 @@ def split_unit(header: str) -> tuple[str, str, Unit | None]:
 def words(name: str) -> tuple[str, ...]:
     """Return the words of a name: lower case, without accents, split at signs, underscores and humps."""
     name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
-    flat = unicodedata.normalize("NFKD", name.lower())
-    flat = "".join(c for c in flat if not unicodedata.combining(c)).replace("ł", "l").replace("ø", "o")
+    flat = _without_accents(name.lower()).replace("ł", "l").replace("ø", "o")
     return tuple(w for w in re.split(r"[\W_]+", flat) if w)
+
+
+@lru_cache(maxsize=4096)
+def _without_accents(text: str) -> str:
+    return "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
 
 
 def _spells(word: str, stems: tuple[str, ...]) -> bool:
     for stem in stems:
-        folded = "".join(c for c in unicodedata.normalize("NFKD", stem) if not unicodedata.combining(c))
+        folded = _without_accents(stem)
         if word == folded or (len(folded) >= 5 and word.startswith(folded)):
             return True
         if not stem.isascii() and stem in unicodedata.normalize("NFC", word) and ord(stem[0]) > 0x2E80:

@@ -157,7 +157,7 @@ def _cell_by_cell(
 
 
 def _counts(column: Parsed) -> bool:
-    """Tell a column of row numbers, which some programs write without a header."""
+    """Recognise a column of row numbers, which some programs write without a header."""
     values = column.values
     return len(values) > 2 and values[0] in (0.0, 1.0) and bool(np.all(np.diff(values) == 1.0))
 
@@ -217,7 +217,7 @@ def _padded(cells: Sequence[str], width: int) -> list[str]:
 
 
 def _is_unit_row(cells: Sequence[str]) -> bool:
-    """Tell whether every cell is a unit, in brackets or bare, and at least one is."""
+    """Return whether every cell is a unit, in brackets or bare, and at least one is."""
     bare = [cell.strip("()[] ") for cell in cells]
     known = [parse_unit(cell) is not None for cell in bare if cell not in ("", "-", "1")]
     bracketed = all(cell[0] in "([" and cell[-1] in ")]" for cell in cells if cell)

@@ -1,4 +1,4 @@
-"""Tell a channel that the logger computed from another one from a sensor of its own.
+"""Channels that the logger computed from another one, distinguished from sensors of their own.
 
 A logger's derivative repeats the noise of its source, filtered: one fixed finite difference of the source
 gives it to within the rounding of the numbers in the file. A second sensor has a noise of its own, which
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from daq.importing.quantisation import quantum
-from daq.recording import Array, Mask
+from daq.recording import Array, Mask, runs
 
 REACH = 6
 MIN_ROWS = 40
@@ -42,7 +42,7 @@ def find_derivation(
     """Return how `channel` was computed as the derivative of that `order` of `source`, or None if it was not.
 
     All have shape (n,) and SI units; `stamps` (s) serve where they stray from the even clock of `rate` Hz, since
-    a logger divides by its own time steps. None also when there is too little to tell.
+    a logger divides by its own time steps. None also when there are too few samples to decide.
     """
     stretch = _longest(np.isfinite(source) & np.isfinite(channel))
     if stretch.stop - stretch.start < MIN_ROWS:
@@ -143,12 +143,8 @@ def _by_regression(
 
 def _longest(valid: Mask) -> slice:
     """Return the longest run of valid samples, cut to MAX_ROWS."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], valid.astype(np.int8), [0]))))
-    if not len(edges):
-        return slice(0, 0)
-    starts, stops = edges[::2], edges[1::2]
-    k = int(np.argmax(stops - starts))
-    return slice(int(starts[k]), int(min(stops[k], starts[k] + MAX_ROWS)))
+    start, stop = max(runs(valid), key=lambda run: run[1] - run[0], default=(0, 0))
+    return slice(start, min(stop, start + MAX_ROWS))
 
 
 def _rms(values: Array) -> float:
@@ -161,7 +157,7 @@ def _noise(values: Array) -> float:
 
 
 def _is_noisy(values: Array, step: float) -> bool:
-    """Tell whether sixth differences see noise: more than rounding and a smooth oscillation leave in them."""
+    """Return whether sixth differences see noise: more than rounding and a smooth oscillation leave in them."""
     motion = float(np.std(values)) * (2.0 * np.sin(np.pi * _frequency(values))) ** NOISE_ORDER / NOISE_SCALE
     return bool(_noise(values) > 3.0 * max(step / np.sqrt(12.0), motion))
 

@@ -94,7 +94,7 @@ def split(line: str, delimiter: str) -> list[str]:
 
 
 def is_comment(line: str) -> bool:
-    """Tell whether a line is a remark."""
+    """Return whether a line is a remark."""
     return line.lstrip().startswith(COMMENTS)
 
 
@@ -124,8 +124,11 @@ def _mixed_row_width(line: str, delimiter: str, decimal: str) -> int:
     return len(cells) if found >= 2 else 0
 
 
-def _candidates(options: ImportOptions) -> list[tuple[str, str]]:
-    delimiters = (options.delimiter,) if options.delimiter else DELIMITERS
+def _candidates(options: ImportOptions, lines: Sequence[str]) -> list[tuple[str, str]]:
+    """Return delimiters and decimal signs to try; of the delimiters that no line holds one is enough."""
+    present = [d for d in DELIMITERS if d == BLANK or any(d in line for line in lines)]
+    absent = [d for d in DELIMITERS if d not in present]
+    delimiters = (options.delimiter,) if options.delimiter else (*present, *absent[:1])
     decimals = (options.decimal,) if options.decimal else (".", ",")
     return [(d, s) for d in delimiters for s in decimals if options.delimiter is None or d != s]
 
@@ -157,7 +160,7 @@ def find_dialect(path: Path, lines: Sequence[str], options: ImportOptions) -> Di
     picked = _sample(lines, options.skip_rows)
     for width_of in (_row_width, _mixed_row_width):
         best: tuple[tuple[float, ...], Dialect] | None = None
-        for delimiter, decimal in _candidates(options):
+        for delimiter, decimal in _candidates(options, [lines[i] for i in picked]):
             widths = [width_of(lines[i], delimiter, decimal) for i in picked]
             start = _start(widths)
             if start is None:

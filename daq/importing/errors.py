@@ -1,4 +1,4 @@
-"""What a file can do wrong: one sentence that says where, and what to do."""
+"""The error of an import: one sentence that says where the file is wrong, and what to do."""
 
 from pathlib import Path
 

@@ -23,14 +23,14 @@ PERIODS = ("ts", "dt", "deltat", "delta_t", "tsample", "sampletime", "sample_tim
 
 
 def is_matlab(data: bytes) -> bool:
-    """Tell whether these bytes begin a MATLAB file of any version."""
+    """Return whether these bytes begin a MATLAB file of any version."""
     if data[124:128] in (b"\x00\x01IM", b"\x01\x00MI"):
         return True
     return data.startswith((b"MATLAB", HDF5)) or data[512:520] == HDF5 or _is_version_4(data)
 
 
 def _is_version_4(data: bytes) -> bool:
-    """Tell a version 4 header: type, rows, columns, imaginary flag, length of a printable name."""
+    """Recognise a version 4 header: type, rows, columns, imaginary flag, length of a printable name."""
     if len(data) < 24:
         return False
     for order in ("<i4", ">i4"):

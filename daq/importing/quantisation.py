@@ -1,4 +1,4 @@
-"""How finely the numbers of a column were written."""
+"""Quantisation: the step to which the numbers of a column were rounded when they were written."""
 
 import numpy as np
 

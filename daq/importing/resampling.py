@@ -3,7 +3,7 @@
 import numpy as np
 
 from daq.importing.timebase import Timebase
-from daq.recording import Array, Gap, Mask
+from daq.recording import Array, Gap, Mask, runs
 
 
 def place(values: Array, clock: Timebase, *, resample: bool) -> tuple[Array, Mask]:
@@ -39,8 +39,7 @@ def find_gaps(valid: Mask, clock: Timebase) -> tuple[Gap, ...]:
     """Return the runs of invalid samples: missing from the file, or there without a number."""
     present = np.zeros(clock.count, dtype=bool)
     present[clock.index] = True
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], ~valid, [False])).astype(np.int8)))
     return tuple(
-        Gap(int(a), int(b - a), "no number in the file" if present[a:b].any() else "missing from the file")
-        for a, b in zip(edges[::2], edges[1::2], strict=True)
+        Gap(a, b - a, "no number in the file" if present[a:b].any() else "missing from the file")
+        for a, b in runs(~valid)
     )

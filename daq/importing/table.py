@@ -1,4 +1,4 @@
-"""The common ground of all formats: named columns of numbers, before anybody says what they mean."""
+"""The common ground of all formats: named columns of numbers, before they are given a meaning."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -15,6 +15,7 @@ from daq.recording import Array
 Index = NDArray[np.int64]
 EVEN = 1e-3
 TOO_IRREGULAR = 0.2
+SHORTEST_PERIOD = 1e-100  # s; below it the squares of the steps are lost
 MAX_GROWTH = 20
 MAX_SAMPLES = 50_000_000
 DAY = 86400.0
@@ -68,7 +69,8 @@ def guess_time_unit(column: SourceColumn) -> tuple[Unit, str]:
 
 
 def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *, resample: bool) -> Timebase:
-    """Return the even clock that fits the stamps of `column`; `values` (channels, n) tell repeated rows from equal stamps.
+    """Return the even clock that fits the stamps of `column`; `values` (channels, n)
+    distinguish repeated rows from equal stamps.
 
     Raises ImportProblem when the stamps make no clock.
     """
@@ -94,7 +96,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     period = float(np.median(np.diff(time)))
     if not period > 0.0:
         period = float(time[-1] - time[0]) / (len(time) - 1)
-    if not (period > 0.0 and math.isfinite(1.0 / period)):
+    if not period > SHORTEST_PERIOD:
         raise problem(
             table.path, "the time stamps do not advance",
             USE_RATE,
@@ -193,7 +195,7 @@ def _in_order(
 
 
 def _fits_better(time: Array, same: Index) -> bool:
-    """Tell whether the stamps are more even without the repetitions than with them."""
+    """Return whether the stamps are more even without the repetitions than with them."""
     keep = np.ones(len(time), dtype=bool)
     keep[same] = False
     left = time[keep]

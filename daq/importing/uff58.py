@@ -19,13 +19,12 @@ SI = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": 
 SI_ROTATION = {"displacement": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "force": "Nm"}
 DIRECTIONS = {0: "", 1: "+X", 2: "+Y", 3: "+Z", 4: "+RX", 5: "+RY", 6: "+RZ"}
 DIRECTIONS |= {-k: text.replace("+", "-") for k, text in DIRECTIONS.items() if k}
-MARK = re.compile(rb"^ {4}-1[ ]*\r?$", re.M)
 MAX_TRACES = 2000
 NO_TEXT = ("", "none", "null")
 
 
 def is_uff(data: bytes) -> bool:
-    """Tell whether these bytes begin a universal file: a line `-1`, then the number of a data set."""
+    """Return whether these bytes begin a universal file: a line `-1`, then the number of a data set."""
     return re.match(rb"(?:\s*-1[ \t]*\r?\n)+\s*\d{1,5}[bB \t\r\n]", data[:400]) is not None
 
 

@@ -92,15 +92,15 @@ def command(
 def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
     """Return whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
     verdict = session.verdict
-    if verdict is None or verdict.word.value == "OK" or again is False:
+    if verdict is None or verdict.grade.value == "OK" or again is False:
         return False
-    sentence = f"{verdict.word.value}: {verdict.reasons[0]}"
+    sentence = f"{verdict.grade.value}: {verdict.reasons[0]}"
     if again is None:
         if as_json or not (sys.stdin.isatty() and sys.stderr.isatty()):
             return False
         progress(sentence)
-        return click.confirm("Take it again?", default=verdict.word.value == "REJECT", err=True)
-    if verdict.word.value != "REJECT":
+        return click.confirm("Take it again?", default=verdict.grade.value == "REJECT", err=True)
+    if verdict.grade.value != "REJECT":
         return False
     progress(f"{sentence}; taken again (kept: {session.folder})")
     return True
@@ -122,7 +122,7 @@ def finish(
 
     verdict = session.verdict
     if verdict is not None:
-        progress(f"verdict: {'; '.join([verdict.word.value, *verdict.reasons])}")
+        progress(f"verdict: {'; '.join([verdict.grade.value, *verdict.reasons])}")
         for advice in verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, options_for(session, settings))

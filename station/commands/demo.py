@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from station.commands.options import NO_VIEWER
-from station.output import json_option, progress
+from station.output import json_option, print_json, progress, screen
 
 SPEED = 4.0
 MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
@@ -26,6 +26,8 @@ MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
 @click.option(
     "--mystery", is_flag=False, flag_value=-1, type=int, metavar="[SEED]", help="Hide an effect, find it."
 )
+@click.option("--example", metavar="NAME", help="Identify a recording that comes with the station.")
+@click.option("--list", "listed", is_flag=True, help="List the recordings that come with the station.")
 @click.option("--pty", is_flag=True, help="Connect through a pseudo terminal instead of TCP.")
 @click.option(
     "--session",
@@ -42,6 +44,8 @@ def command(
     seed: int,
     speed: float,
     mystery: int | None,
+    example: str | None,
+    listed: bool,
     pty: bool,
     folder: Path | None,
     no_viewer: bool,
@@ -50,8 +54,12 @@ def command(
     """Run the whole job on a simulated board: capture, align, identify, show.
 
     The board is `python -m mocks`, a process of its own; the station connects
-    to its port as it would to any.
+    to its port as it would to any. Or, without any board, identify one of the
+    recordings that come with the station: `--list`, `--example NAME`.
     """
+    if listed or example is not None:
+        _examples(settings_file, example, as_json)
+        return
     from dataclasses import replace
 
     from daq.session_info import SessionInfo
@@ -78,6 +86,33 @@ def command(
         truth = json.loads(truth_file.read_text(encoding="utf-8"))
     made_of = {name: truth[name] for name in MADE_OF}
     finish(session, url, settings, as_json, _made_of(truth), made_of=made_of)
+
+
+def _examples(settings_file: str | None, name: str | None, as_json: bool) -> None:
+    """List the recordings that come with the station, or import one and identify it."""
+    from station.operations.examples import EXAMPLES, open_example
+    from station.operations.identifying import identify_session, refuse_if_nothing
+    from station.settings import load_settings
+    from station.story.preparation import options_for
+    from station.text.terminal import next_steps, show_identification
+
+    if name is None:
+        if as_json:
+            print_json({"examples": [{"name": e.name, "file": e.file, "about": e.about} for e in EXAMPLES]})
+            return
+        for one in EXAMPLES:
+            click.echo(f" {one.name:<20}{one.about}")
+        click.echo(f"\n try one: station demo --example {EXAMPLES[0].name}")
+        return
+    settings = load_settings(settings_file)
+    session = open_example(name, settings.sessions)
+    result, document = identify_session(session, options_for(session, settings))
+    if as_json:
+        print_json({"session": str(session.folder), "identification": document})
+    else:
+        show_identification(screen(), session.folder.name, result)
+        next_steps(screen(), session.folder)
+    refuse_if_nothing(result)
 
 
 def _made_of(truth: dict[str, Any]) -> str:

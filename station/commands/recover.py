@@ -1,11 +1,9 @@
 """`station recover`: seal what a power cut or a crash left open."""
 
-from pathlib import Path
 from typing import Any
 
 import click
 
-from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
 
@@ -20,14 +18,12 @@ def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool)
     touched.
     """
     from daq.session import recover, unsealed_sessions
+    from station.results.session_names import session_folder
     from station.settings import load_settings
 
     root = load_settings(settings_file).sessions
     if sessions:
-        folders = [Path(name) if Path(name).is_dir() else root / name for name in sessions]
-        missing = [folder for folder in folders if not folder.is_dir()]
-        if missing:
-            raise UsageProblem(f"{missing[0]}: there is no such session")
+        folders = [session_folder(name, root) for name in sessions]
     else:
         folders = list(unsealed_sessions(root)) if root.is_dir() else []
     recovered = [recover(folder) for folder in folders]
@@ -54,5 +50,5 @@ def _entry(session: Any) -> dict[str, Any]:
         "reason": session.info.reason,
         "samples": counts.samples,
         "lost_samples": counts.lost,
-        "verdict": None if verdict is None else verdict.word.value,
+        "verdict": None if verdict is None else verdict.grade.value,
     }

@@ -21,13 +21,12 @@ class Altered(Problem):
 @click.pass_obj
 def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool) -> None:
     """Check SESSIONS against their manifests; one flipped bit is found."""
-    from pathlib import Path
-
     from daq.session import verify
+    from station.results.session_names import session_folder
     from station.settings import load_settings
 
     root = load_settings(settings_file).sessions
-    checked = [verify(Path(name) if Path(name).is_dir() else root / name) for name in sessions]
+    checked = [verify(session_folder(name, root)) for name in sessions]
     if as_json:
         print_json({"ok": all(one.ok for one in checked), "sessions": [_entry(one) for one in checked]})
     else:

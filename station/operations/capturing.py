@@ -10,7 +10,7 @@ import click
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.errors import StorageError
-from daq.failover import elsewhere_in_temporary_folder
+from daq.failover import temporary_folder
 from daq.session import Session
 from station.operations.new_session import new_folder
 from station.output import progress
@@ -53,7 +53,7 @@ def another_place(spare: Path | None) -> Callable[[StorageError], Path | None] |
         progress(str(error))
         folder = new_folder(places.pop()) if places else _asked() if asks else None
         if folder is None:
-            return elsewhere_in_temporary_folder(error)
+            return temporary_folder(error)
         progress(f"the session goes to {folder}")
         return folder
 

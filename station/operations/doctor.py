@@ -14,7 +14,7 @@ import numpy as np
 
 from daq.board_sample import BoardSample
 from daq.port_facts import PortFacts
-from daq.wiring_check import suspicions, swings
+from daq.wiring_check import large_motion, suspicions
 
 PACKAGES = ("numpy", "scipy", "numba", "pyserial", "rerun-sdk", "pydantic", "rich")
 SPACE_MB = (50, 1000)
@@ -193,7 +193,7 @@ def _swinging_from(x: np.ndarray) -> int | None:
     centred = x - x[-len(x) // 8 :].mean()
     if np.ptp(x) < MOVES * _noise(x):
         return None
-    big, crossings = swings(centred)
+    big, crossings = large_motion(centred)
     if crossings < 4:
         return None
     signs = np.sign(centred[big])

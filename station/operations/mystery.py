@@ -37,6 +37,8 @@ SEEDS = 1000
 MOST_PLACES = 3
 BOARD = "mocks.mystery"
 
+Say = Callable[[str, str], None]
+
 
 @dataclass(frozen=True, eq=False)
 class Solved:
@@ -79,15 +81,9 @@ def play(
         "model (stiffness, dry and viscous friction) does not have, or a faulty sensor. This program does not "
         "know which. Let us record one release and find out.",
     )
-    info = SessionInfo(specimen=f"mystery {chosen}", mass_kg=MASS_KG, operator="demo")
-    wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
-    where = folder or new_folder(settings.sessions, f"mystery_{chosen}")
-    with TemporaryDirectory() as temporary:
-        envelope = Path(temporary) / "truth.json"
-        with simulated_board(chosen, speed, pty, "--truth", str(envelope), module=BOARD) as port:
-            progress(f"a simulated board answers at {port}")
-            session, url = record(port, wanted, where, not no_viewer)
-        solved = _solve(session, settings, say, console if not as_json else None, chosen, envelope)
+    solved, url = solve(
+        settings, chosen, speed, pty, folder, no_viewer, say=say, console=None if as_json else console
+    )
     if as_json:
         print_json(_document(solved))
     else:
@@ -95,12 +91,35 @@ def play(
     if not no_viewer:
         from station.operations.viewer_tabs import show_ladder as show
 
-        opened = open_refinement(session, settings)
+        opened = open_refinement(solved.session, settings)
         if show(opened, url):
             progress("the viewer shows the ladder: step along its timeline `rung`")
 
 
-Say = Callable[[str, str], None]
+def solve(
+    settings: Settings,
+    seed: int,
+    speed: float,
+    pty: bool,
+    folder: Path | None,
+    no_viewer: bool,
+    *,
+    say: Say,
+    console: Console | None = None,
+) -> tuple[Solved, str | None]:
+    """Record the mystery of a seed and solve it; return what came out and the URL of the live viewer.
+
+    The samples are a function of the seed: at any `speed`, on any line, the same are recorded.
+    """
+    info = SessionInfo(specimen=f"mystery {seed}", mass_kg=MASS_KG, operator="demo")
+    wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
+    where = folder or new_folder(settings.sessions, f"mystery_{seed}")
+    with TemporaryDirectory() as temporary:
+        envelope = Path(temporary) / "truth.json"
+        with simulated_board(seed, speed, pty, "--truth", str(envelope), module=BOARD) as port:
+            progress(f"a simulated board answers at {port}")
+            session, url = record(port, wanted, where, not no_viewer)
+        return _solve(session, settings, say, console, seed, envelope), url
 
 
 def _solve(

@@ -120,7 +120,7 @@ def _verdict(found: Findings) -> Paragraph:
         return Paragraph("none; the session is not sealed", label="Verdict on the recording", strong=True)
     reasons = "; ".join(verdict.reasons)
     advice = f". Before taking it again: {'; '.join(verdict.advice)}" if verdict.advice else ""
-    text = f"{verdict.word.value}{f': {reasons}' if reasons else ''}{advice}"
+    text = f"{verdict.grade.value}{f': {reasons}' if reasons else ''}{advice}"
     return Paragraph(text, label="Verdict on the recording", strong=True)
 
 

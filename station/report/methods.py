@@ -1,11 +1,11 @@
 """The section of both identifications, side by side: the paper's tables and figures."""
 
 from identify.estimate import Estimate
+from identify.formatting import damping_name
 from station.report import identification_figures as draw
 from station.report.content import Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
 from station.text.numbers import (
-    damping_name,
     lowered,
     scale,
     typeset_error,

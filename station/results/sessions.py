@@ -15,6 +15,7 @@ from identify.errors import NotIdentifiable
 from identify.preprocessing.release import Release, find_releases
 from station.exits import UsageProblem
 from station.output import progress
+from station.results.session_names import find_session
 from station.story.preparation import Options, free_decay
 
 MOST_RELEASES = 100
@@ -32,8 +33,9 @@ class Imported:
 def open_session(argument: str, sessions: Path, info: SessionInfo | None = None) -> Session:
     """Return the session that the operator means.
 
-    `argument` is a session's folder, its name within `sessions`, or a data file, which is imported first
-    (a second time it is opened, not imported again). Raises UsageProblem when it is none of these.
+    `argument` is a session's folder, its name within `sessions` (or its beginning, or `last`: see
+    `session_names`), or a data file, which is imported first (a second time it is opened, not imported
+    again). Raises UsageProblem when it is none of these.
     """
     path = Path(argument)
     if path.is_dir():
@@ -43,9 +45,9 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
         if known is not None:
             return Session.open(known)
         return _import_on_the_way(path, sessions, info or SessionInfo())
-    inside = sessions / argument
-    if inside.is_dir():
-        return Session.open(inside)
+    named = find_session(argument, sessions)
+    if named is not None:
+        return Session.open(named)
     raise UsageProblem(
         f"{argument}: there is no such session or data file (sessions are looked for in {sessions.resolve()})"
     )

@@ -10,7 +10,6 @@ from identify.estimate import Estimate
 
 DASH = "-"
 SPACE = "\u00a0"  # keeps a number with its error and its unit on one line
-DAMPING_NAMES = ("dry friction mu_0", "viscous damping mu_1", "quadratic damping mu_2", "cubic damping mu_3")
 EVIDENCE = ((100.0, "decisive"), (12.0, "strong"), (4.6, "some"))
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -108,11 +107,6 @@ def energy_scale(units: DiscrepancyText) -> tuple[float, str]:
     """Return the factor on an energy per unit mass to the unit in which it is shown, and that unit: mJ, mJ/kg ..."""
     fine, prefix = (1e3, "m") if units.energy_unit.startswith("J") else (1.0, "")
     return fine * units.force_scale, f"{prefix}{units.energy_unit}"
-
-
-def damping_name(order: int) -> str:
-    """Return what the damping coefficient of an order is called."""
-    return DAMPING_NAMES[order] if order < len(DAMPING_NAMES) else f"damping mu_{order}"
 
 
 # Typeset, on a page: raised powers, Greek letters, powers of ten.

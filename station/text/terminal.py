@@ -8,9 +8,10 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.estimate import Estimate
+from identify.formatting import damping_name
 from station.story.identification import Identification
 from station.text.layout import labelled
-from station.text.numbers import damping_name, scale, with_error
+from station.text.numbers import scale, with_error
 
 LABEL_WIDTH = 11
 KINDS = {

@@ -132,7 +132,7 @@ class CaptureRun(CaptureObserver):
             self.now,
             finished=True,
             session=session.folder,
-            verdict="" if verdict is None else verdict.word.value,
+            verdict="" if verdict is None else verdict.grade.value,
             reasons=() if verdict is None else tuple(verdict.reasons),
             advice=() if verdict is None else tuple(verdict.advice),
         )

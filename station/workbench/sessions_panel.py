@@ -1,12 +1,14 @@
 """Left, the sessions: name, date, verdict, amplitude and a sparkline of each; and a place to drop a file."""
 
 import tempfile
+from functools import partial
 from pathlib import Path
 from urllib.parse import quote
 
 from nicegui import events, ui
 
 from station.exits import UsageProblem
+from station.operations.examples import EXAMPLES
 from station.workbench import widgets
 from station.workbench.import_choices import ImportChoices, for_the_page
 from station.workbench.session_list import Entry, SessionList
@@ -67,11 +69,35 @@ class SessionsPanel:
             elif not entries:
                 with ui.element("div").classes("empty"):
                     widgets.label("No session yet.")
-                    widgets.label("Drop a file above, or capture a release.", "small")
+                    widgets.label("Drop a file above, capture a release, or open an example:", "small")
+                    self._examples()
             for entry in entries:
                 self._row(entry)
         if fresh:
             ui.timer(0.1, self._thumbnails, once=True)
+
+    def _examples(self) -> None:
+        for example in EXAMPLES:
+            does = partial(self._open_example, example.name)
+            with widgets.line("small"):
+                widgets.button(example.name, does, f"Open the example {example.name}: {example.about}")
+
+    async def _open_example(self, name: str) -> None:
+        if self._job is not None:
+            return
+        self._job = Job()
+        self._importing(name)
+        try:
+            key = await self._workers.do(self._job, "imports", "example", name)
+        except Cancelled:
+            self._say(f"opening {name} was cancelled", "faint")
+        except Failed as failure:
+            self._say(str(failure), "bad")
+        else:
+            with self._message:  # the button is gone by now: the list shows the session
+                ui.navigate.to(address_of(key))
+        finally:
+            self._job = None
 
     def _row(self, entry: Entry) -> None:
         link = ui.element("a").classes("session" + (" chosen" if entry.key == self._chosen else ""))

@@ -177,6 +177,14 @@ def import_file(
     return [session.folder.name for session in imported.sessions], list(imported.notes)
 
 
+def open_example(settings: Settings, progress: Progress, name: str) -> str:
+    """Import a recording that comes with the station, unless it is there already; return its session's name."""
+    from station.operations.examples import open_example as opened
+
+    progress(f"reading {name}")
+    return opened(name, settings.sessions).folder.name
+
+
 def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path) -> int:
     """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
     from station.operations.identifying import identify_session, write_view
@@ -217,6 +225,7 @@ TASKS: dict[str, Callable[..., Any]] = {
     "force_maps": force_maps,
     "thumbnail": thumbnail,
     "import": import_file,
+    "example": open_example,
     "viewer": viewer,
     "report": report,
     "warm": warm,

@@ -1,9 +1,7 @@
-"""The bench's double as a process of its own, on a pty or on TCP."""
+"""The bench's double in this process, on a pty or on TCP, with the truth about what it simulates."""
 
 import json
 import os
-import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
+from mocks.in_process import running
 
 ROOT = Path(__file__).parents[2]
 LINES = ("pty", "tcp")
@@ -22,7 +22,6 @@ class Double:
     """A running double: where it listens, and what it simulates."""
 
     port: str
-    process: "subprocess.Popen[str]"
     truth_file: Path
 
     def truth(self) -> dict[str, Any]:
@@ -37,17 +36,5 @@ def double(folder: Path, line: str, *arguments: str) -> Iterator[Double]:
         pytest.skip("this system has no pty")
     truth = folder / "truth.json"
     where = ["--pty"] if line == "pty" else ["--tcp", "0"]
-    command = [sys.executable, "-m", "mocks", *where, *arguments, "--truth", str(truth)]
-    process = subprocess.Popen(
-        command, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    assert process.stdout is not None
-    try:
-        said = process.stdout.readline()
-        if not said.startswith("port: "):
-            process.kill()
-            raise AssertionError(f"the double said {said!r} {process.communicate()[1]!r}")
-        yield Double(said.removeprefix("port: ").strip(), process, truth)
-    finally:
-        process.terminate()
-        process.communicate(timeout=10)
+    with running(*where, *arguments, "--truth", str(truth)) as address:
+        yield Double(address, truth)

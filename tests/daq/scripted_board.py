@@ -72,7 +72,7 @@ class ScriptedBoard:
 
     name = "scripted"
 
-    def __init__(self, samples: np.ndarray, hurry: float = 4096.0, per_frame: int = 16) -> None:
+    def __init__(self, samples: np.ndarray, hurry: float = 16384.0, per_frame: int = 16) -> None:
         self.samples = samples
         self.description = describe()
         self.hello = Hello(boot_id=7, clock_hz=1_000_000, board="scripted")
@@ -89,7 +89,8 @@ class ScriptedBoard:
         self._out = bytearray()
         self._lock = threading.Lock()
         self._sequence = 0
-        self._sent = 0
+        self.sent = 0
+        self.at_most = samples.shape[1]  # samples in one read
         self._dropped_before = 0
         self._started: float | None = None
         self.closed = False
@@ -135,13 +136,13 @@ class ScriptedBoard:
         if isinstance(request, Config):
             self._send(self.description)
         if isinstance(request, Start):
-            self._started, self._sent = time.monotonic(), 0
+            self._started, self.sent = time.monotonic(), 0
         if isinstance(request, Stop):
             self._started = None
             self._end()
 
     def _is_silent(self) -> bool:
-        return self.silent_from is not None and self._sent >= self.silent_from
+        return self.silent_from is not None and self.sent >= self.silent_from
 
     def _data(self, first: int, n: int, dropped: int = 0) -> Data:
         part = self.samples[:, first : first + n].T.astype("<f8").tobytes()
@@ -152,8 +153,9 @@ class ScriptedBoard:
             return
         due = int((time.monotonic() - self._started) * self._hurry)
 
-        while self._sent + self._per_frame <= min(due, self.samples.shape[1]):
-            first = self._sent
+        due = min(due, self.sent + self.at_most, self.samples.shape[1])
+        while self.sent + self._per_frame <= due:
+            first = self.sent
             if self.unplugged_at is not None and first >= self.unplugged_at:
                 if self._out:  # what left the board before the cable did arrives
                     return
@@ -165,7 +167,7 @@ class ScriptedBoard:
                 return
             if self._is_silent():
                 return
-            self._sent += self._per_frame
+            self.sent += self._per_frame
             if first in self.dropped:
                 self._dropped_before += self._per_frame
                 continue
@@ -175,16 +177,16 @@ class ScriptedBoard:
             self._out += self.mangle(first, frame)
 
     def _sent_blocks(self) -> list[int]:
-        return [first for first in range(0, self._sent, self._per_frame) if first not in self.dropped]
+        return [first for first in range(0, self.sent, self._per_frame) if first not in self.dropped]
 
     def _end(self) -> None:
         check = 0
         for first in self._sent_blocks():
             check = crc32(self._data(first, self._per_frame).samples, check)
-        self._send(End(self._sent, self._sent - len(self._sent_blocks()) * self._per_frame, check))
+        self._send(End(self.sent, self.sent - len(self._sent_blocks()) * self._per_frame, check))
 
     def _resend(self, sequence: int, request: Resend) -> None:
-        first = max(request.first, self._sent - self.held)
+        first = max(request.first, self.sent - self.held)
         for at in range(first, request.first + request.count, self._per_frame):
             n = min(self._per_frame, request.first + request.count - at)
             frame = encode(self._data(at, n), self._sequence)

@@ -1,4 +1,4 @@
-"""Captures from the bench's double over a real pty and a real socket, eight times as fast as life."""
+"""Captures from the bench's double over a real pty and a real socket, sixteen times as fast as life."""
 
 import json
 import os
@@ -19,13 +19,13 @@ from daq.port import PortDescription
 from daq.ports import probe
 from daq.session import recover, verify
 
-FAST = ("--speed", "8", "--seed", "5")
+FAST = ("--speed", "16", "--seed", "5")
 SETTINGS = CaptureSettings(check_clock=False)
 
 
 @pytest.mark.parametrize("line", LINES)
 def test_a_release_is_captured_where_it_happened(tmp_path: Path, line: str) -> None:
-    with double(tmp_path, line, *FAST, "--hand-ms", "0") as bench:
+    with double(tmp_path, line, *FAST, "--release-ms", "0") as bench:
         session = capture(bench.port, SETTINGS, tmp_path / "s")
         truth = bench.truth()["releases"][0]
     window = session.assembly().window
@@ -40,7 +40,7 @@ def test_a_release_is_captured_where_it_happened(tmp_path: Path, line: str) -> N
 
 @pytest.mark.parametrize("line", LINES)
 def test_several_captures_follow_each_other_on_one_double(tmp_path: Path, line: str) -> None:
-    with double(tmp_path, line, *FAST, "--releases", "-25,v0.4,5", "--hand-ms", "12") as bench:
+    with double(tmp_path, line, *FAST, "--releases", "-25,v0.4,5", "--release-ms", "12") as bench:
         for number, verdict in enumerate(("OK", "USABLE WITH GAPS", "OK")):  # the blow saturates
             session = capture(bench.port, SETTINGS, tmp_path / str(number))
             assert session.info.verdict == verdict
@@ -63,13 +63,13 @@ import sys
 from pathlib import Path
 from daq.capture import CaptureObserver, CaptureSettings, capture
 
-class Teller(CaptureObserver):
+class Printer(CaptureObserver):
     def block(self, first_index, samples):
         print(first_index, samples.shape[1], float(samples[0, -1]).hex(), flush=True)
 
-capture(sys.argv[1], CaptureSettings(check_clock=False), Path(sys.argv[2]), Teller())
+capture(sys.argv[1], CaptureSettings(check_clock=False), Path(sys.argv[2]), Printer())
 """
-KILLS = int(os.environ.get("STATION_KILLS", "4"))
+KILLS = int(os.environ.get("STATION_KILLS", "2"))
 
 
 @pytest.mark.skipif(os.name == "nt", reason="kill -9 is POSIX")
@@ -83,11 +83,11 @@ def test_a_killed_capture_keeps_every_sample_that_it_had_shown(tmp_path: Path, s
             text=True,
         )
         assert watcher.stdout is not None
-        told = [watcher.stdout.readline()]
-        time.sleep(random.Random(seed).uniform(0.0, 1.6))
+        printed = [watcher.stdout.readline()]
+        time.sleep(random.Random(seed).uniform(0.0, 0.8))
         watcher.send_signal(signal.SIGKILL)
-        told += watcher.communicate(timeout=10)[0].splitlines()
-    blocks = [line.split() for line in told if len(line.split()) == 3]
+        printed += watcher.communicate(timeout=10)[0].splitlines()
+    blocks = [line.split() for line in printed if len(line.split()) == 3]
     session = recover(tmp_path / "s")
     assembly = session.assembly()
     assembly.window = None
@@ -112,35 +112,16 @@ def test_a_disk_that_fills_up_during_the_capture_costs_nothing(tmp_path: Path) -
             if name == "triggered":
                 resource.setrlimit(resource.RLIMIT_FSIZE, (8192, limits[1]))
 
-    def elsewhere(error: StationError) -> Path:
+    def fallback(error: StationError) -> Path:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
         return tmp_path / "t"
 
     with double(tmp_path, "tcp", *FAST) as bench:
         try:
-            session = capture(bench.port, settings, tmp_path / "s", Filler(), elsewhere)
+            session = capture(bench.port, settings, tmp_path / "s", Filler(), fallback)
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert session.folder == tmp_path / "t"
     assert np.isfinite(session.recording().samples).all()
     assert session.info.verdict == "OK"
     assert verify(tmp_path / "t").ok
-
-
-@pytest.mark.slow
-def test_the_rate_is_compared_with_this_computers_clock(tmp_path: Path) -> None:
-    """In real time: over some ten seconds the two agree to 0.1 % through any scheduler."""
-    with double(tmp_path, "pty", "--seed", "5") as bench:
-        session = capture(bench.port, CaptureSettings(), tmp_path / "s")
-    assert session.info.verdict == "OK"
-    rate_std = session.recording().rate_std
-    assert rate_std is not None
-    assert rate_std < 1e-3 * 256
-
-
-def test_a_rate_that_no_clock_of_this_computer_knows_is_told(tmp_path: Path) -> None:
-    """Three times as fast as life is what a board with a wrong rate looks like."""
-    with double(tmp_path, "tcp", "--speed", "3", "--seed", "5") as bench:
-        session = capture(bench.port, CaptureSettings(), tmp_path / "s")
-    assert session.verdict is not None
-    assert "of this computer's clock" in session.verdict.reasons[0]

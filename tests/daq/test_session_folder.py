@@ -1,6 +1,6 @@
 import json
 import os
-import time
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -84,15 +84,6 @@ def test_any_recording_survives(
     assert read.channels == names
     assert np.array_equal(read.valid, valid)
     assert read.samples[:, valid].tobytes() == samples[:, valid].tobytes()
-
-
-def test_reading_2048_samples_takes_under_20_ms(session: Session) -> None:
-    times = []
-    for _ in range(5):
-        start = time.perf_counter()
-        Session.open(session.folder).recording()
-        times.append(time.perf_counter() - start)
-    assert min(times) < 0.020
 
 
 def test_the_source_and_the_metadata_are_kept(session: Session) -> None:
@@ -184,7 +175,7 @@ def test_metadata_out_of_range_are_refused_and_nothing_changes(session: Session)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "null", '{"mass_kg": "x"}', '{"format": 99}', "\x00\xff"])
-def test_damaged_metadata_are_told_in_words(session: Session, text: str) -> None:
+def test_damaged_metadata_are_refused_in_words(session: Session, text: str) -> None:
     (session.folder / "session.json").write_text(text, encoding="latin-1")
     with pytest.raises(SessionDamaged, match="session"):
         Session.open(session.folder)
@@ -277,19 +268,14 @@ def test_what_is_no_session_is_said_so(tmp_path: Path) -> None:
     assert not verify(tmp_path).ok
 
 
-def test_a_thousand_sessions_are_listed_and_verified_in_a_second_or_two(tmp_path: Path) -> None:
-    import shutil
-
-    Session.create_imported(tmp_path / "0000", example(256), None)
-    for i in range(1, 1000):
-        shutil.copytree(tmp_path / "0000", tmp_path / f"{i:04d}")
-    start = time.perf_counter()
-    assert len(list_sessions(tmp_path)) == 1000
-    assert all(verify(tmp_path / f"{i:04d}").ok for i in range(1000))
-    assert time.perf_counter() - start < 4.0  # 10,000 "in seconds", with room for a busy machine
+def test_sessions_are_listed_oldest_first(tmp_path: Path) -> None:
+    for day in (3, 1, 2):
+        info = SessionInfo(created=datetime(2020, 1, day, tzinfo=UTC))
+        Session.create_imported(tmp_path / f"s{9 - day}", example(64 + 256), None, info)
+    assert [summary.folder.name for summary in list_sessions(tmp_path)] == ["s8", "s7", "s6"]
 
 
-def test_a_list_tells_of_what_cannot_be_read(tmp_path: Path, session: Session) -> None:
+def test_a_list_says_what_cannot_be_read(tmp_path: Path, session: Session) -> None:
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "session.json").write_text("{")
     (tmp_path / "unrelated").mkdir()

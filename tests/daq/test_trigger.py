@@ -54,7 +54,7 @@ def test_an_ideal_release_is_found_within_one_sample(fraction: float, seed: int)
     assert 0 <= found.sample - release <= 1.0
 
 
-def test_it_tells_the_half_period() -> None:
+def test_it_finds_the_half_period() -> None:
     found = watch(decay(1400))
     assert found is not None
     assert found.half_period_s == pytest.approx(np.pi / OMEGA, rel=0.03)  # two half periods of 32 samples
@@ -77,7 +77,7 @@ def test_an_impulse_is_found_where_it_struck() -> None:
 
 
 @pytest.mark.parametrize("hand_ms", [5, 12, 20])
-def test_a_slow_hand_is_found_inside_its_ramp(hand_ms: int) -> None:
+def test_a_slow_release_is_found_inside_its_ramp(hand_ms: int) -> None:
     """The hand's force falls as half a cosine: the mass follows by the closed form of a forced spring."""
     steps = 64
     n, release, hand = 1400, 400, hand_ms / 1000
@@ -118,7 +118,7 @@ def test_a_pull_back_and_forth_by_hand_does_not_trigger() -> None:
     assert watch(moved(path)) is None
 
 
-def test_a_trembling_hand_does_not_trigger() -> None:
+def test_an_unsteady_grip_does_not_trigger() -> None:
     n = 4000
     tremor = 1e-4 * np.sin(2 * np.pi * 9 * np.arange(n) / RATE) * (np.arange(n) > 900)
     assert watch(moved(pull(n, 300, 1.0) + tremor)) is None

@@ -5,7 +5,6 @@ import dataclasses
 import io
 import os
 import socket
-import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,10 +15,7 @@ from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.errors import DataLost, Stalled
 from daq.port import Port
 from daq.session import Session, verify
-from mocks.cli import parser
-from mocks.link import Link, PtyLink, TcpLink
-from mocks.serve import serve
-from mocks.simulated_board import Rig
+from mocks.in_process import running
 from station import cli
 from station.operations import new_session
 
@@ -44,12 +40,11 @@ class Promise:
 
 @dataclasses.dataclass(frozen=True)
 class Outcome:
-    """How a capture ended: exit code, what it said on stderr, its session if it left one, seconds it took."""
+    """How a capture ended: exit code, what it said on stderr, its session if it left one."""
 
     code: int
     said: str
     session: Session | None
-    seconds: float
 
 
 def promises(page: Path = PAGE) -> tuple[Promise, ...]:
@@ -73,40 +68,30 @@ def _plain(cell: str) -> str:
 @contextlib.contextmanager
 def board(line: str, *arguments: str) -> Iterator[str]:
     """Serve the double from a thread, on a real pty or socket; yield the name of its port."""
-    options = parser().parse_args([*(["--pty"] if line == "pty" else ["--tcp", "0"]), *arguments])
-    rig = Rig(options)
-    link: Link = PtyLink() if line == "pty" else TcpLink(0)
-    over = threading.Event()
-    served = threading.Thread(
-        target=serve, args=(link, rig.board, rig.line, options.speed, False, over.is_set), daemon=True
-    )
-    served.start()
-    try:
-        yield link.address
-    finally:
-        over.set()
-        served.join(timeout=5)
-        link.close()
+    with running(*(["--pty"] if line == "pty" else ["--tcp", "0"]), *arguments) as address:
+        yield address
 
 
-def station_capture(port: str, folder: Path, *arguments: str, check_clock: bool = False) -> Outcome:
-    """Call the command as an operator does; a sped-up double keeps another time than this computer."""
-    honest = new_session.capture_settings
+@contextlib.contextmanager
+def without_clock_check() -> Iterator[None]:
+    """Capture without comparing clocks: a sped-up double keeps another time than this computer."""
+    checked = new_session.capture_settings
 
     def settings(*given: object, **timing: object) -> object:
-        return dataclasses.replace(honest(*given, **timing), check_clock=check_clock)  # type: ignore[arg-type]
+        return dataclasses.replace(checked(*given, **timing), check_clock=False)  # type: ignore[arg-type]
 
-    told, said, began = io.StringIO(), io.StringIO(), time.monotonic()
+    with mock.patch.object(new_session, "capture_settings", settings):
+        yield
+
+
+def station_capture(port: str, folder: Path, *arguments: str) -> Outcome:
+    """Call the command as an operator does."""
+    printed, said = io.StringIO(), io.StringIO()
     words = ["capture", "--port", port, "--session", str(folder), "--no-viewer", *arguments]
-    with (
-        mock.patch.object(new_session, "capture_settings", settings),
-        contextlib.redirect_stdout(told),
-        contextlib.redirect_stderr(said),
-    ):
+    with without_clock_check(), contextlib.redirect_stdout(printed), contextlib.redirect_stderr(said):
         code = cli.run(words)
-    seconds = time.monotonic() - began
     session = Session.open(folder) if (folder / "session.json").exists() else None
-    return Outcome(code, said.getvalue(), session, seconds)
+    return Outcome(code, said.getvalue(), session)
 
 
 def inject(promise: Promise, line: str, folder: Path, speed: float, seed: int, *timing: str) -> Outcome:
@@ -122,30 +107,30 @@ def inject(promise: Promise, line: str, folder: Path, speed: float, seed: int, *
 
 
 class Silence(CaptureObserver):
-    """When the last samples of a board came, and when its silence was told (s, this computer's clock)."""
+    """When the last samples of a board came, and when its silence was announced (s, this computer's clock)."""
 
     def __init__(self) -> None:
-        self.last = self.told = 0.0
+        self.last = self.announced = 0.0
 
     def block(self, first_index: int, samples: object) -> None:
         self.last = time.monotonic()
 
     def state(self, name: str, detail: str) -> None:
         if "nothing came" in detail:
-            self.told = time.monotonic()
+            self.announced = time.monotonic()
 
 
 def silence(line: str, folder: Path, at: float = 2.0) -> tuple[float, float]:
     """Let a board fall silent `at` seconds into its stream, in real time.
 
-    Return how long after its last samples the operator was told, and the board given up (s).
+    Return how long after its last samples this was announced, and the board given up (s).
     """
     watch = Silence()
     with board(line, "--seed", "5", "--fault", f"stall:30@{at:g}") as port:
         try:
             capture(port, CaptureSettings(), folder / "s", watch)
         except Stalled:
-            return watch.told - watch.last, time.monotonic() - watch.last
+            return watch.announced - watch.last, time.monotonic() - watch.last
     raise AssertionError("a board that had stalled was recorded to the end")
 
 
@@ -175,14 +160,14 @@ def _held(port: str) -> Iterator[None]:
 
 def _forbidden(line: str, folder: Path, double: tuple[str, ...], timing: tuple[str, ...]) -> Outcome:
     """Permissions do not bind root, who therefore steps down for as long as the port is opened."""
-    honest = port_module.open_port
+    real = port_module.open_port
 
     def step_down(name: str) -> Port:
         is_root = os.geteuid() == 0
         if is_root:
             os.seteuid(NOBODY)
         try:
-            return honest(name)
+            return real(name)
         finally:
             if is_root:
                 os.seteuid(0)
@@ -241,7 +226,7 @@ def _of_session(promise: Promise, session: Session | None) -> list[str]:
     found = []
     verdict = session.verdict
     reasons = " ".join(verdict.reasons) if verdict else ""
-    if verdict is None or verdict.word.value not in promise.verdict.split(" or "):
+    if verdict is None or verdict.grade.value not in promise.verdict.split(" or "):
         found.append(f"verdict {verdict}, not {promise.verdict}")
     if promise.reason not in reasons:
         found.append(f"no reason {promise.reason!r} among {reasons!r}")

@@ -2,13 +2,12 @@
 
 import os
 import socket
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
 
+from mocks.in_process import running
 from station.views.viewer import start
 
 TCP = (Path("/proc/net/tcp"), Path("/proc/net/tcp6"))
@@ -55,14 +54,10 @@ def test_the_check_sees_a_socket_that_is_open_to_the_world() -> None:
 
 
 def test_the_double_listens_on_this_machine_only() -> None:
-    command = [sys.executable, "-m", "mocks", "--tcp", "0"]
-    double = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-    try:
-        found = soon(double.pid, 1)
-    finally:
-        double.terminate()
-        double.communicate(timeout=10)
-    assert found
+    before = listening(os.getpid())
+    with running("--tcp", "0") as address:
+        found = listening(os.getpid()) - before
+    assert {port for _, port in found} == {int(address.rpartition(":")[2])}
     assert {address for address, _ in found} <= set(LOOPBACK)
 
 

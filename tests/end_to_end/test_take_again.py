@@ -3,10 +3,13 @@
 import json
 from pathlib import Path
 
+import pytest
 from fault_bench import board, station_capture
 
 from daq.session import Session
 from daq.session_info import BoardInfo, SessionInfo, State
+
+pytestmark = pytest.mark.usefixtures("unrendered")
 
 FAST = ("--seed", "5", "--speed", "16")
 
@@ -33,7 +36,7 @@ def neighbour(folder: Path, name: str, noise: float, unique_id: str = "SIM-0001"
     (folder / name / "session.json").write_text(info.model_dump_json())
 
 
-def test_a_board_that_is_noisier_than_usual_is_told(tmp_path: Path) -> None:
+def test_a_board_that_is_noisier_than_usual_is_reported(tmp_path: Path) -> None:
     for number in range(3):
         neighbour(tmp_path, f"r{number}", 1e-3)
     with board("tcp", *FAST) as port:

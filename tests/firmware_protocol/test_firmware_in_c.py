@@ -203,7 +203,7 @@ def test_what_the_wire_lost_is_sent_again(host: BenchHost) -> None:
     assert end.checksum == zlib.crc32(b"".join(again[i] for i in range(600)))
 
 
-def test_the_newest_samples_are_kept_and_older_ones_are_told(host: BenchHost) -> None:
+def test_the_newest_samples_are_kept_and_older_ones_are_reported(host: BenchHost) -> None:
     capture(host, KEPT + 100)
     complete = host.samples()
     host.frames = []
@@ -301,7 +301,7 @@ def test_a_request_of_a_later_version_is_refused(host: BenchHost) -> None:
     assert (nack.request_sequence, nack.request_type, nack.code) == (99, 0x40, NackCode.NOT_UNDERSTOOD)
 
 
-def test_a_host_of_another_major_version_is_told_ours(host: BenchHost) -> None:
+def test_a_host_of_another_major_version_learns_ours(host: BenchHost) -> None:
     host.send_bytes(encode(HelloRequest(2, 0), 0, version=2))
     assert host.next(Hello).major == 1
 

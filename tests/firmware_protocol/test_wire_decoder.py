@@ -144,7 +144,7 @@ def test_what_waits_between_two_calls_is_less_than_a_frame() -> None:
         assert sys.getsizeof(decoder._pending) < 1100
 
 
-def test_statistics_do_not_change_in_the_hand_that_holds_them() -> None:
+def test_statistics_once_taken_do_not_change() -> None:
     decoder = Decoder()
     before = decoder.statistics
     decoder.feed(encode(Log("hello"), 0))

@@ -117,7 +117,7 @@ def test_a_type_of_a_later_minor_version_is_counted_and_skipped() -> None:
     assert decoder.statistics.unknown == 1
 
 
-def test_another_major_version_is_told_and_not_read() -> None:
+def test_another_major_version_is_noticed_and_not_read() -> None:
     decoder = Decoder()
     assert decoder.feed(encode(Stop(), 4, version=2)) == [Frame(4, 0, OtherVersion(2))]
     assert decoder.statistics.other_version == 1

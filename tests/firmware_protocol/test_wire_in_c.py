@@ -57,9 +57,9 @@ def test_golden_vectors_are_what_c_reads_and_sends(driver: Path) -> None:
     assert ask(driver, [f"D {wire}" for wire in wires]) == list(lines)
 
 
-def test_a_hundred_thousand_random_messages_are_the_same_in_both_languages(driver: Path) -> None:
+def test_ten_thousand_random_messages_are_the_same_in_both_languages(driver: Path) -> None:
     source = RandomMessages(seed=20)
-    frames = [source.frame() for _ in range(100_000)]
+    frames = [source.frame() for _ in range(10_000)]
     lines = [line_of(sent) for sent in frames]
     wires = [encode(sent.message, sent.sequence, sent.stream).hex() for sent in frames]
     assert ask(driver, [f"E {line}" for line in lines]) == wires
@@ -100,7 +100,7 @@ def test_a_message_that_does_not_fit_is_refused_in_c(driver: Path) -> None:
     assert ask(driver, [f"E 133 0 0 0 0 0 495 1 1 ={samples}", "E 200 0 0"]) == ["-", "-"]
 
 
-def test_another_version_and_an_unknown_type_are_told_apart_in_c(driver: Path) -> None:
+def test_another_version_and_an_unknown_type_are_distinguished_in_c(driver: Path) -> None:
     lines = [f"D {frame(bytes((2, 1)) + bytes(6)).hex()}", f"D {frame(bytes((1, 0xC0)) + bytes(6)).hex()}"]
     assert ask(driver, lines) == ["other version", "unknown"]
 

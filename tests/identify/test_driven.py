@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from identify.comparison.compare import compare
+from identify.comparison.compare import compare_fitted
 from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
 from identify.free_decay import FreeDecay
@@ -81,7 +81,7 @@ def test_the_mass_behind_a_force_is_found():
 def test_the_force_error_of_a_driven_record_counts_the_force_in():
     prepared = linear(6)
     start = fit_baseline((prepared,), base_model())
-    found = compare(prepared, start.fit, start.floors[0].channels)
+    found = compare_fitted(start)
     assert found.force_error < 0.05  # %; inertia alone would leave some 50
     assert 0.9 < start.fit.reduced < 1.1
 

@@ -30,7 +30,7 @@ from firmware_protocol import (
     encode,
 )
 from mocks.board import Board
-from mocks.misconfigurations import Lies
+from mocks.misconfigurations import Misconfiguration
 
 CHANNELS = (
     ChannelDescription("displacement", "displacement", "m", 1e-6, 4e-4, 256.0),
@@ -54,11 +54,21 @@ class Bench:
     """A board, its clock, and a host's ear at its output."""
 
     def __init__(
-        self, speed: float = 1.0, lies: Lies | None = None, source=Ramp, memory_s: float = 8.0
+        self,
+        speed: float = 1.0,
+        misconfiguration: Misconfiguration | None = None,
+        source=Ramp,
+        memory_s: float = 8.0,
     ) -> None:
         self.now = 100.0
         self.board = Board(
-            CHANNELS, lambda rate: source(), np.random.default_rng(1), self.now, speed, lies, memory_s
+            CHANNELS,
+            lambda rate: source(),
+            np.random.default_rng(1),
+            self.now,
+            speed,
+            misconfiguration,
+            memory_s,
         )
         self.decoder = Decoder()
         self.sequence = 0
@@ -304,36 +314,36 @@ def test_another_major_version_of_the_host_is_answered_by_hello():
     assert isinstance(bench.hear()[0], Hello)
 
 
-def test_lie_of_the_version():
-    bench = Bench(lies=Lies(wrong_version=True))
+def test_a_board_of_a_wrong_version():
+    bench = Bench(misconfiguration=Misconfiguration(wrong_version=True))
     bench.say(HelloRequest())
     assert bench.hear() == [OtherVersion(2), OtherVersion(2)]
 
 
-def test_lie_of_the_rate_shows_in_the_boards_own_time_stamps():
-    bench = Bench(lies=Lies(rate=1.01, told_rate=1.01))
+def test_a_wrong_rate_shows_in_the_boards_own_time_stamps():
+    bench = Bench(misconfiguration=Misconfiguration(rate=1.01, time_stamp_rate=1.01))
     bench.say(Start())
     data = of(Data, bench.hear(10.0))
-    told = (
+    rate = (
         (data[-1].first_index - data[0].first_index) * 1e6 / (data[-1].board_time_us - data[0].board_time_us)
     )
-    assert told == pytest.approx(256.0 * 1.01, rel=1e-6)
+    assert rate == pytest.approx(256.0 * 1.01, rel=1e-6)
     assert data[-1].first_index + data[-1].n == pytest.approx(2560 * 1.01, abs=17)
 
 
 def test_a_fast_clock_shows_against_the_hosts_clock_only():
-    bench = Bench(lies=Lies(rate=1.002, clock=1.002))
+    bench = Bench(misconfiguration=Misconfiguration(rate=1.002, clock=1.002))
     bench.say(Start())
     data = of(Data, bench.hear(20.0))
-    told = data[-1].first_index * 1e6 / (data[-1].board_time_us - data[0].board_time_us)
-    assert told == pytest.approx(256.0, rel=1e-6)
+    rate = data[-1].first_index * 1e6 / (data[-1].board_time_us - data[0].board_time_us)
+    assert rate == pytest.approx(256.0, rel=1e-6)
     bench.say(TimeSync(0))
     assert of(TimeSync, bench.hear())[0].board_time_us == pytest.approx(20.04e6, rel=1e-6)
     assert data[-1].first_index + data[-1].n == pytest.approx(20 * 256 * 1.002, abs=17)
 
 
-def test_lie_of_the_description_contradicts_data():
-    bench = Bench(lies=Lies(describe=True))
+def test_a_wrong_description_contradicts_data():
+    bench = Bench(misconfiguration=Misconfiguration(describe=True))
     bench.say(HelloRequest())
     describe = of(Describe, bench.hear())[0]
     bench.say(Start())
@@ -341,8 +351,8 @@ def test_lie_of_the_description_contradicts_data():
     assert (len(describe.channels), describe.format) != (data.channels, data.format)
 
 
-def test_lie_of_the_counters_leaves_a_hole_that_nobody_can_fill():
-    bench = Bench(lies=Lies(counter=True))
+def test_a_wrong_counter_leaves_a_hole_that_nobody_can_fill():
+    bench = Bench(misconfiguration=Misconfiguration(counter=True))
     bench.say(Start())
     messages = bench.hear(5.0)
     bench.say(Stop())
@@ -354,15 +364,15 @@ def test_lie_of_the_counters_leaves_a_hole_that_nobody_can_fill():
 
 
 def test_wrong_wiring_changes_the_numbers_as_named():
-    def first(lies: Lies) -> np.ndarray:
-        bench = Bench(lies=lies)
+    def first(misconfiguration: Misconfiguration) -> np.ndarray:
+        bench = Bench(misconfiguration=misconfiguration)
         bench.say(Start())
         return numbers(of(Data, bench.hear(0.5)))[5]
 
-    assert first(Lies()).tolist() == [5, -5]
-    assert first(Lies(swapped=True)).tolist() == [-5, 5]
-    assert first(Lies(reversed=True)).tolist() == [5, 5]
-    assert first(Lies(dead_channel=1)).tolist() == [5, 0]
+    assert first(Misconfiguration()).tolist() == [5, -5]
+    assert first(Misconfiguration(swapped=True)).tolist() == [-5, 5]
+    assert first(Misconfiguration(reversed=True)).tolist() == [5, 5]
+    assert first(Misconfiguration(dead_channel=1)).tolist() == [5, 0]
 
 
 def test_numbers_at_the_end_of_the_range_are_reported():

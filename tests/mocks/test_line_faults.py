@@ -6,7 +6,7 @@ import pytest
 from firmware_protocol import Decoder, Log, encode
 from mocks.faults import PER_BYTE, PER_FRAME, Fault, Line, parse_fault
 
-FRAMES = [encode(Log(f"line {i:04d} of a long story"), i) for i in range(2000)]
+FRAMES = [encode(Log(f"line {i:04d} of a long text"), i) for i in range(2000)]
 
 
 def sent(*faults: Fault, seed: int = 1) -> bytes:
@@ -27,7 +27,7 @@ def test_every_fault_damages_some_frames_and_no_wrong_message_gets_through(name)
     assert data != b"".join(FRAMES)
     decoder = Decoder()
     texts = [frame.message.text for frame in decoder.feed(data)]
-    good = {f"line {i:04d} of a long story" for i in range(2000)}
+    good = {f"line {i:04d} of a long text" for i in range(2000)}
     assert set(texts) <= good
     assert len(set(texts)) > 1500
     if name == "repeated":

@@ -1,5 +1,22 @@
-"""Wrong arguments to the viewer's library raise instead of warning."""
+"""What the tests of the station share: a session that was diagnosed once; a viewer's library that is strict."""
 
 import os
+from pathlib import Path
 
-os.environ["RERUN_STRICT"] = "1"
+import pytest
+from hidden import DUFFING
+
+from station.cli import run
+
+os.environ["RERUN_STRICT"] = "1"  # wrong arguments to the viewer's library raise instead of warning
+
+
+@pytest.fixture(scope="session")
+def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A session of the release with a Duffing spring, diagnosed; copy it before anything is done to it."""
+    made = tmp_path_factory.mktemp("diagnosed")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(made)
+        patch.setenv("STATION_VIEWER", "rerun+http://127.0.0.1:9/proxy")  # nobody listens there
+        assert run(["diagnose", str(DUFFING), "--no-viewer"]) == 0
+    return made / "sessions" / DUFFING.stem

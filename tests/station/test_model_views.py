@@ -1,5 +1,6 @@
 """The tabs Suspects and Ladder, read back: what they show is what was found, and every rung is a step."""
 
+import shutil
 import socket
 import subprocess
 from dataclasses import replace
@@ -10,22 +11,22 @@ import rerun as rr
 from hidden import DUFFING, TRUTH
 from rerun.chunk import RrdReader
 
+from daq.session import Session
 from station.operations import viewer_tabs
-from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import open_sessions
 from station.settings import Settings
 from station.views import open_viewer
 from station.views.viewer import executable
 
+pytestmark = pytest.mark.xdist_group("diagnosed")
+
 
 @pytest.fixture(scope="module")
-def refinement(tmp_path_factory):
+def refinement(tmp_path_factory, diagnosed):
     settings = Settings(sessions=tmp_path_factory.mktemp("sessions"))
-    bench = open_sessions((str(DUFFING),), settings)
-    _, document = diagnose_sessions(bench)
-    keep(bench, document)
-    begun = open_refinement(bench.sessions[0], settings)
+    session = Session.open(shutil.copytree(diagnosed, settings.sessions / DUFFING.stem))
+    begun = open_refinement(session, settings)
     return replace(begun, ladder=add(begun, "cubic_stiffness"))
 
 

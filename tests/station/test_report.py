@@ -177,6 +177,17 @@ def test_the_report_is_sealed_with_the_session(folder):
     assert run(["verify", str(folder / "sessions" / "duffing")]) == 0
 
 
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Leave the pictures empty, which take most of a report's time, where only its words are looked at."""
+
+    def empty(_, file, **how):
+        file.write(b"<svg/>")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", empty)
+
+
+@pytest.mark.usefixtures("undrawn")
 def test_what_was_not_done_says_why_in_the_page_and_in_the_json(folder, capsys):
     assert run(["import", str(NOTHING), "--session", "sessions/plain"]) == 0
     capsys.readouterr()
@@ -223,6 +234,7 @@ def test_names_from_strangers_are_shown_as_they_stand_and_do_nothing(folder):
         assert HOSTILE in page.sections[name]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_kept_diagnosis_that_cannot_be_read_leaves_its_section_out(folder):
     session = Session.open(folder / "sessions" / "duffing")
     before = (session.results / "diagnosis.json").read_text(encoding="utf-8")

@@ -116,7 +116,7 @@ def visit(browser, bench: Bench) -> Iterator[Visit]:
     context.on("weberror", lambda error: complaints.append(str(error.error)))
     context.on("dialog", lambda dialog: complaints.append(f"dialog: {dialog.message}"))
     page = context.new_page()
-    page.set_default_timeout(30_000)
+    page.set_default_timeout(120_000)  # no test asserts a time: a busy computer is only slow
     page.on("websocket", lambda socket: asked.append(socket.url))
     yield Visit(page, asked, complaints)
     context.close()

@@ -2,7 +2,6 @@
 
 import asyncio
 import threading
-import time
 from collections.abc import Callable, Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -32,7 +31,7 @@ class Occupied:
         self.busy, self.alive = False, True
 
     def do(self, task: str, arguments: tuple[Any, ...], progress: worker.Progress) -> str:
-        assert self.gate.wait(10)
+        assert self.gate.wait(60)
         return task
 
     def end(self) -> None:
@@ -43,25 +42,22 @@ def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
     monkeypatch.setattr(worker, "Worker", Occupied)
     Occupied.gate = threading.Event()
 
-    async def story() -> float:
+    async def story() -> None:
         pool = worker.WorkerPool(Settings(), most=1)
         first = asyncio.create_task(pool.do(worker.Job(), "a", "long"))
         await asyncio.sleep(0.05)
         job = worker.Job()
         second = asyncio.create_task(pool.do(job, "b", "waiting"))
         await asyncio.sleep(0.05)
-        since = time.monotonic()
         job.cancel()
         with pytest.raises(worker.Cancelled):
             await second
-        waited = time.monotonic() - since
-        assert not first.done()
+        assert not first.done()  # it still holds the only worker: the second did not wait for it
         Occupied.gate.set()
         assert await first == "long"
         pool.end()
-        return waited
 
-    assert alone(story) < 2.0  # it looks every 0.1 s; the task before it would go on for 10 s
+    alone(story)
 
 
 @dataclass

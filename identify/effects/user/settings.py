@@ -1,7 +1,9 @@
 """Settings of a user's own effect as they stand after a semicolon: unit, bounds and starting values of a parameter.
 
+```text
 setting = parameter [":" unit] [bounds] ["start" value {"," value}]
 bounds  = "=" low ".." high  or  [">=" low] ["<=" high]
+```
 """
 
 import re

@@ -108,7 +108,7 @@ def test_empty_cells_are_invalid_and_never_filled(tmp_path: Path) -> None:
     assert "line 22" in said(recording)
 
 
-def test_a_cell_of_text_is_told_by_line_and_column(tmp_path: Path) -> None:
+def test_a_cell_of_text_is_reported_by_line_and_column(tmp_path: Path) -> None:
     lines = table("time_s,displacement_m", T, U).splitlines()
     lines[41] = lines[41].split(",")[0] + ",overlaod"
     message = refusal(tmp_path, "\n".join(lines))
@@ -123,7 +123,7 @@ def test_text_in_a_column_that_nobody_needs_does_no_harm(tmp_path: Path) -> None
     assert recording.valid.all()
 
 
-def test_a_row_with_too_many_cells_is_told_by_line(tmp_path: Path) -> None:
+def test_a_row_with_too_many_cells_is_reported_by_line(tmp_path: Path) -> None:
     lines = table("time_s,displacement_m", T, U).splitlines()
     lines[10] += ",5"
     assert "line 11, column 3" in refusal(tmp_path, "\n".join(lines))
@@ -269,14 +269,10 @@ def test_options_that_contradict_themselves_are_refused_at_once(options: dict[st
         ImportOptions(**options)  # type: ignore[arg-type]
 
 
-def test_a_million_rows_take_seconds(tmp_path: Path) -> None:
-    import time
-
-    t = np.arange(1_000_000) / 1000.0
-    path = tmp_path / "long.csv"
-    block = "".join(f"{a:.3f};{b:.6f};{c:.4f}\n" for a, b, c in zip(t, np.sin(t), np.cos(t), strict=True))
-    path.write_text("Zeit [s];Weg [mm];Beschleunigung [g]\n" + block.replace(".", ","))
-    start = time.perf_counter()
-    recording = read_file(path, ImportOptions())
-    assert recording.samples.shape == (2, 1_000_000)
-    assert time.perf_counter() - start < 10.0  # 2 s on an idle core; the bound is for a busy one
+def test_a_hundred_thousand_rows_with_decimal_commas_are_read_whole(tmp_path: Path) -> None:
+    t = np.arange(100_000) / 1000.0
+    rows = "".join(f"{a:.3f};{b:.6f};{c:.4f}\n" for a, b, c in zip(t, np.sin(t), np.cos(t), strict=True))
+    recording = load(tmp_path, "Zeit [s];Weg [mm];Beschleunigung [g]\n" + rows.replace(".", ","))
+    assert recording.samples.shape == (2, 100_000)
+    assert recording.valid.all()
+    assert recording.samples[0, -1] == pytest.approx(1e-3 * np.sin(t[-1]), abs=1e-9)

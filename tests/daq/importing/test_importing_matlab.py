@@ -58,7 +58,7 @@ def test_fields_of_structures_and_columns_of_matrices_are_vectors(tmp_path: Path
     np.testing.assert_array_equal(recording.samples, [U])
 
 
-def test_vectors_of_another_length_are_left_out_and_told(tmp_path: Path) -> None:
+def test_vectors_of_another_length_are_left_out_and_reported(tmp_path: Path) -> None:
     recording = load(
         tmp_path, mat(t=T, x_disp=U, calibration=np.arange(12.0)), "a.mat", columns={"displacement": "x_disp"}
     )

@@ -14,14 +14,14 @@ def moved(stamps: np.ndarray) -> np.ndarray:
     return 0.02 * np.exp(-0.1 * stamps) * np.cos(OMEGA * stamps)
 
 
-def test_milliseconds_are_read_from_the_header_or_guessed_and_told(tmp_path: Path) -> None:
+def test_milliseconds_are_read_from_the_header_or_guessed_and_reported(tmp_path: Path) -> None:
     for header, stamps in (("t_ms,x_m", T * 1e3), ("time,x_m", np.round(T * 1e3)), ("t (us),x_m", T * 1e6)):
         recording = load(tmp_path, table(header, stamps, U))
         assert recording.rate == pytest.approx(100.0)
     assert "milliseconds" in said(load(tmp_path, table("time,x_m", np.round(T * 1e3), U)))
 
 
-def test_seconds_are_assumed_and_told(tmp_path: Path) -> None:
+def test_seconds_are_assumed_and_reported(tmp_path: Path) -> None:
     recording = load(tmp_path, table("time,x_m", T + 5.0, U))
     assert recording.rate == pytest.approx(100.0)
     assert "seconds were assumed" in said(recording)
@@ -49,7 +49,7 @@ def test_dates_and_times_of_day_over_midnight_are_read(tmp_path: Path) -> None:
     np.testing.assert_allclose(recording.samples[0], U, rtol=1e-8)
 
 
-def test_slightly_uneven_stamps_give_the_mean_rate_and_are_told(tmp_path: Path) -> None:
+def test_slightly_uneven_stamps_give_the_mean_rate_and_are_reported(tmp_path: Path) -> None:
     jitter = np.random.default_rng(1).normal(0.0, 2e-4, T.size)
     recording = load(tmp_path, table(HEADER, T + jitter, moved(T + jitter)))
     assert recording.rate_std is not None
@@ -75,7 +75,7 @@ def test_resampling_when_asked_puts_the_samples_where_they_would_have_been(tmp_p
     jitter = np.random.default_rng(3).uniform(-2e-3, 2e-3, T.size)
     text = table(HEADER, T + jitter, moved(T + jitter))
     plain, resampled = load(tmp_path, text), load(tmp_path, text, resample=True)
-    fit = np.polyfit(np.arange(T.size), T + jitter, 1)  # where sample 0 of the even clock lies
+    fit = np.polyfit(np.arange(T.size), T + jitter, 1)  # where sample 0 of the even clock misconfiguration
     truth = moved(np.polyval(fit, np.arange(T.size)))
     inner = slice(3, -3)
     assert np.max(np.abs(plain.samples[0] - truth)[inner]) > 1e-4
@@ -158,3 +158,9 @@ def test_a_few_rows_without_a_stamp_are_left_out(tmp_path: Path) -> None:
     recording = load(tmp_path, "\n".join(lines))
     assert np.flatnonzero(~recording.valid).tolist() == [9]
     assert "without a time stamp" in said(recording)
+
+
+@pytest.mark.parametrize("step", [4.8e-225, 5e-324, 1e-150])
+def test_stamps_that_hardly_advance_are_refused(tmp_path: Path, step: float) -> None:
+    t = np.concatenate(([-step], np.zeros(7)))
+    assert "do not advance" in refusal(tmp_path, table("time_s,displacement_m", t, U[:8], form="%.3g"))

@@ -51,7 +51,7 @@ def test_several_traces_of_one_file_become_channels(tmp_path: Path, binary: int,
     assert "data set 1 'response 3:+Z' read as displacement in m" in said(recording)
 
 
-def test_a_velocity_and_a_force_are_told_by_their_codes(tmp_path: Path) -> None:
+def test_a_velocity_and_a_force_are_recognised_by_their_codes(tmp_path: Path) -> None:
     recording = load(tmp_path, universal(tmp_path, trace(V, 11, "mm/s"), trace(A, 13)), "a.unv")
     assert [(c.quantity, c.unit) for c in recording.channels] == [("velocity", "m/s"), ("force", "N")]
 
@@ -66,7 +66,7 @@ def test_of_several_like_traces_none_is_taken_unasked(tmp_path: Path) -> None:
     np.testing.assert_array_equal(by_node.samples, recording.samples)
 
 
-def test_spectra_are_left_out_and_told(tmp_path: Path) -> None:
+def test_spectra_are_left_out_and_reported(tmp_path: Path) -> None:
     spectrum = trace(A + 1j * A, 12, func_type=4)
     recording = load(tmp_path, universal(tmp_path, spectrum, trace(U, 8)), "a.uff")
     assert [c.quantity for c in recording.channels] == ["displacement"]

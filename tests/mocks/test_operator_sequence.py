@@ -5,13 +5,13 @@ import itertools
 import numpy as np
 import pytest
 
-from mocks.operator_sequence import BenchRun, parse_releases
+from mocks.operator_sequence import OperatorSequence, parse_releases
 from mocks.testbed import Bench, Release
 
 HANDS = itertools.repeat(0.0)
 
 
-def watched(run: BenchRun, episodes: int) -> tuple[list, np.ndarray, np.ndarray, np.ndarray]:
+def watched(run: OperatorSequence, episodes: int) -> tuple[list, np.ndarray, np.ndarray, np.ndarray]:
     found = list(itertools.islice(run.capture(np.random.default_rng(1)), episodes))
     time = np.arange(0.0, found[-1].end, 1e-3)
     u, a = np.empty_like(time), np.empty_like(time)
@@ -22,7 +22,7 @@ def watched(run: BenchRun, episodes: int) -> tuple[list, np.ndarray, np.ndarray,
 
 
 def test_the_mass_rests_is_pulled_held_for_a_second_and_let_go():
-    episodes, time, u, a = watched(BenchRun(Bench(), (Release(-0.02),)), 2)
+    episodes, time, u, a = watched(OperatorSequence(Bench(), (Release(-0.02),)), 2)
     released = episodes[0].released_at
     assert np.all(u[time < 1.0] == 0.0)
     assert np.all(a[time < 1.0] == 0.0)
@@ -35,7 +35,7 @@ def test_the_mass_rests_is_pulled_held_for_a_second_and_let_go():
 
 
 def test_the_acceleration_of_the_pull_and_of_a_bump_is_the_curvature_of_the_displacement():
-    episodes, time, u, a = watched(BenchRun(Bench(), (Release(0.025),), bumped=True), 1)
+    episodes, time, u, a = watched(OperatorSequence(Bench(), (Release(0.025),), bumped=True), 1)
     before = time < episodes[0].released_at - 0.01
     curvature = np.gradient(np.gradient(u, 1e-3), 1e-3)
     # Second differences over 2 ms of an 18 Hz bell err by (w h)^2 / 3 of 1 m/s^2: 2 %.
@@ -45,14 +45,14 @@ def test_the_acceleration_of_the_pull_and_of_a_bump_is_the_curvature_of_the_disp
 
 
 def test_the_next_pull_begins_where_the_mass_came_to_rest():
-    run = BenchRun(Bench(), (Release(-0.02), Release(0.015)))
+    run = OperatorSequence(Bench(), (Release(-0.02), Release(0.015)))
     episodes, _, u, _ = watched(run, 2)
     assert 0.0 < abs(episodes[1].rest) < 0.13 / 614.0 + 1e-9
     assert np.max(np.abs(np.diff(u))) < 0.02 * 25.0 * 1e-3 * 1.01  # no jump: at most A w0 a millisecond
 
 
 def test_a_capture_begins_with_the_release_after_the_one_that_was_seen():
-    run = BenchRun(Bench(), (Release(-0.02), Release(0.015)))
+    run = OperatorSequence(Bench(), (Release(-0.02), Release(0.015)))
     first = next(run.capture(np.random.default_rng(1)))
     again = next(run.capture(np.random.default_rng(1)))
     assert again.number == first.number == 0  # Nothing was seen: it is still to come.
@@ -79,7 +79,7 @@ def test_a_release_that_makes_no_sense_is_refused_in_words(text):
 
 
 def test_a_struck_mass_starts_from_rest_with_the_velocity():
-    episodes, time, u, _a = watched(BenchRun(Bench(), (Release(0.0, 0.4),)), 1)
+    episodes, time, u, _a = watched(OperatorSequence(Bench(), (Release(0.0, 0.4),)), 1)
     released = episodes[0].released_at
     assert np.all(u[time < released] == 0.0)
     soon = (time > released) & (time < released + 0.01)

@@ -34,7 +34,7 @@ def test_a_board_answers_and_is_described() -> None:
     assert [channel.name for channel in found.channels] == ["x", "a"]
 
 
-def test_a_device_that_is_no_board_is_told_by_what_it_sent() -> None:
+def test_a_device_that_is_no_board_is_described_by_what_it_sent() -> None:
     (found,) = candidates("modem")
     assert not found.answers
     assert "no answer of a board" in found.problem
@@ -61,7 +61,7 @@ def test_of_two_boards_one_must_be_named() -> None:
     assert choose_port("another board", lambda: candidates("board")) == "another board"
 
 
-def test_no_board_is_told_with_what_was_tried() -> None:
+def test_no_board_is_reported_with_what_was_tried() -> None:
     with pytest.raises(NoBoard, match="modem"):
         choose_port(None, lambda: candidates("modem"))
     with pytest.raises(NoBoard, match="no serial port"):

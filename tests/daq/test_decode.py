@@ -62,12 +62,12 @@ def test_a_frame_lost_on_the_wire_is_a_gap_of_the_wire() -> None:
     assert np.isnan(recording.samples[:, 16:32]).all()
 
 
-def test_an_overrun_of_the_board_is_told_from_a_loss_on_the_wire() -> None:
+def test_an_overrun_of_the_board_is_distinguished_from_a_loss_on_the_wire() -> None:
     made = assembly(data(0), data(64, dropped=20), data(80))
     assert made.missing() == (Gap(16, 28, "wire"), Gap(44, 20, "overrun"))
 
 
-def test_losses_are_told_as_they_are_noticed() -> None:
+def test_losses_are_reported_as_they_are_noticed() -> None:
     made = assembly(data(0))
     happened = made.take(Frame(9, 0, data(64, dropped=20)), 0.0)
     assert [h for h in happened if isinstance(h, Gap)] == [Gap(16, 28, "wire"), Gap(44, 20, "overrun")]
@@ -93,7 +93,7 @@ def test_samples_sent_again_fill_the_gap_however_they_are_cut() -> None:
 def test_a_frame_that_comes_twice_counts_once() -> None:
     made = assembly(data(0), data(16))
     made.take(Frame(3, 0, data(16)), 0.0)
-    assert made.duplicates == 1
+    assert made.samples.duplicates == 1
     assert made.contradictions == []
     assert made.recording().samples.shape == (2, 32)
 
@@ -190,11 +190,11 @@ def test_the_cut_into_reads_does_not_matter(cuts: list[int]) -> None:
 
 
 def test_the_clock_of_the_board_is_measured() -> None:
-    lying = [
+    wrong = [
         Data(i, round(i / (RATE * 1.01) * 1e6), 0, N, 2, SampleFormat.F64, data(i).samples)
         for i in range(0, 320, N)
     ]
-    clock = assembly(*lying).board_clock()
+    clock = assembly(*wrong).samples.board_clock()
     assert clock is not None
     # microseconds over 1.2 s: one part in a million
     assert clock.rate == pytest.approx(RATE * 1.01, rel=1e-6)

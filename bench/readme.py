@@ -1,0 +1,66 @@
+"""`python -m bench.readme`: the README's figures of mystery 7, recorded, solved and written between its two markers."""
+
+import io
+import sys
+import tempfile
+from pathlib import Path
+
+from rich.console import Console
+
+from bench.workbench_server import ROOT
+from station.operations.mystery import Solved, solve
+from station.settings import Settings
+from station.text.ladder_text import show_ladder
+from station.text.numbers import three_figures
+
+PAGE = ROOT / "README.md"
+BEGIN, END = "<!-- mystery:begin -->\n", "<!-- mystery:end -->\n"
+SEED = 7
+WIDTH = 80
+
+
+def mystery(folder: Path) -> Solved:
+    """Record and solve the README's mystery in a folder."""
+    return solve(Settings(sessions=folder), SEED, 0.0, False, None, True, say=lambda title, text: None)[0]
+
+
+def block(solved: Solved) -> str:
+    """Return what stands between the markers: the figures in words, the commands, and the ladder."""
+    named, (first, *_, last) = solved.found[0], solved.ladder.rungs
+    words = (
+        f"The usual model (stiffness, dry and viscous friction) leaves {three_figures(first.error.motion_percent)} % of the motion.\n"
+        f"That sounds good, and is {three_figures(first.error.chi2)} times what the noise of the sensors explains:\n"
+        f"`station compare mystery_{SEED}`. Of all the effects that `station diagnose mystery_{SEED}` tries,\n"
+        f"only {named.replace('_', ' ')} reaches the floor. It is added by\n"
+        f"`station refine mystery_{SEED} --add {named}`, which leaves {three_figures(last.error.chi2)} times the noise:\n"
+    )
+    return f"{words}\n```\n{_ladder(solved)}\n```\n"
+
+
+def _ladder(solved: Solved) -> str:
+    """Return the table of the ladder as the terminal shows it, without its title and what follows it."""
+    written = io.StringIO()
+    console = Console(file=written, width=WIDTH, highlight=False, no_color=True)
+    show_ladder(console, solved.session.folder.name, solved.ladder)
+    lines = [line.rstrip() for line in written.getvalue().splitlines()]
+    first = next(i for i, line in enumerate(lines) if line.split()[:1] == ["rung"]) - 1
+    last = next(i for i, line in enumerate(lines) if "floor (noise alone)" in line)
+    return "\n".join(lines[first : last + 1])
+
+
+def inside(page: str) -> str:
+    """Return what stands between the markers of a page."""
+    return page.split(BEGIN)[1].split(END)[0]
+
+
+def main() -> int:
+    """Write the block into the README."""
+    page = PAGE.read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        made = block(mystery(Path(folder)))
+    PAGE.write_text(page.replace(BEGIN + inside(page) + END, BEGIN + made + END), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

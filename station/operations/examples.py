@@ -1,0 +1,68 @@
+"""The examples: recordings that come with the station, for whoever has no board."""
+
+import sysconfig
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from daq.importing.options import ImportOptions
+from daq.session import Session
+from daq.session_info import SessionInfo
+from station.exits import UsageProblem
+from station.results.sessions import import_file
+
+IN_A_CLONE = Path(__file__).resolve().parents[2] / "examples"
+INSTALLED = Path(sysconfig.get_path("data")) / "share" / "free-decay-station" / "examples"
+
+
+@dataclass(frozen=True)
+class Example:
+    """One recording: its name, its file in the folder of examples, what it is, and what its import needs."""
+
+    name: str
+    file: str
+    about: str
+    mass_kg: float | None = None
+    options: ImportOptions = field(default_factory=ImportOptions)
+
+
+TESTBED_KG = 21.36
+SILVERBOX = ImportOptions(
+    columns={"force": "V1", "displacement": "V2"},
+    units={"force": "V", "displacement": "V"},
+    rate=610.35,
+)
+EXAMPLES = (
+    Example("simulated_plain", "simulated_plain.csv", "simulated testbed, nothing hidden", TESTBED_KG),
+    Example("simulated_stribeck", "simulated_stribeck.csv", "simulated, one force hidden", TESTBED_KG),
+    Example("simulated_drift", "simulated_drift.csv", "simulated, one sensor at fault", TESTBED_KG),
+    Example("ship_roll", "ship_roll.csv", "roll decay of a ship model, measured"),
+    Example("spring_disc", "spring_disc.csv", "disc on a spring in air, measured by sonar", 0.2016),
+    Example("silverbox", "silverbox.mat", "electronic hardening spring, driven", None, SILVERBOX),
+)
+
+
+def example(name: str) -> Example:
+    """Return the example of that name; UsageProblem when there is none."""
+    for one in EXAMPLES:
+        if one.name == name:
+            return one
+    raise UsageProblem(f"{name}: no example is called so; there are {', '.join(e.name for e in EXAMPLES)}")
+
+
+def examples_folder() -> Path:
+    """Return the folder that holds the recordings: that of the clone, else the one that was installed."""
+    for folder in (IN_A_CLONE, INSTALLED):
+        if (folder / EXAMPLES[0].file).is_file():
+            return folder
+    raise UsageProblem(f"the examples are not here (looked in {IN_A_CLONE} and {INSTALLED})")
+
+
+def open_example(name: str, sessions: Path) -> Session:
+    """Return the session of an example; it is imported into `sessions` the first time."""
+    wanted = example(name)
+    file = examples_folder() / wanted.file
+    folder = sessions / wanted.name
+    if folder.is_dir():
+        return Session.open(folder)
+    info = SessionInfo(specimen=wanted.about, mass_kg=wanted.mass_kg)
+    return import_file(file, folder, sessions, wanted.options, info).sessions[0]

@@ -1,0 +1,51 @@
+"""A session's name as it is typed: in full, by any beginning that only one session has, or `last`."""
+
+from pathlib import Path
+
+from daq.session import list_sessions
+from station.exits import UsageProblem
+
+LAST = "last"
+MOST_LISTED = 5
+WORD_ENDS = "_-."
+
+
+def find_session(name: str, sessions: Path) -> Path | None:
+    """Return the folder that `name` means among those in `sessions`; None when nothing there is called so.
+
+    A name in full comes before a beginning, and a beginning that ends where a word does before one that does
+    not: `mystery_7` is `mystery_7_20260101_120000` though `mystery_70_20260101_120500` begins so too. `last`
+    is the session that was made last. Raises UsageProblem when several sessions begin with `name`.
+    """
+    if (sessions / name).is_dir():
+        return sessions / name
+    if not name or not sessions.is_dir():
+        return None
+    folders = [summary.folder for summary in list_sessions(sessions)]
+    if name == LAST:
+        return folders[-1] if folders else None
+    found = [folder for folder in folders if folder.name.startswith(name)]
+    whole = [folder for folder in found if folder.name[len(name)] in WORD_ENDS]
+    candidates = whole or found
+    if len(candidates) > 1:
+        raise UsageProblem(_ambiguous(name, candidates))
+    return candidates[0] if candidates else None
+
+
+def session_folder(argument: str, sessions: Path) -> Path:
+    """Return the folder of a session given by its path or its name; UsageProblem when there is none."""
+    if Path(argument).is_dir():
+        return Path(argument)
+    found = find_session(argument, sessions)
+    if found is None:
+        raise UsageProblem(
+            f"{argument}: there is no such session (sessions are looked for in {sessions.resolve()})"
+        )
+    return found
+
+
+def _ambiguous(name: str, candidates: list[Path]) -> str:
+    newest = [folder.name for folder in reversed(candidates)][:MOST_LISTED]
+    more = len(candidates) - len(newest)
+    names = ", ".join(newest) + (f" and {more} more" if more else "")
+    return f"{name}: {len(candidates)} sessions begin so: {names}; type more of the name, or `{LAST}`"

@@ -1,0 +1,37 @@
+"""What all tests share: compiled code is made once, and tests that share what is slow to make stay together."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+TOGETHER = ("identify", "station", "workbench", "installing")
+"""Folders in which the tests of one file share releases that were fitted, diagnosed or recorded once."""
+
+COMPILE = (
+    "from station.workbench.warm_up import warm_up; warm_up()",
+    "from mocks.generate import draw; draw('stribeck_friction+mains_hum', 0.01, 1)",
+)
+"""What needs most of the compiled functions; numba keeps them beside the sources, for every process after it."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Compile before the workers start: each would compile the same for itself, as would their programs."""
+    if not getattr(config.option, "numprocesses", None) or hasattr(config, "workerinput"):
+        return
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    started = [subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, env=environment) for code in COMPILE]
+    if sum(process.wait() != 0 for process in started):
+        raise pytest.UsageError("the numerical code does not compile; the errors are above")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Keep the tests of a file on one worker where they share what is slow to make."""
+    for item in items:
+        folder, *_ = item.path.relative_to(HERE).parts
+        if folder in TOGETHER and item.get_closest_marker("xdist_group") is None:
+            item.add_marker(pytest.mark.xdist_group(item.path.stem))

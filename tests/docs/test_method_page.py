@@ -1,0 +1,69 @@
+"""The page of the method says what the code does: its constants, its closed forms, its verdicts."""
+
+import importlib
+import re
+from math import pi
+from typing import get_args
+
+import pytest
+from contracts import ROOT
+
+from identify.diagnosis.judgement import Verdict
+from identify.signal.averaging import backbone_factors, envelope_factors
+
+PAGE = " ".join((ROOT / "docs" / "method.md").read_text(encoding="utf-8").split())
+WORDS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 12: "twelve"}
+
+
+def value(module, name):
+    return getattr(importlib.import_module(f"identify.{module}"), name)
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "said"),
+    [
+        ("preprocessing.usable", "HAND_S", lambda x: f"begin {1e3 * x:g} ms later"),
+        ("preprocessing.noise", "SHORTEST_REST", lambda x: f"at least {x} samples at rest"),
+        ("signal.order_selection", "CLEAR", lambda x: f"stands {WORDS[x]} standard errors from zero"),
+        ("signal.weak_form", "WINDOW_CYCLES", lambda x: f"{WORDS[x]} cycles long"),
+        ("signal.weak_form", "ROWS_PER_CYCLE", lambda x: f"{WORDS[x]} starts a cycle"),
+        ("wavelet.ridge_fit", "WIDTH_CYCLES", lambda x: "standard deviation is one cycle" if x == 1 else "?"),
+        ("fitting.fit", "_GROWTH", lambda x: f"grows over {', '.join(f'{n:g}' for n in x)} cycles"),
+        ("fitting.floor", "_BAND_ABOVE", lambda x: "above eight times" if x == 8 else "?"),
+        ("fitting.baseline", "ADEQUATE", lambda x: rf"\max({x:g}\,\sigma_{{\text{{floor}}}}"),
+        ("fitting.baseline", "DOUBT", lambda x: f"and {x:g} if it had to be guessed"),
+        ("fitting.segments", "_LONG_CYCLES", lambda x: f"more than {x:g} cycles"),
+        ("fitting.segments", "_SEGMENT_CYCLES", lambda x: f"segments of {WORDS[x]} cycles"),
+        ("fitting.segments", "_MOST", lambda x: f"into {WORDS[x]} segments"),
+        ("fitting.corrected_faults", "UNSTATED_GAIN_UNCERTAINTY", lambda x: f"{100 * x:g} % is allowed"),
+        ("diagnosis.judgement", "ALPHA", lambda x: f"claimed at $p < {x:g}$"),
+        ("diagnosis.judgement", "ALPHA_GUESSED", lambda x: rf"$p < {1e4 * x:g}\cdot10^{{-4}}$"),
+        ("diagnosis.judgement", "RIVALS_WITHIN", lambda x: f"{x:g} are odds of 100 to 1"),
+        ("diagnosis.judgement", "_FREE_FORM_EXPLAINS", lambda x: f"explains more than {100 * x:g} % of"),
+        ("diagnosis.diagnose", "_FEWEST_CYCLES", lambda x: f"fewer than {WORDS[x]} cycles"),
+        ("diagnosis.diagnose", "_HELD_OUT", lambda x: f"The first {WORDS[x]} suspects"),
+        ("diagnosis.search", "_SCREENED", lambda x: f"and the {WORDS[x]} best are fitted"),
+        ("diagnosis.ladder", "_STILL_NEEDED", lambda x: rf"no longer lowers $\chi^2$ by {x:g}"),
+    ],
+)
+def test_a_number_on_the_page_is_that_of_the_code(module, name, said):
+    assert said(value(module, name)) in PAGE
+
+
+def test_the_factors_of_the_envelope_are_the_four_closed_forms_of_the_page():
+    forms = re.search(r"so that (\$c_0.*?\$) \(`envelope_factors`\)", PAGE)[1]
+    assert forms == (
+        r"$c_0 = 2\mu_0/(\pi\omega_0)$, $c_1 = \mu_1/2$, $c_2 = 4\omega_0\mu_2/(3\pi)$, $c_3 = 3\omega_0^2\mu_3/8$"
+    )
+    w = 24.8
+    expected = [2 / (pi * w), 1 / 2, 4 * w / (3 * pi), 3 * w**2 / 8]
+    assert envelope_factors(w, 3) == pytest.approx(expected, rel=1e-12)  # rounding only
+
+
+def test_the_factors_of_the_backbone_are_those_of_the_page():
+    assert r"= 1,\ \tfrac{3}{4},\ \tfrac{5}{8}" in PAGE
+    assert backbone_factors((1, 3, 5)) == pytest.approx([1, 3 / 4, 5 / 8], rel=1e-12)  # rounding only
+
+
+def test_every_verdict_has_its_row():
+    assert set(re.findall(r"\| `(\w+)` \| [a-z]", PAGE)) >= set(get_args(Verdict))
