@@ -72,18 +72,19 @@ def columns_of(setting: PreparedDecay) -> tuple[list[str], np.ndarray]:
     """Return the columns that a library of functions of u, v, t can have, and the effect that each stands for."""
     motion = setting.motion
     scales = scales_of(setting, {})
-    borrowed = {"linear_stiffness.k": setting.frequency**2}
     names, columns = [], []
     for effect in LIBRARY:
-        if effect.kind != "physics" or effect.name in NO_COLUMN:
+        if (
+            effect.kind != "physics"
+            or effect.name in NO_COLUMN
+            or not effect.has_meaning_for(setting.window.unit)
+        ):
             continue
         for variant in effect.variants:
             term = Term(effect, variant)
-            for start in term_starts(term, scales) if effect.name not in BASE else ({},):
-                inner = {key.split(".")[1]: value for key, value in start.items()}
-                columns.append(
-                    force_along(term, inner, setting.time, motion.displacement, motion.velocity, borrowed)
-                )
+            for inner in term_starts(term, scales) if effect.name not in BASE else ({},):
+                along = (setting.time, motion.displacement, motion.velocity, setting.frequency)
+                columns.append(force_along(term, inner, *along))
                 names.append(effect.name)
     return names, np.column_stack([*columns, np.ones(len(columns[0]))])
 

@@ -1,8 +1,8 @@
-"""The tracked motion: the model run afresh over every cycle, from the state that was measured.
+"""Multiple shooting: the model run afresh over every cycle, from the state that was measured.
 
-A wrong model drifts away from the measurement, and the misfit of a free run then tells more of the cycles
-before than of the present one. Started anew every cycle from the measured state, the model stays so close that what
-it lacks is the small force that explains the rest: readings and noise as recorded, nothing is differentiated.
+A wrong model drifts away from the measurement, and the misfit of a free run then shows more of the cycles before
+than of the present one. Started anew every cycle from the measured state, the model stays so close that what it lacks
+is the small force that explains the rest: readings and noise as recorded, nothing is differentiated.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,9 @@ from itertools import pairwise
 import numpy as np
 
 from identify.arrays import Array
+from identify.effects.force_effect import LinearPart
 from identify.fitting.fit import Fit
+from identify.fitting.parameter_layout import NOWHERE
 from identify.fitting.problem import Problem
 from identify.model.measured_path import states_along
 from identify.model.simulate import Response
@@ -26,8 +28,8 @@ class Segment:
     """About one cycle: samples `start` to `stop` - 1 of the span are compared, the run begins at `begin`.
 
     `variation` holds what a change of the state at `begin` does to the whitened readings, shape (rows, 2), per
-    natural size of displacement and velocity; `carry` (2, 2) what it does to the state where the next stretch begins,
-    and `arrival` that state, in natural sizes.
+    natural size of displacement and velocity; `carry` (2, 2) what it does to the state where the next segment begins;
+    `departure` is the state at `begin` and `arrival` that at the next one, in natural sizes.
     """
 
     begin: int
@@ -42,12 +44,12 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class MultipleShooting:
-    """The model tracked along one span.
+    """The model run along one span, segment by segment.
 
-    `displacement`, `velocity`, `acceleration` (n,) of the tracked model, on the acceleration's clock and from the
-    spring's zero; `misfit` (rows,) the whitened difference of the readings, stretch after stretch and in each channel
-    after channel; `sizes` the natural displacement and velocity; `stiffness` and `damping` (per unit mass) of the linear
-    part, and `step` its exact step, tell how readings respond to a small extra force.
+    `displacement`, `velocity`, `acceleration` (n,) of the model, on the acceleration's clock and from the spring's
+    zero; `misfit` (rows,) the whitened difference of the readings, segment after segment and in each channel after
+    channel; `sizes` the natural displacement and velocity; `stiffness` and `damping` (per unit mass) of the linear part,
+    and `step` its exact step, give the response of the readings to a small extra force.
     """
 
     window: FitWindow
@@ -77,7 +79,7 @@ class MultipleShooting:
         return out
 
     def without_states(self, rows: Array) -> Array:
-        """Return whitened rows (rows, columns) less what the state at the start of each stretch explains."""
+        """Return whitened rows (rows, columns) less what the state at the start of each segment explains."""
         out = np.array(rows)
         for segment in self.segments:
             basis = np.linalg.qr(segment.variation)[0]
@@ -89,7 +91,7 @@ class MultipleShooting:
 def shoot(prepared: PreparedDecay, fit: Fit) -> MultipleShooting:
     """Run a fitted model (of one span) along the measured motion, cycle by cycle."""
     window, motion = fit.windows[0], prepared.motion
-    values = {name: found.value for name, found in fit.values.items()}
+    values = fit.of_release(0)
     aligned = prepared.alignment
     lag = aligned.lag.value if aligned is not None else 0.0
     gain = aligned.gain.value if aligned is not None else 1.0
@@ -97,79 +99,78 @@ def shoot(prepared: PreparedDecay, fit: Fit) -> MultipleShooting:
     v = motion.velocity
     sizes = (float(np.max(np.abs(u))), float(np.max(np.abs(u))) * fit.frequency)
     pieces = _pieces(window, u, v, fit.frequency)
-    problem, thetas = _problem(fit, window, pieces, u, v, values, lag)
-    n = len(window)
-    kept = {name: np.zeros(n) for name in ("displacement", "velocity", "acceleration")}
+    problem, theta = _problem(fit, pieces, u, v)
+    kept = {name: np.zeros(len(window)) for name in ("displacement", "velocity", "acceleration")}
     segments: list[Segment] = []
     misfits: list[Array] = []
     row = 0
     for i, (begin, start, stop) in enumerate(pieces):
-        at = (
-            problem.index[f"displacement{_tag(i, pieces)}"],
-            problem.index[f"velocity{_tag(i, pieces)}"],
-        )
-        runs = [problem.respond(thetas, i)]
-        for place, size in zip(at, sizes, strict=True):
-            moved = thetas.copy()
-            moved[place] += _STEP * size
-            runs.append(problem.respond(moved, i))
+        runs = _runs(problem, theta, i, sizes)
         seen = [_readings(run, window, lag, gain, values) for run in runs]
-        part = slice(start - begin, stop - begin)
-        used = {c: window.used[c][start:stop] for c in window.channels}
-        misfit = np.concatenate(
-            [
-                ((window.readings[c][start:stop] - seen[0][c][part]) / window.sigma[c])[used[c]]
-                for c in window.channels
-            ]
-        )
-        variation = np.column_stack(
-            [
-                np.concatenate(
-                    [
-                        ((s[c][part] - seen[0][c][part]) / window.sigma[c] / _STEP)[used[c]]
-                        for c in window.channels
-                    ]
-                )
-                for s in seen[1:]
-            ]
-        )
+        misfit, variation = _whitened(window, pieces[i], seen)
         following = pieces[i + 1][0] if i + 1 < len(pieces) else stop - 1
-        states = [
-            np.array(
-                [run.displacement[following - begin] / sizes[0], run.velocity[following - begin] / sizes[1]]
-            )
-            for run in runs
-        ]
-        carry = np.column_stack([(state - states[0]) / _STEP for state in states[1:]])
+        arrival, carry = _carried(runs, following - begin, sizes)
         departure = np.array([u[begin] / sizes[0], v[begin] / sizes[1]])
+        first = begin if i == 0 else start
         for name, values_kept in kept.items():
-            values_kept[begin if i == 0 else start : stop] = getattr(runs[0], name)[
-                0 if i == 0 else start - begin : stop - begin
-            ]
-        segments.append(
-            Segment(begin, start, stop, slice(row, row + len(misfit)), variation, carry, departure, states[0])
-        )
+            values_kept[first:stop] = getattr(runs[0], name)[first - begin : stop - begin]
+        rows = slice(row, row + len(misfit))
+        segments.append(Segment(begin, start, stop, rows, variation, carry, departure, arrival))
         misfits.append(misfit)
         row += len(misfit)
+    stiffness, damping = _linear_part(fit)
     return MultipleShooting(
         window,
         tuple(segments),
-        kept["displacement"],
-        kept["velocity"],
-        kept["acceleration"],
-        np.concatenate(misfits),
-        sizes,
-        fit.frequency,
-        values.get("linear_stiffness.k", fit.frequency**2),
-        values.get("viscous_damping.mu_1", 0.0),
-        lag,
-        gain,
-        one_step(
-            values.get("linear_stiffness.k", fit.frequency**2),
-            values.get("viscous_damping.mu_1", 0.0),
-            1.0 / window.rate,
-        ),
+        **kept,
+        misfit=np.concatenate(misfits),
+        sizes=sizes,
+        frequency=fit.frequency,
+        stiffness=stiffness,
+        damping=damping,
+        lag=lag,
+        gain=gain,
+        step=one_step(stiffness, damping, 1.0 / window.rate),
     )
+
+
+def _linear_part(fit: Fit) -> tuple[float, float]:
+    """Return linear stiffness (1/s^2) and damping (1/s) of a fitted model, by its frequency where it has no spring."""
+    stiffness = fit.linear_strength(LinearPart.STIFFNESS)
+    damping = fit.linear_strength(LinearPart.DAMPING)
+    return fit.frequency**2 if stiffness is None else stiffness, 0.0 if damping is None else damping
+
+
+def _runs(problem: Problem, theta: Array, i: int, sizes: tuple[float, float]) -> list[Response]:
+    """Return the run of segment i, and those from a little more displacement and a little more velocity."""
+    runs = [problem.respond(theta, i)]
+    for place, size in zip(problem.layout.releases[i].start, sizes, strict=True):
+        moved = theta.copy()
+        moved[place] += _STEP * size
+        runs.append(problem.respond(moved, i))
+    return runs
+
+
+def _whitened(
+    window: FitWindow, piece: tuple[int, int, int], seen: list[dict[str, Array]]
+) -> tuple[Array, Array]:
+    """Return the misfit of a segment's run, (rows,), and what more displacement and velocity do to it, (rows, 2)."""
+    begin, start, stop = piece
+    part = slice(start - begin, stop - begin)
+    used = {c: window.used[c][start:stop] for c in window.channels}
+
+    def rows(difference: dict[str, Array], step: float = 1.0) -> Array:
+        return np.concatenate([(difference[c] / window.sigma[c] / step)[used[c]] for c in window.channels])
+
+    misfit = rows({c: window.readings[c][start:stop] - seen[0][c][part] for c in window.channels})
+    moved = [{c: s[c][part] - seen[0][c][part] for c in window.channels} for s in seen[1:]]
+    return misfit, np.column_stack([rows(difference, _STEP) for difference in moved])
+
+
+def _carried(runs: list[Response], at: int, sizes: tuple[float, float]) -> tuple[Array, Array]:
+    """Return the state after `at` samples, (2,), and what the state at the start does to it, (2, 2), in natural sizes."""
+    states = [np.array([run.displacement[at] / sizes[0], run.velocity[at] / sizes[1]]) for run in runs]
+    return states[0], np.column_stack([(state - states[0]) / _STEP for state in states[1:]])
 
 
 def one_step(stiffness: float, damping: float, h: float) -> Array:
@@ -192,12 +193,8 @@ def one_step(stiffness: float, damping: float, h: float) -> Array:
     return np.asarray(total[:2])
 
 
-def _tag(i: int, pieces: list[tuple[int, int, int]]) -> str:
-    return f"[{i}]" if len(pieces) > 1 else ""
-
-
 def _pieces(window: FitWindow, u: Array, v: Array, frequency: float) -> list[tuple[int, int, int]]:
-    """Return (begin, start, stop) of each stretch: from one rising passage of the middle to the next."""
+    """Return (begin, start, stop) of each segment: from one rising passage of the middle to the next."""
     n = len(u)
     turns = np.unwrap(np.arctan2(u, v / frequency)) / (2.0 * np.pi)
     turns = np.maximum.accumulate(turns)
@@ -208,39 +205,24 @@ def _pieces(window: FitWindow, u: Array, v: Array, frequency: float) -> list[tup
     return [(start - window.lead, start, stop) for start, stop in pairwise(bounds)]
 
 
-def _problem(
-    fit: Fit,
-    window: FitWindow,
-    pieces: list[tuple[int, int, int]],
-    u: Array,
-    v: Array,
-    values: dict[str, float],
-    lag: float,
-) -> tuple[Problem, Array]:
-    """Return the model on one short span a stretch, and the unknowns at which it runs along the measured motion."""
+def _problem(fit: Fit, pieces: list[tuple[int, int, int]], u: Array, v: Array) -> tuple[Problem, Array]:
+    """Return the model on one short span a segment, and the unknowns at which it runs along the measured motion."""
+    window = fit.windows[0]
     reach = window.lead + 2
     windows = tuple(
         _short(window, begin, min(stop + reach, len(window) + reach)) for begin, _, stop in pieces
     )
     problem = Problem(fit.model, windows, fit.frequency)
-    thetas = np.array([values.get(unknown.name, 0.0) for unknown in problem.unknowns])
-    memories = {
-        term.effect.name: states_along(term, values, window.clock, u, v)
-        for term in fit.model.terms
-        if term.effect.rates is not None
-    }
-    for i, (begin, _, _) in enumerate(pieces):
-        tag = _tag(i, pieces)
-        thetas[problem.index[f"displacement{tag}"]] = u[begin]
-        thetas[problem.index[f"velocity{tag}"]] = v[begin]
-        if f"lag{tag}" in problem.index:
-            thetas[problem.index[f"lag{tag}"]] = 0.0
-        for name, states in memories.items():
-            for j in range(2):
-                place = problem.index.get(f"{name}.state{j}{tag}")
-                if place is not None:
-                    thetas[place] = states[begin, j]
-    return problem, thetas
+    values = fit.of_release(0)
+    theta = problem.theta(values)
+    memories = [states_along(term, values, window.clock, u, v) for term in problem.layout.forces]
+    for (begin, _, _), places in zip(pieces, problem.layout.releases, strict=True):
+        theta[list(places.start)] = u[begin], v[begin]
+        if places.lag != NOWHERE:
+            theta[places.lag] = 0.0
+        for cell in places.states:
+            theta[cell.unknown] = memories[cell.row][begin, cell.column]
+    return problem, theta
 
 
 def _short(window: FitWindow, begin: int, end: int) -> FitWindow:

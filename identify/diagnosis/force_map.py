@@ -1,4 +1,4 @@
-"""Fingerprints: the force that a model lacks, and what a suspect would add, over the phase plane and over the cycle.
+"""Force maps: the force that a model lacks, and what a suspect would add, by amplitude and phase of the cycle.
 
 Both are taken along the measured motion after the base model has been refitted, so that they show only what the
 base cannot follow; of the right suspect the two look alike.
@@ -46,36 +46,36 @@ def force_left(prepared: PreparedDecay, base: Fit) -> Array:
 def force_added(prepared: PreparedDecay, base: Fit, found: Fit, term: Term, index: int = 0) -> Array:
     """Return what a suspect adds to the base's force where the base cannot follow, shape (n,).
 
-    `found` is the base refitted with `term`, `index` the place of the setting among its spans. A sensor's fault counts
-    as the force that it feigns.
+    `found` is the base refitted with `term`, `index` the place of the release among its spans. A sensor's fault counts
+    as the force for which it would be taken.
     """
-    if term.effect.kind == "physics":
+    if term.is_force:
         return force_along_motion(prepared, found) - force_along_motion(prepared, base)
-    feigned = _feigned(prepared, found, term, index)
+    seeming = _as_force(prepared, found, term, index)
     motion = prepared.motion
     design = np.column_stack(
-        [motion.displacement, motion.velocity, np.sign(motion.velocity), np.ones(len(feigned))]
+        [motion.displacement, motion.velocity, np.sign(motion.velocity), np.ones(len(seeming))]
     )
     used = moving(motion)
-    weights = np.linalg.lstsq(design[used], feigned[used], rcond=1e-12)[0]
-    return np.asarray(feigned - design @ weights)
+    weights = np.linalg.lstsq(design[used], seeming[used], rcond=1e-12)[0]
+    return np.asarray(seeming - design @ weights)
 
 
-def _feigned(prepared: PreparedDecay, found: Fit, term: Term, index: int) -> Array:
-    """Return the force per unit mass that a sensor's fault feigns: in the acceleration itself, or by the stiffness."""
-    effect, channel = term.effect, term.channel
+def _as_force(prepared: PreparedDecay, found: Fit, term: Term, index: int) -> Array:
+    """Return the force per unit mass for which a sensor's fault is taken: directly, or by the stiffness."""
+    fault, channel = term.fault, term.channel
     window = found.windows[index]
-    if effect.observe is None or channel not in window.readings:
+    if fault.corrected_in_every_fit or channel not in window.readings:
         return np.zeros(len(window))
-    tag = f"[{index}]" if len(found.windows) > 1 else ""
-    p = np.array([found.values[f"{effect.name}.{q.name}{tag}"].value for q in effect.parameters])
+    values = found.of(term, index)
+    p = np.array([values[q.name].value for q in fault.parameters])
     motion = prepared.motion
     clean = {
         "displacement": motion.displacement,
         "velocity": motion.velocity,
         "acceleration": motion.acceleration,
     }[channel]
-    error = effect.observe(window.clock, clean, p) - clean
+    error = fault.observe(window.clock, clean, p) - clean
     factor = {"acceleration": -1.0, "displacement": -(found.frequency**2), "velocity": -found.frequency}
     return np.asarray(factor[channel] * error)
 

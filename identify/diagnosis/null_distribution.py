@@ -1,4 +1,4 @@
-"""Chance: how much each suspect would lower chi-square if nothing were missing.
+"""The null distribution: how much each suspect would lower chi-square if nothing were missing.
 
 Under the present model the readings differ from the prediction by noise alone. A suspect of small strength changes the
 prediction along one direction (its column) for each value of its inner parameters; what the fit's own parameters can
@@ -7,15 +7,15 @@ distribution, and the smallest tail probability over the whole library one from 
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from identify.arrays import Array
+from identify.diagnosis.suspects import states_of_term, with_fault
 from identify.effects.effect import Scales
-from identify.effects.memory import SECOND_MASS
 from identify.fitting.fit import Fit
-from identify.fitting.initial_values import rest_states, scales_of, term_starts
+from identify.fitting.initial_values import inner_values, scales_of, term_starts
+from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.model.measured_path import force_along
 from identify.model.model import Term
@@ -24,7 +24,6 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 _DRAWS = 400
 _PROBE = 1e-3
 _TAIL = 0.1
-_LINE_EFFECTS = ("mains_hum", "harmonic_forcing")
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +59,7 @@ def null_distribution(
     random = np.random.default_rng(seed)
     theta = base.theta
     problem = Problem(base.model, base.windows, base.frequency)
-    _, jacobian = problem.linearise(theta)
+    _, jacobian = linearise(problem, theta)
     size = np.linalg.norm(jacobian, axis=0)
     tangent = np.linalg.qr(jacobian / np.where(size > 0.0, size, 1.0))[0]
     noise = random.standard_normal((len(jacobian), draws))
@@ -68,7 +67,7 @@ def null_distribution(
     drops: dict[str, Array] = {}
     for term in terms:
         name = term.effect.name
-        if name in _LINE_EFFECTS:
+        if term.effect.line:
             best = _line_drops(base, term, noise)
         else:
             best = _column_drops(decays, base, term, scales, tangent, noise)
@@ -90,11 +89,10 @@ def _column_drops(
     decays: tuple[PreparedDecay, ...], base: Fit, term: Term, scales: Scales, tangent: Array, noise: Array
 ) -> Array:
     problem = Problem(base.model.plus(term), base.windows, base.frequency)
-    known = dict(zip(base.names, base.theta.tolist(), strict=True))
     before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
     best = np.zeros(noise.shape[1])
-    for start in _fine_starts(term, scales):
-        block = [problem.residuals(theta) - before for theta in _probes(decays, problem, term, known, start)]
+    for start in term_starts(term, scales, fine=True):
+        block = [problem.residuals(theta) - before for theta in _probes(decays, base, problem, term, start)]
         block = [column for column in block if np.isfinite(column).all() and np.linalg.norm(column) > 1e-9]
         if not block:
             continue
@@ -105,66 +103,38 @@ def _column_drops(
         )
         basis = basis[:, weights > 1e-6]
         amount = basis.T @ noise
-        if basis.shape[1] == 1 and (term.effect.kind == "sensor" or np.isfinite(term.effect.strength.low)):
+        if basis.shape[1] == 1 and term.effect.one_sided:
             amount = np.maximum(amount, 0.0)
         best = np.maximum(best, np.sum(amount**2, axis=0))
     return best
 
 
-def _fine_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
-    """Return starting values with midpoints between neighbours, so that the grid leaves no gaps."""
-    name = term.effect.name
-    if name == SECOND_MASS.name:
-        ratios = np.geomspace(0.3, 6.0, 20)
-        return tuple(
-            {f"{name}.w2": float(r * scales.frequency), f"{name}.zeta": z}
-            for r in ratios
-            for z in (0.005, 0.04)
-        )
-    starts = term_starts(term, scales)
-    between = tuple(
-        {
-            key: float(np.sqrt(a[key] * b[key])) if a[key] * b[key] > 0.0 else 0.5 * (a[key] + b[key])
-            for key in a
-        }
-        for a, b in pairwise(starts)
-    )
-    return starts + between
-
-
 def _probes(
-    decays: tuple[PreparedDecay, ...],
-    problem: Problem,
-    term: Term,
-    known: dict[str, float],
-    start: dict[str, float],
+    decays: tuple[PreparedDecay, ...], base: Fit, problem: Problem, term: Term, start: dict[str, float]
 ) -> list[Array]:
     """Return points near the base at which the term is weakly present, one for each of its linear freedoms."""
-    tags = [f"[{i}]" for i in range(len(decays))] if len(decays) > 1 else [""]
-    effect = term.effect
-    if effect.kind == "sensor":
-        point = known | {f"{n}{tag}": v for n, v in start.items() for tag in tags}
-        return [np.array([point.get(u.name, 0.0) for u in problem.unknowns])]
+    if not term.is_force:
+        return [problem.theta(with_fault(base, term, start))]
     largest = max(decays, key=lambda prepared: prepared.amplitude)
-    inner = {n: v for n, v in known.items() if "." in n} | start
-    values = {p.name: inner[f"{effect.name}.{p.name}"] for p in term.free[1:]}
-    shared = {"linear_stiffness.k": largest.frequency**2}
+    begun = term.by_name(start)
+    inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
     motion = largest.motion
-    force = force_along(term, values, largest.time, motion.displacement, motion.velocity, shared)
+    along = (largest.time, motion.displacement, motion.velocity, largest.frequency)
+    force = force_along(term, inner_values(term, inner), *along)
     rms = float(np.sqrt(np.mean(force**2)))
     if not rms > 0.0:
         return []
     strength = _PROBE * float(np.sqrt(np.mean(motion.acceleration**2))) / rms
-    states: dict[str, float] = {}
-    for tag in tags:
-        rest = rest_states(term, known[f"displacement{tag}"], known[f"velocity{tag}"], inner)
-        states |= {f"{n}{tag}": s for n, s in rest.items()}
-    point = known | start | {f"{effect.name}.{effect.strength.name}": strength} | states
+    states = states_of_term(base, term, inner)
+    point = base.point | begun | {str(term.strength): strength} | states
     points = [point]
-    for name, state in states.items():
-        size = largest.amplitude * (largest.frequency if "state1" in name else 1.0)
-        points.append(point | {name: state + 0.5 * size})
-    return [np.array([p.get(u.name, 0.0) for u in problem.unknowns]) for p in points]
+    sizes = (largest.amplitude, largest.amplitude * largest.frequency)
+    for i in range(len(base.windows)):
+        for j in range(term.force.states):
+            name = str(term.state(j).of_release(i, len(base.windows)))
+            if name in states:
+                points.append(point | {name: states[name] + 0.5 * sizes[j]})
+    return [problem.theta(p) for p in points]
 
 
 def _line_drops(base: Fit, term: Term, noise: Array) -> Array:
@@ -181,7 +151,7 @@ def _line_drops(base: Fit, term: Term, noise: Array) -> Array:
             spectra[channel] = np.fft.rfft(padded, 2 * len(window), axis=0) / np.sqrt(
                 max(int(used.sum()), 1) / 2.0
             )
-        if term.effect.kind == "sensor":
+        if not term.is_force:
             if term.channel in spectra:
                 best = np.maximum(best, np.max(np.abs(spectra[term.channel][2:-2]) ** 2, axis=0))
             continue

@@ -3,6 +3,7 @@
 import numpy as np
 
 from identify.diagnosis.suspects import Candidate
+from identify.effects.sensor_fault import SensorFault
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 
@@ -12,14 +13,14 @@ def at_rest(decays: tuple[PreparedDecay, ...], candidate: Candidate) -> float:
     Negative where the fault ought to show at rest and does not; 0 for everything that says nothing of the rest.
     """
     effect, channel = candidate.term.effect, candidate.term.channel
-    if not effect.shows_at_rest or effect.observe is None:
+    if not isinstance(effect, SensorFault) or not effect.shows_at_rest:
         return 0.0
     total = 0.0
     for i, prepared in enumerate(decays):
         if prepared.rest is None or channel not in prepared.rest.readings:
             continue
-        tag = f"[{i}]" if len(decays) > 1 else ""
-        p = np.array([candidate.fit.values[f"{effect.name}.{q.name}{tag}"].value for q in effect.parameters])
+        found = candidate.fit.of(candidate.term, i)
+        p = np.array([found[q.name].value for q in effect.parameters])
         readings = prepared.rest.readings[channel]
         still = readings - readings.mean()
         fault = effect.observe(prepared.rest.time, np.zeros(len(readings)), p)

@@ -32,7 +32,7 @@ def promising_pairs(
     if len(columns) < 2:
         return ()
     used = moving(prepared.motion)
-    _, known = _columns(prepared, tuple(t for t in model.terms if t.effect.kind == "physics"), scales)
+    _, known = _columns(prepared, model.forces, scales)
     basis = np.linalg.qr(np.column_stack([*known, np.ones(len(used))])[used])[0]
     design = _unit(np.column_stack(columns)[used])
     free = design - basis @ (basis.T @ design)
@@ -52,14 +52,12 @@ def _columns(
     prepared: PreparedDecay, terms: tuple[Term, ...], scales: Scales
 ) -> tuple[list[str], list[Array]]:
     """Return the finite forces of unit strength along the motion, (n,) each, and the names of their effects."""
-    motion, shared = prepared.motion, {"linear_stiffness.k": prepared.frequency**2}
+    motion = prepared.motion
     names, columns = [], []
-    for term in terms:
-        if term.effect.kind != "physics":
-            continue
-        for start in term_starts(term, scales):
-            inner = {name.split(".")[1]: value for name, value in start.items()}
-            force = force_along(term, inner, prepared.time, motion.displacement, motion.velocity, shared)
+    for term in (term for term in terms if term.is_force):
+        for inner in term_starts(term, scales):
+            along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
+            force = force_along(term, inner, *along)
             if np.isfinite(force).all():
                 names.append(term.effect.name)
                 columns.append(force)

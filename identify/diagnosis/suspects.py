@@ -8,24 +8,25 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.effects.effect import Effect, Scales
+from identify.effects.sensor_fault import SensorFault
 from identify.fitting.fit import Fit, fit, fit_at
 from identify.fitting.initial_values import (
     initial_values,
+    inner_values,
     regress_model,
     rest_states,
     scales_of,
     term_starts,
 )
+from identify.fitting.jacobian import linearise, take_steps
 from identify.fitting.levenberg_marquardt import minimise
 from identify.fitting.problem import Problem
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
+from identify.model.parameter_id import ParameterId, nuisance
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.spectrum import strongest_lines
-
-JUDGED_APART = ("channel_lag", "channel_gain", "dropouts")
-"""Faults that are always fitted or taken out beforehand, and are judged from what was found then."""
 
 _LINES = 3
 _STARTS = 3
@@ -65,11 +66,14 @@ def residual_lines(found: Fit) -> dict[str, tuple[tuple[float, float, float], ..
 def candidate_terms(model: Model, library: Iterable[Effect], window: FitWindow) -> tuple[Term, ...]:
     """Return every effect and variant that the model lacks and that the channels of a span can show.
 
-    Over the episodes of a long release each has offsets of its own, which leaves slow faults of a sensor nothing to say.
+    Faults that every fit allows for are judged by what it allowed for. Over the segments of a long release each has
+    offsets of its own, which leave slow faults of a sensor nothing to explain.
     """
     terms = []
     for effect in library:
-        if effect.name in JUDGED_APART or (window.segment and effect.kind == "sensor"):
+        if not effect.has_meaning_for(window.unit):
+            continue
+        if isinstance(effect, SensorFault) and (effect.corrected_in_every_fit or window.segment):
             continue
         for variant in effect.variants:
             channel = variant.get("channel")
@@ -133,9 +137,9 @@ class _Slope:
 
     def begin(self, problem: Problem, theta: Array, held: Mask) -> tuple[Array, Array]:
         """Return the misfit of the model with one more effect, and its Jacobian, only the new columns taken anew."""
-        problem.take_steps(self.problem)
+        take_steps(problem, self.problem)
         known = np.array([unknown.name in self.problem.index for unknown in problem.unknowns])
-        residual, jacobian = problem.linearise(theta, skip=known | held)
+        residual, jacobian = linearise(problem, theta, skip=known | held)
         for at, unknown in enumerate(problem.unknowns):
             if known[at]:
                 jacobian[:, at] = self.jacobian[:, self.problem.index[unknown.name]]
@@ -147,18 +151,17 @@ def _slope(base: Fit) -> _Slope | None:
     if base.reduced >= _FAR_OFF:
         return None
     problem = Problem(base.model, base.windows, base.frequency)
-    return _Slope(problem, problem.linearise(base.theta)[1])
+    return _Slope(problem, linearise(problem, base.theta)[1])
 
 
 def _begin(
     decays: tuple[PreparedDecay, ...], base: Fit, slope: _Slope | None, term: Term, scales: Scales
 ) -> _Beginning | None:
     problem = Problem(base.model.plus(term), base.windows, base.frequency)
-    inner = np.array([u.name.split("[")[0] in _inner_names(term) for u in problem.unknowns])
+    inner = np.array([_is_inner(u.id, term) for u in problem.unknowns])
     best: _Beginning | None = None
     for start in _promising(decays, base, problem.model, term, term_starts(term, scales)):
-        theta = np.array([start.get(u.name, 0.0) for u in problem.unknowns])
-        theta = np.clip(theta, problem.low, problem.high)
+        theta = np.clip(problem.theta(start), problem.low, problem.high)
         begun = None if slope is None else slope.begin(problem, theta, inner)
         found = minimise(problem, theta, steps=_FIRST_STEPS, tolerance=1.0, held=inner, begun=begun)
         if best is None or found.cost < best.cost:
@@ -175,16 +178,16 @@ def _leave(base: Fit, begun: _Beginning, scales: Scales) -> Candidate:
     return judged(fit_at(begun.problem, begun.theta), base, begun.term, scales)
 
 
-def _inner_names(term: Term) -> set[str]:
-    return {f"{term.effect.name}.{name}" for name in term.effect.inner}
+def _is_inner(unknown: ParameterId, term: Term) -> bool:
+    own = unknown.effect == term.effect.name and unknown.role == "parameter"
+    return own and unknown.parameter in term.effect.inner
 
 
 def judged(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
     """Weigh a refit against the fit without the term."""
     extra = len(found.names) - len(base.names)
     score = found.chi_square + extra * float(np.log(found.degrees))
-    by_name = {name.split("[")[0]: estimate.value for name, estimate in found.values.items()}
-    values = {p.name: by_name[f"{term.effect.name}.{p.name}"] for p in term.free}
+    values = {name: estimate.value for name, estimate in found.of(term, len(found.windows) - 1).items()}
     at_fault = replace(scales, peaks={term.channel: scales.peaks[term.channel]}) if term.channel else scales
     plausible = term.effect.plausible(values, at_fault)
     if not plausible:
@@ -203,17 +206,15 @@ def _promising(
 
     Where the base is far off, all values come from the equation error. The best few by equation error are kept.
     """
-    known = dict(zip(base.names, base.theta.tolist(), strict=True))
-    tags = [f"[{i}]" for i in range(len(decays))] if len(decays) > 1 else [""]
-    if term.effect.kind == "sensor":
-        scales = scales_of(decays[0], {})
-        return [_with_fault(known, term, start, tags, scales) for start in starts]
+    if not term.is_force:
+        return [_with_fault(base, term, start, scales_of(decays[0], {})) for start in starts]
     largest = max(decays, key=lambda prepared: prepared.amplitude)
-    strength = f"{term.effect.name}.{term.effect.strength.name}"
-    place = [t.effect.name for t in model.terms if t.effect.kind == "physics"].index(term.effect.name)
+    strength = str(term.strength)
+    place = [t.effect.name for t in model.forces].index(term.effect.name)
+    physics = {name: estimate.value for name, estimate in base.parameters.items()}
     ranked: list[tuple[float, dict[str, float]]] = []
     for start in starts:
-        inner = {n: v for n, v in known.items() if "." in n} | start
+        inner = physics | term.by_name(start)
         regression = regress_model(largest, model, inner)
         possible = term.effect.strength.low <= regression.strengths[place] <= term.effect.strength.high
         ranked.append((regression.rss if possible else np.inf, inner))
@@ -224,32 +225,45 @@ def _promising(
         if not np.isfinite(rss):
             point[strength] = 1e-3 * _one_percent(largest, term, inner)
         if base.reduced < _FAR_OFF:
-            kept = known | {strength: point[strength]} | {n: v for n, v in inner.items() if n not in known}
-            for tag in tags:
-                states = rest_states(term, known[f"displacement{tag}"], known[f"velocity{tag}"], inner)
-                kept |= {f"{name}{tag}": value for name, value in states.items()}
-            point = kept
+            point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
         points.append(point)
     return points
 
 
-def _with_fault(
-    known: dict[str, float], term: Term, start: dict[str, float], tags: list[str], scales: Scales
-) -> dict[str, float]:
-    """Return the base's values with a sensor's fault, and the lag that it would have been taken for undone."""
-    point = known | {f"{n}{tag}": v for n, v in start.items() for tag in tags}
-    if term.effect.seems_lag is not None:
-        early = term.effect.seems_lag(tuple(start.values()), scales)
+def states_of_term(base: Fit, term: Term, inner: dict[str, float]) -> dict[str, float]:
+    """Return the internal states of one more effect, by unknown's name, at the starts of the releases of a fit."""
+    found: dict[str, float] = {}
+    count = len(base.windows)
+    for i in range(count):
+        start = base.of_release(i)
+        states = rest_states(term, start["displacement"], start["velocity"], inner)
+        found |= {str(id.of_release(i, count)): value for id, value in states.items()}
+    return found
+
+
+def with_fault(base: Fit, term: Term, start: dict[str, float]) -> dict[str, float]:
+    """Return a fit's values with a sensor's fault in every release."""
+    point, count = base.point, len(base.windows)
+    for i in range(count):
+        point |= {str(term.parameter(name).of_release(i, count)): value for name, value in start.items()}
+    return point
+
+
+def _with_fault(base: Fit, term: Term, start: dict[str, float], scales: Scales) -> dict[str, float]:
+    """Return a fit's values with a sensor's fault, and the lag that it would have been taken for undone."""
+    point, count = with_fault(base, term, start), len(base.windows)
+    if term.fault.seems_lag is not None:
+        early = term.fault.seems_lag(tuple(start.values()), scales)
         early *= -1.0 if term.channel == "acceleration" else 1.0
-        point |= {f"lag{tag}": known[f"lag{tag}"] + early for tag in tags if f"lag{tag}" in known}
+        lags = [str(nuisance("lag", i, count)) for i in range(count)]
+        point |= {lag: point[lag] + early for lag in lags if lag in point}
     return point
 
 
 def _one_percent(prepared: PreparedDecay, term: Term, inner: dict[str, float]) -> float:
     """Return the strength at which an effect's rms force is a hundredth of the total."""
-    values = {p.name: inner[f"{term.effect.name}.{p.name}"] for p in term.free[1:]}
-    shared = {"linear_stiffness.k": prepared.frequency**2}
     motion = prepared.motion
-    force = force_along(term, values, prepared.time, motion.displacement, motion.velocity, shared)
+    along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
+    force = force_along(term, inner_values(term, inner), *along)
     size = float(np.sqrt(np.mean(force**2)))
     return 0.01 * float(np.sqrt(np.mean(motion.acceleration**2))) / size if size > 0.0 else 0.0

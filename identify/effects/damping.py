@@ -3,14 +3,22 @@
 from math import inf
 
 from identify.effects.compiled import force_function
-from identify.effects.effect import Effect, Parameter
+from identify.effects.effect import Parameter
+from identify.effects.force_effect import ForceEffect, LinearPart
 
-VISCOUS_DAMPING = Effect(
+
+@force_function
+def _viscous(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * v
+
+
+VISCOUS_DAMPING = ForceEffect(
     name="viscous_damping",
     title="viscous damping",
-    kind="physics",
     equation="mu_1 v",
     parameters=(Parameter("mu_1", "1/s", "viscous damping per unit mass", 0.0, inf),),
+    force=_viscous,
+    linear_part=LinearPart.DAMPING,
     symptom="exponential decay",
     confirming_test="the decrement is the same at every amplitude",
 )
@@ -21,13 +29,13 @@ def _quadratic(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * v * abs(v)
 
 
-QUADRATIC_DAMPING = Effect(
+QUADRATIC_DAMPING = ForceEffect(
     name="quadratic_damping",
     title="drag (quadratic damping)",
-    kind="physics",
     equation="c2 v |v|",
     parameters=(Parameter("c2", "1/m", "drag per unit mass", 0.0, inf),),
     force=_quadratic,
+    shows_detection_limit=True,
     symptom="the decrement grows in proportion to the amplitude",
     confirming_test="release from twice the amplitude: the extra decrement doubles",
     confusable_with=("cubic_damping", "position_dependent_damping"),
@@ -39,10 +47,9 @@ def _cubic(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * v * v * v
 
 
-CUBIC_DAMPING = Effect(
+CUBIC_DAMPING = ForceEffect(
     name="cubic_damping",
     title="cubic damping",
-    kind="physics",
     equation="c3 v^3",
     parameters=(Parameter("c3", "s/m^2", "cubic damping per unit mass", 0.0, inf),),
     force=_cubic,
@@ -57,10 +64,9 @@ def _position_dependent(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * u * u * v
 
 
-POSITION_DEPENDENT_DAMPING = Effect(
+POSITION_DEPENDENT_DAMPING = ForceEffect(
     name="position_dependent_damping",
     title="damping that grows away from the middle",
-    kind="physics",
     equation="c12 u^2 v",
     parameters=(Parameter("c12", "1/(m^2 s)", "damping per unit mass and squared displacement", 0.0, inf),),
     force=_position_dependent,

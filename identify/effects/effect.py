@@ -1,14 +1,18 @@
-"""An effect: one physical cause of force, or one fault of a sensor."""
+"""What forces and sensors' faults have in common: an effect has a name, parameters, and a way to show."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import pi
-from typing import Any, Literal
+from itertools import pairwise
+from math import pi, sqrt
+from typing import Literal
 
-from identify.arrays import Array
 from identify.effects.compiled import PARAMETERS
 
 Kind = Literal["physics", "sensor"]
+
+Starts = tuple[tuple[float, ...], ...]
+"""Starting values of some parameters, one tuple for each place from which a fit may begin."""
 
 
 @dataclass(frozen=True)
@@ -16,8 +20,7 @@ class Parameter:
     """One number of an effect.
 
     In `unit`, "m" stands for the unit of the displacement and is replaced by it (rad, V), "reading" for the unit of
-    the channel that a sensor's fault sits in. `low` and `high` are what
-    physics allows.
+    the channel that a sensor's fault sits in. `low` and `high` are what physics allows.
     """
 
     name: str
@@ -62,72 +65,76 @@ def near_harmonic(line: float, scales: Scales) -> bool:
     return line * scales.duration < 3.0 or (1 <= order <= 5 and abs(line - order * fundamental) < width)
 
 
-@dataclass(frozen=True, eq=False)
-class Effect:
-    """One cause of misfit: a force per unit mass on the left of u'' + ... = 0, or a fault of a sensor.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Effect(ABC):
+    """One cause of misfit: a force (`ForceEffect`), or a fault of a sensor (`SensorFault`).
 
-    The force is proportional to the first parameter, the strength; the others are inner parameters.
-    `force`, `friction` and `rates` are compiled functions of (t, u, v, z, p): `friction` is a level >= 0 that
-    acts against the velocity, `rates` drives `states` internal states `z`, two at most; `t` counts from the release.
-    `shared_parameters` names parameters of other effects that follow the effect's own in `p`.
-    `equilibrium_state(u, p)` gives the internal states of a mass that has been held at `u` for long; with
-    `fading_memory`, how it came there does not matter and these are its states at the release, otherwise they are
-    unknowns of the fit.
-    `observe(time, reading, p)` is a sensor's fault: it changes the predicted readings of one channel.
-    `starts(scales)` lists starting values of the inner parameters, `sensor_starts(scales, channel)` of all
-    parameters of a sensor's fault, of which those `held_at_first` act out of proportion. A fault that `shows_at_rest`
-    is looked for there too; `seems_lag(start, scales)` is by how much it makes its channel seem early (s).
     `variants` are alternatives (inner values that are held, or the channel at fault) that are tried each and of
     which the best counts. `plausible(values, scales)` is False where another effect is the better name for the same
-    force. `nonsmooth` forces want a finer step.
+    misfit. `units` are the units of displacement for which the effect has a meaning, () for all. A `line` has a
+    frequency and a phase that are free: chance offers it every peak of a periodogram. An effect that
+    `shows_detection_limit` is quoted, with the strength that would have been seen, where nothing is missing.
     """
 
     name: str
     title: str
-    kind: Kind
     equation: str
     parameters: tuple[Parameter, ...]
     symptom: str
     confirming_test: str
-    force: Any = None
-    friction: Any = None
-    rates: Any = None
-    equilibrium_state: Callable[[float, Array], tuple[float, float]] | None = None
-    observe: Callable[[Array, Array, Array], Array] | None = None
-    states: int = 0
-    fading_memory: bool = True
-    held_at_first: tuple[str, ...] = ()
-    shows_at_rest: bool = False
-    seems_lag: Callable[[tuple[float, ...], Scales], float] | None = None
-    shared_parameters: tuple[str, ...] = ()
-    starts: Callable[[Scales], tuple[tuple[float, ...], ...]] = field(default=lambda scales: ((),))
-    sensor_starts: Callable[[Scales, str], tuple[tuple[float, ...], ...]] = field(
-        default=lambda scales, channel: ((0.0,),)
-    )
     variants: tuple[dict[str, float | str], ...] = ({},)
     plausible: Callable[[dict[str, float], Scales], bool] = field(default=lambda values, scales: True)
     confusable_with: tuple[str, ...] = ()
-    nonsmooth: bool = False
+    units: tuple[str, ...] = ()
+    line: bool = False
+    shows_detection_limit: bool = False
 
     def __post_init__(self) -> None:
-        if not 1 <= len(self.parameters) + len(self.shared_parameters) <= PARAMETERS:
+        if not 1 <= len(self.parameters) <= PARAMETERS:
             raise ValueError(f"effect {self.name}: 1 to {PARAMETERS} parameters, not {len(self.parameters)}")
 
     @property
+    @abstractmethod
+    def kind(self) -> Kind:
+        """physics or sensor, as documents say it."""
+
+    @property
+    @abstractmethod
     def inner(self) -> tuple[str, ...]:
         """Parameters that the readings do not follow in proportion; they are held while a fit begins."""
-        if self.kind == "sensor":
-            return self.held_at_first
-        return tuple(p.name for p in self.parameters[1:])
+
+    @property
+    @abstractmethod
+    def started(self) -> tuple[Parameter, ...]:
+        """The parameters that `starting_values` gives; the others begin at what a regression finds."""
+
+    @property
+    @abstractmethod
+    def one_sided(self) -> bool:
+        """Whether the readings can be changed in one direction only, so that chance gains nothing in half its draws."""
+
+    @abstractmethod
+    def starting_values(self, scales: Scales, channel: str) -> Starts:
+        """Return starting values of `started`, less those that a variant holds; none where the channel is absent."""
+
+    def fine_starting_values(self, scales: Scales, channel: str) -> Starts:
+        """Return starting values so close together that no place between them looks very different."""
+        starts = self.starting_values(scales, channel)
+        return starts + tuple(tuple(map(_between, a, b)) for a, b in pairwise(starts))
 
     @property
     def strength(self) -> Parameter:
-        """The parameter to which the force is proportional."""
+        """The first parameter: a force is proportional to it."""
         return self.parameters[0]
 
     def index(self, parameter: str) -> int:
-        """Return the place of a parameter by name; KeyError when there is none."""
-        for i, candidate in enumerate(self.parameters):
-            if candidate.name == parameter:
-                return i
-        raise KeyError(f"{self.name} has no parameter {parameter}")
+        """Return the place of a parameter by name; ValueError when there is none."""
+        return [p.name for p in self.parameters].index(parameter)
+
+    def has_meaning_for(self, unit: str) -> bool:
+        """Whether the effect can act on displacements in a unit."""
+        return not self.units or unit in self.units
+
+
+def _between(a: float, b: float) -> float:
+    return sqrt(a * b) if a * b > 0.0 else 0.5 * (a + b)

@@ -3,14 +3,22 @@
 from math import exp, inf
 
 from identify.effects.compiled import force_function
-from identify.effects.effect import Effect, Parameter, Scales
+from identify.effects.effect import Parameter, Scales
+from identify.effects.force_effect import ForceEffect, LinearPart
 
-COULOMB_FRICTION = Effect(
+
+@force_function
+def _coulomb(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0]
+
+
+COULOMB_FRICTION = ForceEffect(
     name="coulomb_friction",
     title="dry (Coulomb) friction",
-    kind="physics",
     equation="mu_0 sgn v",
     parameters=(Parameter("mu_0", "m/s^2", "friction force per unit mass", 0.0, inf),),
+    friction=_coulomb,
+    linear_part=LinearPart.DRY_FRICTION,
     symptom="straight-line decay that stops off zero",
     confirming_test="the mass comes to rest off the spring's zero, within mu_0/k of it",
 )
@@ -26,10 +34,9 @@ def _speed_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     return tuple((share * scales.speed,) for share in (0.08, 0.2, 0.4))
 
 
-STRIBECK_FRICTION = Effect(
+STRIBECK_FRICTION = ForceEffect(
     name="stribeck_friction",
     title="friction that rises at low speed (Stribeck)",
-    kind="physics",
     equation="dmu exp(-(v/vs)^2) sgn v",
     parameters=(
         Parameter("dmu", "m/s^2", "extra friction at rest per unit mass", 0.0, inf),
@@ -48,10 +55,9 @@ def _position_dependent(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * abs(u)
 
 
-POSITION_DEPENDENT_FRICTION = Effect(
+POSITION_DEPENDENT_FRICTION = ForceEffect(
     name="position_dependent_friction",
     title="guides that bind away from the middle",
-    kind="physics",
     equation="slope |u| sgn v",
     parameters=(
         Parameter("slope", "1/s^2", "growth of the friction with displacement, per unit mass", 0.0, inf),

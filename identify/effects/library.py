@@ -7,8 +7,11 @@ from identify.effects.damping import (
     VISCOUS_DAMPING,
 )
 from identify.effects.effect import Effect
+from identify.effects.force_effect import ForceEffect
 from identify.effects.friction import COULOMB_FRICTION, POSITION_DEPENDENT_FRICTION, STRIBECK_FRICTION
 from identify.effects.memory import HYSTERESIS, MAXWELL_ELEMENT, SECOND_MASS
+from identify.effects.pendulum import PENDULUM_STIFFNESS
+from identify.effects.sensor_fault import Allowance, SensorFault
 from identify.effects.sensors import (
     AC_COUPLING,
     CHANNEL_GAIN,
@@ -29,7 +32,7 @@ from identify.effects.stiffness import (
 )
 from identify.effects.time import HARMONIC_FORCING, TIME_VARYING_STIFFNESS
 
-BASE = (LINEAR_STIFFNESS, COULOMB_FRICTION, VISCOUS_DAMPING)
+BASE: tuple[ForceEffect, ...] = (LINEAR_STIFFNESS, COULOMB_FRICTION, VISCOUS_DAMPING)
 
 LIBRARY: tuple[Effect, ...] = (
     *BASE,
@@ -41,6 +44,7 @@ LIBRARY: tuple[Effect, ...] = (
     CUBIC_STIFFNESS,
     QUADRATIC_STIFFNESS,
     QUINTIC_STIFFNESS,
+    PENDULUM_STIFFNESS,
     END_STOP,
     FREEPLAY,
     BILINEAR_STIFFNESS,
@@ -65,3 +69,11 @@ def find_effect(name: str, library: tuple[Effect, ...] = LIBRARY) -> Effect:
         if effect.name == name:
             return effect
     raise KeyError(f"no effect is called '{name}'; there are: {', '.join(effect.name for effect in library)}")
+
+
+def fault_allowed_as(allowance: Allowance, library: tuple[Effect, ...] = LIBRARY) -> SensorFault:
+    """Return the fault that every fit allows for in a certain way; KeyError when there is none."""
+    for effect in library:
+        if isinstance(effect, SensorFault) and effect.allowed_as == allowance:
+            return effect
+    raise KeyError(f"no fault is allowed for as {allowance}")

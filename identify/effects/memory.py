@@ -2,8 +2,12 @@
 
 from math import copysign, inf, pi
 
+import numpy as np
+
+from identify.arrays import Array
 from identify.effects.compiled import force_function, rate_function
-from identify.effects.effect import Effect, Parameter, Scales
+from identify.effects.effect import Parameter, Scales, Starts
+from identify.effects.force_effect import ForceEffect
 
 
 @force_function
@@ -19,14 +23,13 @@ def _hysteresis_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return v, 0.0
 
 
-def _yield_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+def _yield_starts(scales: Scales) -> Starts:
     return tuple((share * scales.amplitude,) for share in (0.1, 0.25, 0.6))
 
 
-HYSTERESIS = Effect(
+HYSTERESIS = ForceEffect(
     name="hysteresis",
     title="hysteresis (micro-slip in a joint)",
-    kind="physics",
     equation="kh z,  z' = v (1 - (z/uy)^2 [v z > 0])",
     parameters=(
         Parameter("kh", "1/s^2", "stiffness of the joint before it slips, per unit mass", 0.0, inf),
@@ -55,14 +58,18 @@ def _maxwell_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return (u - z[0]) / p[1], 0.0
 
 
-def _time_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+def _time_starts(scales: Scales) -> Starts:
     return tuple((share / scales.frequency,) for share in (0.2, 0.5, 1.2, 3.0, 10.0))
 
 
-MAXWELL_ELEMENT = Effect(
+def _relaxation_rate(p: Array) -> float:
+    """Return a rate at which a step is about one relaxation time: stable, and fine enough for a state that only follows."""
+    return 0.05 / max(float(p[1]), 1e-4)
+
+
+MAXWELL_ELEMENT = ForceEffect(
     name="maxwell_element",
     title="spring and dashpot in series (Maxwell)",
-    kind="physics",
     equation="k1 (u - q),  q' = (u - q)/tau",
     parameters=(
         Parameter("k1", "1/s^2", "stiffness per unit mass", 0.0, inf),
@@ -73,6 +80,7 @@ MAXWELL_ELEMENT = Effect(
     states=1,
     equilibrium_state=lambda u, p: (u, 0.0),
     starts=_time_starts,
+    fastest_rate=_relaxation_rate,
     symptom="at one frequency it looks like stiffness and viscous damping; it shows only in the transient",
     confirming_test="add a known mass: the damping changes with frequency as k1 tau/(1 + w^2 tau^2)",
     confusable_with=("viscous_damping", "linear_stiffness", "ac_coupling"),
@@ -89,17 +97,21 @@ def _second_mass_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return z[1], p[1] * p[1] * (u - z[0]) + 2.0 * p[2] * p[1] * (v - z[1])
 
 
-def _line_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+def _line_starts(scales: Scales) -> Starts:
     highest = 3.0 * scales.rate
     frequencies = [2.0 * pi * line for line in scales.line_frequencies]
     frequencies += [0.4 * scales.frequency * 1.1**i for i in range(32)]
     return tuple((frequency, 0.02) for frequency in frequencies if frequency < highest)
 
 
-SECOND_MASS = Effect(
+def _fine_line_starts(scales: Scales) -> Starts:
+    ratios = np.geomspace(0.3, 6.0, 20)
+    return tuple((float(r * scales.frequency), zeta) for r in ratios for zeta in (0.005, 0.04))
+
+
+SECOND_MASS = ForceEffect(
     name="second_mass",
     title="a second mass on a spring of its own",
-    kind="physics",
     equation="ratio (w2^2 (u - y) + 2 zeta w2 (v - y')),  y'' = w2^2 (u - y) + 2 zeta w2 (v - y')",
     parameters=(
         Parameter("ratio", "1", "second mass over the first", 0.0, 1.0),
@@ -112,6 +124,8 @@ SECOND_MASS = Effect(
     equilibrium_state=lambda u, p: (u, 0.0),
     starts=_line_starts,
     plausible=lambda values, scales: abs(values["w2"] / scales.frequency - 1.0) > 0.1,
+    fine_starts=_fine_line_starts,
+    fastest_rate=lambda p: 0.6 * float(p[1]),
     symptom="a second line that starts at the release and dies by itself; beats",
     confirming_test="clamp or remove the suspected part: the second line is gone",
     confusable_with=("harmonic_forcing", "linear_stiffness"),

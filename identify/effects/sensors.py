@@ -1,8 +1,4 @@
-"""Faults of a sensor: they change a reading, not the motion, and so break a = D^2 u.
-
-An observer takes the predicted readings of one channel before its offset, shape (n,), at `time` (s since the
-release) and returns what the faulty sensor would show.
-"""
+"""Faults of a sensor: they change a reading, not the motion, and so break a = D^2 u."""
 
 from math import inf, pi
 
@@ -10,7 +6,8 @@ import numpy as np
 from scipy.signal import lfilter
 
 from identify.arrays import Array
-from identify.effects.effect import Effect, Parameter, Scales, near_harmonic
+from identify.effects.effect import Parameter, Scales, near_harmonic
+from identify.effects.sensor_fault import SensorFault
 
 _BOTH: tuple[dict[str, float | str], ...] = (
     {"channel": "displacement"},
@@ -19,22 +16,22 @@ _BOTH: tuple[dict[str, float | str], ...] = (
 )
 
 
-CHANNEL_LAG = Effect(
+CHANNEL_LAG = SensorFault(
     name="channel_lag",
     title="one channel is late",
-    kind="sensor",
     equation="u(t - lag)",
     parameters=(Parameter("lag", "s", "delay of the displacement (or velocity) behind the acceleration"),),
+    allowed_as="lag",
     symptom="the error of a = D^2 u is proportional to the jerk",
     confirming_test="normal: every record is corrected for it",
 )
 
-CHANNEL_GAIN = Effect(
+CHANNEL_GAIN = SensorFault(
     name="channel_gain",
     title="the gains of the two channels disagree",
-    kind="sensor",
     equation="(1 + error) a",
     parameters=(Parameter("error", "1", "gain of the acceleration relative to the displacement, less one"),),
+    allowed_as="gain",
     symptom="the error of a = D^2 u is proportional to the acceleration",
     confirming_test="calibrate both sensors against one reference",
 )
@@ -44,14 +41,13 @@ def _drift(time: Array, reading: Array, p: Array) -> Array:
     return np.asarray(reading + p[0] * time)
 
 
-OFFSET_DRIFT = Effect(
+OFFSET_DRIFT = SensorFault(
     name="offset_drift",
     title="the zero of a sensor drifts",
-    kind="sensor",
     equation="reading + rate t",
     parameters=(Parameter("rate", "reading/s", "drift of the zero"),),
     observe=_drift,
-    sensor_starts=lambda scales, channel: ((1e-4 * scales.peaks[channel] / scales.duration,),),
+    starts=lambda scales, channel: ((1e-4 * scales.peaks[channel] / scales.duration,),),
     shows_at_rest=True,
     variants=_BOTH,
     symptom="the mean of one channel moves steadily, and the other does not follow",
@@ -68,17 +64,16 @@ def _limit_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]
     return tuple((share * scales.peaks[channel], 0.0) for share in (0.995, 0.97, 0.9))
 
 
-CLIPPING = Effect(
+CLIPPING = SensorFault(
     name="clipping",
     title="a sensor or converter saturates",
-    kind="sensor",
     equation="clip(reading, center - limit, center + limit)",
     parameters=(
         Parameter("limit", "reading", "largest reading on either side of the centre", 0.0, inf),
         Parameter("center", "reading", "middle of the range, from the sensor's zero"),
     ),
     observe=_clip,
-    sensor_starts=_limit_starts,
+    starts=_limit_starts,
     held_at_first=("limit",),
     variants=_BOTH,
     symptom="flat peaks in one channel only, at one level",
@@ -104,24 +99,23 @@ _MEMORY = 5.0
 """Times what a cycle of the largest motion leaves in a coupling: it cannot remember more, from rest or from motion."""
 
 _CORNERS = tuple(0.003 * 1.33**i for i in range(14))
-"""Corners over the motion's frequency, closely spaced: where dry friction reverses, the misfit has steps to climb."""
+"""Corners over the motion's frequency, closely spaced: where dry friction reverses, chi-square has steps between them."""
 
 
 def _corner_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
     return tuple((share * scales.frequency / (2.0 * pi), 0.0) for share in _CORNERS)
 
 
-AC_COUPLING = Effect(
+AC_COUPLING = SensorFault(
     name="ac_coupling",
     title="a sensor does not hold a constant reading (AC coupling)",
-    kind="sensor",
     equation="first-order high-pass at fc",
     parameters=(
         Parameter("fc", "Hz", "corner frequency", 0.0, inf),
         Parameter("transient", "reading", "what the coupling remembers of the time before the fit"),
     ),
     observe=_high_pass,
-    sensor_starts=_corner_starts,
+    starts=_corner_starts,
     held_at_first=("fc",),
     plausible=lambda values, scales: (
         abs(values["transient"])
@@ -149,10 +143,9 @@ def _hum_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
     )
 
 
-MAINS_HUM = Effect(
+MAINS_HUM = SensorFault(
     name="mains_hum",
     title="hum in one channel",
-    kind="sensor",
     equation="reading + amp sin(2 pi f t + phase)",
     parameters=(
         Parameter("amp", "reading", "amplitude of the hum", 0.0, inf),
@@ -160,24 +153,25 @@ MAINS_HUM = Effect(
         Parameter("phase", "rad", "phase at the release"),
     ),
     observe=_hum,
-    sensor_starts=_hum_starts,
+    starts=_hum_starts,
     held_at_first=("f",),
     shows_at_rest=True,
     plausible=lambda values, scales: (
         values["f"] > _HUM_FROM * scales.frequency / (2.0 * pi) and not near_harmonic(values["f"], scales)
     ),
     variants=_BOTH,
+    line=True,
     symptom="a line in one channel only, there before the release",
     confirming_test="record at rest: the line is there; move the cables or the supply: it changes",
     confusable_with=("harmonic_forcing",),
 )
 
-DROPOUTS = Effect(
+DROPOUTS = SensorFault(
     name="dropouts",
     title="a sensor repeats or loses readings",
-    kind="sensor",
     equation="single readings stand still or fall to zero",
     parameters=(Parameter("share", "1", "share of the readings that are wrong", 0.0, 1.0),),
+    allowed_as="lost readings",
     variants=_BOTH,
     symptom="isolated readings of one channel far off its neighbours, while the other channel runs on",
     confirming_test="record again with another cable; compare where the readings fail",

@@ -3,14 +3,22 @@
 from math import inf
 
 from identify.effects.compiled import force_function
-from identify.effects.effect import Effect, Parameter, Scales
+from identify.effects.effect import Parameter, Scales
+from identify.effects.force_effect import ForceEffect, LinearPart
 
-LINEAR_STIFFNESS = Effect(
+
+@force_function
+def _linear(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * u
+
+
+LINEAR_STIFFNESS = ForceEffect(
     name="linear_stiffness",
     title="linear spring",
-    kind="physics",
     equation="k u",
     parameters=(Parameter("k", "1/s^2", "stiffness per unit mass", 0.0, inf),),
+    force=_linear,
+    linear_part=LinearPart.STIFFNESS,
     symptom="one frequency at every amplitude",
     confirming_test="the frequency stays the same when the release amplitude is changed",
 )
@@ -21,13 +29,13 @@ def _cubic(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * u * u * u
 
 
-CUBIC_STIFFNESS = Effect(
+CUBIC_STIFFNESS = ForceEffect(
     name="cubic_stiffness",
     title="hardening or softening spring (Duffing)",
-    kind="physics",
     equation="k3 u^3",
     parameters=(Parameter("k3", "1/(m^2 s^2)", "cubic stiffness per unit mass"),),
     force=_cubic,
+    shows_detection_limit=True,
     symptom="the frequency moves with the square of the amplitude, alike in both directions",
     confirming_test="release from twice the amplitude: the frequency shift grows fourfold",
     confusable_with=("quintic_stiffness", "end_stop", "time_varying_stiffness", "freeplay"),
@@ -39,10 +47,9 @@ def _quadratic(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * u * u
 
 
-QUADRATIC_STIFFNESS = Effect(
+QUADRATIC_STIFFNESS = ForceEffect(
     name="quadratic_stiffness",
     title="one-sided hardening spring",
-    kind="physics",
     equation="k2 u^2",
     parameters=(Parameter("k2", "1/(m s^2)", "quadratic stiffness per unit mass"),),
     force=_quadratic,
@@ -57,10 +64,9 @@ def _quintic(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * u**5
 
 
-QUINTIC_STIFFNESS = Effect(
+QUINTIC_STIFFNESS = ForceEffect(
     name="quintic_stiffness",
     title="sharply hardening spring",
-    kind="physics",
     equation="k5 u^5",
     parameters=(Parameter("k5", "1/(m^4 s^2)", "quintic stiffness per unit mass"),),
     force=_quintic,
@@ -88,10 +94,9 @@ def _gap_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     return tuple((share * scales.amplitude,) for share in (0.35, 0.6, 0.8))
 
 
-END_STOP = Effect(
+END_STOP = ForceEffect(
     name="end_stop",
     title="end stop",
-    kind="physics",
     equation="ks max(u - gap, 0) on side +1, -1 or both (0)",
     parameters=(
         Parameter("ks", "1/s^2", "stiffness of the stop per unit mass", 0.0, inf),
@@ -118,10 +123,9 @@ def _play_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     return tuple((share * scales.amplitude,) for share in (0.06, 0.14, 0.3))
 
 
-FREEPLAY = Effect(
+FREEPLAY = ForceEffect(
     name="freeplay",
     title="play in a joint",
-    kind="physics",
     equation="-kf clip(u, -gap, gap)",
     parameters=(
         Parameter("kf", "1/s^2", "stiffness missing inside the play, per unit mass", 0.0, inf),
@@ -142,10 +146,9 @@ def _bilinear(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * max(u, 0.0)
 
 
-BILINEAR_STIFFNESS = Effect(
+BILINEAR_STIFFNESS = ForceEffect(
     name="bilinear_stiffness",
     title="spring stiffer on one side",
-    kind="physics",
     equation="kb max(u, 0)",
     parameters=(Parameter("kb", "1/s^2", "extra stiffness on the positive side, per unit mass"),),
     force=_bilinear,

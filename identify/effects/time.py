@@ -3,7 +3,8 @@
 from math import inf, pi, sin
 
 from identify.effects.compiled import force_function
-from identify.effects.effect import Effect, Parameter, Scales, near_harmonic
+from identify.effects.effect import Parameter, Scales, near_harmonic
+from identify.effects.force_effect import ForceEffect
 
 
 @force_function
@@ -11,13 +12,12 @@ def _time_varying(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * p[1] * t * u
 
 
-TIME_VARYING_STIFFNESS = Effect(
+TIME_VARYING_STIFFNESS = ForceEffect(
     name="time_varying_stiffness",
     title="stiffness that drifts with time",
-    kind="physics",
     equation="k rate t u",
     parameters=(Parameter("rate", "1/s", "relative change of the stiffness per second since the release"),),
-    shared_parameters=("linear_stiffness.k",),
+    shared_parameters={"linear_stiffness.k": lambda frequency: frequency**2},
     force=_time_varying,
     symptom="the frequency moves with time, not with amplitude",
     confirming_test="a second release at a quarter of the amplitude: the drift with time is the same",
@@ -34,10 +34,9 @@ def _line_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     return tuple((line, phase) for line in scales.line_frequencies for phase in (0.8, 2.4, 3.9, 5.5))
 
 
-HARMONIC_FORCING = Effect(
+HARMONIC_FORCING = ForceEffect(
     name="harmonic_forcing",
     title="shaking from outside at one frequency",
-    kind="physics",
     equation="-amp sin(2 pi f t + phase)",
     parameters=(
         Parameter("amp", "m/s^2", "amplitude of the force per unit mass", 0.0, inf),
@@ -47,6 +46,7 @@ HARMONIC_FORCING = Effect(
     force=_forcing,
     starts=_line_starts,
     plausible=lambda values, scales: not near_harmonic(values["f"], scales),
+    line=True,
     symptom="a line that does not decay, in both channels, with the ratio -w^2",
     confirming_test="record without a release: the line is still there",
     confusable_with=("second_mass", "mains_hum"),

@@ -73,8 +73,7 @@ def fit_baseline(
     found = fit(model, windows, start, frequency)
     mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
     if any(new is not old for new, old in zip(mended, decays, strict=True)):
-        values = dict(zip(found.names, found.theta.tolist(), strict=True))
-        found = fit(model, tuple(prepared.window for prepared in mended), values, frequency)
+        found = fit(model, tuple(prepared.window for prepared in mended), found.point, frequency)
     return refit_at_floor(mended, found)
 
 
@@ -98,13 +97,10 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
     """Return a fit measured against the floor that its own residual shows."""
     floors = refine_floor(found, tuple(prepared.noise for prepared in decays))
     windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))
-    values = dict(zip(found.names, found.theta.tolist(), strict=True))
-    return Baseline(decays, fit(found.model, windows, values, found.frequency), floors)
+    return Baseline(decays, fit(found.model, windows, found.point, found.frequency), floors)
 
 
 def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:
     """Return the force per unit mass of a fitted model along the measured motion, strengths by equation error, (n,)."""
-    inner = {
-        n: float(t) for n, t in zip(found.names, found.theta, strict=True) if "." in n and ".state" not in n
-    }
+    inner = {name: estimate.value for name, estimate in found.parameters.items()}
     return prepared.restoring - regress_model(prepared, found.model, inner).residual

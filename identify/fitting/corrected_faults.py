@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identify.effects.sensors import CHANNEL_GAIN, DROPOUTS
+from identify.effects.library import fault_allowed_as
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Model, Term
@@ -50,10 +50,9 @@ def allowance(decays: tuple[PreparedDecay, ...], fit: Fit, model: Model) -> tupl
 def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
     drop, weights, values = 0.0, [], []
     for i, prepared in enumerate(decays):
-        name = "gain" if len(decays) == 1 else f"gain[{i}]"
-        if name not in fit.values or not np.isfinite(fit.values[name].std):
+        gain = fit.nuisance("gain", i)
+        if gain is None or not np.isfinite(gain.std):
             continue
-        gain = fit.values[name]
         allowed = prepared.window.gain_uncertainty or UNSTATED_GAIN_UNCERTAINTY
         inflated = gain.std**2 * max(fit.reduced, 1.0) + allowed**2
         if not np.isfinite(inflated):  # the motion ran away
@@ -65,11 +64,12 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
         return None
     mean = float(np.average(values, weights=weights))
     error = Estimate(mean, float(np.sum(weights) ** -0.5), "1")
-    return CorrectedFault(Term(CHANNEL_GAIN), drop, 0, {"error": error})
+    fault = fault_allowed_as("gain")
+    return CorrectedFault(Term(fault), drop, 0, {fault.strength.name: error})
 
 
 def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
-    faults = []
+    faults, fault = [], fault_allowed_as("lost readings")
     for channel in fit.windows[0].channels:
         drop, count, total = 0.0, 0, 0
         for i, (prepared, window) in enumerate(zip(decays, fit.windows, strict=True)):
@@ -83,5 +83,6 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
             total += len(window)
         if count >= FEWEST_LOST:
             share = Estimate(count / total, float(np.sqrt(count)) / total, "1")
-            faults.append(CorrectedFault(Term(DROPOUTS, {"channel": channel}), drop, count, {"share": share}))
+            term = Term(fault, {"channel": channel})
+            faults.append(CorrectedFault(term, drop, count, {fault.strength.name: share}))
     return faults

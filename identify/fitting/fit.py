@@ -5,10 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
+from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
+from identify.fitting.jacobian import linearise
 from identify.fitting.levenberg_marquardt import minimise, minimise_fully
+from identify.fitting.parameter_layout import Unknown
 from identify.fitting.problem import Problem
-from identify.model.model import Model
+from identify.model.model import Model, Term
+from identify.model.parameter_id import nuisance
 from identify.preprocessing.fit_window import FitWindow
 
 _GROWTH = (3.0, 8.0, 20.0, 50.0, 120.0)
@@ -19,15 +23,15 @@ _FAR_OFF = 30.0
 class Fit:
     """A model fitted to one or more spans.
 
-    `values` holds every unknown by name with its standard error; `chi_square` the sum of squares in units of the
+    `values` holds every unknown by its name with its standard error; `chi_square` the sum of squares in units of the
     noise, `degrees` its degrees of freedom. `predicted` are the readings the model gives, a dictionary a span.
     `outcome` is a sentence: what was reached, or what to do next; `unidentifiable` names parameters that this
-    record does not determine. `theta` and `covariance` belong to `names`.
+    record does not determine. `theta` and `covariance` belong to `unknowns`.
     """
 
     model: Model
     windows: tuple[FitWindow, ...]
-    names: tuple[str, ...]
+    unknowns: tuple[Unknown, ...]
     theta: Array
     covariance: Array
     values: dict[str, Estimate]
@@ -44,18 +48,53 @@ class Fit:
         """Reduced chi-square: 1 means that nothing is left to explain."""
         return self.chi_square / max(self.degrees, 1)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the unknowns."""
+        return tuple(unknown.name for unknown in self.unknowns)
+
+    @property
+    def point(self) -> dict[str, float]:
+        """The unknowns by name, for another fit to begin from."""
+        return dict(zip(self.names, self.theta.tolist(), strict=True))
+
+    @property
+    def parameters(self) -> dict[str, Estimate]:
+        """The parameters of the effects by name: physics, and faults of sensors."""
+        return {u.name: self.values[u.name] for u in self.unknowns if u.id.role == "parameter"}
+
+    @property
+    def nuisances(self) -> dict[str, Estimate]:
+        """What the releases need besides, by name: states at the start, lag, gain, offsets."""
+        return {u.name: self.values[u.name] for u in self.unknowns if u.id.role != "parameter"}
+
+    def of(self, term: Term, release: int | None = None) -> dict[str, Estimate]:
+        """Return the parameters of one term by their own names: in one release, or in all ("limit[0]", "limit[1]")."""
+        own = [u for u in self.unknowns if u.id.effect == term.effect.name and u.id.role == "parameter"]
+        if release is None:
+            return {u.id.in_effect: self.values[u.name] for u in own}
+        return {u.id.parameter: self.values[u.name] for u in own if u.window in (-1, release)}
+
+    def nuisance(self, name: str, release: int) -> Estimate | None:
+        """Return a nuisance of one release, such as its gain; None when it has none."""
+        return self.values.get(str(nuisance(name, release, len(self.windows))))
+
+    def of_release(self, release: int) -> dict[str, float]:
+        """Return the values of one release and of the physics, by the names that they have in a fit of it alone."""
+        return {
+            str(u.id.of_release(0, 1)): self.values[u.name].value
+            for u in self.unknowns
+            if u.window in (-1, release)
+        }
+
+    def linear_strength(self, part: LinearPart) -> float | None:
+        """Return the strength of the model's linear stiffness, damping or dry friction; None where it has none."""
+        strength = self.model.linear_strength(part)
+        return None if strength is None else self.values[str(strength)].value
+
     def residual(self, channel: str, i: int = 0) -> Array:
         """Return reading less prediction, SI, shape (n,), of one channel of span i."""
         return self.windows[i].readings[channel] - self.predicted[i][channel]
-
-    def parameters_of(self, effect: str) -> dict[str, Estimate]:
-        """Return what was found of an effect, by parameter's name (and release, for a fault on several)."""
-        prefix = f"{effect}."
-        return {
-            name.removeprefix(prefix): value
-            for name, value in self.values.items()
-            if name.startswith(prefix) and ".state" not in name
-        }
 
     def correlation(self, first: str, second: str) -> float:
         """Return the correlation of two unknowns' errors."""
@@ -73,20 +112,19 @@ def fit(
 ) -> Fit:
     """Fit a model to spans from starting values by name (see `initial_values`); the window grows where it is needed."""
     whole = Problem(model, windows, frequency)
-    theta = np.array([start.get(u.name, 0.0) for u in whole.unknowns])
-    theta = np.clip(theta, whole.low, whole.high)
+    theta = np.clip(whole.theta(start), whole.low, whole.high)
     first = whole.residuals(theta)
     far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
     if far:
         theta = _grow(model, windows, theta, frequency)
     found = minimise_fully(whole, theta, tolerance=tolerance)
-    jacobian = found.jacobian if found.exact else whole.linearise(found.theta)[1]
+    jacobian = found.jacobian if found.exact else linearise(whole, found.theta)[1]
     return _result(whole, found.theta, found.cost, jacobian, settled=found.settled)
 
 
 def fit_at(problem: Problem, theta: Array) -> Fit:
     """Return the fit as it stands at some values, without a further step."""
-    residual, jacobian = problem.linearise(theta)
+    residual, jacobian = linearise(problem, theta)
     return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
 
 
@@ -114,9 +152,8 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
     std = np.where(lost | at_bound, np.inf, std)
-    names = tuple(u.name for u in problem.unknowns)
     unidentifiable = tuple(
-        n for n, gone, bound in zip(names, lost, at_bound, strict=True) if gone and not bound
+        u.name for u, gone, bound in zip(problem.unknowns, lost, at_bound, strict=True) if gone and not bound
     )
     outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
     if unidentifiable:
@@ -124,7 +161,7 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
     return Fit(
         model=problem.model,
         windows=problem.windows,
-        names=names,
+        unknowns=problem.unknowns,
         theta=theta,
         covariance=covariance,
         values={

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from identify.effects.effect import Scales
-from identify.fitting.problem import LINEAR
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
+from identify.model.parameter_id import ParameterId, nuisance
 from identify.preprocessing.equation_error import Regression, moving, regress
 from identify.preprocessing.prepared_decay import PreparedDecay
 
@@ -20,48 +20,49 @@ def initial_values(
     `inner` gives inner parameters by "effect.parameter". The strengths come from the release of the largest amplitude.
     """
     largest = max(decays, key=lambda prepared: prepared.amplitude)
-    terms = [t for t in model.terms if t.effect.kind == "physics"]
     values = dict(inner)
-    for term, strength in zip(terms, regress_model(largest, model, inner).strengths, strict=True):
+    for term, strength in zip(model.forces, regress_model(largest, model, inner).strengths, strict=True):
         parameter = term.effect.strength
-        values[f"{term.effect.name}.{parameter.name}"] = float(
-            np.clip(strength, parameter.low, parameter.high)
-        )
+        values[str(term.strength)] = float(np.clip(strength, parameter.low, parameter.high))
     if any(prepared.window.estimates_mass for prepared in decays):
-        values["force_gain"] = 1.0
+        values[str(nuisance("force_gain"))] = 1.0
     for i, prepared in enumerate(decays):
-        tag = f"[{i}]" if len(decays) > 1 else ""
-        values |= {f"{name}{tag}": value for name, value in _nuisances(prepared, terms, inner).items()}
+        own = _of_release(prepared, model.forces, inner)
+        values |= {str(id.of_release(i, len(decays))): value for id, value in own.items()}
     return values
 
 
 def rest_states(
     term: Term, displacement: float, velocity: float, inner: dict[str, float]
-) -> dict[str, float]:
-    """Return the internal states of an effect with memory soon after the release, by unknown's name without tag."""
-    effect = term.effect
+) -> dict[ParameterId, float]:
+    """Return the internal states of an effect with memory soon after the release, as if it were the only release."""
+    effect = term.force
     if effect.equilibrium_state is None:
         return {}
-    p = np.array([0.0] + [_inner_value(term, q.name, inner) for q in effect.parameters[1:]])
-    first, second = effect.equilibrium_state(displacement, p)
-    states = {f"{effect.name}.state0": first}
+    values = {effect.strength.name: 0.0} | inner_values(term, inner)
+    first, second = effect.equilibrium_state(
+        displacement, np.array([values[p.name] for p in effect.parameters])
+    )
+    states = {term.state(0): first}
     if effect.states > 1:
-        states[f"{effect.name}.state1"] = second or velocity
+        states[term.state(1)] = second or velocity
     return states
 
 
-def _inner_value(term: Term, name: str, inner: dict[str, float]) -> float:
-    held = term.held.get(name)
-    return float(held) if held is not None else inner[f"{term.effect.name}.{name}"]
+def inner_values(term: Term, inner: dict[str, float]) -> dict[str, float]:
+    """Return the inner parameters of a force by their own names: those that are held, others from `inner` by full name."""
+    given = {p.name: inner[str(term.parameter(p.name))] for p in term.free if p.name in term.effect.inner}
+    return given | term.held_values
 
 
-def _nuisances(prepared: PreparedDecay, terms: list[Term], inner: dict[str, float]) -> dict[str, float]:
+def _of_release(
+    prepared: PreparedDecay, terms: tuple[Term, ...], inner: dict[str, float]
+) -> dict[ParameterId, float]:
+    """Return where the state, lag, gain and offsets of one release may begin, as if it were the only one."""
     motion, window = prepared.motion, prepared.window
     u, v = float(motion.displacement[0]), float(motion.velocity[0])
     gain = prepared.alignment.gain.value if prepared.alignment is not None else 1.0
     values = {"displacement": u, "velocity": v, "lag": window.lag, "gain": gain}
-    for term in terms:
-        values |= rest_states(term, u, v, inner)
     if "displacement" in window.readings:
         values["displacement_offset"] = prepared.zero
     if "acceleration" in window.readings:
@@ -69,7 +70,10 @@ def _nuisances(prepared: PreparedDecay, terms: list[Term], inner: dict[str, floa
         values["acceleration_offset"] = float(
             np.median((window.readings["acceleration"] - gain * motion.acceleration)[used])
         )
-    return values
+    found = {nuisance(name): value for name, value in values.items()}
+    for term in terms:
+        found |= rest_states(term, u, v, inner)
+    return found
 
 
 def regress_model(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> Regression:
@@ -78,18 +82,8 @@ def regress_model(prepared: PreparedDecay, model: Model, inner: dict[str, float]
     Where the mass was only estimated, what the external force should be corrected by is regressed too.
     """
     motion = prepared.motion
-    shared = {"linear_stiffness.k": prepared.frequency**2}
-    columns = []
-    for term in model.terms:
-        effect = term.effect
-        if effect.kind != "physics":
-            continue
-        values = {
-            p.name: inner[f"{effect.name}.{p.name}"]
-            for p in effect.parameters[1:]
-            if p.name not in term.held and effect.name not in LINEAR
-        }
-        columns.append(force_along(term, values, prepared.time, motion.displacement, motion.velocity, shared))
+    along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
+    columns = [force_along(term, inner_values(term, inner), *along) for term in model.forces]
     noise = motion.noise_acceleration or 1.0
     if not prepared.window.estimates_mass:
         return regress(prepared.restoring, np.column_stack(columns), moving(motion), noise)
@@ -112,18 +106,12 @@ def scales_of(prepared: PreparedDecay, lines: dict[str, tuple[tuple[float, float
     )
 
 
-def term_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
-    """Return the starting values of a term's inner parameters, by "effect.parameter"."""
+def term_starts(term: Term, scales: Scales, *, fine: bool = False) -> tuple[dict[str, float], ...]:
+    """Return the starting values of a term's inner parameters by their own names, of a fault those of all parameters.
+
+    `fine` ones leave no gaps between them.
+    """
     effect = term.effect
-    if effect.kind == "sensor":
-        if term.channel not in scales.peaks:
-            return ()
-        starts = effect.sensor_starts(scales, term.channel)
-        return tuple(
-            {f"{effect.name}.{p.name}": v for p, v in zip(effect.parameters, s, strict=True)} for s in starts
-        )
-    inner = [p for p in effect.parameters[1:] if p.name not in term.held]
-    return tuple(
-        {f"{effect.name}.{p.name}": v for p, v in zip(inner, start, strict=True)}
-        for start in effect.starts(scales)
-    )
+    starts = (effect.fine_starting_values if fine else effect.starting_values)(scales, term.channel)
+    names = [p.name for p in effect.started if p.name not in term.held]
+    return tuple(dict(zip(names, start, strict=True)) for start in starts)

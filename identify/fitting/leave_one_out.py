@@ -1,6 +1,5 @@
 """Leave one release out: what the physics found on all others predicts of it."""
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,8 +8,6 @@ from identify.errors import NotIdentifiable
 from identify.fitting.fit import Fit, fit, fit_at
 from identify.fitting.levenberg_marquardt import minimise_fully
 from identify.fitting.problem import Problem
-
-_TAG = re.compile(r"\[(\d+)\]$")
 
 
 @dataclass(frozen=True)
@@ -37,17 +34,12 @@ def leave_one_out(found: Fit) -> tuple[LeftOut, ...]:
 
 
 def _without(found: Fit, left: int) -> LeftOut:
-    values = dict(zip(found.names, found.theta.tolist(), strict=True))
     kept = [i for i in range(len(found.windows)) if i != left]
     windows = tuple(found.windows[i] for i in kept)
-    others = fit(found.model, windows, _renamed(values, kept), found.frequency)
-    physics = dict(zip(others.names, others.theta.tolist(), strict=True))
-    own = _renamed(values, [left])
+    others = fit(found.model, windows, _values_of(found, kept), found.frequency)
     problem = Problem(found.model, (found.windows[left],), found.frequency)
     shared = np.array([unknown.window < 0 for unknown in problem.unknowns])
-    theta = np.array(
-        [(physics if unknown.window < 0 else own).get(unknown.name, 0.0) for unknown in problem.unknowns]
-    )
+    theta = np.where(shared, problem.theta(others.point), problem.theta(_values_of(found, [left])))
     theta = minimise_fully(problem, theta, held=shared).theta
     alone = fit_at(problem, theta)
     window = alone.windows[0]
@@ -63,14 +55,12 @@ def _without(found: Fit, left: int) -> LeftOut:
     )
 
 
-def _renamed(values: dict[str, float], kept: list[int]) -> dict[str, float]:
-    """Return the values of some releases under the names that they have in a problem of those alone."""
+def _values_of(found: Fit, kept: list[int]) -> dict[str, float]:
+    """Return the values of the physics and of some releases, by the names that they have in a fit of those alone."""
     result = {}
-    for name, value in values.items():
-        tag = _TAG.search(name)
-        if tag is None:
-            result[name] = value
-        elif int(tag[1]) in kept:
-            place = kept.index(int(tag[1]))
-            result[_TAG.sub("" if len(kept) == 1 else f"[{place}]", name)] = value
+    for unknown, value in zip(found.unknowns, found.theta.tolist(), strict=True):
+        if unknown.window < 0:
+            result[unknown.name] = value
+        elif unknown.window in kept:
+            result[str(unknown.id.of_release(kept.index(unknown.window), len(kept)))] = value
     return result

@@ -1,23 +1,26 @@
-"""Descent: Levenberg-Marquardt within bounds, that differentiates anew only where a step fell short of its promise."""
+"""Levenberg-Marquardt within bounds, that differentiates anew only where a step gained less than was predicted."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from identify.arrays import Array, Mask
+from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 
 MOST_STEPS = 40
 _TRIALS = 12
 _CONFIRMATIONS = 3
-_KEPT_WORD = 0.7
-"""Share of the promised drop of chi-square from which on a step bears its Jacobian out."""
+_AS_PREDICTED = 0.7
+"""Share of the predicted drop of chi-square from which on the Jacobian counts as good."""
 
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where a descent ended: the unknowns, chi-square, the Jacobian last used, whether it was taken there, and
-    whether no step promised anything any more.
+    """Where a minimisation ended.
+
+    The unknowns, chi-square, the Jacobian last used, whether it was taken there (`exact`), and whether no step was
+    predicted to gain anything any more (`settled`).
     """
 
     theta: Array
@@ -33,7 +36,7 @@ class _Step:
     residual: Array
     cost: float
     gained: float
-    kept_word: bool
+    as_predicted: bool
     damping: float
 
 
@@ -53,7 +56,7 @@ def minimise(
     """
     theta = np.clip(theta, problem.low, problem.high)
     never = np.zeros(len(theta), dtype=bool) if held is None else held
-    residual, jacobian = problem.linearise(theta, skip=held) if begun is None else begun
+    residual, jacobian = linearise(problem, theta, skip=held) if begun is None else begun
     cost = _sum_of_squares(residual)
     damping, exact, settled = 1e-3, begun is None, False
     for _ in range(steps):
@@ -68,8 +71,8 @@ def minimise(
         exact = step is None and exact
         if settled:
             break
-        if step is not None and not step.kept_word:
-            residual, jacobian = problem.linearise(theta, skip=held)
+        if step is not None and not step.as_predicted:
+            residual, jacobian = linearise(problem, theta, skip=held)
             exact = True
     return Minimum(theta, cost, jacobian, exact, settled)
 
@@ -77,7 +80,7 @@ def minimise(
 def minimise_fully(
     problem: Problem, theta: Array, *, tolerance: float = 0.02, held: Mask | None = None
 ) -> Minimum:
-    """Lower chi-square until no step promises anything from a Jacobian taken there."""
+    """Lower chi-square until no step is predicted to gain anything by a Jacobian taken there."""
     found = minimise(problem, theta, tolerance=tolerance, held=held)
     for _ in range(_CONFIRMATIONS):
         if found.exact and found.settled:
@@ -95,7 +98,7 @@ def _step(
     damping: float,
     tolerance: float,
 ) -> _Step | None:
-    """Return the step that lowers chi-square; None when none promises more than `tolerance`."""
+    """Return the step that lowers chi-square; None when none is predicted to gain more than `tolerance`."""
     cost = _sum_of_squares(residual)
     size = problem.sizes(theta)
     scaled = jacobian * size
@@ -110,13 +113,15 @@ def _step(
         matrix = normal + np.diag(damping * diagonal + floor)
         step = -np.linalg.solve(matrix, np.where(still, 0.0, gradient))
         candidate = np.clip(theta + step * size, problem.low, problem.high)
-        promise = -(2.0 * gradient @ step + step @ normal @ step)
+        predicted = -(2.0 * gradient @ step + step @ normal @ step)
         trial = problem.residuals(candidate)
         trial_cost = _sum_of_squares(trial)
         if np.isfinite(trial_cost) and trial_cost < cost:
             gained = cost - trial_cost
-            return _Step(candidate, trial, trial_cost, gained, bool(gained > _KEPT_WORD * promise), damping)
-        if promise < tolerance:
+            return _Step(
+                candidate, trial, trial_cost, gained, bool(gained > _AS_PREDICTED * predicted), damping
+            )
+        if predicted < tolerance:
             return None
         damping = max(damping * 8.0, 1e-7)
     return None

@@ -32,9 +32,7 @@ class ModelError:
 def force_misfit(prepared: PreparedDecay, fit: Fit, i: int = 0) -> tuple[Array, Array]:
     """Return the measured restoring force per unit mass along the motion, and what a model leaves of it, (n,)."""
     window, motion = fit.windows[i], prepared.motion
-    tag = f"[{i}]" if len(fit.windows) > 1 else ""
-    values = {name.removesuffix(tag): found.value for name, found in fit.values.items()}
-    values |= Problem(fit.model, fit.windows, fit.frequency).states_at_start(fit.theta, i)
+    values = fit.of_release(i) | Problem(fit.model, fit.windows, fit.frequency).states_at_start(fit.theta, i)
     u = motion.displacement + prepared.zero - values.get("displacement_offset", prepared.zero)
     measured = prepared.restoring
     if window.estimates_mass and window.force is not None:

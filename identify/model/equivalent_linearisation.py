@@ -1,4 +1,4 @@
-"""The signature of an effect: what it does to the decay and to the frequency, at every amplitude.
+"""Equivalent linearisation: what an effect does to the decay and to the frequency, at every amplitude.
 
 Along a harmonic motion u = A cos(w t) a small force f changes the amplitude as A' = -c_eq A / 2 and the frequency by
 dw2 = change of w^2, with (first-order averaging, Krylov and Bogoliubov 1937)
@@ -10,17 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from identify.arrays import Array, frozen
-from identify.effects.compiled import (
-    PARAMETERS,
-    address_of_force,
-    address_of_rates,
-    call_force,
-    call_rates,
-)
+from identify.effects.compiled import STATES
 from identify.effects.effect import Effect
+from identify.effects.force_effect import ForceEffect, LinearPart
 
 _POINTS = 512
 _MOST_CYCLES = 400
@@ -40,45 +34,20 @@ class Signature:
     settled: bool
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _cycle(force, friction, rates, time, u, v, z0, z1, p, out):  # type: ignore[no-untyped-def]
-    """Run the internal states once around (classical Runge-Kutta over two points), write the force at even points."""
-    z = (z0, z1)
-    n = (u.shape[0] - 1) // 2
-    for i in range(n):
-        at = 2 * i
-        out[i] = 0.0
-        if force != 0:
-            out[i] += call_force(force, time[at], u[at], v[at], z, p)
-        if friction != 0:
-            out[i] += max(call_force(friction, time[at], u[at], v[at], z, p), 0.0) * np.sign(v[at])
-        if rates != 0:
-            h = time[at + 2] - time[at]
-            a0, a1 = call_rates(rates, time[at], u[at], v[at], z, p)
-            y = (z[0] + 0.5 * h * a0, z[1] + 0.5 * h * a1)
-            b0, b1 = call_rates(rates, time[at + 1], u[at + 1], v[at + 1], y, p)
-            y = (z[0] + 0.5 * h * b0, z[1] + 0.5 * h * b1)
-            c0, c1 = call_rates(rates, time[at + 1], u[at + 1], v[at + 1], y, p)
-            y = (z[0] + h * c0, z[1] + h * c1)
-            d0, d1 = call_rates(rates, time[at + 2], u[at + 2], v[at + 2], y, p)
-            z = (z[0] + h / 6.0 * (a0 + 2.0 * (b0 + c0) + d0), z[1] + h / 6.0 * (a1 + 2.0 * (b1 + c1) + d1))
-    return z
-
-
 def average(
     effect: Effect, parameters: dict[str, float], frequency: float, amplitudes: Array, *, time: float = 0.0
 ) -> Signature:
     """Return the signature of one effect at `amplitudes` (n,) of a motion of angular `frequency` (rad/s).
 
-    `parameters` holds its parameters, and those it borrows by their full name. What depends on time is taken at
-    `time` s after the release. Raises ValueError for a sensor's fault, which is no force, and names a parameter
-    that is missing.
+    `parameters` holds its parameters, and those that it shares with other effects by "effect.parameter". What depends
+    on time is taken at `time` s after the release. Raises ValueError for a sensor's fault, which is no force, and
+    names a parameter that is missing.
     """
-    if effect.kind != "physics":
+    if not isinstance(effect, ForceEffect):
         raise ValueError(f"{effect.name} is a fault of a sensor: it has no force, and so no signature")
-    p = _parameters(effect, parameters)
-    if effect.name in _LINEAR:
-        return _linear(effect.name, p[0], frequency, amplitudes)
+    p = effect.table(parameters, parameters)
+    if effect.linear_part is not None:
+        return _linear(effect.linear_part, p[0], frequency, amplitudes)
     damping, stiffening = np.zeros(len(amplitudes)), np.zeros(len(amplitudes))
     settled = True
     for i, amplitude in enumerate(amplitudes):
@@ -92,112 +61,99 @@ def average(
     return Signature(frozen(amplitudes), frozen(damping), frozen(stiffening), settled)
 
 
-_LINEAR = ("linear_stiffness", "viscous_damping", "coulomb_friction")
-
-
-def _linear(name: str, strength: float, frequency: float, amplitudes: Array) -> Signature:
-    """The three effects that the simulator has built in, in closed form."""
+def _linear(part: LinearPart, strength: float, frequency: float, amplitudes: Array) -> Signature:
+    """The forces that the simulator has built in, in closed form."""
     none, all_ = np.zeros(len(amplitudes)), np.full(len(amplitudes), strength)
-    if name == "linear_stiffness":
+    if part is LinearPart.STIFFNESS:
         return Signature(frozen(amplitudes), frozen(none), frozen(all_), True)
-    if name == "viscous_damping":
+    if part is LinearPart.DAMPING:
         return Signature(frozen(amplitudes), frozen(all_), frozen(none), True)
     return Signature(
         frozen(amplitudes), frozen(4.0 * strength / (np.pi * frequency * amplitudes)), frozen(none), True
     )
 
 
-def _parameters(effect: Effect, given: dict[str, float]) -> tuple[float, ...]:
-    values = []
-    for name in (*(q.name for q in effect.parameters), *effect.shared_parameters):
-        if name not in given:
-            raise ValueError(f"{effect.name} needs a value of {name}")
-        values.append(float(given[name]))
-    return tuple(values + [0.0] * (PARAMETERS - len(values)))
+def _harmonic(frequency: float, amplitude: float) -> tuple[Array, Array, Array]:
+    """Return phase, displacement and velocity, (2 points + 1,) each, of one cycle.
+
+    The points lie between the reversals, never on them, so that the sign of the velocity is never in doubt.
+    """
+    angle = 2.0 * np.pi * (np.arange(2 * _POINTS + 1) + 1.0) / (2 * _POINTS)
+    return angle, amplitude * np.cos(angle), -amplitude * frequency * np.sin(angle)
 
 
 def _around(
-    effect: Effect, p: tuple[float, ...], frequency: float, amplitude: float, time: float
+    effect: ForceEffect, p: tuple[float, ...], frequency: float, amplitude: float, time: float
 ) -> tuple[Array, Array, bool]:
     """Return the force (points,) once around, the phase of the points, and whether the internal states are periodic.
 
-    The points lie between the reversals, never on them, so that the sign of the velocity is never in doubt. A
-    periodic state is found by Newton's method on the map of one cycle, which serves contracting and lightly
+    A periodic state is found by Newton's method on the map of one cycle, which serves contracting and lightly
     damped states alike.
     """
-    angle = 2.0 * np.pi * (np.arange(2 * _POINTS + 1) + 1.0) / (2 * _POINTS)
-    u, v = amplitude * np.cos(angle), -amplitude * frequency * np.sin(angle)
+    angle, u, v = _harmonic(frequency, amplitude)
     clock = time + (np.zeros(len(angle)) if effect.rates is None else angle / frequency)
-    addresses = (
-        address_of_force(effect.force),
-        address_of_force(effect.friction),
-        address_of_rates(effect.rates),
-    )
-    force = np.empty(_POINTS)
 
     def turn(state: Array) -> Array:
-        return np.array(_cycle(*addresses, clock, u, v, state[0], state[1], p, force))
+        return effect.states_along_smooth(p, clock, u, v, (float(state[0]), float(state[1])))
 
-    if effect.rates is None:
-        turn(np.zeros(2))
-        return force, angle[:-1:2], True
-    start = (
-        effect.equilibrium_state(amplitude, np.array(p))
-        if effect.equilibrium_state is not None
-        else (0.0, 0.0)
-    )
-    state = np.array(start, dtype=float)
-    scale = np.array([amplitude, amplitude * frequency])
-    settled = False
+    states, settled = turn(np.zeros(STATES)), True
+    if effect.rates is not None:
+        start = np.array(effect.states_at_rest(amplitude, p), dtype=float)
+        periodic, settled = _periodic(
+            turn, start, np.array([amplitude, amplitude * frequency]), effect.states
+        )
+        states = turn(periodic)
+    angle, clock, u, v = (values[:-1:2].copy() for values in (angle, clock, u, v))
+    level = np.maximum(effect.friction_level_along(p, clock, u, v, states[:-1]), 0.0)
+    return effect.smooth_force_along(p, clock, u, v, states[:-1]) + level * np.sign(v), angle, settled
+
+
+def _periodic(turn: Callable[[Array], Array], state: Array, scale: Array, states: int) -> tuple[Array, bool]:
+    """Return a state that comes back to itself after one turn, and whether it was found."""
     for k in range(_MOST_CYCLES):
-        after = turn(state)
+        after: Array = turn(state)[-1]
         if np.max(np.abs(after - state) / scale) < _SETTLED:
-            settled = True
-            break
+            return state, True
         state = after
         if k % 8 == 7:
-            state = _closer(turn, state, scale, effect.states)
-    turn(state)
-    return force, angle[:-1:2], settled
+            state = _closer(turn, state, scale, states)
+    return state, False
 
 
 def _closer(turn: Callable[[Array], Array], state: Array, scale: Array, states: int) -> Array:
     """One step of Newton's method towards a state that comes back to itself; the state itself where it does not help."""
-    after = turn(state)
+    after: Array = turn(state)[-1]
     slope = np.zeros((states, states))
     for j in range(states):
         moved = state.copy()
         moved[j] += 1e-4 * scale[j]
-        slope[:, j] = (turn(moved) - after)[:states] / (1e-4 * scale[j])
+        slope[:, j] = (turn(moved)[-1] - after)[:states] / (1e-4 * scale[j])
     try:
         step = np.linalg.solve(np.eye(states) - slope, (after - state)[:states])
     except np.linalg.LinAlgError:
         return after
     better = state.copy()
     better[:states] += step
-    if np.max(np.abs(turn(better) - better) / scale) < np.max(np.abs(turn(after) - after) / scale):
+    if np.max(np.abs(turn(better)[-1] - better) / scale) < np.max(np.abs(turn(after)[-1] - after) / scale):
         return better
     return after
 
 
 def _second_order(
-    effect: Effect, p: tuple[float, ...], frequency: float, amplitude: float, time: float
+    effect: ForceEffect, p: tuple[float, ...], frequency: float, amplitude: float, time: float
 ) -> float:
     """Return the change of w^2 (1/s^2) by the even harmonics that a force of displacement adds to the motion.
 
     They answer the force as x = -f_0/w^2 + sum f_n cos(n theta) / ((n^2 - 1) w^2); the force along u + x is averaged
     again. For k2 u^2 this gives -5 k2^2 A^2 / (6 w^2) (Nayfeh and Mook 1979, 2.1).
     """
-    angle = 2.0 * np.pi * (np.arange(2 * _POINTS + 1) + 1.0) / (2 * _POINTS)
-    u, v = amplitude * np.cos(angle), -amplitude * frequency * np.sin(angle)
-    address, clock = address_of_force(effect.force), np.full(len(angle), time)
-    force = np.empty(_POINTS)
+    angle, u, v = _harmonic(frequency, amplitude)
+    theta, speed = angle[:-1:2].copy(), v[:-1:2].copy()
+    clock, states = np.full(len(theta), time), np.zeros((len(theta), STATES))
 
     def along(displacement: Array) -> Array:
-        _cycle(address, 0, 0, clock, displacement, v, 0.0, 0.0, p, force)
-        return force.copy()
+        return effect.smooth_force_along(p, clock, displacement[:-1:2].copy(), speed, states)
 
-    theta = angle[:-1:2]
     straight = along(u)
     order = np.arange(2, 13, 2)
     parts = np.array([2.0 * np.mean(straight * np.cos(n * theta)) for n in order])

@@ -5,7 +5,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from identify.effects.effect import Effect, Parameter
+from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.effects.library import BASE
+from identify.effects.sensor_fault import SensorFault
+from identify.model.parameter_id import ParameterId
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +28,47 @@ class Term:
         """The parameters that are fitted."""
         return tuple(p for p in self.effect.parameters if p.name not in self.held)
 
+    @property
+    def held_values(self) -> dict[str, float]:
+        """The inner parameters that are held, by their own names."""
+        return {name: float(value) for name, value in self.held.items() if name != "channel"}
+
+    @property
+    def is_force(self) -> bool:
+        """Whether the effect is a force, not a fault of a sensor."""
+        return isinstance(self.effect, ForceEffect)
+
+    @property
+    def force(self) -> ForceEffect:
+        """The effect as a force; TypeError for a fault of a sensor."""
+        if not isinstance(self.effect, ForceEffect):
+            raise TypeError(f"{self.effect.name} is a fault of a sensor: it has no force")
+        return self.effect
+
+    @property
+    def fault(self) -> SensorFault:
+        """The effect as a fault of a sensor; TypeError for a force."""
+        if not isinstance(self.effect, SensorFault):
+            raise TypeError(f"{self.effect.name} is a force, not a fault of a sensor")
+        return self.effect
+
+    @property
+    def strength(self) -> ParameterId:
+        """The identity of the first parameter."""
+        return self.parameter(self.effect.strength.name)
+
+    def parameter(self, name: str, release: int | None = None) -> ParameterId:
+        """Return the identity of a parameter; a fault's, where there are several releases, of one of them."""
+        return ParameterId(self.effect.name, name, release)
+
+    def state(self, place: int, release: int | None = None) -> ParameterId:
+        """Return the identity of an internal state at the start of a release."""
+        return ParameterId(self.effect.name, f"state{place}", release, "state")
+
+    def by_name(self, values: Mapping[str, float], release: int | None = None) -> dict[str, float]:
+        """Return values of parameters, given by their own names, by the names of unknowns."""
+        return {str(self.parameter(name, release)): value for name, value in values.items()}
+
 
 @dataclass(frozen=True, eq=False)
 class Model:
@@ -41,13 +85,23 @@ class Model:
         return tuple(term.effect.name for term in self.terms)
 
     @property
+    def forces(self) -> tuple[Term, ...]:
+        """The forces."""
+        return tuple(term for term in self.terms if term.is_force)
+
+    @property
+    def faults(self) -> tuple[Term, ...]:
+        """The faults of sensors."""
+        return tuple(term for term in self.terms if not term.is_force)
+
+    @property
     def equation(self) -> str:
         """The equation of motion per unit mass, sensors' faults left out."""
-        return (
-            "u'' + "
-            + " + ".join(t.effect.equation for t in self.terms if t.effect.kind == "physics")
-            + " = 0"
-        )
+        return "u'' + " + " + ".join(term.effect.equation for term in self.forces) + " = 0"
+
+    def linear_strength(self, part: LinearPart) -> ParameterId | None:
+        """Return the strength of the model's linear stiffness, damping or dry friction; None where it has none."""
+        return next((term.strength for term in self.forces if term.force.linear_part == part), None)
 
     def plus(self, term: Term) -> "Model":
         """Return the model with one more effect; ValueError when it is there already."""
@@ -64,4 +118,4 @@ class Model:
 
 def base_model(*, dry_friction: bool = True) -> Model:
     """Return stiffness and viscous damping, with or without Coulomb friction."""
-    return Model(tuple(Term(e) for e in BASE if dry_friction or e.name != "coulomb_friction"))
+    return Model(tuple(Term(effect) for effect in BASE if dry_friction or effect.friction is None))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from identify.arrays import Array
 from identify.effects.compiled import address_of_force, address_of_rates, call_force, call_rates
-from identify.effects.effect import Effect
+from identify.effects.force_effect import ForceEffect
 
 _STEP_ANGLE = 0.055
 _STEP_ANGLE_KINKED = 0.027
@@ -304,7 +304,7 @@ def simulate(
     return Response(displacement, velocity, acceleration)
 
 
-def make_system(effects: tuple[Effect, ...]) -> System:
+def make_system(effects: tuple[ForceEffect, ...]) -> System:
     """Make effects (beyond the linear part and Coulomb friction) ready for the simulator."""
     addresses = np.zeros((len(effects), 3), dtype=np.int64)
     for row, effect in zip(addresses, effects, strict=True):

@@ -18,6 +18,7 @@ def command(name: str | None, picture: Path | None, as_json: bool) -> None:
     With NAME: its equation, parameters with units and bounds, how it shows,
     what proves it, what it is confused with, its force and its signature.
     """
+    from identify.effects.force_effect import ForceEffect
     from identify.effects.library import LIBRARY, find_effect
     from station.story.effect_portrait import portray
     from station.text import effect_text
@@ -35,7 +36,7 @@ def command(name: str | None, picture: Path | None, as_json: bool) -> None:
         effect = find_effect(name)
     except KeyError as missing:
         raise UsageProblem(str(missing.args[0])) from None
-    portrait = portray(effect) if effect.kind == "physics" else None
+    portrait = portray(effect) if isinstance(effect, ForceEffect) else None
     if picture is not None:
         if portrait is None:
             raise UsageProblem(f"{name} is a fault of a sensor: it has no force to draw")

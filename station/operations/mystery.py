@@ -15,6 +15,8 @@ from rich.text import Text
 from daq.session import Session
 from daq.session_info import SessionInfo
 from identify.fitting.model_error import errors_of
+from identify.model.model import base_model
+from identify.model.parameter_id import ParameterId
 from station.exits import Problem
 from station.operations.capturing import record
 from station.operations.comparing import compare_session
@@ -210,22 +212,20 @@ def _reveal(console: Console, solved: Solved, say: Say) -> None:
 
 def _side_by_side(solved: Solved) -> list[str]:
     """Return the hidden effect's parameters, and those found where it was found, each with its unit."""
-    true = {
-        "linear_stiffness.k": solved.truth["stiffness_per_mass"],
-        "coulomb_friction.mu_0": solved.truth["mu_0"],
-        "viscous_damping.mu_1": solved.truth["mu_1"],
-    }
+    strengths = (term.strength for term in base_model().terms)
+    base = (solved.truth[key] for key in ("stiffness_per_mass", "mu_0", "mu_1"))
+    true = dict(zip(strengths, base, strict=True))
     for effect, values in solved.truth["parameters"].items():
-        true |= {f"{effect}.{name}": value for name, value in values.items()}
+        true |= {ParameterId(effect, name): value for name, value in values.items()}
     lines = []
-    for name, value in true.items():
-        estimate = solved.ladder.top.parameters.get(name)
-        if not isinstance(value, int | float) or name.endswith(
-            ".phase"
+    for id, value in true.items():
+        name, estimate = str(id), solved.ladder.top.parameters.get(str(id))
+        if (
+            not isinstance(value, int | float) or id.parameter == "phase"
         ):  # it counts from another instant there
             continue
         if estimate is None:
-            if name.split(".")[0] == solved.truth["hidden"]:
+            if id.effect == solved.truth["hidden"]:
                 lines.append(f"{name:<30}{value:>11.5g}")
             continue
         std = "" if estimate.std is None else f" ± {estimate.std:.2g}"

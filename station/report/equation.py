@@ -75,9 +75,7 @@ def _right_side(fit: Fit) -> str:
 def _numbers(fit: Fit) -> str:
     """Return the equation with the values in place of the parameters, rounded to their errors."""
     terms = []
-    for term in fit.model.terms:
-        if term.effect.kind != "physics":
-            continue
+    for term in fit.model.forces:
         text = term.effect.equation
         for name, value in parameters_of(fit, term).items():
             number = typeset_error(value.value, value.std).replace("(error unknown)", "").strip()
@@ -105,7 +103,7 @@ def _parameters(fit: Fit, length: str, found: Findings) -> Table:
                 typeset_unit(value.unit) or "1",
             )
             if mass is not None:
-                strength = position == 0 and term.effect.kind == "physics"
+                strength = position == 0 and term.is_force
                 row = (*row, _times(value.value, value.std, value.unit, found) if strength else "")
             rows.append(row)
     head: tuple[str, ...] = ("effect", "parameter", "meaning", "value", "unit")

@@ -151,12 +151,11 @@ def comparison_document(compared: Compared) -> ComparisonDocument:
 
 def _model(compared: Compared) -> dict[str, Any]:
     fit = compared.baseline.fit
-    physics = {name for name in fit.values if "." in name and ".state" not in name}
     return {
         "effects": fit.model.names,
         "equation": fit.model.equation,
-        "parameters": {name: value for name, value in fit.values.items() if name in physics},
-        "nuisances": {name: value for name, value in fit.values.items() if name not in physics},
+        "parameters": fit.parameters,
+        "nuisances": fit.nuisances,
     }
 
 

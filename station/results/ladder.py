@@ -62,14 +62,13 @@ class KeptLadder(Document):
 
 def kept_rung(rung: Rung, expressions: tuple[str, ...]) -> KeptRung:
     """Return a rung as it is kept."""
-    values = dict(zip(rung.fit.names, rung.fit.theta.tolist(), strict=True))
     return KeptRung(
         added=rung.added,
         removed=rung.removed,
         model=model_file(rung.fit, expressions),
         error=Errors.model_validate(rung.error),
         chi2_std=rung.error.floor_std,
-        nuisances={name: value for name, value in values.items() if "." not in name or ".state" in name},
+        nuisances={name: found.value for name, found in rung.fit.nuisances.items()},
     )
 
 

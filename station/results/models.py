@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
+from identify.effects.sensor_fault import SensorFault
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.fitting.initial_values import initial_values
@@ -91,14 +92,7 @@ def model_file(fit: Fit, expressions: tuple[str, ...] = ()) -> ModelFile:
 
 def parameters_of(fit: Fit, term: Term) -> dict[str, Estimate]:
     """Return the fitted parameters of one term; a sensor's fault has one for each release, and the first counts."""
-    found: dict[str, Estimate] = {}
-    for parameter in term.free:
-        name = f"{term.effect.name}.{parameter.name}"
-        for key in (name, f"{name}[0]"):
-            if key in fit.values:
-                found[parameter.name] = fit.values[key]
-                break
-    return found
+    return fit.of(term, 0)
 
 
 def as_value(estimate: Estimate) -> Value:
@@ -202,8 +196,8 @@ def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
         raise UsageProblem(
             f"{where}: {entry.effect} has no parameter {short(', '.join(sorted(unknown)))}; it has {', '.join(free)}"
         )
-    judged_apart = term.effect.kind == "sensor" and term.effect.observe is None
-    missing = set() if judged_apart else set(free) - set(entry.parameters)
+    corrected = isinstance(term.effect, SensorFault) and term.effect.corrected_in_every_fit
+    missing = set() if corrected else set(free) - set(entry.parameters)
     if missing:
         raise UsageProblem(f"{where}: {entry.effect}: no value for {', '.join(sorted(missing))}")
     values: dict[str, float] = {}
@@ -213,19 +207,19 @@ def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
             raise UsageProblem(
                 f"{where}: {entry.effect}: {name} = {given.value:g} is outside {low:g} to {high:g}"
             )
-        values[f"{entry.effect}.{name}"] = given.value
+        values[str(term.parameter(name))] = given.value
     return values
 
 
 def starting_values(known: KnownModel, decays: tuple[PreparedDecay, ...]) -> dict[str, float]:
     """Return where a fit may begin, by unknown's name: the file's values, the releases' own from their motions."""
     start = initial_values(decays, known.model, known.values)
-    tags = [f"[{i}]" for i in range(len(decays))] if len(decays) > 1 else [""]
     for term in known.model.terms:
         for parameter in term.free:
-            name = f"{term.effect.name}.{parameter.name}"
-            if name not in known.values:
+            id = term.parameter(parameter.name)
+            if str(id) not in known.values:
                 continue
-            for tag in [""] if term.effect.kind == "physics" else tags:
-                start[f"{name}{tag}"] = known.values[name]
+            for i in range(1 if term.is_force else len(decays)):
+                own = id if term.is_force else id.of_release(i, len(decays))
+                start[str(own)] = known.values[str(id)]
     return start

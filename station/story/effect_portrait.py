@@ -1,4 +1,4 @@
-"""An effect at typical values: its force along cycles of several sizes, and what it does to decay and frequency."""
+"""An effect at typical values: its force along one cycle, and what it does to decay and frequency."""
 
 from dataclasses import dataclass
 
@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identify.effects.effect import Effect, Scales
+from identify.effects.force_effect import ForceEffect
 from identify.model.equivalent_linearisation import Signature, average
-from identify.model.measured_path import effect_force
-from identify.model.model import Term
 
 Array = NDArray[np.float64]
 
-AMPLITUDE = 0.02
+AMPLITUDES = {"m": 0.02, "rad": 1.0}
+"""The largest amplitude that is drawn, by the unit of the displacement."""
 
 FREQUENCY = 2.0 * np.pi * 4.0
 
@@ -25,10 +25,13 @@ _CYCLES = 6
 
 @dataclass(frozen=True, eq=False)
 class Portrait:
-    """An effect at typical values: 20 mm, 4 Hz, and a force of about 1 % of the springs'.
+    """An effect at typical values: 20 mm (1 rad if it acts on angles only), 4 Hz, and about 1 % of the springs' force.
 
     `displacement`, `velocity`, `force` (n,) of one settled cycle at the largest amplitude; `signature` over amplitudes.
+    `unit` is that of the displacement, m or rad.
     """
+
+    unit: str
 
     values: dict[str, float]
     displacement: Array
@@ -36,48 +39,50 @@ class Portrait:
     force: Array
     signature: Signature
 
+    @property
+    def length(self) -> tuple[str, float]:
+        """The unit in which displacements are shown, and how many of it make one of `unit`."""
+        return ("mm", 1e3) if self.unit == "m" else (self.unit, 1.0)
+
 
 def portray(effect: Effect) -> Portrait:
-    """Return the portrait of a physical effect; raises ValueError for a fault of a sensor, which has no force."""
-    if effect.kind != "physics":
+    """Return the portrait of a force; raises ValueError for a fault of a sensor, which has no force."""
+    if not isinstance(effect, ForceEffect):
         raise ValueError(f"{effect.name} is a fault of a sensor: it has no force to draw")
-    values = _typical(effect)
+    unit = effect.units[0] if effect.units else "m"
+    amplitude = AMPLITUDES[unit]
+    values = _typical(effect, amplitude)
     time = np.arange(_POINTS * _CYCLES) / (_POINTS * FREQUENCY / (2.0 * np.pi))
-    u, v = AMPLITUDE * np.cos(FREQUENCY * time), -AMPLITUDE * FREQUENCY * np.sin(FREQUENCY * time)
-    term = Term(effect)
-    named = {f"{effect.name}.{name}": value for name, value in values.items() if "." not in name} | {
-        name: value for name, value in values.items() if "." in name
-    }
-    if effect.equilibrium_state is not None:
-        rest = effect.equilibrium_state(AMPLITUDE, np.array([values[p.name] for p in effect.parameters]))
-        named |= {f"{effect.name}.state{j}": state for j, state in enumerate(rest)}
-    force = effect_force(term, named, time, u, v)
-    target = SHARE * FREQUENCY**2 * AMPLITUDE
+    u, v = amplitude * np.cos(FREQUENCY * time), -amplitude * FREQUENCY * np.sin(FREQUENCY * time)
+    p = effect.table(values, values)
+    states = effect.states_along(p, time, u, v, effect.states_at_rest(amplitude, p))
+    force = effect.force_along(p, time, u, v, states)
+    target = SHARE * FREQUENCY**2 * amplitude
     largest = float(np.max(np.abs(force[-_POINTS:])))
     factor = target / largest if largest > 0 else 1.0
     values[effect.strength.name] *= factor
     last = slice(len(time) - _POINTS, None)
-    amplitudes = np.linspace(0.05, 1.0, 39) * AMPLITUDE
+    amplitudes = np.linspace(0.05, 1.0, 39) * amplitude
     moment = 1.0 if effect.shared_parameters else 0.0
     signature = average(effect, values, FREQUENCY, amplitudes, time=moment)
-    return Portrait(values, u[last], v[last], force[last] * factor, signature)
+    return Portrait(unit, values, u[last], v[last], force[last] * factor, signature)
 
 
-def _typical(effect: Effect) -> dict[str, float]:
+def _typical(effect: ForceEffect, amplitude: float) -> dict[str, float]:
     scales = Scales(
-        AMPLITUDE,
+        amplitude,
         FREQUENCY,
         8.0,
         256.0,
-        {"displacement": AMPLITUDE, "acceleration": AMPLITUDE * FREQUENCY**2},
-        {"displacement": ((9.3, 1e-4, 1.0),)},
+        {"displacement": amplitude, "acceleration": amplitude * FREQUENCY**2},
+        {"displacement": ((9.3, 5e-3 * amplitude, 1.0),)},
     )
     starts = effect.starts(scales)
-    inner = [p for p in effect.parameters[1:] if p.name not in effect.variants[0]]
+    inner = [p for p in effect.started if p.name not in effect.variants[0]]
     middle = starts[len(starts) // 2] if starts else ()
     values = {effect.strength.name: 1.0}
     values |= {p.name: value for p, value in zip(inner, middle, strict=False)}
     values |= {name: float(value) for name, value in effect.variants[0].items()}
     for parameter in effect.parameters:
         values.setdefault(parameter.name, 1.0)
-    return values | dict.fromkeys(effect.shared_parameters, FREQUENCY**2)
+    return values | {name: roughly(FREQUENCY) for name, roughly in effect.shared_parameters.items()}

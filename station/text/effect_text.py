@@ -9,7 +9,8 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.effects.effect import Effect, Parameter
-from station.story.effect_portrait import AMPLITUDE, FREQUENCY, Array, Portrait
+from identify.effects.force_effect import ForceEffect
+from station.story.effect_portrait import AMPLITUDES, FREQUENCY, Array, Portrait
 
 HEIGHT = 9
 WIDTH = 34
@@ -33,7 +34,7 @@ def show_list(console: Console, effects: Sequence[Effect]) -> None:
 
 
 def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> None:
-    """Print one effect: what it is, its parameters, how it shows, how to prove it, and its charts."""
+    """Print one effect: what it is, its parameters, how it shows, what confirms it, and its charts."""
     console.print(Text(f"\n {effect.name}: {effect.title}", style="bold"))
     console.print(
         _line("equation", f"{effect.equation}" + (" (per unit mass)" if effect.kind == "physics" else ""))
@@ -43,7 +44,7 @@ def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> 
     )
     for parameter in effect.parameters:
         console.print(_line(parameter.name, f"{parameter.meaning}, {parameter.unit}, {bounds(parameter)}"))
-    for name in effect.shared_parameters:
+    for name in _shared(effect):
         console.print(_line("uses", name))
     console.print(_line("shows as", effect.symptom))
     console.print(_line("proof", effect.confirming_test))
@@ -52,11 +53,18 @@ def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> 
     if portrait is None:
         return
     typical = ", ".join(f"{name} {value:.3g}" for name, value in portrait.values.items() if "." not in name)
-    note = f"{AMPLITUDE * 1e3:g} mm at {FREQUENCY / 2 / np.pi:g} Hz, the largest force 1 % of the springs': {typical}"
+    length, factor = portrait.length
+    size = f"{AMPLITUDES[portrait.unit] * factor:g} {length} at {FREQUENCY / 2 / np.pi:g} Hz"
+    note = f"{size}, the largest force 1 % of the springs': {typical}"
     console.print(_line("drawn for", note))
     console.print()
     for line in charts(portrait):
         console.print(f" {line}", markup=False)
+
+
+def _shared(effect: Effect) -> list[str]:
+    """Return the parameters of other effects that a force uses too, by "effect.parameter"."""
+    return list(effect.shared_parameters) if isinstance(effect, ForceEffect) else []
 
 
 def _line(label: str, text: str) -> Table:
@@ -80,14 +88,16 @@ def bounds(parameter: Parameter) -> str:
 def charts(portrait: Portrait) -> list[str]:
     """Return force over u and v, and damping and frequency over amplitude, as lines of at most 78 letters."""
     found = portrait.signature
-    amplitude = found.amplitude * 1e3
+    length, factor = portrait.length
+    speed, force = f"{portrait.unit}/s", f"{portrait.unit}/s^2"
+    amplitude = found.amplitude * factor
     first = _side_by_side(
-        _chart("force over displacement", portrait.displacement * 1e3, portrait.force, "mm", "m/s^2"),
-        _chart("force over velocity", portrait.velocity, portrait.force, "m/s", "m/s^2"),
+        _chart("force over displacement", portrait.displacement * factor, portrait.force, length, force),
+        _chart("force over velocity", portrait.velocity, portrait.force, speed, force),
     )
     second = _side_by_side(
-        _chart("damping over amplitude", amplitude, found.damping, "mm", "1/s"),
-        _chart("frequency over amplitude", amplitude, 50.0 * found.stiffening / FREQUENCY**2, "mm", "%"),
+        _chart("damping over amplitude", amplitude, found.damping, length, "1/s"),
+        _chart("frequency over amplitude", amplitude, 50.0 * found.stiffening / FREQUENCY**2, length, "%"),
     )
     return [*first, "", *second]
 
@@ -134,7 +144,7 @@ def as_document(effect: Effect, portrait: Portrait | None) -> dict[str, Any]:
             }
             for p in effect.parameters
         ],
-        "borrows": list(effect.shared_parameters),
+        "borrows": _shared(effect),
         "tell": effect.symptom,
         "proof": effect.confirming_test,
         "confusable_with": list(effect.confusable_with),
@@ -143,7 +153,7 @@ def as_document(effect: Effect, portrait: Portrait | None) -> dict[str, Any]:
         document["signature"] = {
             "values": portrait.values,
             "frequency_rad_s": FREQUENCY,
-            "amplitude_m": portrait.signature.amplitude.tolist(),
+            f"amplitude_{portrait.unit}": portrait.signature.amplitude.tolist(),
             "damping_1_s": portrait.signature.damping.tolist(),
             "change_of_w2_1_s2": portrait.signature.stiffening.tolist(),
         }

@@ -4,7 +4,8 @@ import numpy as np
 
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.ladder import add_effect, first_rung
-from identify.effects.library import LIBRARY, find_effect
+from identify.effects.force_effect import ForceEffect
+from identify.effects.library import LIBRARY
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import prepare
 
@@ -21,5 +22,6 @@ def warm_up() -> None:
     a = np.where(time > 0, -(FREQUENCY**2) * shape * np.cos(FREQUENCY * moving), 0.0)
     a = a + 0.01 * draw.standard_normal(len(time))
     prepared = prepare(FreeDecay(rate=RATE, displacement=u, acceleration=a))
-    rung = add_effect(first_rung((prepared,)), find_effect("stribeck_friction"), library=LIBRARY)
-    compare_fitted(rung.start)
+    friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
+    rung = add_effect(first_rung((prepared,)), friction, library=LIBRARY)
+    compare_fitted(rung.baseline)

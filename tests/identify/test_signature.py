@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from identify.effects.compiled import force_function
-from identify.effects.effect import Effect, Parameter
+from identify.effects.effect import Parameter
+from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY, find_effect
 from identify.model.equivalent_linearisation import average
 
@@ -97,10 +98,15 @@ def _magnet(t, u, v, z, p):
 
 def test_an_effect_of_the_users_own_has_a_signature_too():
     """For u/(1 + (u/b)^2): dw2 = 2 a (b/A)^2 (1 - b/sqrt(b^2 + A^2))."""
-    magnet = Effect(
-        "magnet", "magnet", "physics", "a u/(1 + (u/b)^2)",
-        (Parameter("a", "1/s^2", "pull"), Parameter("b", "m", "width")), "tell", "proof", force=_magnet,
-    )  # fmt: skip
+    magnet = ForceEffect(
+        name="magnet",
+        title="magnet",
+        equation="a u/(1 + (u/b)^2)",
+        parameters=(Parameter("a", "1/s^2", "pull"), Parameter("b", "m", "width")),
+        symptom="softer at large amplitude",
+        confirming_test="take the magnet away",
+        force=_magnet,
+    )
     found = average(magnet, {"a": 5.0, "b": 0.007}, W, A)
     closed = 2 * 5.0 * (0.007 / A) ** 2 * (1 - 0.007 / np.sqrt(0.007**2 + A**2))
     np.testing.assert_allclose(found.stiffening, closed, rtol=1e-6)

@@ -3,6 +3,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
+from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY, find_effect
 from identify.model.simulate import make_system, simulate, substeps_for
 
@@ -108,7 +109,7 @@ def test_memory_agrees_with_an_independent_integrator(name, p, states, rhs):
     assert np.max(np.abs(found.displacement - exact.y[0])) < 2e-7
 
 
-@pytest.mark.parametrize("effect", [e for e in LIBRARY if e.force is not None or e.friction is not None])
+@pytest.mark.parametrize("effect", [e for e in LIBRARY if isinstance(e, ForceEffect)])
 def test_every_force_is_proportional_to_its_strength(effect):
     function = effect.force or effect.friction
     z, inner = (0.003, 0.01), (0.4, 0.3, 0.2, 0.1, 0.05)

@@ -8,7 +8,9 @@ import pytest
 from identify.effects.library import CUBIC_STIFFNESS, END_STOP, LIBRARY, OFFSET_DRIFT
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
+from identify.fitting.parameter_layout import Unknown
 from identify.model.model import Model, Term, base_model
+from identify.model.parameter_id import ParameterId
 from station.exits import UsageProblem
 from station.results.models import KnownModel, known_model, model_file, read_model, written
 
@@ -29,10 +31,14 @@ MODEL = Model(
 )
 
 
-def fitted(model: Model = MODEL) -> Fit:
+def fitted(model: Model = MODEL, values: dict[str, Estimate] = VALUES) -> Fit:
     """Return a fit that holds nothing but a model and its values."""
     nothing = np.zeros(0)
-    return Fit(model, (), (), nothing, nothing, VALUES, 0.0, 1, (), True, "", (), 25.0)
+    unknowns = tuple(
+        Unknown(ParameterId.parse(name), value.unit, -np.inf, np.inf, 0.0, -1, True)
+        for name, value in values.items()
+    )
+    return Fit(model, (), unknowns, nothing, nothing, values, 0.0, 1, (), True, "", (), 25.0)
 
 
 def changed(**entries):
@@ -113,8 +119,7 @@ def test_every_effect_of_the_library_can_stand_in_a_file():
         for variant in effect.variants:
             term = Term(effect, variant)
             values = {f"{effect.name}.{p.name}": Estimate(_inside(p), 0.1, p.unit) for p in term.free}
-            nothing = np.zeros(0)
-            one = Fit(Model((term,)), (), (), nothing, nothing, values, 0.0, 1, (), True, "", (), 25.0)
+            one = fitted(Model((term,)), values)
             known = known_model(model_file(one), "it")
             assert known.model.names == (effect.name,)
             assert known.values == {name: estimate.value for name, estimate in values.items()}
@@ -132,8 +137,7 @@ def test_an_expression_is_kept_with_the_model_that_uses_it():
 
     own = replace(CUBIC_STIFFNESS, name="magnet")
     values = VALUES | {"magnet.k3": Estimate(2.0, 0.1, "1/(m^2 s^2)")}
-    nothing = np.zeros(0)
-    one = Fit(base_model().plus(Term(own)), (), (), nothing, nothing, values, 0.0, 1, (), True, "", (), 25.0)
+    one = fitted(base_model().plus(Term(own)), values)
     kept = model_file(one, tuple(known))
     assert kept.expressions == ("magnet = a*u",)
     back = known_model(kept, "it", parse=lambda text: own)

@@ -9,7 +9,8 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.compiled import STATES, force_function, rate_function
-from identify.effects.effect import Effect, Parameter, Scales
+from identify.effects.effect import Parameter, Scales
+from identify.effects.force_effect import ForceEffect
 from identify.effects.user.draft import Draft
 from identify.effects.user.equilibrium import comes_to_rest, rest_function
 from identify.effects.user.expression import ZERO
@@ -35,7 +36,7 @@ def finished(
     title: str = "",
     symptom: str = "",
     confirming_test: str = "",
-) -> Effect:
+) -> ForceEffect:
     """Return the effect of a draft, with the parameters and starting values that the user listed.
 
     ValueError, in a sentence, when it could not be fitted.
@@ -50,10 +51,9 @@ def finished(
         padded = (*draft.rates, *[ZERO] * (STATES - states))
         rates = rate_function(python_function(padded, draft.names), cache=False)
     settles = bool(states) and comes_to_rest(draft.rates, draw)
-    return Effect(
+    return ForceEffect(
         name=draft.name,
         title=title or f"{draft.name} (your own)",
-        kind="physics",
         equation=draft.equation,
         parameters=parameters,
         symptom=symptom or "what your formula says",

@@ -3,7 +3,8 @@
 from collections.abc import Callable
 
 from identify.effects.compiled import STATES
-from identify.effects.effect import Effect, Parameter
+from identify.effects.effect import Parameter
+from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.effects.user.build import finished
 from identify.effects.user.draft import NAME, VARIABLES, from_formulas, from_functions
@@ -13,7 +14,7 @@ from identify.effects.user.settings import OwnSetting, read_setting
 _LONGEST_LINE = 1000
 
 
-def parse_effect(text: str) -> Effect:
+def parse_effect(text: str) -> ForceEffect:
     """Return the effect that a line describes, such as `magnet = a*u/(1 + (u/b)**2); b: m >= 0 start 0.002, 0.01`.
 
     Left of the sign stands the name, right of it the force per unit mass in t (s since the release), u, v and parameters
@@ -61,7 +62,7 @@ def own_effect(
     title: str = "",
     symptom: str = "",
     confirming_test: str = "",
-) -> Effect:
+) -> ForceEffect:
     """Return an effect of the user's own.
 
     `force` and `friction` (a level >= 0 against the velocity) are both formulas in t, u, v, z0, z1 and parameters, or

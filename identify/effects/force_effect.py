@@ -1,0 +1,159 @@
+"""A force per unit mass: what it is, and what it does along a given motion."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+from math import isfinite
+from typing import Any, cast
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.effects.compiled import PARAMETERS, STATES, address_of_force, address_of_rates
+from identify.effects.compiled_path import states_along, states_along_smooth, values_along
+from identify.effects.effect import Effect, Kind, Parameter, Scales, Starts
+
+Numbers = tuple[float, ...]
+"""The parameters of an effect as its compiled functions take them."""
+
+_STEPS = 8
+"""Steps of the midpoint rule between two samples of a measured motion."""
+
+
+class LinearPart(IntEnum):
+    """The forces that the simulator has built in: in proportion to displacement, to velocity, to its sign."""
+
+    STIFFNESS = 0
+    DAMPING = 1
+    DRY_FRICTION = 2
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ForceEffect(Effect):
+    """A force per unit mass on the left of u'' + ... = 0, proportional to its first parameter, the strength.
+
+    `force`, `friction` and `rates` are compiled functions of (t, u, v, z, p): `friction` is a level >= 0 that
+    acts against the velocity, `rates` drives `states` internal states `z`, two at most; `t` counts from the release, and
+    `p` holds the parameters in their order. `shared_parameters` belong to other effects and follow the effect's own in
+    `p`: by "effect.parameter", each with its rough value at an angular frequency (rad/s).
+    `equilibrium_state(u, p)` gives the internal states of a mass that has been held at `u` for long; with
+    `fading_memory`, how it came there does not matter and these are its states at the release, otherwise they are
+    unknowns of the fit. `starts(scales)` lists starting values of the inner parameters, `fine_starts(scales)` closer
+    ones where midpoints between those would leave gaps. `fastest_rate(p)` is the angular frequency (rad/s) that the
+    integration must resolve for the sake of the effect, None where the motion's own does. `nonsmooth` forces want a
+    finer step. A `linear_part` is built into the simulator.
+    """
+
+    force: Any = None
+    friction: Any = None
+    rates: Any = None
+    equilibrium_state: Callable[[float, Array], tuple[float, float]] | None = None
+    states: int = 0
+    fading_memory: bool = True
+    shared_parameters: Mapping[str, Callable[[float], float]] = field(default_factory=dict)
+    starts: Callable[[Scales], Starts] = field(default=lambda scales: ((),))
+    fine_starts: Callable[[Scales], Starts] | None = None
+    fastest_rate: Callable[[Array], float] | None = None
+    nonsmooth: bool = False
+    linear_part: LinearPart | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        count = len(self.parameters) + len(self.shared_parameters)
+        if count > PARAMETERS:
+            raise ValueError(
+                f"effect {self.name}: {count} parameters with the shared ones, at most {PARAMETERS}"
+            )
+
+    @property
+    def kind(self) -> Kind:
+        """physics."""
+        return "physics"
+
+    @property
+    def inner(self) -> tuple[str, ...]:
+        """All parameters but the strength."""
+        return tuple(p.name for p in self.parameters[1:])
+
+    @property
+    def started(self) -> tuple[Parameter, ...]:
+        """All parameters but the strength."""
+        return self.parameters[1:]
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether the strength has a lower bound."""
+        return isfinite(self.strength.low)
+
+    def starting_values(self, scales: Scales, channel: str = "") -> Starts:
+        """Return starting values of the inner parameters that no variant holds."""
+        return self.starts(scales)
+
+    def fine_starting_values(self, scales: Scales, channel: str = "") -> Starts:
+        """Return starting values so close together that nothing is missed between them."""
+        return (
+            super().fine_starting_values(scales, channel)
+            if self.fine_starts is None
+            else self.fine_starts(scales)
+        )
+
+    def table(self, values: Mapping[str, float], shared: Mapping[str, float]) -> Numbers:
+        """Return the parameters as compiled functions take them: own values by name, shared ones by "effect.parameter".
+
+        Raises ValueError that names a parameter without a value.
+        """
+        missing = [p.name for p in self.parameters if p.name not in values]
+        missing += [name for name in self.shared_parameters if name not in shared]
+        if missing:
+            raise ValueError(f"{self.name} needs a value of {', '.join(missing)}")
+        given = [float(values[p.name]) for p in self.parameters] + [
+            float(shared[n]) for n in self.shared_parameters
+        ]
+        return tuple(given + [0.0] * (PARAMETERS - len(given)))
+
+    def states_at_rest(self, u: float, p: Numbers | Array) -> tuple[float, float]:
+        """Return the internal states of a mass that has been held at `u` for long; zeros where nothing settles."""
+        return (0.0, 0.0) if self.equilibrium_state is None else self.equilibrium_state(u, np.asarray(p))
+
+    def states_along(
+        self,
+        p: Numbers,
+        time: Array,
+        u: Array,
+        v: Array,
+        start: tuple[float, float],
+        *,
+        steps: int = _STEPS,
+    ) -> Array:
+        """Return the internal states (n, 2), driven along a measured motion (n,) from `start`; zeros without memory."""
+        if self.rates is None:
+            return np.zeros((len(u), STATES))
+        return cast(Array, states_along(address_of_rates(self.rates), time, u, v, p, start, steps))
+
+    def states_along_smooth(
+        self, p: Numbers, time: Array, u: Array, v: Array, start: tuple[float, float]
+    ) -> Array:
+        """Return the internal states at every second sample (n, 2) of a smooth motion of 2 n - 1 samples."""
+        if self.rates is None:
+            return np.zeros((len(u) // 2 + 1, STATES))
+        return cast(Array, states_along_smooth(address_of_rates(self.rates), time, u, v, p, start))
+
+    def smooth_force_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
+        """Return the force without dry friction, m/s^2, shape (n,)."""
+        return _values_along(self.force, p, time, u, v, states)
+
+    def friction_level_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
+        """Return the level of dry friction, m/s^2, shape (n,)."""
+        return _values_along(self.friction, p, time, u, v, states)
+
+    def force_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
+        """Return the force, m/s^2, along a motion and its internal states, shape (n,)."""
+        level = self.friction_level_along(p, time, u, v, states)
+        return self.smooth_force_along(p, time, u, v, states) + level * np.sign(v)
+
+
+def _values_along(function: Any, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
+    """Return what a compiled function gives along a motion, (n,); zeros for None."""
+    if function is None:
+        return np.zeros(len(u))
+    return cast(Array, values_along(address_of_force(function), time, u, v, states, p))

@@ -1,0 +1,27 @@
+"""A pendulum: gravity's restoring moment grows with the sine of the angle, and falls behind a linear spring's."""
+
+from math import sin
+
+from identify.effects.compiled import force_function
+from identify.effects.effect import Parameter
+from identify.effects.force_effect import ForceEffect
+
+
+@force_function
+def _pendulum(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * (sin(u) - u)
+
+
+PENDULUM_STIFFNESS = ForceEffect(
+    name="pendulum_stiffness",
+    title="gravity on a pendulum",
+    equation="g (sin u - u)",
+    parameters=(
+        Parameter("g", "1/s^2", "moment of gravity per unit inertia, the part of k that is no spring"),
+    ),
+    force=_pendulum,
+    units=("rad",),
+    symptom="the frequency falls with the square of the angle, as 1 - angle^2/16 where there is no other spring",
+    confirming_test="turn the axis vertical, so that gravity has no moment: the frequency is the same at every angle",
+    confusable_with=("cubic_stiffness", "quintic_stiffness"),
+)

@@ -1,0 +1,59 @@
+"""A fault of a sensor: it changes what a channel reads, not the motion."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+from identify.arrays import Array
+from identify.effects.effect import Effect, Kind, Parameter, Scales, Starts
+
+Allowance = Literal["", "lag", "gain", "lost readings"]
+"""What every fit allows for, whatever its model."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SensorFault(Effect):
+    """A fault of a sensor: it changes the readings of one channel, and so breaks a = D^2 u.
+
+    `observe(time, reading, p)` takes the predicted readings of one channel before its offset, shape (n,), at `time` (s
+    since the release) and returns what the faulty sensor would show. `starts(scales, channel)` lists starting values of
+    all parameters, of which those `held_at_first` act out of proportion. A fault that `shows_at_rest` is looked for
+    there too; `seems_lag(start, scales)` is by how much it makes its channel seem early (s). A fault that every fit
+    allows for is no suspect: `allowed_as` says as what, and it is judged by what the fit allowed for.
+    """
+
+    observe: Callable[[Array, Array, Array], Array] = field(default=lambda time, reading, p: reading)
+    starts: Callable[[Scales, str], Starts] = field(default=lambda scales, channel: ())
+    held_at_first: tuple[str, ...] = ()
+    shows_at_rest: bool = False
+    seems_lag: Callable[[tuple[float, ...], Scales], float] | None = None
+    allowed_as: Allowance = ""
+
+    @property
+    def kind(self) -> Kind:
+        """sensor."""
+        return "sensor"
+
+    @property
+    def corrected_in_every_fit(self) -> bool:
+        """Whether every fit allows for this fault, so that it has no parameters of its own there."""
+        return bool(self.allowed_as)
+
+    @property
+    def inner(self) -> tuple[str, ...]:
+        """The parameters that act out of proportion."""
+        return self.held_at_first
+
+    @property
+    def started(self) -> tuple[Parameter, ...]:
+        """All parameters."""
+        return self.parameters
+
+    @property
+    def one_sided(self) -> bool:
+        """True: a fault is begun on the side on which it can be."""
+        return True
+
+    def starting_values(self, scales: Scales, channel: str) -> Starts:
+        """Return starting values of all parameters; none where the channel is absent."""
+        return self.starts(scales, channel) if channel in scales.peaks else ()

@@ -1,0 +1,54 @@
+"""The identity of a parameter: whose it is, in which release, and what for."""
+
+import re
+from dataclasses import dataclass, replace
+from typing import Literal, Self
+
+Role = Literal["parameter", "state", "nuisance"]
+"""A parameter of an effect, an internal state of one at the start of a release, or what a release needs besides."""
+
+_TEXT = re.compile(r"(?:(?P<effect>\w+)\.)?(?P<parameter>\w+)(?:\[(?P<release>\d+)\])?")
+_STATE = re.compile(r"state\d")
+
+
+@dataclass(frozen=True)
+class ParameterId:
+    """A parameter of `effect` ("" for what belongs to none).
+
+    `release` counts from 0; it is None where all releases share the parameter, and where there is only one.
+    """
+
+    effect: str
+    parameter: str
+    release: int | None = None
+    role: Role = "parameter"
+
+    def __str__(self) -> str:
+        """Return the name in documents and messages: "linear_stiffness.k", "lag[1]", "hysteresis.state0"."""
+        return f"{self.effect}.{self.in_effect}" if self.effect else self.in_effect
+
+    @property
+    def in_effect(self) -> str:
+        """The name without the effect's."""
+        return self.parameter if self.release is None else f"{self.parameter}[{self.release}]"
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Return the parameter of a name in a document; ValueError when it is not a name of this form."""
+        found = _TEXT.fullmatch(text)
+        if found is None:
+            raise ValueError(
+                f"'{text[:60]}' is not the name of a parameter, such as linear_stiffness.k or lag[1]"
+            )
+        effect, parameter, release = found["effect"] or "", found["parameter"], found["release"]
+        role: Role = "nuisance" if not effect else "state" if _STATE.fullmatch(parameter) else "parameter"
+        return cls(effect, parameter, None if release is None else int(release), role)
+
+    def of_release(self, release: int, count: int) -> Self:
+        """Return the same of one of `count` releases, which has a number only among several."""
+        return replace(self, release=release if count > 1 else None)
+
+
+def nuisance(name: str, release: int = 0, count: int = 1) -> ParameterId:
+    """Return the identity of what a release needs besides the effects: its start, lag, gain, offsets."""
+    return ParameterId("", name, None, "nuisance").of_release(release, count)

@@ -1,0 +1,131 @@
+"""The pendulum: an effect in a file of its own, found where it is and never offered where it has no meaning."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from releases import drawn
+from scipy.integrate import solve_ivp
+from scipy.special import ellipk, j1
+
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.refine import add_effect, first_rung
+from identify.diagnosis.suspects import candidate_terms
+from identify.effects.library import LIBRARY, find_effect
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+from identify.model.equivalent_linearisation import average
+from identify.model.model import base_model
+from identify.preprocessing.prepared_decay import prepare
+from identify.preprocessing.release import find_release
+
+RATE, REST, SECONDS = 128.0, 2.0, 24.0
+K, MU_0, MU_1 = 31.0, 0.05, 0.06
+RELEASED_AT = 0.8  # rad
+NOISE_ANGLE, NOISE_ACCELERATION = 2e-4, 1e-2  # rad, rad/s^2
+
+
+def motion(time):
+    """Return angle and angular acceleration of k sin u with dry and viscous friction, by an integrator of its own.
+
+    It runs from reversal to reversal, so that no step sees the friction jump.
+    """
+
+    def slope(t, y):
+        return [y[1], -K * np.sin(y[0]) - MU_1 * y[1] - MU_0 * np.sign(y[1])]
+
+    def reversal(t, y):
+        return y[1]
+
+    reversal.terminal = True
+    state = np.empty((2, len(time)))
+    begin, angle = 0.0, RELEASED_AT
+    while begin < time[-1]:  # at the end it still swings by 0.3 rad, and friction holds it below 0.002
+        started = [angle, -1e-12 * np.sign(angle)]
+        run = solve_ivp(
+            slope,
+            (begin, time[-1] + 1.0),
+            started,
+            events=reversal,
+            dense_output=True,
+            rtol=1e-10,
+            atol=1e-12,
+        )
+        inside = (time >= begin) & (time <= run.t[-1])
+        state[:, inside] = run.sol(time[inside])
+        begin, angle = run.t[-1], run.y[0, -1]
+    return state[0], np.array([slope(0.0, y)[1] for y in state.T])
+
+
+@cache
+def swung():
+    u, a = motion(np.arange(int(SECONDS * RATE)) / RATE)
+    draw = np.random.default_rng(8)
+    u = np.concatenate([np.full(int(REST * RATE), RELEASED_AT), u])
+    a = np.concatenate([np.zeros(int(REST * RATE)), a])
+    decay = FreeDecay(
+        RATE,
+        displacement=u + NOISE_ANGLE * draw.standard_normal(len(u)),
+        acceleration=a + NOISE_ACCELERATION * draw.standard_normal(len(a)),
+        unit="rad",
+    )
+    release = find_release(decay.rate, decay.displacement, None, decay.acceleration)
+    return prepare(decay.with_(release=release.index, rest=release.rest), release)
+
+
+@cache
+def diagnosed():
+    return diagnose((swung(),))
+
+
+def test_the_pendulum_is_at_the_floor_with_its_effect_and_far_above_without():
+    ground = first_rung((swung(),))
+    there = add_effect(ground, find_effect("pendulum_stiffness"))
+    assert ground.error.chi_square > 20.0
+    assert there.start.adequate(there.fit)
+    g, k = there.fit.values["pendulum_stiffness.g"], there.fit.values["linear_stiffness.k"]
+    assert g.unit == "1/s^2"
+    # All of the stiffness is gravity's; 4 standard errors: 1 in 16000 by chance.
+    assert abs(g.value - K) < 4.0 * g.std
+    assert abs(k.value - K) < 4.0 * k.std
+
+
+def test_the_diagnosis_names_it():
+    found = diagnosed()
+    assert found.verdict == "missing_effect"
+    assert found.named == ("pendulum_stiffness",)
+
+
+def test_a_cubic_spring_does_not_do_what_the_sine_does():
+    found = diagnosed()
+    cubic = next(s for s in found.suspects if s.effect.name == "cubic_stiffness")
+    assert found.suspects[0].evidence - cubic.evidence > 10.0
+    assert cubic.error_after > 1.2
+
+
+def test_it_is_offered_for_angles_only():
+    window = swung().window
+    offered = [
+        {t.effect.name for t in candidate_terms(base_model(), LIBRARY, window.with_(unit=unit))}
+        for unit in ("rad", "m", "V")
+    ]
+    assert offered[0] - offered[1] == {"pendulum_stiffness"}
+    assert offered[1] == offered[2]
+
+
+def test_to_add_it_to_a_displacement_in_metres_is_refused_with_the_reason():
+    prepared, _ = drawn(None, 0.0, 7100)
+    with pytest.raises(
+        NotIdentifiable, match="pendulum_stiffness acts on displacements in rad; this record is in m"
+    ):
+        add_effect(first_rung((prepared,)), find_effect("pendulum_stiffness"))
+
+
+def test_its_signature_is_that_of_the_bessel_function():
+    """For g (sin u - u): dw2 = g (2 J1(A)/A - 1), from the first Fourier coefficient of sin(A cos theta)."""
+    amplitude = np.array([0.1, 0.5, 1.0])
+    found = average(find_effect("pendulum_stiffness"), {"g": K}, np.sqrt(K), amplitude)
+    np.testing.assert_allclose(found.stiffening, K * (2 * j1(amplitude) / amplitude - 1), rtol=1e-9)
+    exact = np.sqrt(K) * np.pi / (2.0 * ellipk(np.sin(amplitude / 2.0) ** 2))
+    # First order in g: the exact frequency differs by the fourth power of the amplitude, 3 % of the shift at 1 rad.
+    np.testing.assert_allclose(np.sqrt(K + found.stiffening) - np.sqrt(K), exact - np.sqrt(K), rtol=0.05)
