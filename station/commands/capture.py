@@ -107,12 +107,7 @@ def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
 
 
 def finish(
-    session: "Session",
-    url: str | None,
-    settings: "Settings",
-    as_json: bool,
-    note: str = "",
-    **more: Any,
+    session: "Session", url: str | None, settings: "Settings", as_json: bool, note: str = "", **more: Any
 ) -> None:
     """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""
     from station.operations.capturing import show_result

@@ -27,9 +27,7 @@ class Example:
 
 TESTBED_KG = 21.36
 SILVERBOX = ImportOptions(
-    columns={"force": "V1", "displacement": "V2"},
-    units={"force": "V", "displacement": "V"},
-    rate=610.35,
+    columns={"force": "V1", "displacement": "V2"}, units={"force": "V", "displacement": "V"}, rate=610.35
 )
 EXAMPLES = (
     Example("simulated_plain", "simulated_plain.csv", "simulated testbed, nothing hidden", TESTBED_KG),

@@ -242,7 +242,7 @@ def _verdict(solved: Solved) -> Text:
         )
     if solved.found:
         rivals = solved.diagnosis.suspects[0].confusable_with
-        warned = " It did say that the two are easily taken for each other." if hidden in rivals else ""
+        warned = " The diagnosis does say that the two are easily confused." if hidden in rivals else ""
         return Text(f"NOT FOUND: {solved.found[0]} was named instead of {hidden}.{warned}", style="bold red")
     verdict = solved.diagnosis.verdict.replace("_", " ")
     return Text(f"NOT NAMED: the verdict was '{verdict}', and {hidden} was there.", style="bold yellow")

@@ -20,11 +20,7 @@ def new_folder(sessions: Path, prefix: str = "release") -> Path:
 
 
 def session_info(
-    settings: Settings,
-    mass: float | None,
-    mass_std: float | None,
-    specimen: str | None,
-    operator: str | None,
+    settings: Settings, mass: float | None, mass_std: float | None, specimen: str | None, operator: str | None
 ) -> SessionInfo:
     """Return a session's metadata from options, else from the settings."""
     known = settings.specimen

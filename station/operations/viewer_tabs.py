@@ -87,10 +87,10 @@ def show_suspects(session: Session, found: Diagnosis, document: DiagnosisDocumen
     url = url_or_new()
     if url is None:
         return False
-    from station.views import modelling
+    from station.views import show
     from station.views.log import TIMELINE
 
-    modelling.send(url, _recording(session), (suspects_tab(fits_of(found, document)),), TIMELINE)
+    show.send_tabs(url, _recording(session), (suspects_tab(fits_of(found, document)),), TIMELINE)
     return True
 
 
@@ -104,11 +104,11 @@ def show_ladder(refinement: Refinement, at: str | None = None) -> bool:
     url = at or url_or_new()
     if url is None:
         return False
-    from station.views import ladder, modelling
+    from station.views import ladder, show
 
     suspects = kept_suspects_tab(refinement)
     tabs = (ladder_tab(refinement, f"/ladder/{time.time_ns()}"), *([suspects] if suspects else []))
-    modelling.send(url, _recording(refinement.session), tabs, ladder.TIMELINE)
+    show.send_tabs(url, _recording(refinement.session), tabs, ladder.TIMELINE)
     return True
 
 

@@ -86,10 +86,7 @@ def phase_plane(compared: Compared) -> str:
                 "+" if force[row, column] > 0 else "−", ha="center", va="center", fontsize=9,
                 color="white" if dark else INK,
             )  # fmt: skip
-    wide.set(
-        xlabel=literal(f"displacement [{length}]"),
-        ylabel=literal(f"velocity [{found.unit}/s]"),
-    )
+    wide.set(xlabel=literal(f"displacement [{length}]"), ylabel=literal(f"velocity [{found.unit}/s]"))
     wide.set_title("measured less model force")
     wide.grid(visible=False)
     bar = drawn.colorbar(mesh, ax=wide, pad=0.02)

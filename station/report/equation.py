@@ -34,7 +34,7 @@ def equation(found: Findings) -> Section:
         Paragraph(
             "Displacement u from the spring's zero and velocity v in "
             f"{compared.comparison.unit} and {compared.comparison.unit}/s; all forces per unit "
-            f"{'inertia' if compared.comparison.unit == 'rad' else 'mass'}.",
+            f"{'inertia' if compared.comparison.unit == 'rad' else 'mass'}."
         ),
         _parameters(fit, compared.comparison.unit, found),
     ]

@@ -54,15 +54,12 @@ def comparison(found: Findings) -> Section:
 def errors(compared: Compared) -> Table:
     """Return the three errors with what noise alone would leave and what each means."""
     seen = compared.comparison
-    window, channel = compared.baseline.fit.windows[0], seen.motion_channel
-    rms = float(np.std(window.readings[channel][window.used[channel]]))
-    floor = 100.0 * seen.floor[channel].std / rms if rms > 0 else float("nan")
     cycles = f"{seen.horizon:.3g} s ({seen.horizon_cycles:.0f} cycles)"
     rows = (
         ("force", f"{typeset_figures(seen.force_error)} %", f"{typeset_figures(seen.force_floor)} %",
          "mean square, eq. (18), with the force taken at the measured motion"),
-        ("motion", f"{typeset_figures(seen.motion_error)} %", f"{typeset_figures(floor)} %",
-         f"rms of the free run over {cycles}, of the {channel}'s rms"),
+        ("motion", f"{typeset_figures(seen.motion_error)} %", f"{typeset_figures(compared.motion_floor)} %",
+         f"rms of the free run over {cycles}, of the {seen.motion_channel}'s rms"),
         ("chi²", typeset_figures(seen.chi_square), f"1 ± {seen.chi_square_std:.2f}",
          "reduced: misfit over noise; 1 when nothing is left to explain"),
     )  # fmt: skip

@@ -102,15 +102,10 @@ def reconstruction(result: Identification) -> str:
     if wavelet is not None:
         factor, name = scale(wavelet.channel, length)
         fine, fine_name = scale(wavelet.channel, length, fine=True)
-        measured = getattr(result.aligned, wavelet.channel)
-        index = np.clip(np.round(wavelet.time * result.decay.rate).astype(int), 0, len(measured) - 1)
-        offset = float(np.median(measured[index] - wavelet.reconstruction))
-        model = wavelet.reconstruction + offset
-        both(
-            axes[0], wavelet.time, measured[index] * factor, model * factor, ("measured", "rebuilt, wavelet")
-        )
+        measured, model = result.rebuilt_decay(wavelet)
+        both(axes[0], wavelet.time, measured * factor, model * factor, ("measured", "rebuilt, wavelet"))
         axes[0].set_ylabel(literal(f"{wavelet.channel}\n[{name}]"))
-        curve(axes[1], wavelet.time, (measured[index] - model) * fine, color=OTHER, lw=0.7)
+        curve(axes[1], wavelet.time, (measured - model) * fine, color=OTHER, lw=0.7)
         axes[1].set_ylabel(literal(f"left [{fine_name}]"))
         row = 2
     if force is not None:

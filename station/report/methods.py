@@ -5,14 +5,7 @@ from identify.formatting import damping_name
 from station.report import identification_figures as draw
 from station.report.content import Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
-from station.text.numbers import (
-    lowered,
-    scale,
-    typeset_error,
-    typeset_figures,
-    typeset_symbol,
-    typeset_unit,
-)
+from station.text.numbers import lowered, scale, typeset_error, typeset_figures, typeset_symbol, typeset_unit
 from station.text.table import Tables, make_tables
 
 TITLE = "Identification by two methods"

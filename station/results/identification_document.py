@@ -109,7 +109,7 @@ def _record(result: Identification) -> RecordDocument:
     return RecordDocument(
         rate_hz=decay.rate,
         samples=len(decay),
-        lost_samples=0 if decay.valid is None else int((~decay.valid).sum()),
+        lost_samples=result.lost_samples,
         channels=[name for name in MOTION if getattr(decay, name) is not None],
         unit=decay.unit,
         mass_kg=decay.mass,

@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from identify.arrays import Array
 from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.release import Release
@@ -27,3 +30,15 @@ class Identification:
     restoring_force: RestoringForceResult | None
     without_alignment: RestoringForceResult | None
     refusals: dict[str, str]
+
+    @property
+    def lost_samples(self) -> int:
+        """How many samples were lost."""
+        return 0 if self.decay.valid is None else int((~self.decay.valid).sum())
+
+    def rebuilt_decay(self, found: WaveletResult) -> tuple[Array, Array]:
+        """Return the measured channel of the wavelet on its times, and the same rebuilt from the parameters, SI."""
+        measured = np.asarray(getattr(self.aligned, found.channel))
+        index = np.clip(np.round(found.time * self.decay.rate).astype(int), 0, len(measured) - 1)
+        offset = float(np.median(measured[index] - found.reconstruction))
+        return measured[index], found.reconstruction + offset

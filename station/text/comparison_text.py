@@ -56,8 +56,7 @@ def errors(compared: Compared) -> Table:
         "eq. (18), at the measured motion",
     )
     horizon = f"free run, rms, {found.horizon:.2g} s ({found.horizon_cycles:.0f} cycles)"
-    lowest = 100.0 * found.floor[found.motion_channel].std / _rms(compared)
-    table.add_row("motion", f"{found.motion_error:.3g} %", f"{lowest:.2g} %", horizon)
+    table.add_row("motion", f"{found.motion_error:.3g} %", f"{compared.motion_floor:.2g} %", horizon)
     table.add_row(
         "chi-square",
         f"{found.chi_square:.4g}",
@@ -65,11 +64,6 @@ def errors(compared: Compared) -> Table:
         "over the noise; 1: nothing left",
     )
     return table
-
-
-def _rms(compared: Compared) -> float:
-    window, channel = compared.baseline.fit.windows[0], compared.comparison.motion_channel
-    return float(np.std(window.readings[channel][window.used[channel]]))
 
 
 def floor_text(compared: Compared) -> str:

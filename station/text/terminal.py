@@ -40,7 +40,7 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
     names = [
         n for n in ("displacement", "velocity", "acceleration", "force") if getattr(decay, n) is not None
     ]
-    lost = 0 if decay.valid is None else int((~decay.valid).sum())
+    lost = result.lost_samples
     unit = "kg m^2" if decay.unit == "rad" else "kg"
     mass = "mass not given: per unit mass" if decay.mass is None else f"{decay.mass:g} {unit}"
     facts = [

@@ -46,7 +46,6 @@ def _states(stream: rr.RecordingStream, result: Identification) -> None:
 def facts(name: str, result: Identification) -> str:
     """Return what is known of the capture, as markdown."""
     decay, release = result.decay, result.release
-    lost = 0 if decay.valid is None else int((~decay.valid).sum())
     rest = (release.rest[1] - release.rest[0]) / decay.rate
     lines = [
         f"# {name}",
@@ -54,7 +53,7 @@ def facts(name: str, result: Identification) -> str:
         "| | |",
         "|---|---|",
         f"| rate | {decay.rate:g} Hz |",
-        f"| samples | {len(decay)} ({len(decay) / decay.rate:.2f} s), {lost} lost |",
+        f"| samples | {len(decay)} ({len(decay) / decay.rate:.2f} s), {result.lost_samples} lost |",
         f"| rest before | {rest:.2f} s |",
         f"| release | at {release.time_s:.4f} s |",
         f"| kind | {KINDS[release.kind]} |",

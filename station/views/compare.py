@@ -211,7 +211,7 @@ def summary(compared: Compared) -> str:
         "| error | value | at the floor |",
         "|---|---:|---:|",
         f"| force, eq. (18) | {found.force_error:.3g} % | {found.force_floor:.2g} % |",
-        f"| motion, free run of {found.horizon:.2g} s | {found.motion_error:.3g} % | |",
+        f"| motion, free run of {found.horizon:.2g} s | {found.motion_error:.3g} % | {compared.motion_floor:.2g} % |",
         f"| chi-square | {found.chi_square:.4g} | 1 ± {found.chi_square_std:.2f} |",
         "",
         found.cause,
@@ -263,10 +263,7 @@ def tab(compared: Compared, root: str = ROOT) -> rrb.Container:
     )
     return rrb.Horizontal(
         rrb.Vertical(log.document("Comparison", f"{root}/summary"), plane, row_shares=[1, 1.2]),
-        rrb.Vertical(
-            *views,
-            row_shares=[1.0, 0.8] * len(channels),
-        ),
+        rrb.Vertical(*views, row_shares=[1.0, 0.8] * len(channels)),
         rrb.Vertical(
             log.shown_picture("Sections through the phase plane", f"{root}/sections"),
             log.shown_picture("Cycle by cycle", f"{root}/cycles"),

@@ -1,6 +1,5 @@
 """The Results tab: both methods side by side, and the reconstruction over the measurement."""
 
-import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
@@ -24,17 +23,12 @@ def _decay(stream: rr.RecordingStream, result: Identification) -> None:
     found = result.wavelet
     if found is None:
         return
-    measured = getattr(result.aligned, found.channel)
+    measured, model = result.rebuilt_decay(found)
     factor, unit = scale(found.channel, result.decay.unit)
     fine, fine_unit = scale(found.channel, result.decay.unit, fine=True)
-    index = np.clip(np.round(found.time * result.decay.rate).astype(int), 0, len(measured) - 1)
-    offset = float(np.median(measured[index] - found.reconstruction))
-    left = measured[index] - found.reconstruction - offset
-    _pair(
-        stream, "decay", found.time, measured[index] * factor, (found.reconstruction + offset) * factor, unit
-    )
+    _pair(stream, "decay", found.time, measured * factor, model * factor, unit)
     log.series(
-        stream, f"{ROOT}/decay_error", found.time, left * fine, f"measured minus model [{fine_unit}]",
+        stream, f"{ROOT}/decay_error", found.time, (measured - model) * fine, f"measured minus model [{fine_unit}]",
         palette.WAVELET,
     )  # fmt: skip
 

@@ -29,6 +29,18 @@ def send(url: str, name: str, result: Identification) -> None:
     _fill(stream, name, result)
 
 
+def send_tabs(url: str, name: str, tabs: tuple[Tab, ...], timeline: str) -> None:
+    """Send tabs alone to a viewer that is open already, the first in front; what went there under the same name stays."""
+    stream = rr.RecordingStream(APPLICATION, recording_id=name, send_properties=False)
+    stream.connect_grpc(url)
+    layout = log.blueprint([tab.layout() for tab in tabs], timeline, follow=True)
+    stream.send_blueprint(layout, make_active=True, make_default=True)
+    for tab in tabs:
+        tab.write(stream)
+    stream.flush()
+    stream.disconnect()
+
+
 def _fill(stream: rr.RecordingStream, name: str, result: Identification, more: tuple[Tab, ...] = ()) -> None:
     for tab in TABS:
         tab.write(stream, name, result)

@@ -86,5 +86,5 @@ async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:
         await receive()
         await send({"type": "websocket.close", "code": 1008})
         return
-    answer = PlainTextResponse("this address belongs to a workbench that does not know you\n", 403)
+    answer = PlainTextResponse("this workbench answers requests of its own page only\n", 403)
     await answer(scope, receive, send)

@@ -79,7 +79,7 @@ def _run(
 
     async def run() -> None:
         say(f"workbench: {address}")
-        say("leave it with Ctrl-C")
+        say("end it with Ctrl-C")
         if open_browser:
             asyncio.get_running_loop().run_in_executor(None, webbrowser.open, address)
         await server.serve(sockets=[opened])

@@ -136,7 +136,7 @@ class SuspectsPanel:
                 )
                 if suspect.confusable_with:
                     close = _plain(", ".join(suspect.confusable_with[:4]))
-                    widgets.label(f"easily taken for {close}", "small faint wrap")
+                    widgets.label(f"easily confused with {close}", "small faint wrap")
 
     def _add(self, name: str) -> None:
         self._session.start(f"Adding {_plain(name)}", "add", name)

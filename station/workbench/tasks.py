@@ -66,11 +66,7 @@ def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> view_model
     model = _present_model(session)
     compared, _ = compare_session(session, settings, model, prepared=opened.refinement.prepared)
     return view_models.View(
-        ladder,
-        picture_of(compared),
-        _diagnosis(session),
-        equations_of(ladder),
-        results_stamp(session.folder),
+        ladder, picture_of(compared), _diagnosis(session), equations_of(ladder), results_stamp(session.folder)
     )
 
 

@@ -144,7 +144,7 @@ class WorkerPool:
             if job.cancelled:
                 raise
             raise Failed(
-                "the computation ended without a word (out of memory?); nothing recorded is lost"
+                "the computation ended unexpectedly (out of memory?); nothing recorded is lost"
             ) from None
         finally:
             await self._give_back(job, worker)
