@@ -50,7 +50,7 @@ def _said(name: str, options: dict, folder: Path) -> list[str]:
             raise
         return [name, f"refused: {str(error).split(': ', 1)[-1]}", "", "", "", "", ""]
     before, after = document["error"], document["error_with_named"] or document["error"]
-    friction = found.start.fit.values["coulomb_friction.mu_0"]
+    friction = found.baseline.fit.values["coulomb_friction.mu_0"]
     known = (
         f"{friction.value:.2g} ± {friction.std:.1g}"
         if friction.std < float("inf")

@@ -82,10 +82,10 @@ def _compared(session: Path, repetitions: int) -> float:
     from identify.comparison.compare import compare_fitted
     from identify.fitting.baseline import fit_baseline
     from identify.model.model import base_model
-    from station.operations.session_set import make_ready
     from station.settings import Settings
+    from station.story.preparation import prepare_session
 
-    prepared = make_ready(Session.open(session), Settings())
+    prepared = prepare_session(Session.open(session), Settings())
     start = fit_baseline((prepared,), base_model())
     return _median_ms(lambda: compare_fitted(start), repetitions)
 

@@ -46,13 +46,13 @@ _WORTH_A_MENTION = 6.0
 class Diagnosis(Summarised):
     """What a model lacks.
 
-    `start` is the model as fitted, with its floor. `suspects` come in order, what the verdict names first. `together`
+    `baseline` is the model as fitted, with its floor. `suspects` come in order, what the verdict names first. `together`
     names a second effect when it takes two to reach the floor. `findings` are sensors' faults that are corrected in
     every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
     shows. `shape` is the free form, when something is missing that has no name.
     """
 
-    start: Baseline
+    baseline: Baseline
     verdict: Verdict
     suspects: tuple[Suspect, ...]
     together: tuple[str, ...]
@@ -76,7 +76,7 @@ class Diagnosis(Summarised):
         Effects that are no longer needed once others have come are taken out. `progress` is called with each new rung
         and a sentence.
         """
-        rungs, found = [rung_of(self.start)], self
+        rungs, found = [rung_of(self.baseline)], self
         own = set(rungs[0].effects)
         progress(rungs[0], "the model to begin with")
         while not (reason := found._reason_to_stop(len(rungs))):
@@ -88,7 +88,7 @@ class Diagnosis(Summarised):
                 progress(rung, f"removed {rung.removed}: it is no longer needed")
             top = rungs[-1].fit
             known = top.point
-            found = diagnose(self.start.decays, top.model, library=self.library, known=known)
+            found = diagnose(self.baseline.decays, top.model, library=self.library, known=known)
         return Ladder(tuple(rungs), reason, found.verdict)
 
     def _reason_to_stop(self, rungs: int) -> str:
@@ -135,46 +135,50 @@ def diagnose(
     The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin the fit from, by
     unknown's name. Raises NotIdentifiable when a release holds too little to fit anything.
     """
-    start = fit_baseline(segments_of(decays), model or base_model(), known)
-    tried = singles(start, library)
-    ranked = rank(start, tried, chances(start, library))
+    baseline = fit_baseline(segments_of(decays), model or base_model(), known)
+    tried = singles(baseline, library)
+    ranked = rank(baseline, tried, chances(baseline, library))
     faults = tuple(
-        f for f in corrected_faults(start.decays, start.fit) if f.term.effect.name not in start.fit.model
+        f
+        for f in corrected_faults(baseline.decays, baseline.fit)
+        if f.term.effect.name not in baseline.fit.model
     )
-    judgement = judge(start, ranked, faults, library)
-    settled = refit_at_floor(start.decays, judgement.final) if judgement.final is not start.fit else start
-    suspects = _with_held_out(start, _suspects(start, judgement, faults, settled))
+    judgement = judge(baseline, ranked, faults, library)
+    settled = (
+        refit_at_floor(baseline.decays, judgement.final) if judgement.final is not baseline.fit else baseline
+    )
+    suspects = _with_held_out(baseline, _suspects(baseline, judgement, faults, settled))
     verdict = judgement.verdict
-    if _cycles(start) < _FEWEST_CYCLES and verdict != "sensor_fault":
+    if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
     findings = tuple(f for f in faults if f.significant)
     together, shape = judgement.together, judgement.shape
     return Diagnosis(
-        start=start,
+        baseline=baseline,
         verdict=verdict,
         suspects=suspects,
         together=together,
         findings=findings,
         final=settled.fit,
         shape=shape,
-        explanation=explain(start, verdict, suspects, together, findings, settled, shape),
-        next_experiment=next_experiment(start, verdict, suspects),
+        explanation=explain(baseline, verdict, suspects, together, findings, settled, shape),
+        next_experiment=next_experiment(baseline, verdict, suspects),
         library=library,
     )
 
 
-def _cycles(start: Baseline) -> float:
-    window = start.fit.windows[0]
-    return len(window) / window.rate * start.fit.frequency / (2.0 * np.pi)
+def _cycles(baseline: Baseline) -> float:
+    window = baseline.fit.windows[0]
+    return len(window) / window.rate * baseline.fit.frequency / (2.0 * np.pi)
 
 
 def _suspects(
-    start: Baseline, judgement: Judgement, faults: tuple[CorrectedFault, ...], settled: Baseline
+    baseline: Baseline, judgement: Judgement, faults: tuple[CorrectedFault, ...], settled: Baseline
 ) -> tuple[Suspect, ...]:
     """Return the suspects in order: first what the verdict names, if it names any."""
-    entries = [_suspect(start, entry, judgement, settled) for entry in judgement.ranked]
+    entries = [_suspect(baseline, entry, judgement, settled) for entry in judgement.ranked]
     sensors = sorted(
-        (_corrected(start, fault, faults) for fault in faults), key=lambda suspect: -suspect.evidence
+        (_corrected(baseline, fault, faults) for fault in faults), key=lambda suspect: -suspect.evidence
     )
     if judgement.corrected:
         return (*sensors, *entries)
@@ -186,7 +190,7 @@ def _suspects(
     return (*first, *strong, *rest, *weak)
 
 
-def _suspect(start: Baseline, entry: Ranked, judgement: Judgement, settled: Baseline) -> Suspect:
+def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: Baseline) -> Suspect:
     candidate = entry.candidate
     is_final = candidate.fit is judgement.final
     named = judgement.together and (entry is judgement.ranked[0] or candidate.name in judgement.together)
@@ -194,7 +198,7 @@ def _suspect(start: Baseline, entry: Ranked, judgement: Judgement, settled: Base
     return Suspect(
         effect=candidate.term.effect,
         term=candidate.term,
-        error_after=settled.reduced(settled.fit) if is_final else start.reduced(candidate.fit),
+        error_after=settled.reduced(settled.fit) if is_final else baseline.reduced(candidate.fit),
         evidence=entry.evidence,
         p_value=entry.p_value,
         claimed=entry.claimed,
@@ -205,30 +209,30 @@ def _suspect(start: Baseline, entry: Ranked, judgement: Judgement, settled: Base
     )
 
 
-def _corrected(start: Baseline, fault: CorrectedFault, faults: tuple[CorrectedFault, ...]) -> Suspect:
+def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[CorrectedFault, ...]) -> Suspect:
     """Return a fault that every fit corrects as a suspect: what the model would leave with this one named in it."""
     others = [f for f in faults if f is not fault]
-    chi_square = start.fit.chi_square + sum(f.drop for f in others)
+    chi_square = baseline.fit.chi_square + sum(f.drop for f in others)
     p_value = float(np.exp(-0.5 * max(fault.drop - 4.0, 0.0)))
     return Suspect(
         effect=fault.term.effect,
         term=fault.term,
-        error_after=chi_square / max(start.fit.degrees + sum(f.readings for f in others), 1),
+        error_after=chi_square / max(baseline.fit.degrees + sum(f.readings for f in others), 1),
         evidence=0.5 * fault.drop,
         p_value=p_value,
-        claimed=p_value < alpha(start),
+        claimed=p_value < alpha(baseline),
         parameters=fault.parameters,
-        fit=start.fit,
+        fit=baseline.fit,
     )
 
 
-def _with_held_out(start: Baseline, suspects: tuple[Suspect, ...]) -> tuple[Suspect, ...]:
+def _with_held_out(baseline: Baseline, suspects: tuple[Suspect, ...]) -> tuple[Suspect, ...]:
     """Ask the first few suspects what they predict of cycles they were not fitted to."""
-    base = _held_out_error(start.fit, start.fit.windows)
+    base = _held_out_error(baseline.fit, baseline.fit.windows)
     asked = []
     for place, suspect in enumerate(suspects):
-        if place < _HELD_OUT and suspect.fit is not start.fit and suspect.claimed:
-            gain = base - _held_out_error(suspect.fit, start.fit.windows)
+        if place < _HELD_OUT and suspect.fit is not baseline.fit and suspect.claimed:
+            gain = base - _held_out_error(suspect.fit, baseline.fit.windows)
             suspect = replace(suspect, held_out_gain=gain)
         asked.append(suspect)
     return tuple(asked)

@@ -10,7 +10,7 @@ from identify.formatting import quantity, three_figures
 
 
 def explain(
-    start: Baseline,
+    baseline: Baseline,
     verdict: str,
     suspects: tuple[Suspect, ...],
     together: tuple[str, ...],
@@ -20,7 +20,7 @@ def explain(
 ) -> str:
     """Return why the verdict is what it is, with numbers and the alternatives that remain."""
     if verdict == "nothing_missing":
-        return _nothing(start, suspects)
+        return _nothing(baseline, suspects)
     if verdict == "not_enough_data":
         return (
             "Fewer than five cycles of free motion stand above friction and noise, too few to tell effects apart. "
@@ -28,12 +28,12 @@ def explain(
         )
     top = suspects[0] if suspects else None
     if verdict == "unknown_effect" or top is None:
-        return _unknown(start, settled, top, shape)
+        return _unknown(baseline, settled, top, shape)
     if top.effect.name in {f.term.effect.name for f in findings}:
-        return _corrected(start, top, settled)
-    first = _named(start, top, together, settled)
+        return _corrected(baseline, top, settled)
+    first = _named(baseline, top, together, settled)
     second = _alternatives(top, suspects[1:])
-    if shape is not None and not start.adequate(settled.fit):
+    if shape is not None and not baseline.adequate(settled.fit):
         rest = f"{three_figures(settled.fit.reduced)} times the noise"
         second += f" What remains ({rest}) follows no force in displacement, velocity or time."
     return f"{first} {second}"
@@ -44,19 +44,20 @@ def floor_of(baseline: Baseline) -> str:
     return f"1 ± {baseline.spread:.2f}"
 
 
-def _nothing(start: Baseline, suspects: tuple[Suspect, ...]) -> str:
+def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...]) -> str:
+    left = three_figures(baseline.reduced(baseline.fit))
     first = (
-        f"The model leaves a reduced chi-square of {three_figures(start.reduced(start.fit))}, which is the noise floor "
-        f"({floor_of(start)}); no effect of the library lowers it by more than chance would."
+        f"The model leaves a reduced chi-square of {left}, which is the noise floor ({floor_of(baseline)}); "
+        "no effect of the library lowers it by more than chance would."
     )
     return f"{first} {_limit(suspects)}".strip()
 
 
-def _named(start: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:
+def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:
     cause = "Missing is" if top.kind == "physics" else "A sensor is at fault:"
     numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in top.parameters.items())
     what = f"{cause} {top.effect.title}{_where(top)} ({top.effect.name}: {numbers})"
-    before = three_figures(start.reduced(start.fit))
+    before = three_figures(baseline.reduced(baseline.fit))
     after = three_figures(settled.fit.reduced if together else top.error_after)
     if together:
         what += f" together with {' and '.join(together)}: both lower"
@@ -80,9 +81,9 @@ def _alternatives(top: Suspect, others: tuple[Suspect, ...]) -> str:
 
 
 def _unknown(
-    start: Baseline, settled: Baseline, top: Suspect | None, shape: NonparametricForce | None
+    baseline: Baseline, settled: Baseline, top: Suspect | None, shape: NonparametricForce | None
 ) -> str:
-    before = three_figures(start.reduced(start.fit))
+    before = three_figures(baseline.reduced(baseline.fit))
     first = f"Something is missing that the library does not name: the model leaves {before} times the noise"
     if top is not None and top.claimed:
         first += f", and the best named effect, {top.effect.name}, still {three_figures(top.error_after)}"
@@ -99,9 +100,9 @@ def _unknown(
     )
 
 
-def _corrected(start: Baseline, top: Suspect, settled: Baseline) -> str:
+def _corrected(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
     numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in top.parameters.items())
-    before, after = three_figures(start.reduced(start.fit)), three_figures(top.error_after)
+    before, after = three_figures(baseline.reduced(baseline.fit)), three_figures(top.error_after)
     return (
         f"A sensor is at fault: {top.effect.title}{_where(top)} ({top.effect.name}: {numbers}); without allowing for it "
         f"the reduced chi-square is {before}, with it {after}, the floor being {floor_of(settled)}. "

@@ -31,13 +31,13 @@ class Rung:
 
     added: str
     removed: str
-    start: Baseline
+    baseline: Baseline
     error: ModelError
 
     @property
     def fit(self) -> Fit:
         """The fitted model of this rung."""
-        return self.start.fit
+        return self.baseline.fit
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -47,7 +47,7 @@ class Rung:
     @property
     def at_floor(self) -> bool:
         """Whether the model leaves no more than noise does."""
-        return self.start.at_floor
+        return self.baseline.at_floor
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,29 +104,29 @@ def add_effect(rung: Rung, effect: Effect, *, library: tuple[Effect, ...] = LIBR
 
     Raises ValueError when the effect is in the model, NotIdentifiable when this record cannot show it.
     """
-    start = rung.start
-    if effect.name in start.fit.model:
+    baseline = rung.baseline
+    if effect.name in baseline.fit.model:
         raise ValueError(f"{effect.name} is in the model already")
     if isinstance(effect, SensorFault) and effect.corrected_in_every_fit:
         return _name_corrected_fault(rung, effect)
-    unit = start.fit.windows[0].unit
+    unit = baseline.fit.windows[0].unit
     if not effect.has_meaning_for(unit):
         raise NotIdentifiable(
             f"{effect.name} acts on displacements in {' or '.join(effect.units)}; this record is in {unit}."
         )
-    terms = candidate_terms(start.fit.model, (effect,), start.fit.windows[0])
-    tried = try_terms(start.decays, start.fit, terms)
+    terms = candidate_terms(baseline.fit.model, (effect,), baseline.fit.windows[0])
+    tried = try_terms(baseline.decays, baseline.fit, terms)
     if not tried:
         raise NotIdentifiable(f"This record has no channel that could show {effect.name}.")
-    return replace(rung_of(refit_at_floor(start.decays, tried[0].fit)), added=effect.name)
+    return replace(rung_of(refit_at_floor(baseline.decays, tried[0].fit)), added=effect.name)
 
 
 def remove_effect(rung: Rung, name: str) -> Rung:
     """Return the next rung: the model without an effect; KeyError when it has none of that name."""
-    start = rung.start
-    model = start.fit.model.minus(name)
-    found = fit(model, start.fit.windows, start.fit.point, start.fit.frequency)
-    return replace(rung_of(refit_at_floor(start.decays, found)), removed=name)
+    baseline = rung.baseline
+    model = baseline.fit.model.minus(name)
+    found = fit(model, baseline.fit.windows, baseline.fit.point, baseline.fit.frequency)
+    return replace(rung_of(refit_at_floor(baseline.decays, found)), removed=name)
 
 
 def without_needless_effects(rung: Rung, kept: set[str]) -> list[Rung]:
@@ -144,12 +144,14 @@ def without_needless_effects(rung: Rung, kept: set[str]) -> list[Rung]:
 
 def _name_corrected_fault(rung: Rung, effect: Effect) -> Rung:
     """Name in the model a fault that every fit has corrected already."""
-    start = rung.start
-    found = [f.term for f in corrected_faults(start.decays, start.fit) if f.term.effect.name == effect.name]
-    model = start.fit.model.plus(found[0] if found else Term(effect))
-    return replace(rung_of(replace(start, fit=replace(start.fit, model=model))), added=effect.name)
+    baseline = rung.baseline
+    found = [
+        f.term for f in corrected_faults(baseline.decays, baseline.fit) if f.term.effect.name == effect.name
+    ]
+    model = baseline.fit.model.plus(found[0] if found else Term(effect))
+    return replace(rung_of(replace(baseline, fit=replace(baseline.fit, model=model))), added=effect.name)
 
 
-def rung_of(start: Baseline) -> Rung:
+def rung_of(baseline: Baseline) -> Rung:
     """Return a fitted model as a rung, with its errors."""
-    return Rung("", "", start, errors_of(start))
+    return Rung("", "", baseline, errors_of(baseline))

@@ -24,11 +24,11 @@ _DRIVES = (
 _WORTH = 25.0
 
 
-def next_experiment(start: Baseline, verdict: str, suspects: tuple[Suspect, ...]) -> str:
+def next_experiment(baseline: Baseline, verdict: str, suspects: tuple[Suspect, ...]) -> str:
     """Return what to record next, in a sentence; simulated where two suspects compete."""
-    rivals = [s for s in suspects if s.kind == "physics" and s.fit is not start.fit]
-    amplitude, unit = _amplitude(start)
-    driven = start.decays[0].window.force is not None
+    rivals = [s for s in suspects if s.kind == "physics" and s.fit is not baseline.fit]
+    amplitude, unit = _amplitude(baseline)
+    driven = baseline.decays[0].window.force is not None
     if verdict == "nothing_missing" and driven:
         return "The same force at half and at one and a half times its level would show effects that hide at this one."
     if verdict == "nothing_missing":
@@ -41,7 +41,7 @@ def next_experiment(start: Baseline, verdict: str, suspects: tuple[Suspect, ...]
     if verdict == "sensor_fault":
         confirming_test = suspects[0].effect.confirming_test
         return f"{confirming_test[0].upper()}{confirming_test[1:]}."
-    if verdict == "unknown_effect" or len(rivals) < 2 or len(start.decays) > 1:
+    if verdict == "unknown_effect" or len(rivals) < 2 or len(baseline.decays) > 1:
         if verdict == "missing_effect":
             confirming_test = suspects[0].effect.confirming_test
             return f"To prove it: {confirming_test}."
@@ -68,8 +68,8 @@ def next_experiment(start: Baseline, verdict: str, suspects: tuple[Suspect, ...]
     )
 
 
-def _amplitude(start: Baseline) -> tuple[float, str]:
-    prepared = max(start.decays, key=lambda s: s.amplitude)
+def _amplitude(baseline: Baseline) -> tuple[float, str]:
+    prepared = max(baseline.decays, key=lambda s: s.amplitude)
     side = float(np.sign(prepared.motion.displacement[0])) or 1.0
     unit = prepared.window.unit
     scale, name = (1e3, "mm") if unit == "m" else (1.0, unit)
@@ -90,10 +90,12 @@ def _apart(first: Fit, second: Fit, factor: float) -> float:
     if not all(np.isfinite(values).all() for values in predicted.values()):
         return 0.0
     record: FitWindow = replace(window, readings=predicted)
-    start = second.point
+    beginning = second.point
     for unknown in second.unknowns:
         if unknown.window >= 0:
-            value, again = start.pop(unknown.name), factor if unknown.simulated else 1.0
-            start |= {str(unknown.id.of_release(i, 2)): value * scale for i, scale in enumerate((1.0, again))}
-    joint = fit(second.model, (second.windows[0], record), start, second.frequency, tolerance=1.0)
+            value, again = beginning.pop(unknown.name), factor if unknown.simulated else 1.0
+            beginning |= {
+                str(unknown.id.of_release(i, 2)): value * scale for i, scale in enumerate((1.0, again))
+            }
+    joint = fit(second.model, (second.windows[0], record), beginning, second.frequency, tolerance=1.0)
     return max(joint.chi_square - second.chi_square, 0.0)

@@ -23,16 +23,16 @@ _POLISHED_BESIDE_BEST = 10
 _SCREENED = 6
 
 
-def singles(start: Baseline, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
+def singles(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
     """Return the model refitted with each effect it lacks, best first."""
-    terms = candidate_terms(start.fit.model, library, start.fit.windows[0])
-    return try_terms(start.decays, start.fit, terms)
+    terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
+    return try_terms(baseline.decays, baseline.fit, terms)
 
 
-def chances(start: Baseline, library: tuple[Effect, ...] = LIBRARY) -> NullDistribution:
+def chances(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> NullDistribution:
     """Return what each effect would gain by chance if nothing were missing."""
-    terms = candidate_terms(start.fit.model, library, start.fit.windows[0])
-    return null_distribution(start.decays, start.fit, terms)
+    terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
+    return null_distribution(baseline.decays, baseline.fit, terms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Pair:
 
 
 def pairs(
-    start: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...] = LIBRARY
+    baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...] = LIBRARY
 ) -> tuple[Pair, ...]:
     """Return the most promising pairs of effects, best first.
 
@@ -60,34 +60,34 @@ def pairs(
     found: list[Pair] = []
     best = _distinct(tried)[0] if tried else None
     for stage in (_screened, _greedy):
-        for first, terms in stage(start, tried, library):
+        for first, terms in stage(baseline, tried, library):
             polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
-            seconds = try_terms(start.decays, first.fit, terms, polished=polished)
+            seconds = try_terms(baseline.decays, first.fit, terms, polished=polished)
             if seconds:
                 found.append(Pair(first, seconds[0]))
-            if start.floor_is_sure and _reached(start, found):
+            if baseline.floor_is_sure and _reached(baseline, found):
                 break
-        if _reached(start, found):
+        if _reached(baseline, found):
             break
     return tuple(sorted(found, key=lambda pair: (not pair.plausible, pair.second.score)))
 
 
-def _reached(start: Baseline, found: list[Pair]) -> bool:
-    return any(pair.plausible and start.adequate(pair.second.fit) for pair in found)
+def _reached(baseline: Baseline, found: list[Pair]) -> bool:
+    return any(pair.plausible and baseline.adequate(pair.second.fit) for pair in found)
 
 
 def _screened(
-    start: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
+    baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[tuple[Candidate, tuple[Term, ...]]]:
     """Yield the first of each screened pair with the terms of its second, which is begun from several starts.
 
     So the one with more inner parameters is the second; of two alike the one that is worse alone.
     """
     ranks = {candidate.name: rank for rank, candidate in enumerate(tried)}
-    largest = max(start.decays, key=lambda prepared: prepared.amplitude)
-    terms = candidate_terms(start.fit.model, library, start.fit.windows[0])
-    scales = scales_of(largest, residual_lines(start.fit))
-    for pair in promising_pairs(largest, start.fit.model, terms, scales)[:_SCREENED]:
+    largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
+    terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
+    scales = scales_of(largest, residual_lines(baseline.fit))
+    for pair in promising_pairs(largest, baseline.fit.model, terms, scales)[:_SCREENED]:
         if all(name in ranks for name in pair):
             first, second = sorted(
                 pair, key=lambda name: (len(tried[ranks[name]].term.effect.inner), ranks[name])
@@ -96,7 +96,7 @@ def _screened(
 
 
 def _greedy(
-    start: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
+    baseline: Baseline, tried: tuple[Candidate, ...], library: tuple[Effect, ...]
 ) -> Iterator[tuple[Candidate, tuple[Term, ...]]]:
     """Yield the best single candidates with what may go with them; two forces are left to the screening but once."""
     for rank, first in enumerate(_distinct(tried)):

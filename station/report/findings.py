@@ -149,10 +149,12 @@ def _refit(found: Findings, refinement: Refinement) -> None:
     except (Problem, NotIdentifiable) as refusal:
         found.left_out["ladder"] = str(refusal)
         return
-    if len(top.start.decays) > 1:  # fitted in segments, which start each for themselves; compared in one run
+    if (
+        len(top.baseline.decays) > 1
+    ):  # fitted in segments, which start each for themselves; compared in one run
         known = known_model(ladder.top.model, "the ladder", refinement.library)
         start = starting_values(known, (prepared,))
         compared = compare(name, prepared, known.model, start, mass=mass)
     else:
-        compared = compare_fitted(name, top.start, mass=mass)
+        compared = compare_fitted(name, top.baseline, mass=mass)
     found.refined = FittedLadder(ladder, top, compared)

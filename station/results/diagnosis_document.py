@@ -151,7 +151,7 @@ def diagnosis_document(
     `expressions` are the user's own effects; `left_out` are the errors of physics fitted to the other sessions, None
     with one session.
     """
-    baseline = found.start
+    baseline = found.baseline
     fitted = model_file(baseline.fit, expressions)
     return DiagnosisDocument.model_validate(
         {

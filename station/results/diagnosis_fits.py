@@ -44,10 +44,10 @@ class DiagnosisFits:
 
 def fits_of(found: Diagnosis, document: DiagnosisDocument, most: int = MOST) -> DiagnosisFits:
     """Return the fits of a diagnosis that was just made."""
-    decays = found.start.decays
+    decays = found.baseline.decays
     index = int(np.argmax([prepared.amplitude for prepared in decays]))
     best = tuple((s.term, s.fit) for s in found.suspects[:most])
-    return DiagnosisFits(document, decays[index], index, found.start.fit, best)
+    return DiagnosisFits(document, decays[index], index, found.baseline.fit, best)
 
 
 def refitted(

@@ -135,8 +135,8 @@ def _comparison(found: Comparison) -> Picture:
 
 
 def _diagnosis(found: Diagnosis) -> Picture:
-    place = int(np.argmax([prepared.amplitude for prepared in found.start.decays]))
-    prepared, base = found.start.decays[place], found.start.fit
+    place = int(np.argmax([prepared.amplitude for prepared in found.baseline.decays]))
+    prepared, base = found.baseline.decays[place], found.baseline.fit
     panels = [("missing", force_map(prepared, force_left(prepared, base)))]
     tried = [s for s in found.suspects if s.effect.name in s.fit.model][:MOST_SUSPECTS]
     for suspect in tried:

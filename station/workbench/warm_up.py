@@ -24,4 +24,4 @@ def warm_up() -> None:
     prepared = prepare(FreeDecay(rate=RATE, displacement=u, acceleration=a))
     friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
     rung = add_effect(first_rung((prepared,)), friction, library=LIBRARY)
-    compare_fitted(rung.start)
+    compare_fitted(rung.baseline)

@@ -45,7 +45,8 @@ def test_several_captures_follow_each_other_on_one_double(tmp_path: Path, line: 
             session = capture(bench.port, SETTINGS, tmp_path / str(number))
             assert session.info.verdict == verdict
             window = session.assembly().window
-            truth = bench.truth()["releases"][number]
+            # A busy computer stops late, and the operator goes on: the capture's first release is meant.
+            truth = next(r for r in bench.truth()["releases"] if r["capture"] == number + 1)
             assert window is not None
             assert window.trigger is not None
             assert 0 <= window.trigger - truth["sample"] <= truth["hand_s"] * 256 + 1
