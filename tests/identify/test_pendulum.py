@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk, j1
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.refine import add_effect, first_rung
+from identify.diagnosis.ladder import add_effect, first_rung
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.library import LIBRARY, find_effect
 from identify.errors import NotIdentifiable
@@ -17,7 +17,6 @@ from identify.free_decay import FreeDecay
 from identify.model.equivalent_linearisation import average
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
-from identify.preprocessing.release import find_release
 
 RATE, REST, SECONDS = 128.0, 2.0, 24.0
 K, MU_0, MU_1 = 31.0, 0.05, 0.06
@@ -69,8 +68,7 @@ def swung():
         acceleration=a + NOISE_ACCELERATION * draw.standard_normal(len(a)),
         unit="rad",
     )
-    release = find_release(decay.rate, decay.displacement, None, decay.acceleration)
-    return prepare(decay.with_(release=release.index, rest=release.rest), release)
+    return prepare(decay)
 
 
 @cache
