@@ -9,7 +9,7 @@ import pytest
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
-TOGETHER = ("identify", "station", "workbench", "installing")
+TOGETHER = ("identify", "station", "workbench", "installing", "docs")
 """Folders in which the tests of one file share releases that were fitted, diagnosed or recorded once."""
 
 COMPILE = (

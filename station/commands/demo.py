@@ -108,7 +108,7 @@ def _examples(settings_file: str | None, name: str | None, as_json: bool) -> Non
     session = open_example(name, settings.sessions)
     result, document = identify_session(session, options_for(session, settings))
     if as_json:
-        print_json({"session": str(session.folder), "identification": document})
+        print_json({"session": str(session.folder), "identification": document.plain()})
     else:
         show_identification(screen(), session.folder.name, result)
         next_steps(screen(), session.folder)

@@ -80,7 +80,7 @@ def test_the_pendulum_is_at_the_floor_with_its_effect_and_far_above_without():
     ground = first_rung((swung(),))
     there = add_effect(ground, find_effect("pendulum_stiffness"))
     assert ground.error.chi_square > 20.0
-    assert there.start.adequate(there.fit)
+    assert there.at_floor
     g, k = there.fit.values["pendulum_stiffness.g"], there.fit.values["linear_stiffness.k"]
     assert g.unit == "1/s^2"
     # All of the stiffness is gravity's; 4 standard errors: 1 in 16000 by chance.
