@@ -19,6 +19,7 @@ from identify.effects.force_effect import ForceEffect
 
 _STEP_ANGLE = 0.055
 _STEP_ANGLE_KINKED = 0.027
+_REVERSAL_TRIALS = 8
 _EVENTS_PER_STEP = 16
 _COMPILE: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
 
@@ -134,128 +135,155 @@ def _drive(external, position):  # type: ignore[no-untyped-def]
 
 
 @njit(**_COMPILE)
+def _direction_of_slip(addresses, t, u, states, linear, table, drive):  # type: ignore[no-untyped-def]
+    """At zero velocity: the direction in which the mass will slip (0 where friction holds it), and the acceleration."""
+    _, total, level = _acceleration(addresses, t, u, 0.0, states, 0.0, linear, table, drive)
+    if abs(total) <= level:
+        return 0.0, 0.0
+    s = -np.sign(total)
+    return s, -total - s * level
+
+
+@njit(**_COMPILE)
+def _hold(addresses, t, u, step, states, table, work):  # type: ignore[no-untyped-def]
+    """Internal states after a step in which the mass sticks, into work[4]."""
+    _state_rates(addresses, t, u, 0.0, states, table, work[0])
+    _blend(states, 0.5 * step, work[0], work[4])
+    _state_rates(addresses, t + 0.5 * step, u, 0.0, work[4], table, work[1])
+    _blend(states, step, work[1], work[4])
+
+
+@njit(**_COMPILE)
+def _until_reversal(  # type: ignore[no-untyped-def]
+    addresses,
+    memory,
+    t,
+    u,
+    v,
+    a,
+    states,
+    s,
+    step,
+    vn,
+    h,
+    linear,
+    table,
+    drives,
+    work,
+    external,
+    position,
+    interval,
+):
+    """Length of the step after which the velocity is zero, and the displacement there, by false position."""
+    low, high, vlow, vhigh, un, guess = 0.0, step, v, vn, u, step
+    for _ in range(_REVERSAL_TRIALS):
+        guess = low + (high - low) * vlow / (vlow - vhigh)
+        guess = min(max(guess, low + 1e-3 * (high - low)), high - 1e-3 * (high - low))
+        if external.shape[0] > 1:
+            _drive_step(external, position, guess / interval, drives)
+        un, vn = _step(addresses, memory, t, u, v, a, states, s, guess, linear, table, drives, work)
+        if abs(vn) <= 1e-9 * (abs(a) * h + 1e-300):
+            break
+        if vn * s > 0.0:
+            low, vlow = guess, vn
+        else:
+            high, vhigh = guess, vn
+    return guess, un
+
+
+@njit(**_COMPILE)
+def _drive_step(external, position, length, drives):  # type: ignore[no-untyped-def]
+    """Recorded force in the middle and at the end of a step of `length` samples from `position`, into drives[1:]."""
+    drives[1] = _drive(external, position + 0.5 * length)
+    drives[2] = _drive(external, position + length)
+
+
+@njit(**_COMPILE)
+def _take_over(addresses, found, states):  # type: ignore[no-untyped-def]
+    """Copy the internal states that a step found."""
+    for r in range(states.shape[0]):
+        if addresses[r, 2] != 0:
+            states[r, 0], states[r, 1] = found[r, 0], found[r, 1]
+
+
+@njit(**_COMPILE)
+def _read_before(readings, interval, lag, u, v, a):  # type: ignore[no-untyped-def]
+    """Fill in the samples that a late channel reads before the start, by its acceleration; return the next one."""
+    due = 0
+    while due < readings.shape[1] and due * interval - lag <= 0.0:
+        ahead = due * interval - lag
+        readings[0, due] = u + ahead * (v + 0.5 * ahead * a)
+        readings[1, due] = v + ahead * a
+        due += 1
+    return due
+
+
+@njit(**_COMPILE)
 def _run(  # type: ignore[no-untyped-def]
     addresses, memory, dry, t0, n, interval, substeps, u, v, states, linear, table, lag, external
 ):
-    displacement = np.empty(n)
-    velocity = np.empty(n)
-    acceleration = np.empty(n)
-    work = np.zeros((5, addresses.shape[0], 2))
-    drives = np.zeros(3)
-    driven = external.shape[0] > 1
+    """Displacement, velocity and acceleration at the samples, shape (3, n)."""
+    readings = np.empty((3, n))
+    work, drives = np.zeros((5, addresses.shape[0], 2)), np.zeros(3)
     h = interval / substeps
-    t = t0
+    driven = external.shape[0] > 1
     if driven:
         drives[0] = _drive(external, 0.0)
-    s = 0.0
-    if dry:
-        s = np.sign(v)
-    a, total, level = _acceleration(addresses, t, u, v, states, s, linear, table, drives[0])
-    if dry and s == 0.0 and abs(total) > level:
-        s = -np.sign(total)
-        a = -total - s * level
-    elif dry and s == 0.0:
-        a = 0.0
-    stuck = dry and s == 0.0
-    due = 0
-    while due < n and due * interval - lag <= 0.0:
-        ahead = due * interval - lag
-        displacement[due] = u + ahead * (v + 0.5 * ahead * a)
-        velocity[due] = v + ahead * a
-        due += 1
-    acceleration[0] = a
+    s = np.sign(v) if dry else 0.0
+    if dry and s == 0.0:
+        s, a = _direction_of_slip(addresses, t0, u, states, linear, table, drives[0])
+    else:
+        a = _acceleration(addresses, t0, u, v, states, s, linear, table, drives[0])[0]
+    due = _read_before(readings, interval, lag, u, v, a)
     for i in range(n):
-        acceleration[i] = a
+        readings[2, i] = a
         if i == n - 1 and due >= n:
             break
         for k in range(substeps):
-            remaining = h
-            base = t0 + i * interval + k * h
+            t = t0 + i * interval + k * h
+            remaining, start = h, t
             for _ in range(_EVENTS_PER_STEP):
-                t = base + (h - remaining)
-                step = remaining
+                t = start + (h - remaining)
+                step, crossed, stuck = remaining, False, dry and s == 0.0
+                position = (t - t0) / interval
                 if driven:
-                    position = (t - t0) / interval
-                    drives[1] = _drive(external, position + 0.5 * step / interval)
-                    drives[2] = _drive(external, position + step / interval)
-                crossed = False
-                if stuck:
-                    un = u
-                    vn = 0.0
-                    if memory:
-                        _state_rates(addresses, t, u, 0.0, states, table, work[0])
-                        _blend(states, 0.5 * step, work[0], work[4])
-                        _state_rates(addresses, t + 0.5 * step, u, 0.0, work[4], table, work[1])
-                        _blend(states, step, work[1], work[4])
-                else:
+                    _drive_step(external, position, step / interval, drives)
+                un, vn, an = u, 0.0, 0.0
+                if stuck and memory:
+                    _hold(addresses, t, u, step, states, table, work)
+                if not stuck:
                     un, vn = _step(
                         addresses, memory, t, u, v, a, states, s, step, linear, table, drives, work
                     )
-                    if dry and vn * s < 0.0:
-                        crossed = True
-                        low = 0.0
-                        high = step
-                        vlow = v
-                        vhigh = vn
-                        for _ in range(8):
-                            guess = low + (high - low) * vlow / (vlow - vhigh)
-                            guess = min(max(guess, low + 1e-3 * (high - low)), high - 1e-3 * (high - low))
-                            if driven:
-                                drives[1] = _drive(external, position + 0.5 * guess / interval)
-                                drives[2] = _drive(external, position + guess / interval)
-                            un, vn = _step(
-                                addresses, memory, t, u, v, a, states, s, guess, linear, table, drives, work
-                            )
-                            step = guess
-                            if abs(vn) <= 1e-9 * (abs(a) * h + 1e-300):
-                                break
-                            if vn * s > 0.0:
-                                low = guess
-                                vlow = vn
-                            else:
-                                high = guess
-                                vhigh = vn
-                        vn = 0.0
-                an = 0.0
+                    crossed = dry and vn * s < 0.0
+                if crossed:
+                    step, un = _until_reversal(
+                        addresses, memory, t, u, v, a, states, s, step, vn, h, linear, table, drives, work, external,
+                        position, interval,
+                    )  # fmt: skip
+                    vn = 0.0
                 if memory:
-                    for r in range(states.shape[0]):
-                        if addresses[r, 2] != 0:
-                            states[r, 0] = work[4, r, 0]
-                            states[r, 1] = work[4, r, 1]
+                    _take_over(addresses, work[4], states)
                 if not stuck:
                     an = _acceleration(addresses, t + step, un, vn, states, s, linear, table, drives[2])[0]
                 while due < n and due * interval - lag <= t + step - t0 + 1e-12:
                     x = (due * interval - lag - (t - t0)) / step
-                    displacement[due], velocity[due] = _hermite(x, step, u, v, a, un, vn, an)
+                    readings[0, due], readings[1, due] = _hermite(x, step, u, v, a, un, vn, an)
                     due += 1
-                u = un
-                v = vn
-                a = an
-                if dry and (crossed or stuck):
-                    _, total, level = _acceleration(
-                        addresses, t + step, u, 0.0, states, 0.0, linear, table, drives[2]
-                    )
-                    stuck = abs(total) <= level
-                    if stuck:
-                        s = 0.0
-                        a = 0.0
-                    else:
-                        s = -np.sign(total)
-                        a = -total - s * level
+                u, v, a = un, vn, an
+                if crossed or stuck:
+                    s, a = _direction_of_slip(addresses, t + step, u, states, linear, table, drives[2])
                 remaining -= step
                 if remaining <= 1e-9 * h:
                     break
             if not (abs(u) < 1e12):
-                displacement[due:] = np.inf
-                velocity[due:] = np.inf
-                acceleration[i + 1 :] = np.inf
-                return displacement, velocity, acceleration
-    while due < n:
-        ahead = due * interval - lag - (n - 1) * interval
-        displacement[due] = u + ahead * v
-        velocity[due] = v
-        due += 1
-    return displacement, velocity, acceleration
+                readings[:2, due:] = np.inf
+                readings[2, i + 1 :] = np.inf
+                return readings
+    for i in range(due, n):  # an early channel ends after the run
+        readings[0, i] = u + (i * interval - lag - (n - 1) * interval) * v
+        readings[1, i] = v
+    return readings
 
 
 def substeps_for(frequency: float, rate: float, *, nonsmooth: bool) -> int:
@@ -285,7 +313,7 @@ def simulate(
     and velocity are read at `lag` s before each sample. A motion that runs away is filled with inf.
     """
     dry = bool(linear[2] > 0.0 or system.addresses[:, 1].any())
-    displacement, velocity, acceleration = _run(
+    readings = _run(
         system.addresses,
         bool(system.addresses[:, 2].any()),
         dry,
@@ -301,7 +329,7 @@ def simulate(
         lag,
         np.zeros(0) if external is None else external,
     )
-    return Response(displacement, velocity, acceleration)
+    return Response(readings[0], readings[1], readings[2])
 
 
 def make_system(effects: tuple[ForceEffect, ...]) -> System:
