@@ -179,8 +179,7 @@ def _until_reversal(  # type: ignore[no-untyped-def]
     for _ in range(_REVERSAL_TRIALS):
         guess = low + (high - low) * vlow / (vlow - vhigh)
         guess = min(max(guess, low + 1e-3 * (high - low)), high - 1e-3 * (high - low))
-        if external.shape[0] > 1:
-            _drive_step(external, position, guess / interval, drives)
+        _drive_step(external, position, guess / interval, drives)
         un, vn = _step(addresses, memory, t, u, v, a, states, s, guess, linear, table, drives, work)
         if abs(vn) <= 1e-9 * (abs(a) * h + 1e-300):
             break
@@ -193,9 +192,10 @@ def _until_reversal(  # type: ignore[no-untyped-def]
 
 @njit(**_COMPILE)
 def _drive_step(external, position, length, drives):  # type: ignore[no-untyped-def]
-    """Recorded force in the middle and at the end of a step of `length` samples from `position`, into drives[1:]."""
-    drives[1] = _drive(external, position + 0.5 * length)
-    drives[2] = _drive(external, position + length)
+    """Write the recorded force in the middle and at the end of a step of `length` samples into drives[1:], if one acts."""
+    if external.shape[0] > 1:
+        drives[1] = _drive(external, position + 0.5 * length)
+        drives[2] = _drive(external, position + length)
 
 
 @njit(**_COMPILE)
@@ -226,9 +226,8 @@ def _run(  # type: ignore[no-untyped-def]
     readings = np.empty((3, n))
     work, drives = np.zeros((5, addresses.shape[0], 2)), np.zeros(3)
     h = interval / substeps
-    driven = external.shape[0] > 1
-    if driven:
-        drives[0] = _drive(external, 0.0)
+    _drive_step(external, 0.0, 0.0, drives)
+    drives[0] = drives[2]
     s = np.sign(v) if dry else 0.0
     if dry and s == 0.0:
         s, a = _direction_of_slip(addresses, t0, u, states, linear, table, drives[0])
@@ -246,8 +245,7 @@ def _run(  # type: ignore[no-untyped-def]
                 t = start + (h - remaining)
                 step, crossed, stuck = remaining, False, dry and s == 0.0
                 position = (t - t0) / interval
-                if driven:
-                    _drive_step(external, position, step / interval, drives)
+                _drive_step(external, position, step / interval, drives)
                 un, vn, an = u, 0.0, 0.0
                 if stuck and memory:
                     _hold(addresses, t, u, step, states, table, work)
@@ -257,11 +255,10 @@ def _run(  # type: ignore[no-untyped-def]
                     )
                     crossed = dry and vn * s < 0.0
                 if crossed:
-                    step, un = _until_reversal(
+                    vn, (step, un) = 0.0, _until_reversal(
                         addresses, memory, t, u, v, a, states, s, step, vn, h, linear, table, drives, work, external,
                         position, interval,
                     )  # fmt: skip
-                    vn = 0.0
                 if memory:
                     _take_over(addresses, work[4], states)
                 if not stuck:
