@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: there is a worker a core
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 TOGETHER = ("identify", "station", "workbench", "installing", "docs")
