@@ -4,9 +4,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 STATION := $(VENV)/.installed
 TOOLS := $(VENV)/.installed-dev
+WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 INSTALL := STATION_VENV=$(VENV) $(PYTHON) install.py
 
-.PHONY: help install launcher demo test check bench docs clean
+.PHONY: help install launcher demo test slow check bench docs clean
 
 help:  ## what can be made
 	@grep -hE '^[a-z]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -35,7 +36,10 @@ check: $(TOOLS)  ## format, lint, types, import contracts
 	$(BIN)/lint-imports
 
 test: $(TOOLS)  ## all tests
-	$(BIN)/pytest -n 2 --dist loadgroup
+	$(BIN)/pytest $(WORKERS)
+
+slow: $(TOOLS)  ## the tests that take long
+	$(BIN)/pytest $(WORKERS) -m slow
 
 bench: $(TOOLS)  ## the long proofs; results go to docs/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'

@@ -11,8 +11,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: there 
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
-TOGETHER = ("identify", "station", "workbench", "installing", "docs")
-"""Folders in which the tests of one file share releases that were fitted, diagnosed or recorded once."""
+SLOWEST_FIRST = ("workbench", "identify", "end_to_end", "docs", "station")
 
 COMPILE = (
     "from station.workbench.warm_up import warm_up; warm_up()",
@@ -32,8 +31,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Keep the tests of a file on one worker where they share what is slow to make."""
-    for item in items:
-        folder, *_ = item.path.relative_to(HERE).parts
-        if folder in TOGETHER and item.get_closest_marker("xdist_group") is None:
-            item.add_marker(pytest.mark.xdist_group(item.path.stem))
+    """Begin with the folders whose files take longest, so that no worker is left alone with one at the end."""
+    items.sort(key=lambda item: _place(item.path.relative_to(HERE).parts[0]))
+
+
+def _place(folder: str) -> int:
+    return SLOWEST_FIRST.index(folder) if folder in SLOWEST_FIRST else len(SLOWEST_FIRST)

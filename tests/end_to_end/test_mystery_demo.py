@@ -20,7 +20,6 @@ from station.operations.simulated_board import simulated_board
 ROOT = Path(__file__).resolve().parents[2]
 HIDDEN = ROOT / "tests" / "data" / "hidden"
 TRUTH = {entry["file"]: entry for entry in json.loads((HIDDEN / "truth.json").read_text(encoding="utf-8"))}
-pytestmark = pytest.mark.xdist_group("mystery")
 
 
 @dataclass(frozen=True)
@@ -112,6 +111,7 @@ def test_the_figures_of_the_readme_are_those_that_the_mystery_gives(told):
     assert numbers(written) == pytest.approx(numbers(made), rel=0.011)
 
 
+@pytest.mark.slow
 def test_two_hidden_effects_are_both_found_by_climbing(folder):
     file = HIDDEN / "release_02.csv"
     ladder = json.loads(station("refine", file, "--auto", "--json", "--no-viewer"))

@@ -60,6 +60,7 @@ def test_nothing_is_claimed_where_nothing_is_hidden():
     assert verdicts == ["nothing_missing", "nothing_missing"]
 
 
+@pytest.mark.slow
 def test_a_magnet_beside_the_path_is_not_given_a_name_it_does_not_have():
     prepared, _ = drawn("magnet", 0.02, seed=43)
     found = diagnose((prepared,))

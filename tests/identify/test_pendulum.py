@@ -94,6 +94,7 @@ def test_the_diagnosis_names_it():
     assert found.named == ("pendulum_stiffness",)
 
 
+@pytest.mark.slow
 def test_a_cubic_spring_does_not_do_what_the_sine_does():
     found = diagnosed()
     cubic = next(s for s in found.suspects if s.effect.name == "cubic_stiffness")

@@ -274,6 +274,7 @@ def test_a_reboot_in_mid_capture_shows_in_the_boot_id(host):
         capture(connected, 6)  # It reboots once.
 
 
+@pytest.mark.slow
 def test_a_slow_line_makes_the_board_drop_and_say_so(host):
     with running("--pty", "--speed", "8", "--fault", "slow:2500") as address:
         connected = host(address)

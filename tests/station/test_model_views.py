@@ -19,8 +19,6 @@ from station.settings import Settings
 from station.views import open_viewer
 from station.views.viewer import executable
 
-pytestmark = pytest.mark.xdist_group("diagnosed")
-
 
 @pytest.fixture(scope="module")
 def refinement(tmp_path_factory, diagnosed):

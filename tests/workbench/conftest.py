@@ -19,13 +19,6 @@ from station.operations.simulated_board import simulated_board
 ROOT = Path(__file__).parents[2]
 
 
-def pytest_collection_modifyitems(items):
-    """Keep these tests on one core where two run: they share one workbench."""
-    for item in items:
-        if Path(__file__).parent in item.path.parents:
-            item.add_marker(pytest.mark.xdist_group("workbench"))
-
-
 HIDDEN = {"mystery_7": "stribeck_friction", "mystery_12": "quadratic_damping"}
 """What `mocks.mystery` hides under these numbers; read from its envelope when the sessions are made."""
 

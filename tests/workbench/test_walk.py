@@ -5,6 +5,8 @@ import re
 import subprocess
 import sys
 
+import pytest
+
 
 def chi2_of_rungs(page):
     return [float(text) for text in page.locator(".rung .value").all_inner_texts()]
@@ -70,6 +72,7 @@ def test_every_axis_has_a_unit_and_the_same_moment_is_marked_in_all_pictures(vis
     assert re.match(r"t = \d\.\d{3} s", page.locator("#readout").inner_text())
 
 
+@pytest.mark.slow
 def test_an_effect_of_ones_own_is_checked_as_it_is_typed_and_can_be_switched_off_and_on(visit, bench):
     page = visit.page
     page.goto(bench.fresh("mystery_12", "own"))
@@ -108,6 +111,7 @@ def test_a_computation_is_cancelled_and_the_next_one_works(visit, bench):
     assert page.locator(".rung").count() <= rungs + 1
 
 
+@pytest.mark.slow
 def test_two_tabs_on_two_sessions_do_not_disturb_each_other(visit, bench):
     first, second = visit.page, visit.page.context.new_page()
     first.goto(bench.fresh("mystery_7", "tab_one"))
@@ -136,6 +140,7 @@ def test_two_tabs_on_one_session_show_the_same(visit, bench):
     assert chi2_of_rungs(first) == chi2_of_rungs(second)
 
 
+@pytest.mark.slow
 def test_reruns_viewer_opens_in_the_page_and_asks_nobody_else(visit, bench):
     page = visit.page
     page.goto(bench.fresh("mystery_12", "viewed"))
