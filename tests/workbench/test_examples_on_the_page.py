@@ -20,6 +20,7 @@ def empty_page(visit, bench):
     aside.rename(sessions)
 
 
+@pytest.mark.slow
 def test_an_example_is_opened_from_the_empty_page(empty_page):
     page = empty_page
     page.get_by_text("No session yet.").wait_for()

@@ -3,6 +3,8 @@
 import math
 import shutil
 
+import pytest
+
 from tests.workbench.stalling import stalling_board
 
 
@@ -69,6 +71,7 @@ def test_a_record_that_is_too_short_says_so_and_so_does_a_damaged_one(visit, ben
     assert "fault of this program" not in page.locator(".bench-columns").inner_text()
 
 
+@pytest.mark.slow
 def test_a_board_that_falls_silent_is_reported_and_what_came_is_kept(visit, bench):
     page = visit.page
     page.goto(bench.address)
