@@ -111,13 +111,6 @@ def try_terms(
     return tuple(sorted(best.values(), key=lambda candidate: candidate.score))
 
 
-def try_term(decays: tuple[PreparedDecay, ...], base: Fit, term: Term) -> Candidate | None:
-    """Refit the model with one term added; None when it has nowhere to start."""
-    scales = scales_of(decays[0], residual_lines(base))
-    begun = _begin(decays, base, _slope(base), term, scales)
-    return None if begun is None else _finish(base, begun, scales)
-
-
 @dataclass(frozen=True, eq=False)
 class _Beginning:
     """A term after the first steps, with its inner parameters held."""

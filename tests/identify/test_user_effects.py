@@ -9,7 +9,6 @@ from scipy.integrate import solve_ivp
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_rung
-from identify.diagnosis.suspects import try_term
 from identify.effects.effect import Parameter, Scales
 from identify.effects.library import LIBRARY
 from identify.effects.user import build, own_effect, parse_effect
@@ -391,8 +390,7 @@ def test_memory_of_ones_own_takes_part_and_is_found():
         parameters=(Parameter("k1", "1/s^2", "", 0.0), Parameter("tau", "s", "", 1e-3, 10.0)),
     )
     base = fit_baseline((setting,), base_model()).fit
-    found = try_term((setting,), base, Term(creep))
-    assert found is not None
+    (found,) = try_terms((setting,), base, (Term(creep),))
     tau = found.fit.values["creep.tau"]
     assert abs(tau.value - truth["parameters"]["tau"]) < 4.5 * tau.std
     assert found.fit.reduced < 1.2
