@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_rung
+from identify.diagnosis.suspects import try_terms
 from identify.effects.effect import Parameter, Scales
 from identify.effects.library import LIBRARY
 from identify.effects.user import build, own_effect, parse_effect
