@@ -82,6 +82,7 @@ def test_a_users_own_magnet_takes_part_and_reaches_the_floor():
     assert abs(at.value - truth["parameters"]["at"]) < 5.0 * at.std
 
 
+@pytest.mark.slow
 def test_the_ladder_falls_to_the_floor_and_finds_both_effects():
     prepared, _ = drawn("freeplay+cubic_damping", 0.02, seed=44)
     ladder = refine(prepared)

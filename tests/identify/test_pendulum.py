@@ -88,6 +88,7 @@ def test_the_pendulum_is_at_the_floor_with_its_effect_and_far_above_without():
     assert abs(k.value - K) < 4.0 * k.std
 
 
+@pytest.mark.slow
 def test_the_diagnosis_names_it():
     found = diagnosed()
     assert found.verdict == "missing_effect"

@@ -22,6 +22,7 @@ def test_a_file_that_is_no_recording_is_refused_in_words(visit, bench):
     assert sorted(path.name for path in (bench.folder / "sessions").iterdir()) == before
 
 
+@pytest.mark.slow
 def test_a_recording_that_is_dropped_becomes_a_session_within_the_folder(visit, bench):
     import numpy as np
 
