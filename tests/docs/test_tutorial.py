@@ -13,6 +13,8 @@ sys.path.insert(0, str(DOCS / "tools"))
 
 from run_notebook import executed  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 FIGURES = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
 
 

@@ -13,8 +13,11 @@ ROWS = promises()
 # Each row on one line, in turn; on both where the line itself is at fault. `python -m bench trust` injects every
 # row on each of its lines, in real time and with several seeds.
 ON_BOTH = ("unplug", "unplug and replug")
+LONG = ("a slow line", "a second program on the socket")
 CASES = [
-    pytest.param(row, line, id=f"{row.fault} on {line}")
+    pytest.param(
+        row, line, id=f"{row.fault} on {line}", marks=[pytest.mark.slow] if row.fault in LONG else []
+    )
     for number, row in enumerate(ROWS)
     for line in (row.lines if row.fault in ON_BOTH else (row.lines[number % len(row.lines)],))
 ]

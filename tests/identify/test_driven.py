@@ -1,6 +1,7 @@
 """A mass that a recorded force drives on: no free decay, but the same question."""
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 from identify.comparison.compare import compare_fitted
@@ -47,6 +48,7 @@ def linear(seed: int, seconds: float = 8.0, mass: float | None = None) -> Prepar
     return recorded(lines.steady_motion(time), lines.force(time) / (mass or 1.0), mass)
 
 
+@pytest.mark.slow
 def test_a_driven_duffing_oscillator_asks_for_its_cubic_spring_and_for_no_friction():
     time, lines, cubic = clock(6.0), Lines(3), 9e4
 

@@ -365,7 +365,12 @@ def test_a_memory_that_keeps_what_it_was_is_told_from_one_that_forgets():
     ("hidden", "strength", "text"),
     [
         ("magnet", 0.01, "own = q/(1 + ((u - at)/width)**2)"),
-        ("notched_spring", 0.01, "own = -q*((u - at)/w)*exp(-((u - at)/w)**2); at: m; w: m >= 0.0003"),
+        pytest.param(
+            "notched_spring",
+            0.01,
+            "own = -q*((u - at)/w)*exp(-((u - at)/w)**2); at: m; w: m >= 0.0003",
+            marks=pytest.mark.slow,
+        ),
         ("one_sided_friction", 0.01, "own = dmu*(1 + sgn(u))/2*sgn(v)"),
     ],
 )
