@@ -163,7 +163,8 @@ def _beyond_one(baseline: Baseline, ranked: tuple[Ranked, ...], library: tuple[E
     """Judge where no single effect reaches the floor: two together, a name for most of it, or no name."""
     best = ranked[0].candidate
     two = pairs(baseline, tuple(entry.candidate for entry in ranked), library)
-    together = two[0] if two and two[0].plausible else None
+    better = two and two[0].plausible and two[0].second.score < best.score
+    together = two[0] if better else None
     if together is not None and baseline.adequate(together.second.fit):
         return _of_pair(ranked, together, None)
     final = together.second.fit if together is not None else best.fit
