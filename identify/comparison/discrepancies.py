@@ -91,7 +91,7 @@ def find_discrepancies(
             break
         if not any(_same(entry[1], other[1]) for other in chosen):
             chosen.append(entry)
-    places = [_told(*entry, plane, cycles, words) for entry in chosen]
+    places = [_described(*entry, plane, cycles, words) for entry in chosen]
     if line is not None:
         text, unit = words.at_frequency(line.frequency, line.amplitude, line.channel, line.channels)
         std = line.amplitude / line.significance
@@ -177,7 +177,7 @@ def _bands(first: int, last: int) -> Iterator[tuple[int, int]]:
             yield low, high
 
 
-def _told(
+def _described(
     score: float,
     candidate: _Candidate,
     values: Array,

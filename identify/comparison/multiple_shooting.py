@@ -25,7 +25,7 @@ _STEP = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """About one cycle: samples `start` to `stop` - 1 of the span are compared, the run begins at `begin`.
+    """About one cycle: samples `start` to `stop` - 1 of the window are compared, the run begins at `begin`.
 
     `variation` holds what a change of the state at `begin` does to the whitened readings, shape (rows, 2), per
     natural size of displacement and velocity; `carry` (2, 2) what it does to the state where the next segment begins;
@@ -44,7 +44,7 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class MultipleShooting:
-    """The model run along one span, segment by segment.
+    """The model run along one window, segment by segment.
 
     `displacement`, `velocity`, `acceleration` (n,) of the model, on the acceleration's clock and from the spring's
     zero; `misfit` (rows,) the whitened difference of the readings, segment after segment and in each channel after
@@ -89,7 +89,7 @@ class MultipleShooting:
 
 
 def shoot(prepared: PreparedDecay, fit: Fit) -> MultipleShooting:
-    """Run a fitted model (of one span) along the measured motion, cycle by cycle."""
+    """Run a fitted model (of one window) along the measured motion, cycle by cycle."""
     window, motion = fit.windows[0], prepared.motion
     values = fit.of_release(0)
     aligned = prepared.alignment
@@ -206,7 +206,7 @@ def _pieces(window: FitWindow, u: Array, v: Array, frequency: float) -> list[tup
 
 
 def _problem(fit: Fit, pieces: list[tuple[int, int, int]], u: Array, v: Array) -> tuple[Problem, Array]:
-    """Return the model on one short span a segment, and the unknowns at which it runs along the measured motion."""
+    """Return the model on one short window a segment, and the unknowns at which it runs along the measured motion."""
     window = fit.windows[0]
     reach = window.lead + 2
     windows = tuple(
@@ -226,7 +226,7 @@ def _problem(fit: Fit, pieces: list[tuple[int, int, int]], u: Array, v: Array) -
 
 
 def _short(window: FitWindow, begin: int, end: int) -> FitWindow:
-    """Return samples `begin` to `end` - 1 of a span, held on beyond its end."""
+    """Return samples `begin` to `end` - 1 of a window, held on beyond its end."""
     take = np.minimum(np.arange(begin, end), len(window) - 1)
     return window.with_(
         time=window.time + begin / window.rate,

@@ -92,7 +92,7 @@ def _is_no_motion(window: FitWindow, channel: str, powers: dict[str, Array], at:
 
 
 def _by_channel(shooting: MultipleShooting) -> dict[str, Array]:
-    """What the tracked model leaves with the states free, per channel on the span's clock, in units of the noise."""
+    """What the tracked model leaves with the states free, per channel on the window's clock, in units of the noise."""
     window = shooting.window
     left = shooting.without_states(shooting.misfit[:, None])[:, 0]
     series = {c: np.zeros(len(window)) for c in window.channels}

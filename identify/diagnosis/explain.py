@@ -28,9 +28,9 @@ def explain(
         )
     top = suspects[0] if suspects else None
     if verdict == "unknown_effect" or top is None:
-        return _unknown(baseline, settled, top, shape)
+        return _unknown(baseline, top, shape)
     if top.effect.name in {f.term.effect.name for f in findings}:
-        return _corrected(baseline, top, settled)
+        return _corrected(baseline, top)
     first = _named(baseline, top, together, settled)
     second = _alternatives(top, suspects[1:])
     if shape is not None and not baseline.adequate(settled.fit):
@@ -64,7 +64,7 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
     else:
         what += ": it lowers"
     return (
-        f"{what} the reduced chi-square from {before} to {after}, the noise floor being {floor_of(settled)}."
+        f"{what} the reduced chi-square from {before} to {after}, the noise floor being {floor_of(baseline)}."
     )
 
 
@@ -80,14 +80,12 @@ def _alternatives(top: Suspect, others: tuple[Suspect, ...]) -> str:
     )
 
 
-def _unknown(
-    baseline: Baseline, settled: Baseline, top: Suspect | None, shape: NonparametricForce | None
-) -> str:
+def _unknown(baseline: Baseline, top: Suspect | None, shape: NonparametricForce | None) -> str:
     before = three_figures(baseline.reduced(baseline.fit))
     first = f"Something is missing that the library does not name: the model leaves {before} times the noise"
     if top is not None and top.claimed:
         first += f", and the best named effect, {top.effect.name}, still {three_figures(top.error_after)}"
-    first += f", where the floor is {floor_of(settled)}."
+    first += f", where the floor is {floor_of(baseline)}."
     if shape is None or not shape.coordinates:
         return f"{first} No smooth force in displacement, velocity or time explains it either."
     peak = shape.shapes[0]
@@ -100,12 +98,12 @@ def _unknown(
     )
 
 
-def _corrected(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
+def _corrected(baseline: Baseline, top: Suspect) -> str:
     numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in top.parameters.items())
     before, after = three_figures(baseline.reduced(baseline.fit)), three_figures(top.error_after)
     return (
         f"A sensor is at fault: {top.effect.title}{_where(top)} ({top.effect.name}: {numbers}); without allowing for it "
-        f"the reduced chi-square is {before}, with it {after}, the floor being {floor_of(settled)}. "
+        f"the reduced chi-square is {before}, with it {after}, the floor being {floor_of(baseline)}. "
         f"The forces are not affected once it is corrected; {top.effect.confirming_test}."
     )
 

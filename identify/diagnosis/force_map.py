@@ -46,7 +46,7 @@ def force_left(prepared: PreparedDecay, base: Fit) -> Array:
 def force_added(prepared: PreparedDecay, base: Fit, found: Fit, term: Term, index: int = 0) -> Array:
     """Return what a suspect adds to the base's force where the base cannot follow, shape (n,).
 
-    `found` is the base refitted with `term`, `index` the place of the release among its spans. A sensor's fault counts
+    `found` is the base refitted with `term`, `index` the place of the release among its windows. A sensor's fault counts
     as the force for which it would be taken.
     """
     if term.is_force:

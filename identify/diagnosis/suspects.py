@@ -53,7 +53,7 @@ class Candidate:
 
 
 def residual_lines(found: Fit) -> dict[str, tuple[tuple[float, float, float], ...]]:
-    """Return the strongest lines of each channel's residual, over all spans: (Hz, amplitude, phase at the release)."""
+    """Return the strongest lines of each channel's residual, over all windows: (Hz, amplitude, phase at the release)."""
     lines: dict[str, tuple[tuple[float, float, float], ...]] = {}
     for i, window in enumerate(found.windows):
         for channel in window.channels:
@@ -64,7 +64,7 @@ def residual_lines(found: Fit) -> dict[str, tuple[tuple[float, float, float], ..
 
 
 def candidate_terms(model: Model, library: Iterable[Effect], window: FitWindow) -> tuple[Term, ...]:
-    """Return every effect and variant that the model lacks and that the channels of a span can show.
+    """Return every effect and variant that the model lacks and that the channels of a window can show.
 
     Faults that every fit allows for are judged by what it allowed for. Over the segments of a long release each has
     offsets of its own, which leave slow faults of a sensor nothing to explain.

@@ -21,10 +21,10 @@ _FAR_OFF = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A model fitted to one or more spans.
+    """A model fitted to one or more windows.
 
     `values` holds every unknown by its name with its standard error; `chi_square` the sum of squares in units of the
-    noise, `degrees` its degrees of freedom. `predicted` are the readings the model gives, a dictionary a span.
+    noise, `degrees` its degrees of freedom. `predicted` are the readings the model gives, a dictionary a window.
     `outcome` is a sentence: what was reached, or what to do next; `unidentifiable` names parameters that this
     record does not determine. `theta` and `covariance` belong to `unknowns`.
     """
@@ -93,7 +93,7 @@ class Fit:
         return None if strength is None else self.values[str(strength)].value
 
     def residual(self, channel: str, i: int = 0) -> Array:
-        """Return reading less prediction, SI, shape (n,), of one channel of span i."""
+        """Return reading less prediction, SI, shape (n,), of one channel of window i."""
         return self.windows[i].readings[channel] - self.predicted[i][channel]
 
     def correlation(self, first: str, second: str) -> float:
@@ -110,7 +110,7 @@ def fit(
     *,
     tolerance: float = 0.02,
 ) -> Fit:
-    """Fit a model to spans from starting values by name (see `initial_values`); the window grows where it is needed."""
+    """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed."""
     whole = Problem(model, windows, frequency)
     theta = np.clip(whole.theta(start), whole.low, whole.high)
     first = whole.residuals(theta)

@@ -15,7 +15,7 @@ _DISAGREE = 4.0
 
 @dataclass(frozen=True)
 class Floor:
-    """Noise of each channel of one span, and what it leaves open of the reduced chi-square.
+    """Noise of each channel of one window, and what it leaves open of the reduced chi-square.
 
     `chi_square_std` is the standard error of a reduced chi-square of an adequate model: from the number of readings
     and from the uncertainty of the noise itself.
@@ -26,12 +26,12 @@ class Floor:
     source: str
 
     def on(self, window: FitWindow) -> FitWindow:
-        """Return the span with this noise."""
+        """Return the window with this noise."""
         return window.with_(sigma={c: self.channels[c].std for c in window.channels})
 
 
 def refine_floor(fit: Fit, before: tuple[dict[str, Noise], ...]) -> tuple[Floor, ...]:
-    """Return the floor of each span from the noise known before and the high band of the fit's residual.
+    """Return the floor of each window from the noise known before and the high band of the fit's residual.
 
     Two estimates that agree are averaged by their errors. Where the band above the motion lies higher, what the
     model lacks leaks into it, and the estimate from before stands; where it lies lower, it is the floor.

@@ -19,7 +19,7 @@ NOWHERE = -1
 
 @dataclass(frozen=True)
 class Unknown:
-    """One number to be found: whose it is, unit, bounds, a natural size, and the span it belongs to (-1: shared physics).
+    """One number to be found: whose it is, unit, bounds, a natural size, and the window it belongs to (-1: shared physics).
 
     The size is 0 where it is as large as the value itself. `simulated` unknowns change the motion; the others only
     how it is read.
@@ -59,7 +59,7 @@ class FaultPlaces:
 
 @dataclass(frozen=True, eq=False)
 class ReleasePlaces:
-    """Where the unknowns of one span are: displacement and velocity at its start, internal states, and how it is read.
+    """Where the unknowns of one window are: displacement and velocity at its start, internal states, and how it is read.
 
     `lag` and `gain` are NOWHERE without a pair of channels.
     """
@@ -91,7 +91,7 @@ class ParameterLayout:
 
 
 def lay_out(model: Model, windows: tuple[FitWindow, ...], frequency: float) -> ParameterLayout:
-    """List the unknowns of a model on spans whose motion has an angular `frequency` (rad/s)."""
+    """List the unknowns of a model on windows whose motion has an angular `frequency` (rad/s)."""
     amplitude = max(_amplitude(window, frequency) for window in windows)
     builder = _Builder(model, frequency, amplitude, windows[0].unit, len(windows))
     linear = builder.linear_and_forces()
@@ -172,7 +172,7 @@ class _Builder:
         return tuple(cells)
 
     def release(self, i: int, window: FitWindow) -> ReleasePlaces:
-        """Add what one span has of its own."""
+        """Add what one window has of its own."""
 
         def own(name: str, unit: str, size: float, low: float = -np.inf, high: float = np.inf) -> int:
             simulated = name in ("displacement", "velocity")
@@ -198,7 +198,7 @@ class _Builder:
         return ReleasePlaces(start, states, lag, gain, offsets, self._faults(i, window))
 
     def _states(self, i: int, window: FitWindow) -> tuple[Cell, ...]:
-        """Add the internal states at the start of a span that the motion before the release does not give."""
+        """Add the internal states at the start of a window that the motion before the release does not give."""
         cells = []
         for row, term in enumerate(self.forces):
             effect = term.force
@@ -211,7 +211,7 @@ class _Builder:
         return tuple(cells)
 
     def _faults(self, i: int, window: FitWindow) -> tuple[FaultPlaces, ...]:
-        """Add the parameters of the sensors' faults that the channels of a span can show."""
+        """Add the parameters of the sensors' faults that the channels of a window can show."""
         found = []
         for term in self.model.faults:
             if term.fault.corrected_in_every_fit or term.channel not in window.readings:

@@ -13,9 +13,9 @@ _PRE_RELEASE_STEPS = 16
 
 
 class Problem:
-    """A model on one or more spans: the physics is shared, each span has nuisance parameters of its own.
+    """A model on one or more windows: the physics is shared, each window has nuisance parameters of its own.
 
-    The nuisances are the state at the start of the span, the internal states of effects with memory, and,
+    The nuisances are the state at the start of the window, the internal states of effects with memory, and,
     where there are two channels, lag and gain; and an offset of every channel. `steps` (unknowns,) are the steps of
     differentiation, 0 until they are known.
     """
@@ -48,7 +48,7 @@ class Problem:
         return np.where(size > 0.0, size, 1.0)
 
     def respond(self, theta: Array, i: int) -> Response:
-        """Simulate span i."""
+        """Simulate window i."""
         window, places = self.windows[i], self.layout.releases[i]
         linear = np.array([theta[at] if at != NOWHERE else 0.0 for at in self.layout.linear])
         table = self._table(theta)
@@ -71,7 +71,7 @@ class Problem:
         )
 
     def states_at_start(self, theta: Array, i: int) -> dict[str, float]:
-        """Return the internal states at the start of span i, by "effect.state0"."""
+        """Return the internal states at the start of window i, by "effect.state0"."""
         states = self._states_at_start(theta, self._table(theta), i)
         return {
             str(term.state(j)): float(states[row, j])
@@ -109,7 +109,7 @@ class Problem:
         return fastest
 
     def read(self, theta: Array, i: int, response: Response) -> dict[str, Array]:
-        """Return the predicted readings of span i, shape (n,) a channel."""
+        """Return the predicted readings of window i, shape (n,) a channel."""
         window, places = self.windows[i], self.layout.releases[i]
         predicted: dict[str, Array] = {}
         for channel in window.channels:
@@ -127,7 +127,7 @@ class Problem:
         return predicted
 
     def residual_of(self, i: int, predicted: dict[str, Array]) -> Array:
-        """Return the misfit of span i in units of the noise, unused readings left out."""
+        """Return the misfit of window i in units of the noise, unused readings left out."""
         window = self.windows[i]
         parts = []
         for channel in window.channels:
@@ -136,7 +136,7 @@ class Problem:
         return np.concatenate(parts)
 
     def residuals(self, theta: Array) -> Array:
-        """Return the misfit of all spans in units of the noise; inf where the motion runs away."""
+        """Return the misfit of all windows in units of the noise; inf where the motion runs away."""
         return np.concatenate(
             [
                 self.residual_of(i, self.read(theta, i, self.respond(theta, i)))
