@@ -17,13 +17,13 @@ import numpy as np
 from mocks import sensor_faults
 from mocks.bench_parameters import BenchParameters, draw_parameters
 from mocks.effect_scaling import add_effects
-from mocks.forces import OUTSIDE_THE_LIBRARY, PARAMETERS
+from mocks.forces import BETWEEN_THE_NAMES, OUTSIDE_THE_LIBRARY, PARAMETERS
 from mocks.sensor_faults import IMMEDIATE, OVERSAMPLING, SENSOR_FAULTS
 from mocks.sensors import hold_samples
 from mocks.testbed import Bench, simulate, simulate_channels
 
 CHANNELS = ("displacement", "acceleration")
-PHYSICS = tuple(name for name in PARAMETERS if name not in OUTSIDE_THE_LIBRARY)
+PHYSICS = tuple(name for name in PARAMETERS if name not in (*OUTSIDE_THE_LIBRARY, *BETWEEN_THE_NAMES))
 
 Pinned = Mapping[str, Mapping[str, Any]]
 #: name of a fault -> its parameters, and the strength that they have.
@@ -42,7 +42,7 @@ class Sample:
 
 def everything() -> tuple[str, ...]:
     """Return every name that can be hidden."""
-    return (*PHYSICS, *OUTSIDE_THE_LIBRARY, *SENSOR_FAULTS)
+    return (*PHYSICS, *OUTSIDE_THE_LIBRARY, *BETWEEN_THE_NAMES, *SENSOR_FAULTS)
 
 
 def draw(effect: str | None, strength: float | tuple[float, ...], seed: int, **fixed: Any) -> Sample:
@@ -88,11 +88,10 @@ def named_strengths(effect: str | None, strength: float | tuple[float, ...]) -> 
 
 
 def kind_of(names: Mapping[str, float]) -> str:
-    """Return "physics", "sensor" or "outside" (the library), joined by "+", or "none"."""
-    kinds = {
-        "sensor" if n in SENSOR_FAULTS else "outside" if n in OUTSIDE_THE_LIBRARY else "physics"
-        for n in names
-    }
+    """Return "physics", "sensor", "outside" (the library) or "between" (its names), joined by "+", or "none"."""
+    special = dict.fromkeys(SENSOR_FAULTS, "sensor")
+    special |= dict.fromkeys(OUTSIDE_THE_LIBRARY, "outside") | dict.fromkeys(BETWEEN_THE_NAMES, "between")
+    kinds = {special.get(n, "physics") for n in names}
     return "+".join(sorted(kinds)) or "none"
 
 
