@@ -18,7 +18,7 @@ from mocks import sensor_faults
 from mocks.bench_parameters import BenchParameters, draw_parameters
 from mocks.effect_scaling import add_effects
 from mocks.forces import BETWEEN_THE_NAMES, OUTSIDE_THE_LIBRARY, PARAMETERS
-from mocks.sensor_faults import IMMEDIATE, OVERSAMPLING, SENSOR_FAULTS
+from mocks.sensor_faults import FILTERS, IMMEDIATE, OVERSAMPLING, SENSOR_FAULTS
 from mocks.sensors import hold_samples
 from mocks.testbed import Bench, simulate, simulate_channels
 
@@ -133,13 +133,13 @@ def find_faults(
     gains = {channel: drawn.sensors[channel].gain for channel in CHANNELS}
     clean = {"displacement": u * gains["displacement"], "acceleration": a * gains["acceleration"]}
     signal = dict(clean)
-    for name in (n for n in faults if n in (*IMMEDIATE, "ac_coupling")):
+    for name in (n for n in faults if n in (*IMMEDIATE, *FILTERS)):
         random = _random(seed, name)
         fixed = pinned.get(name, {})
         channel = sensor_faults.draw_channel(name, random, fixed)
-        if name == "ac_coupling":
+        if name in FILTERS:
             fine = gains[channel] * _fine(bench, drawn, since, late, channel)
-            corner, wrong = _find_coupling(faults[name], fine, drawn.rate, after, fixed)
+            corner, wrong = _find_corner(name, faults[name], fine, drawn.rate, after, fixed)
             parameters: dict[str, Any] = {"fc": corner}
         else:
             parameters = sensor_faults.size_of(
@@ -219,16 +219,16 @@ def _fine(bench: Bench, drawn: BenchParameters, since: np.ndarray, late: float, 
     return motion.displacement if channel == "displacement" else motion.acceleration
 
 
-def _find_coupling(
-    strength: float, fine: np.ndarray, rate: float, after: np.ndarray, pinned: Mapping[str, Any]
+def _find_corner(
+    name: str, strength: float, fine: np.ndarray, rate: float, after: np.ndarray, pinned: Mapping[str, Any]
 ) -> tuple[float, np.ndarray]:
-    """Return the corner (Hz) at which AC coupling has this strength, and its error."""
+    """Return the corner (Hz) at which a filter has this strength, and its error."""
     interval = 1.0 / (rate * OVERSAMPLING)
     signal = fine[::OVERSAMPLING][after]
 
     def strength_at(corner: float) -> float:
-        wrong = sensor_faults.coupling_error(corner, fine, interval)[after]
-        return sensor_faults.strength_of("ac_coupling", wrong, signal)
+        wrong = sensor_faults.filter_error(name, corner, fine, interval)[after]
+        return sensor_faults.strength_of(name, wrong, signal)
 
-    corner = float(pinned.get("fc") or sensor_faults.bisect(strength_at, strength, 1e-4, 20.0))
-    return corner, sensor_faults.coupling_error(corner, fine, interval)
+    corner = float(pinned.get("fc") or sensor_faults.bisect(strength_at, strength, *FILTERS[name]))
+    return corner, sensor_faults.filter_error(name, corner, fine, interval)

@@ -22,6 +22,8 @@ from identify.effects.sensors import (
     DROPOUTS,
     MAINS_HUM,
     OFFSET_DRIFT,
+    SENSOR_BANDWIDTH,
+    SENSOR_NONLINEARITY,
 )
 from identify.effects.stiffness import (
     BILINEAR_STIFFNESS,
@@ -64,7 +66,9 @@ LIBRARY: tuple[Effect, ...] = (
     CHANNEL_GAIN,
     OFFSET_DRIFT,
     CLIPPING,
+    SENSOR_NONLINEARITY,
     AC_COUPLING,
+    SENSOR_BANDWIDTH,
     MAINS_HUM,
     DROPOUTS,
 )

@@ -58,6 +58,7 @@ def test_every_effect_and_every_sensor_fault_of_the_table_can_be_hidden():
     assert set(PHYSICS) == set(LIBRARY)
     assert set(SENSOR_FAULTS) == {
         "channel_lag", "channel_gain", "offset_drift", "clipping", "ac_coupling", "mains_hum", "dropouts",
+        "sensor_nonlinearity", "sensor_bandwidth",
     }  # fmt: skip
     assert len(OUTSIDE_THE_LIBRARY) >= 5
     assert set(generate.everything()) == {
