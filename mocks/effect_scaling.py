@@ -113,7 +113,7 @@ def _draw_shape(
     if name in {"end_stop", "impact_with_loss"}:
         shape |= {"gap": size * random.uniform(0.5, 0.85), "side": float(random.integers(-1, 2))}
         if name == "impact_with_loss":
-            shape |= {"loss": random.uniform(0.2, 0.8) / (w * size)}
+            shape |= {"loss": random.uniform(0.3, 0.9) / (w * size)}
     elif name == "freeplay":
         shape |= {"gap": random.uniform(0.001, 0.004)}
     elif name in BEGINS_AT_Z:

@@ -20,12 +20,17 @@ def _impact(t, u, v, z, p):  # type: ignore[no-untyped-def]
 _CLOSEST = 0.35
 """Share of the amplitude below which a gap is play."""
 
-_LEAST = 0.05
-"""Loss times the largest speed below which the stop counts as elastic: it gives back 97 % of the speed."""
+_LEAST = 0.2
+"""Loss times the largest speed below which the stop counts as elastic: it gives back 87 % of the speed."""
 
 
 def _starts(scales: Scales) -> Starts:
     return tuple((share * scales.amplitude, 0.4 / scales.speed) for share in (0.35, 0.6, 0.8))
+
+
+def _fine_starts(scales: Scales) -> Starts:
+    shares, losses = (0.35, 0.47, 0.6, 0.7, 0.8), (0.0, 0.5, 1.0)
+    return tuple((share * scales.amplitude, loss / scales.speed) for share in shares for loss in losses)
 
 
 IMPACT = ForceEffect(
@@ -46,6 +51,7 @@ IMPACT = ForceEffect(
     ),
     force=_impact,
     starts=_starts,
+    fine_starts=_fine_starts,
     variants=({"side": 1.0}, {"side": -1.0}, {"side": 0.0}),
     plausible=lambda values, scales: (
         values["gap"] > _CLOSEST * scales.amplitude and values["loss"] * scales.speed > _LEAST
