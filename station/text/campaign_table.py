@@ -38,8 +38,17 @@ def trends_csv(document: CampaignDocument) -> str:
     return _written(
         header,
         [
-            [_text(t.parameter), _text(t.against), repr(t.slope), repr(t.std), _text(t.unit), repr(t.p_value)]
-            + [t.sure, t.sessions, t.left_out]
+            [
+                _text(t.parameter),
+                _text(t.against),
+                repr(t.slope),
+                repr(t.std),
+                _text(t.unit),
+                repr(t.p_value),
+                t.sure,
+                t.sessions,
+                t.left_out,
+            ]
             for t in document.trends
         ],
     )
