@@ -1,9 +1,11 @@
 """Workers of a Dask cluster that is there already; a session whose worker is lost is done by another."""
 
 import logging
+import queue
 import time
 import warnings
 from collections.abc import Callable
+from concurrent.futures import CancelledError
 from types import TracebackType
 from typing import Any, Self
 
@@ -11,8 +13,7 @@ from station.campaign.work import Answer, Work, perform
 from station.exits import UsageProblem
 
 MISSING = (
-    "--scheduler needs the package distributed, which is not installed here: "
-    "pip install 'free-decay-station[campaign]'"
+    "--scheduler needs the package distributed, which is not installed here; type: pip install distributed"
 )
 CONNECT_S = 10.0
 PATIENCE_S = 30.0
@@ -36,6 +37,7 @@ class DaskCrew:
         self._patience = patience
         self._client: Any = None
         self._under_way: dict[Any, Work] = {}
+        self._finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._threads: dict[str, int] = {}
         self._looked = 0.0
         self._seen = 0.0
@@ -62,22 +64,18 @@ class DaskCrew:
             warnings.simplefilter("ignore")  # that a session's content is large
             future = self._client.submit(self._act, work, pure=False)
         self._under_way[future] = work
+        future.add_done_callback(self._finished.put)
 
     def answers(self) -> list[Answer]:
         """Wait for the next answers; UsageProblem when the scheduler or all of its workers are gone."""
-        from distributed import wait
-
         while True:
             try:
-                done = wait(list(self._under_way), timeout=LOOK_S, return_when="FIRST_COMPLETED").done
-            except TimeoutError:
-                done = set()
-            except Exception as error:  # the connection, or whatever it breaks
-                raise self._gone() from error
-            if done:
-                self._seen = time.monotonic()
-                return [self._answer(future) for future in done]
-            self._look(now=True)
+                future = self._finished.get(timeout=LOOK_S)
+            except queue.Empty:
+                self._look(now=True)
+                continue
+            self._seen = time.monotonic()
+            return [self._answer(future)]
 
     def _answer(self, future: Any) -> Answer:
         from distributed import KilledWorker
@@ -103,7 +101,7 @@ class DaskCrew:
             return
         try:
             self._threads = dict(self._client.nthreads())
-        except Exception as error:  # the connection, or whatever it breaks
+        except (OSError, TimeoutError, RuntimeError, CancelledError) as error:
             raise self._gone() from error
         self._looked = at
         if self._threads:
@@ -145,5 +143,5 @@ class DaskCrew:
             try:
                 self._client.cancel(list(self._under_way))
                 self._client.close(timeout=CONNECT_S)
-            except Exception as problem:  # nothing is lost with a connection that is gone already
+            except (OSError, TimeoutError, RuntimeError, CancelledError) as problem:  # it is gone already
                 logging.getLogger(__name__).debug("closing: %s", problem)
