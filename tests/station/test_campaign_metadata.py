@@ -2,10 +2,15 @@
 
 from datetime import UTC, datetime
 
+import numpy as np
 import pytest
+from many_sessions import make_session
 
+from daq.session import Session
 from station.campaign.metadata import read_metadata
 from station.exits import UsageProblem
+from station.operations.new_session import session_info
+from station.settings import Settings
 
 
 def table(folder, text):
@@ -44,3 +49,16 @@ def test_a_date_without_a_zone_is_universal_time(tmp_path):
 def test_what_is_no_such_table_is_refused(tmp_path, text, sentence):
     with pytest.raises(UsageProblem, match=sentence):
         table(tmp_path, text)
+
+
+def test_conditions_are_typed_with_their_unit_and_survive_in_the_session(tmp_path):
+    info = session_info(Settings(), None, None, None, None, ("temperature [degC]=-2.5", "a=b=3"))
+    assert info.conditions == {"temperature [degC]": -2.5, "a=b": 3.0}
+    session = make_session(tmp_path / "s", 256.0, np.ones((2, 8)), info)
+    assert Session.open(session.folder).info.conditions == info.conditions
+
+
+@pytest.mark.parametrize("text", ["temperature", "=3", "temperature=warm", "temperature=nan"])
+def test_a_condition_that_is_no_number_is_refused(text):
+    with pytest.raises(UsageProblem, match="write NAME=NUMBER"):
+        session_info(Settings(), None, None, None, None, (text,))
