@@ -84,7 +84,8 @@ def run_campaign(
                 yield work
                 continue
             run.kept += 1
-            observer.kept(source.name)
+            if not known.reason:
+                observer.kept(source.name)
             take(source, known)
 
     kept.make()
@@ -95,7 +96,11 @@ def run_campaign(
             if answer.problem:
                 fail(source, answer.problem)
                 continue
-            result = SessionResult.model_validate_json(answer.result)
+            try:
+                result = SessionResult.model_validate_json(answer.result)
+            except ValueError:
+                fail(source, "its worker's answer is none that this version knows: is it another version?")
+                continue
             kept.write(source.name, answer.work.key, answer.result)
             run.done += 1
             run.work_s += result.seconds

@@ -6,7 +6,7 @@ from pathlib import Path
 from daq.errors import StationError
 from daq.session import Session, list_sessions
 from daq.session_folder import INFO, RAW
-from daq.session_info import SessionInfo
+from daq.session_info import SessionInfo, State
 from daq.storage import read_regular
 from station.campaign.keys import key_of
 from station.campaign.work import Work
@@ -33,8 +33,10 @@ class Source:
         return self.folder.name
 
     def work(self, settings: Settings, gain_percent: float | None, diagnose: bool) -> Work:
-        """Read the session's files; StationError when they cannot be read."""
+        """Read the session's files; StationError when they cannot be read, or are still written."""
         session = Session.open(self.folder)
+        if session.info.state is State.RECORDING:
+            raise StationError("it is being recorded, or was cut off: wait, or seal it by `station recover`")
         raw = read_regular(self.folder / RAW, LARGEST)
         options = options_for(session, settings)
         key = key_of(raw, session.info, options, gain_percent=gain_percent, diagnose=diagnose)

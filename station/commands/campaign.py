@@ -52,12 +52,12 @@ def command(
     FOLDER holds sessions (default: ./sessions). Each result is kept as soon as
     it is there; a second run does what is missing or changed.
     """
-    from identify.errors import NotIdentifiable
     from station.campaign.kept import Kept
     from station.campaign.metadata import read_metadata
     from station.campaign.run import Request, run_campaign
     from station.campaign.sources import default_folder, find_sources
     from station.campaign.together import campaign_document
+    from station.operations.identifying import NothingIdentified
     from station.settings import load_settings
     from station.text.campaign_progress import CampaignProgress
     from station.text.campaign_table import sessions_csv, trends_csv
@@ -76,10 +76,10 @@ def command(
     request = Request(settings, gain_percent, diagnose)
     try:
         run = run_campaign(sources, request, _crew(workers, scheduler, len(sources)), kept, watch)
-    except KeyboardInterrupt as interrupt:
-        raise KeyboardInterrupt(
-            f"interrupted: {watch.line()}; what is done is kept, and the same command goes on with the rest"
-        ) from interrupt
+    except KeyboardInterrupt:
+        watch.end()
+        progress("what is done is kept, and the same command goes on with the rest")
+        raise
     watch.end()
     document = campaign_document(kept.folder, diagnose, run, known)
     kept.write_table(document, {TABLE: sessions_csv(document), TRENDS: trends_csv(document)})
@@ -88,7 +88,7 @@ def command(
     else:
         show_campaign(screen(), document)
     if not document.rows:
-        raise NotIdentifiable(f"none of the {len(sources)} sessions has a result; the reasons are above")
+        raise NothingIdentified(f"none of the {len(sources)} sessions has a result; the reasons are above")
 
 
 def _crew(workers: int | None, scheduler: str | None, sessions: int) -> "Crew":

@@ -145,7 +145,7 @@ def test_the_command_prints_one_screen_and_keeps_its_tables(made, at_home, capsy
     assert "linear_stiffness.k against" in printed.out
     assert "1/s^2 per degC" in printed.out
     assert "failed: torn: " in printed.err
-    assert printed.err.splitlines()[-1].startswith("10/10 sessions, 9 kept from before")
+    assert printed.err.splitlines()[-1].startswith("10/10 sessions, 8 kept from before, 2 failed")
     kept = {file.name for file in (folder / "campaign").iterdir()}
     assert kept == {"campaign.json", "sessions.csv", "trends.csv", "sessions"}
 
@@ -169,6 +169,25 @@ def test_sessions_without_any_result_end_with_the_code_that_says_so(at_home, tmp
     assert station(["campaign", str(tmp_path / "sessions"), "--output", str(tmp_path / "out")]) == 8
     assert "none of the 1 sessions has a result" in capsys.readouterr().err
     assert not (tmp_path / "sessions" / "campaign").exists()
+    assert station(["campaign", str(tmp_path / "sessions"), "--json"]) == 8
+    assert [one["session"] for one in json.loads(capsys.readouterr().out)["failed"]] == ["still"]
+
+
+def test_a_session_that_is_still_written_is_left_alone(tmp_path):
+    session = make_noise(tmp_path / "sessions" / "now")
+    session.update(state="recording")
+    run, crew = campaign(tmp_path / "sessions")
+    assert crew.performed == []
+    assert "station recover" in run.failed[0].reason
+
+
+def test_ctrl_c_says_that_the_same_command_goes_on(tmp_path, monkeypatch, capsys):
+    import station.campaign.local_crew as local
+
+    make_noise(tmp_path / "sessions" / "still")
+    monkeypatch.setattr(local, "LocalCrew", lambda workers: Here(after=0))
+    assert station(["campaign", str(tmp_path / "sessions")]) == 130
+    assert "the same command goes on with the rest" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
