@@ -4,7 +4,9 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import subprocess
 import sys
+import time
 from collections import Counter
 from pathlib import Path
 
@@ -55,6 +57,38 @@ def test_the_session_that_kills_its_worker_fails_and_costs_no_other(monkeypatch)
     assert found.pop("deadly").problem == KILLED
     assert found.pop("faulty").problem == "ZeroDivisionError: division by zero"
     assert {name: answer.result for name, answer in found.items()} == {name: name for name in names(6)}
+
+
+ORPHANS = """
+import multiprocessing, os, signal
+from many_sessions import slowly, work_called
+from station.campaign.local_crew import LocalCrew
+if __name__ == "__main__":
+    with LocalCrew(1, slowly) as crew:
+        crew.submit(work_called("first"))
+        crew.answers()
+        print(multiprocessing.active_children()[0].pid, flush=True)
+        os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.slow
+def test_no_process_outlives_a_program_that_is_killed(tmp_path):
+    script = tmp_path / "orphans.py"
+    script.write_text(ORPHANS)
+    path = os.pathsep.join([HERE, *sys.path])
+    ended = subprocess.run(
+        [sys.executable, str(script)], env=os.environ | {"PYTHONPATH": path}, capture_output=True, check=False
+    )
+    pid = int(ended.stdout)
+    for _ in range(200):
+        try:
+            os.kill(pid, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.1)
+    os.kill(pid, signal.SIGKILL)
+    pytest.fail("the worker is still there")
 
 
 @pytest.fixture
