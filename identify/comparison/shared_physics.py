@@ -31,8 +31,10 @@ _OTHER_BENCH_SURE = 10.0
 _MISFIT = 0.1
 """Share of the difference between the halves of a decay that counts as an error at the same amplitude."""
 
-_FEWEST_CYCLES = 4.0
+_FEWEST_CYCLES = 2.0
 _LEAST_LOG = 0.1
+_TOO_FAR_OFF = 0.1
+"""Misfit of the motion from which on the usual model's friction says nothing, only its stiffness."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ class OwnPhysics:
     Each error is the larger of the noise's, scaled by what the fit leaves, and a tenth of the difference between the
     first and the second half of the decay; `per_log_amplitude` is that difference over the logarithm of the ratio of
     their amplitudes, by name: what another amplitude may do to the parameter. `amplitude` is the largest and `rms` the
-    root mean square of the displacement, in `unit`.
+    root mean square of the displacement, in `unit`; `misfit` what the fit leaves of the motion, as a share of its rms.
     """
 
     amplitude: float
@@ -51,6 +53,7 @@ class OwnPhysics:
     parameters: dict[str, Estimate]
     per_log_amplitude: dict[str, float]
     stiffness: str
+    misfit: float
 
 
 @dataclass(frozen=True)
@@ -119,6 +122,8 @@ def _far(difference: Difference) -> bool:
 
 def _difference(own: tuple[OwnPhysics, ...], index: int, name: str, meaning: str) -> Difference | None:
     first, other = own[0].parameters[name], own[index].parameters[name]
+    if name != own[0].stiffness and max(own[0].misfit, own[index].misfit) > _TOO_FAR_OFF:
+        return None
     off = other.value - first.value
     slope = max(own[0].per_log_amplitude[name], own[index].per_log_amplitude[name])
     by_amplitude = slope * abs(float(np.log(own[0].rms / own[index].rms)))
@@ -146,7 +151,21 @@ def _own_physics(prepared: PreparedDecay, model: Model) -> OwnPhysics:
             slopes[name] = abs(early - late) / max(ratio, _LEAST_LOG)
         parameters[name] = replace(found, std=float(std))
     rms = _rms(prepared)
-    return OwnPhysics(prepared.amplitude, rms, prepared.window.unit, parameters, slopes, stiffness)
+    return OwnPhysics(
+        prepared.amplitude, rms, prepared.window.unit, parameters, slopes, stiffness, _misfit(whole)
+    )
+
+
+def _misfit(found: Fit) -> float:
+    left, motion = 0.0, 0.0
+    for i, window in enumerate(found.windows):
+        channel = window.channels[0]
+        used = window.used[channel]
+        left += float(np.sum(found.residual(channel, i)[used] ** 2))
+        motion += float(
+            np.sum((window.readings[channel][used] - np.mean(window.readings[channel][used])) ** 2)
+        )
+    return float(np.sqrt(left / motion)) if motion > 0.0 else 0.0
 
 
 def _rms(prepared: PreparedDecay) -> float:
