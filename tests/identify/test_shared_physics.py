@@ -6,7 +6,7 @@ import pytest
 from identify.comparison.shared_physics import shared_physics
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import prepare
-from mocks.generate import draw
+from mocks.generate import PHYSICS, draw
 
 STIFFNESS, FIXED = 613.6, {"mu_0": 0.13, "mu_1": 0.29}
 
@@ -53,3 +53,11 @@ def test_a_spring_twice_as_stiff_is_another_bench():
     found = shared_physics([release(1)[0], release(2, stiffness=2.2 * STIFFNESS)[0]])
     assert found.other_benches == (1,)
     assert all(np.isfinite(difference.sigmas) for difference in found.differences)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", PHYSICS)
+def test_no_effect_of_the_library_makes_two_releases_of_one_bench_differ(effect):
+    large, truth = release(3, effect, 0.02)
+    small, _ = release(53, effect, 0.02, amplitude=0.012, **truth["parameters"])
+    assert shared_physics([large, small]).differences == ()
