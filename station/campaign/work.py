@@ -129,11 +129,13 @@ def _fitted(prepared: "PreparedDecay") -> dict[str, Any]:
 
 def fit_content(baseline: "Baseline") -> dict[str, Any]:
     """Return the parameters of a fitted model, and how far it is from the measurement."""
+    from identify.fitting.misfit_errors import with_misfit_errors
     from identify.fitting.model_error import errors_of
 
     error = errors_of(baseline)
+    found = baseline.fit if baseline.adequate(baseline.fit) else with_misfit_errors(baseline.fit)
     return {
-        "parameters": dict(baseline.fit.parameters),
+        "parameters": dict(found.parameters),
         "chi2": error.chi_square,
         "chi2_std": error.floor_std,
         "motion_percent": error.motion_percent,
@@ -144,13 +146,12 @@ def fit_content(baseline: "Baseline") -> dict[str, Any]:
 def _diagnosed(prepared: "PreparedDecay") -> dict[str, Any]:
     from dataclasses import replace
 
-    from identify.fitting.model_error import errors_of
     from station.story.pipeline import diagnose
 
     found, _ = diagnose((prepared,))
     content = fit_content(found.baseline)
     if found.named:
-        final = errors_of(replace(found.baseline, fit=found.final))
-        content["parameters"] = dict(found.final.parameters) | content["parameters"]
-        content |= {"chi2_named": final.chi_square, "motion_percent_named": final.motion_percent}
+        final = fit_content(replace(found.baseline, fit=found.final))
+        content["parameters"] = final["parameters"] | content["parameters"]
+        content |= {f"{name}_named": final[name] for name in ("chi2", "motion_percent")}
     return content | {"verdict": found.verdict, "named": found.named}
