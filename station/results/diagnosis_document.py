@@ -132,6 +132,7 @@ class DifferenceDocument(Part):
 class DiagnosisDocument(Document):
     """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named.
 
+    `fitted` is the model that was diagnosed, `final` the one with all that is named; None where nothing is.
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
     """
 
@@ -151,6 +152,7 @@ class DiagnosisDocument(Document):
     explanation: str
     next_experiment: str
     fitted: ModelFile | None
+    final: ModelFile | None = None
     differences: list[DifferenceDocument] | None = None
 
 
@@ -186,6 +188,7 @@ def diagnosis_document(
             "explanation": found.explanation,
             "next_experiment": found.next_experiment,
             "fitted": fitted,
+            "final": model_file(found.final, expressions) if found.named else None,
         }
     )
 

@@ -184,14 +184,14 @@ def open_example(settings: Settings, progress: Progress, name: str) -> str:
 def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path) -> int:
     """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
     from station.operations.identifying import identify_session, write_view
-    from station.operations.viewer_tabs import story_tabs
+    from station.operations.viewer_tabs import viewed_tabs
     from station.views import web_viewer
 
     session = Session.open(folder)
     progress("identifying")
     result, _ = identify_session(session, options_for(session, settings))
     progress("writing the recording")
-    file = write_view(session, result, story_tabs(session, settings))
+    file = write_view(session, result, viewed_tabs(session, settings))
     if not (temporary / web_viewer.FILES[0]).is_file():
         web_viewer.unpack(temporary)
     return file.stat().st_mtime_ns
