@@ -12,8 +12,8 @@ _MOST_POINTS = 36
 """Points of a curve; the phase's error counts once a step, so that frequency is the surer the longer the steps are."""
 
 _NEIGHBOURS = 9
-_SECOND_DIFFERENCES = 6.0
-"""Variance of a second difference of independent values, in units of theirs: 1 + 4 + 1."""
+_THIRD_DIFFERENCES = 20.0
+"""Variance of a third difference of independent values, in units of theirs: 1 + 9 + 9 + 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +39,10 @@ class AmplitudeCurve:
     def measured(cls, curve: DecayCurve, release: int = 0) -> Self:
         """Return what a measured curve shows from one point to the next, or, where it has many, some points on.
 
-        The errors are found from the scatter of neighbouring points: the rms of their second differences over nine
-        neighbours, over sqrt(6), as of values that err each for itself. Errors of readings make neighbours err in
-        opposite directions, which makes this up to 1.3 times too large; a wandering slower than three points is not in it.
+        The errors are found from the scatter of neighbouring points: the rms of their third differences over nine
+        neighbours, over sqrt(20), as of values that err each for itself: a smooth bend counts little. Errors of readings
+        make neighbours err in opposite directions, which makes this up to 1.3 times too large; a wandering slower than
+        four points is not in it.
         """
         curve = _thinned(curve)
         frequency, damping = _rates(curve)
@@ -79,10 +80,10 @@ def _thinned(curve: DecayCurve) -> DecayCurve:
 
 
 def scatter(values: Array) -> Array:
-    """Return the standard error of each of some values (n,), by the second differences around it; NaN below three."""
-    if len(values) < 3:
+    """Return the standard error of each of some values (n,), by the third differences around it; NaN below four."""
+    if len(values) < 4:
         return np.full(len(values), np.nan)
-    square = np.diff(values, 2) ** 2 / _SECOND_DIFFERENCES
+    square = np.diff(values, 3) ** 2 / _THIRD_DIFFERENCES
     width = min(_NEIGHBOURS, len(square))
     mean = np.convolve(square, np.ones(width) / width, "valid")
     place = np.clip(np.arange(len(values)) - 1 - width // 2, 0, len(mean) - 1)

@@ -20,6 +20,7 @@ from station.story.pipeline import Progress
 from station.story.preparation import options_for
 from station.workbench import view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
+from station.workbench.decay_curves import curves_of
 from station.workbench.force_map import MOST, force_maps_of
 from station.workbench.session_thumbnails import thumbnail_of
 from station.workbench.warm_up import warm_up
@@ -65,8 +66,14 @@ def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> view_model
     session = opened.refinement.session
     model = _present_model(session)
     compared, _ = compare_session(session, settings, model, prepared=opened.refinement.prepared)
+    diagnosis = _diagnosis(session)
     return view_models.View(
-        ladder, picture_of(compared), _diagnosis(session), equations_of(ladder), results_stamp(session.folder)
+        ladder,
+        picture_of(compared),
+        diagnosis,
+        equations_of(ladder),
+        results_stamp(session.folder),
+        curves_of(settings, opened.refinement, diagnosis),
     )
 
 
