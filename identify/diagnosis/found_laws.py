@@ -1,24 +1,33 @@
 """The laws that a diagnosis leaves to be looked at: the usual model, the named one, and the rivals of what is named."""
 
+from collections.abc import Sequence
+
 from identify.curves.fitted_law import rival_law, usual_law
 from identify.curves.laid_over import Law
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.effect import Effect
+from identify.fitting.segments import prepared_of
+from identify.free_decay import FreeDecay
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 MOST_RIVALS = 2
 
 
-def found_laws(decays: tuple[PreparedDecay, ...], found: Diagnosis) -> tuple[Law, ...]:
-    """Return the laws of a diagnosis of some releases, to be laid over their curves by `decay_curves`."""
+def found_laws(
+    decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay], found: Diagnosis
+) -> tuple[Law, ...]:
+    """Return the laws of a diagnosis of one release or some, to be laid over their curves by `decay_curves`.
+
+    Raises NotIdentifiable where no release has a curve.
+    """
     fits = (found.baseline.fit, found.final)
     usual, final = (
         (fit.model, {name: estimate.value for name, estimate in fit.parameters.items()}) for fit in fits
     )
     rivals = found.suspects[0].rivals if found.named else ()
-    return laws_of_models(decays, usual, final if found.named else None, rivals, found.library)
+    return laws_of_models(prepared_of(decays), usual, final if found.named else None, rivals, found.library)
 
 
 def laws_of_models(
