@@ -7,6 +7,7 @@ import numpy as np
 
 from daq.importing.columns import INDEX, Meaning, meaning, words
 from daq.importing.errors import ImportProblem, problem
+from daq.importing.narrow import narrowed
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
@@ -46,7 +47,7 @@ def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> di
         if quantity in options.columns:
             continue
         free = [c for c in table.columns if c.number not in taken]
-        found = _found(table, quantity, free, meanings, beside=motion_asked)
+        found = _found(table, quantity, free, meanings, notes, beside=motion_asked)
         if found is not None:
             choices[quantity] = found
             taken.add(found.column.number)
@@ -141,7 +142,13 @@ def _asked(table: Table, quantity: str, wanted: str | int, meanings: dict[int, M
 
 
 def _found(
-    table: Table, quantity: str, free: Sequence[SourceColumn], meanings: dict[int, Meaning], *, beside: bool
+    table: Table,
+    quantity: str,
+    free: Sequence[SourceColumn],
+    meanings: dict[int, Meaning],
+    notes: list[str],
+    *,
+    beside: bool,
 ) -> Choice | None:
     """Return the one column whose header says this quantity best; `beside` a motion that was asked for, only one
     that says so clearly.
@@ -158,6 +165,9 @@ def _found(
         top = [c for c in top if not set(words(c.label)) & INDEX] or top
     if not top:
         return None
+    if len(top) > 1 and quantity != "time":
+        top, why = narrowed(top, meanings, quantity)
+        notes.extend(why)
     if len(top) > 1 and not _same_numbers(top):
         if beside and quantity != "time":
             return None

@@ -27,7 +27,8 @@ class Timebase:
     """An even clock for the rows of a table.
 
     `rows` (m,) are the rows to keep and `index` (m,) the sample each becomes, out of `count`; `stamps` (m,)
-    are their times in s from sample 0 (None without stamps). `stray_rms` is in s.
+    are their times in s from sample 0 (None without stamps). `stray_rms` is in s, `origin` the file's own time of
+    sample 0 (s). `coarse` is True where the stamps stray by no more than their rounding.
     """
 
     rate: float
@@ -38,6 +39,8 @@ class Timebase:
     stamps: Array | None = None
     stray_rms: float = 0.0
     notes: tuple[str, ...] = ()
+    origin: float = 0.0
+    coarse: bool = False
 
 
 def from_rate(rate: float, rows: int, note: str) -> Timebase:
@@ -103,7 +106,9 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
             line=table.line(int(rows[0])), column=column.number,
         )  # fmt: skip
     index = _number_samples(table, column, time, rows, period)
-    slope, start, stray, rate_std = _line(index, time)
+    slope, begin, stray, rate_std = _line(index, time)
+    origin = start * unit.scale + begin
+    start = begin
     coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
     if stray > TOO_IRREGULAR * slope and not resample and not coarse:
         raise problem(
@@ -123,10 +128,15 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
             f"the first before t = {time[first + 1] - time[0]:.6g} s{where}; they are marked as lost"
         )
     rate = float(f"{1.0 / slope:.13g}")
-    notes.extend(_evenness(slope, stray, resample))
     if coarse and stray > EVEN * slope:
-        notes.append(f"that is no more than the rounding of the stamps to {_milli(quantum(time))}")
-    return Timebase(rate, rate_std, rows, index, int(index[-1]) + 1, time - start, stray, tuple(notes))
+        notes.append(
+            f"the time stamps stray by {_milli(stray)} rms from an even clock, that is no more than the rounding of the "
+            f"stamps to {_milli(quantum(time))}: even times were rebuilt at {1 / slope:.6g} +- {rate_std:.1g} Hz"
+        )
+    else:
+        notes.extend(_evenness(slope, stray, resample))
+    return Timebase(rate, rate_std, rows, index, int(index[-1]) + 1, None if coarse else time - start, stray, tuple(notes),
+        origin, coarse)  # fmt: skip
 
 
 def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:
