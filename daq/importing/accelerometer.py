@@ -47,6 +47,7 @@ def with_moving_axis(table: Table, options: ImportOptions) -> Table:
             table.path,
             f"{first.place} and {second.place} are axes of one accelerometer and move alike",
             f"choose one, as in {ask('acceleration', first.number)}",
+            options=(ask("acceleration", first.number),),
         )
     share = 100.0 * amplitudes[order[1]] / amplitudes[order[0]]
     why = "their mean vector is gravity" if gravity else "by their names"

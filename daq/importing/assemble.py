@@ -234,6 +234,7 @@ def _clock(
                 table.path,
                 "has no time column and names no rate",
                 "name the time with --column time=... or give --rate in Hz",
+                options=("--rate HZ",),
             )
         return from_rate(rate, rows, f"rate {rate:.6g} Hz, from {source}")
     _converted(table, time, SI_LINEAR["time"])

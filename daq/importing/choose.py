@@ -9,6 +9,7 @@ from daq.importing.columns import INDEX, Meaning, meaning, words
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.narrow import narrowed
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
+from daq.importing.still import oscillation
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 
@@ -65,7 +66,8 @@ def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> di
                 f"{clock.place} has no name that says so, but its numbers rise evenly: it was taken as time"
             )
     if not any(quantity in choices for quantity in MOTIONS):
-        raise _no_motion(table, taken)
+        known = "time" in choices or options.rate is not None or table.rate is not None
+        raise _no_motion(table, taken, rate_known=known)
     return choices
 
 
@@ -174,9 +176,15 @@ def _found(
         leave = f", or leave it out with {ask(quantity, NONE)}" if quantity != "time" else ""
         raise problem(
             table.path, f"{len(top)} {top[0].noun}s could be the {quantity}: {_listed(top)}",
-            f"choose one, as in {ask(quantity, _name(top[0]))}{leave}",
+            f"choose one, as in {ask(quantity, _name(_likely(top)))}{leave}",
+            options=(ask(quantity, _name(_likely(top))),),
         )  # fmt: skip
     return _as_choice(quantity, top[0], meanings[top[0].number], asked=False)
+
+
+def _likely(columns: Sequence[SourceColumn]) -> SourceColumn:
+    """Return the column that oscillates most."""
+    return max(columns, key=lambda c: (oscillation(c.values), -c.number))
 
 
 def _same_numbers(columns: Sequence[SourceColumn]) -> bool:
@@ -216,7 +224,7 @@ def _listed(columns: Sequence[SourceColumn]) -> str:
     return shown + (f" and {len(columns) - 8} more" if len(columns) > 8 else "")
 
 
-def _no_motion(table: Table, taken: set[int]) -> ImportProblem:
+def _no_motion(table: Table, taken: set[int], *, rate_known: bool) -> ImportProblem:
     rest = [c for c in table.columns if c.number not in taken]
     if not rest:
         return problem(
@@ -224,7 +232,8 @@ def _no_motion(table: Table, taken: set[int]) -> ImportProblem:
             "holds no column beside the time",
             "name a file with a displacement, velocity or acceleration",
         )
+    asked = (ask("displacement", _name(_likely(rest))), "--unit displacement=mm")
     return problem(
         table.path, f"nothing says which {_noun(table)} is a displacement, velocity or acceleration among {_listed(rest)}",
-        f"say it, as in {ask('displacement', _name(rest[-1]))} --unit displacement=mm",
+        f"say it, as in {' '.join(asked)}", options=asked if rate_known else (*asked, "--rate HZ"),
     )  # fmt: skip

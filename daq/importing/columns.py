@@ -88,7 +88,7 @@ _LETTERS = {
     "a": "acceleration",
     "f": "force",
 }
-_LETTER = re.compile(r"(?:([va])[xyz]|([tuaxyz])\d{1,2}|([xyz])dd|([xyz])d)")
+_LETTER = re.compile(r"(?:([va])[xyz]|([tuaxyz]|phi|theta|psi|alpha)\d{1,2}|([xyz])dd|([xyz])d)")
 _UNIT_FORMS = (
     re.compile(r"(.*)\[([^\[\]]{0,24})\]\s*$", re.S),
     re.compile(r"(.*)\(([^()]{0,20}(?:\([^()]{0,10}\))?)\)\s*$", re.S),

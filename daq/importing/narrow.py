@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from daq.importing.columns import Meaning, words
+from daq.importing.columns import Meaning, split_unit, words
 from daq.importing.quantisation import quantum
 from daq.importing.still import moving
 from daq.importing.table import SourceColumn
@@ -45,12 +45,18 @@ def _kept(
 
 
 def _moving(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> list[bool]:
-    units = [said[c.number].unit_text for c in columns]
+    """Compare the channels of one kind: of the same name but for a number or a letter, in the same unit."""
+    kinds = [(_kind(c), said[c.number].unit_text) for c in columns]
     keep: dict[int, bool] = {}
-    for unit in set(units):
-        alike = [c for c, own in zip(columns, units, strict=True) if own == unit]
+    for kind in set(kinds):
+        alike = [c for c, own in zip(columns, kinds, strict=True) if own == kind]
         keep |= dict(zip((c.number for c in alike), moving([c.values for c in alike]), strict=True))
     return [keep[c.number] for c in columns]
+
+
+def _kind(column: SourceColumn) -> tuple[str, ...]:
+    bare = [word.rstrip("0123456789") for word in words(split_unit(column.label)[0])]
+    return tuple(w for w in bare if len(w) > 1) or tuple(w for w in bare if w)
 
 
 def _own(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> list[bool]:

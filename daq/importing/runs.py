@@ -115,7 +115,10 @@ def _by_names(table: Table, name_of: Callable[[SourceColumn], Named | None], *, 
             rest.append(column)
         else:
             groups.setdefault(named[1], []).append(replace(column, label=named[0]))
-    return _accepted(table, groups, [c for c in rest if _is_time(c)] if shared else [])
+    times = [c for c in rest if _is_time(c)]
+    if times and (not shared or any(_is_time(c) for columns in groups.values() for c in columns)):
+        return []
+    return _accepted(table, groups, times)
 
 
 def _by_repetition(table: Table) -> list[Table]:

@@ -1,4 +1,4 @@
-"""Columns that stand still: a sensor that was connected, beside one that moved."""
+"""Columns that stand still, or oscillate: a sensor that was connected, beside one that moved."""
 
 from collections.abc import Sequence
 
@@ -30,3 +30,24 @@ def moving(columns: Sequence[Array]) -> list[bool]:
     """Return which of several columns of one quantity and unit move."""
     largest = max((amplitude(values) for values in columns), default=0.0)
     return [not stands_still(values, largest) for values in columns]
+
+
+def oscillation(values: Array) -> float:
+    """Return the share of a column's power, its slope taken out, within 20 % of its strongest frequency; 0 to 1."""
+    finite = values[np.isfinite(values)]
+    if len(finite) < 16 or not np.max(np.abs(finite)) < 1e150 or np.ptp(finite) == 0.0:
+        return 0.0
+    place = np.linspace(-1.0, 1.0, len(finite))
+    scaled = (finite - finite.mean()) / np.ptp(finite)
+    power = (
+        np.abs(
+            np.fft.rfft((scaled - np.polyval(np.polyfit(place, scaled, 1), place)) * np.hanning(len(finite)))
+        )
+        ** 2
+    )
+    total = float(power.sum())
+    if len(power) < 8 or total == 0.0:
+        return 0.0
+    peak = int(np.argmax(power[3:])) + 3
+    reach = max(2, round(0.2 * peak))
+    return float(power[max(peak - reach, 0) : peak + reach + 1].sum()) / total

@@ -84,8 +84,10 @@ def command(
 
     Prints what was understood and what was guessed; nothing is overwritten.
     """
+    from daq.importing.errors import ImportProblem
     from daq.importing.options import ImportOptions
     from station.operations.new_session import session_info
+    from station.results.import_command import explained
     from station.results.sessions import import_file
     from station.settings import load_settings
 
@@ -95,7 +97,10 @@ def command(
         columns=chosen, units=_pairs("--unit", units), angle_from=_two("--angle-from", angle_from), **others
     )
     info = session_info(settings, mass, mass_std, specimen, operator)
-    imported = import_file(file, folder, settings.sessions, options, info)
+    try:
+        imported = import_file(file, folder, settings.sessions, options, info)
+    except ImportProblem as refusal:
+        raise explained(file, options, refusal) from refusal
     if as_json:
         print_json(_document(file, imported))
     else:

@@ -14,13 +14,17 @@ from daq.recording import Recording
 from daq.session import Session
 from daq.session_info import SessionInfo
 from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
 from identify.preprocessing.release import Release, find_releases
 from station.exits import UsageProblem
 from station.output import progress
+from station.results.import_command import typed
 from station.results.session_names import find_session
+from station.story.free_part import free_from
 from station.story.preparation import Options, free_decay
 
 MOST_RELEASES = 100
+FEWEST_SAMPLES = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +63,8 @@ def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session
     try:
         imported = import_file(file, None, sessions, ImportOptions(), info)
     except UnreadableFile as error:
-        raise UsageProblem(f"{error} (options as these belong to `station import {file}`)") from error
+        command = typed(file, ImportOptions(), getattr(error, "options", ()))
+        raise UsageProblem(f"{error} (options as these belong to `{command}`)") from error
     for note in imported.notes:
         progress(f"{file.name}: {note}")
     first, *others = imported.sessions
@@ -79,7 +84,9 @@ def import_file(
     """
     if not file.is_file():
         raise UsageProblem(f"{file}: there is no such file")
-    pieces, notes = _pieces(read_runs(file, options))
+    pieces, notes = _pieces(
+        read_runs(file, options), whole=options.start is not None or options.stop is not None
+    )
     first = folder or sessions / _free_name(file, sessions, [name for name, _ in pieces])
     made = []
     for name, part in pieces:
@@ -89,12 +96,12 @@ def import_file(
     return Imported(tuple(made), tuple(part for _, part in pieces), notes)
 
 
-def _pieces(runs: Sequence[Recording]) -> tuple[list[tuple[str, Recording]], tuple[str, ...]]:
+def _pieces(runs: Sequence[Recording], *, whole: bool) -> tuple[list[tuple[str, Recording]], tuple[str, ...]]:
     """Return the recording of each release with what is added to its session's name, and what was understood."""
     pieces = []
     notes = list(runs[0].notes)
     for run in runs:
-        parts, said = split(run)
+        parts, said = split(run, whole=whole)
         name = f"_run{run.run}" if len(runs) > 1 else ""
         pieces += [
             (name if len(parts) == 1 else f"{name}_{number}", part)
@@ -140,8 +147,11 @@ def _stem(file: Path) -> str:
     return re.sub(r"[^\w.-]+", "_", file.stem).strip("._") or "recording"
 
 
-def split(recording: Recording) -> tuple[list[Recording], tuple[str, ...]]:
-    """Cut a recording into one for each release; the notes say what was found."""
+def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording], tuple[str, ...]]:
+    """Cut a recording into one for each release; the notes say what was found.
+
+    A push or a drive before a single release is left out, unless the operator chose what to read (`whole`).
+    """
     decay = free_decay(recording, Options())
     if decay.driven:
         return [recording], ("a force drives the motion to the end: no free decay, and so one session",)
@@ -152,7 +162,7 @@ def split(recording: Recording) -> tuple[list[Recording], tuple[str, ...]]:
     except NotIdentifiable as refusal:
         return [recording], (f"no release found: {refusal}",)
     if len(releases) < 2:
-        return [recording], ()
+        return ([recording], ()) if whole else _from_release(recording, decay, releases[0])
     if len(releases) > MOST_RELEASES:
         return [recording], (
             f"{len(releases)} beginnings of a motion found, too many to be releases: one session",
@@ -161,6 +171,21 @@ def split(recording: Recording) -> tuple[list[Recording], tuple[str, ...]]:
     stops = [*starts[1:], recording.samples.shape[1]]
     note = f"{len(releases)} releases found: each becomes a session"
     return [cut(recording, start, stop) for start, stop in zip(starts, stops, strict=True)], (note,)
+
+
+def _from_release(
+    recording: Recording, decay: FreeDecay, release: Release
+) -> tuple[list[Recording], tuple[str, ...]]:
+    """Leave out a push or a drive before the decay, where the release itself leaves no sharp mark."""
+    found = free_from(decay) if release.kind == "in_motion" and release.index == 0 else None
+    if found is None or recording.samples.shape[1] - found[0] < FEWEST_SAMPLES:
+        return [recording], ()
+    start, what = found
+    note = (
+        f"{what} was found before the decay: the first {start / recording.rate:.4g} s were left out "
+        "(--from and --to choose the part to read)"
+    )
+    return [cut(recording, start, recording.samples.shape[1])], (note,)
 
 
 def _begin(before: Release, after: Release) -> int:
