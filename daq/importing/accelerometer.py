@@ -8,7 +8,7 @@ import numpy as np
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.errors import problem
 from daq.importing.options import ImportOptions, ask
-from daq.importing.still import amplitude
+from daq.importing.still import amplitude, is_measurable
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import STANDARD_GRAVITY
 from daq.recording import Array
@@ -17,6 +17,7 @@ AXES = ("x", "y", "z")
 WITHIN = 0.03
 """Gravity is found again to 3 %: the calibration of a phone's accelerometer."""
 
+MOST_SENSORS = 4
 STEEPER = 1.3
 """The moving axis moves this much more than the next one."""
 
@@ -28,37 +29,43 @@ def has_gravity(values: Array) -> bool:
 
 
 def with_moving_axis(table: Table, options: ImportOptions) -> Table:
-    """Return the table with one axis of a three-axis sensor as its acceleration, the other two left out.
+    """Return the table with one axis of each three-axis sensor, the other two left out.
 
     Three columns are such a sensor if the mean of their vector is gravity, or if they are named as the x, y and z of
-    an acceleration. Raises ImportProblem when no axis moves more than the others.
+    an acceleration or a velocity. Raises ImportProblem when no axis moves more than the others.
     """
     if any(q in options.columns for q in ("displacement", "velocity", "acceleration")) or options.angle_from:
         return table
-    found = _by_gravity(table) or _by_name(table)
-    if found is None:
-        return table
-    axes, scale, gravity = found
+    for _ in range(MOST_SENSORS):
+        found = _by_gravity(table) or _by_name(table)
+        if found is None:
+            break
+        table = _with_one_axis(table, *found)
+    return table
+
+
+def _with_one_axis(table: Table, axes: Sequence[SourceColumn], unit: str, gravity: bool) -> Table:
     amplitudes = [amplitude(c.values) for c in axes]
     order = np.argsort(amplitudes)[::-1]
     first, second = axes[int(order[0])], axes[int(order[1])]
+    quantity = "acceleration" if gravity else meaning(first.label, first.unit).quantity or "acceleration"
     if amplitudes[order[0]] < STEEPER * amplitudes[order[1]]:
+        asked = ask(quantity, first.number)
         raise problem(
             table.path,
-            f"{first.place} and {second.place} are axes of one accelerometer and move alike",
-            f"choose one, as in {ask('acceleration', first.number)}",
-            options=(ask("acceleration", first.number),),
-        )
+            f"{first.place} and {second.place} are axes of one sensor and move alike",
+            f"choose one, as in {asked}", options=(asked,),
+        )  # fmt: skip
     share = 100.0 * amplitudes[order[1]] / amplitudes[order[0]]
-    why = "their mean vector is gravity" if gravity else "by their names"
+    kind, why = (
+        ("an accelerometer", "their mean vector is gravity") if gravity else ("a sensor", "by their names")
+    )
     note = (
-        f"{', '.join(c.place for c in axes)} are the axes of an accelerometer ({why}); {first.place} moves most "
-        f"and was taken as the acceleration (the next axis moves {share:.0f} % as much)"
+        f"{', '.join(c.place for c in axes)} are the axes of {kind} ({why}); {first.place} moves most "
+        f"and was taken as the {quantity} (the next axis moves {share:.0f} % as much)"
     )
-    unit = first.unit or split_unit(first.label)[1] or ("m/s^2" if scale == 1.0 else "g")
-    taken = replace(
-        first, quantity="acceleration", unit=unit, gravity=gravity, label=first.label or "acceleration"
-    )
+    said = first.unit or split_unit(first.label)[1] or unit
+    taken = replace(first, quantity=quantity, unit=said, gravity=gravity, label=first.label or quantity)
     rest = {c.number for c in axes} - {first.number}
     columns = tuple(taken if c is first else c for c in table.columns if c.number not in rest)
     return replace(table, columns=columns, notes=(*table.notes, note))
@@ -77,12 +84,18 @@ def _axis(column: SourceColumn) -> str:
     return next((w for w in name if w in AXES), "")
 
 
+def _in_g(axes: Sequence[SourceColumn]) -> bool:
+    """Return whether the axes are called `gFx`, `g_y` and the like."""
+    return all(words(c.label)[:1] in (("g",), ("gf",), ("gforce",)) for c in axes)
+
+
 def _triples(table: Table) -> list[Sequence[SourceColumn]]:
-    columns = [c for c in table.columns if c.bad is None and np.isfinite(c.values).any()]
+    columns = [c for c in table.columns if c.bad is None and is_measurable(c.values)]
     return [columns[i : i + 3] for i in range(len(columns) - 2)]
 
 
-def _by_gravity(table: Table) -> tuple[Sequence[SourceColumn], float, bool] | None:
+def _by_gravity(table: Table) -> tuple[Sequence[SourceColumn], str, bool] | None:
+    """Return three axes with gravity in them, and the unit where they name none."""
     for three in _triples(table):
         named = [_axis(c) for c in three]
         if not (named == ["?"] * 3 or sorted(named) == list(AXES)):
@@ -91,17 +104,17 @@ def _by_gravity(table: Table) -> tuple[Sequence[SourceColumn], float, bool] | No
         if any(s.unit is not None and s.unit.quantity != "acceleration" for s in said):
             continue
         mean = float(np.linalg.norm([np.nanmedian(c.values) for c in three]))
-        for scale in (1.0, STANDARD_GRAVITY):
-            accelerations = scale == 1.0 or any(s.quantity == "acceleration" for s in said)
+        for scale, unit in ((1.0, "m/s^2"), (STANDARD_GRAVITY, "g")):
+            accelerations = unit != "g" or any(s.quantity == "acceleration" for s in said) or _in_g(three)
             if accelerations and abs(mean * scale / STANDARD_GRAVITY - 1.0) < WITHIN:
-                units = [s.unit.scale for s in said if s.unit is not None]
-                return three, units[0] if units else scale, True
+                return three, unit, True
     return None
 
 
-def _by_name(table: Table) -> tuple[Sequence[SourceColumn], float, bool] | None:
+def _by_name(table: Table) -> tuple[Sequence[SourceColumn], str, bool] | None:
     for three in _triples(table):
         said = [meaning(c.label, c.unit) for c in three]
-        if sorted(_axis(c) for c in three) == list(AXES) and all(s.quantity == "acceleration" for s in said):
-            return three, said[0].unit.scale if said[0].unit is not None else 1.0, False
+        kinds = {s.quantity for s in said}
+        if sorted(_axis(c) for c in three) == list(AXES) and kinds in ({"acceleration"}, {"velocity"}):
+            return three, "", False
     return None

@@ -8,7 +8,7 @@ import numpy as np
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.errors import problem
 from daq.importing.options import NONE, ImportOptions
-from daq.importing.still import amplitude
+from daq.importing.still import amplitude, is_measurable
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
@@ -29,7 +29,8 @@ def with_angle(table: Table, options: ImportOptions) -> Table:
     """
     if options.angle_from is not None:
         x, y = (_named(table, wanted) for wanted in options.angle_from)
-        pivot = _pivot(x.values, y.values)
+        measurable = is_measurable(x.values) and is_measurable(y.values)
+        pivot = _pivot(x.values, y.values) if measurable else None
         if pivot is None:
             raise problem(
                 table.path, f"{x.place} and {y.place} do not lie on an arc",
@@ -66,7 +67,7 @@ def _pair(table: Table, options: ImportOptions) -> tuple[SourceColumn, SourceCol
         for q in ("displacement", "velocity", "acceleration")
     ):
         return None
-    numbers = [c for c in table.columns if c.bad is None and np.isfinite(c.values).any()]
+    numbers = [c for c in table.columns if c.bad is None and is_measurable(c.values)]
     said = {c.number: meaning(c.label, c.unit) for c in numbers}
     if any(
         said[c.number].angular or c.quantity in ("displacement", "velocity", "acceleration") for c in numbers

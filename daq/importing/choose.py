@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from daq.importing.columns import INDEX, Meaning, meaning, words
+from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.narrow import narrowed
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
@@ -65,10 +65,25 @@ def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> di
             notes.append(
                 f"{clock.place} has no name that says so, but its numbers rise evenly: it was taken as time"
             )
+    if not any(quantity in (*choices, *options.columns) for quantity in MOTIONS):
+        lone = [c for c in table.columns if c.number not in taken and _is_signal(meanings[c.number])]
+        if len(lone) == 1:
+            choices["displacement"] = _as_choice(
+                "displacement", lone[0], meanings[lone[0].number], asked=False
+            )
+            taken.add(lone[0].number)
+            notes.append(
+                f"{lone[0].place} is the only signal beside the time: it was taken as the displacement"
+            )
     if not any(quantity in choices for quantity in MOTIONS):
         known = "time" in choices or options.rate is not None or table.rate is not None
         raise _no_motion(table, taken, rate_known=known)
     return choices
+
+
+def _is_signal(said: Meaning) -> bool:
+    """Return whether a column has a unit that could be any sensor's: counts, volts, pixels."""
+    return said.unit is not None and said.unit.si in ("count", "V", "px") and not said.other
 
 
 def _refuse_twice(table: Table, choices: dict[str, Choice]) -> None:
@@ -176,10 +191,15 @@ def _found(
         leave = f", or leave it out with {ask(quantity, NONE)}" if quantity != "time" else ""
         raise problem(
             table.path, f"{len(top)} {top[0].noun}s could be the {quantity}: {_listed(top)}",
-            f"choose one, as in {ask(quantity, _name(_likely(top)))}{leave}",
+            f"choose one, as in {ask(quantity, _name(_likely(top)))}{leave}{_or_runs(top)}",
             options=(ask(quantity, _name(_likely(top))),),
         )  # fmt: skip
     return _as_choice(quantity, top[0], meanings[top[0].number], asked=False)
+
+
+def _or_runs(columns: Sequence[SourceColumn]) -> str:
+    names = {split_unit(c.label)[0].rstrip("0123456789 _") for c in columns}
+    return "; if they are releases of one rig, --run all" if len(names) == 1 and "" not in names else ""
 
 
 def _likely(columns: Sequence[SourceColumn]) -> SourceColumn:
@@ -196,7 +216,11 @@ def _rising_first(table: Table, taken: set[int]) -> SourceColumn | None:
     if not table.columns or table.columns[0].number in taken or table.columns[0].bad is not None:
         return None
     column = table.columns[0]
-    if words(column.label) and not set(words(column.label)) <= INDEX:
+    if (
+        words(column.label)
+        and not set(words(column.label)) <= INDEX
+        and words(column.label) != ("x", "value")
+    ):
         return None
     values = column.values
     if set(words(column.label)) & INDEX or len(table.columns) < 2 or len(values) < 3:

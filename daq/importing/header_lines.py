@@ -24,6 +24,8 @@ _FRAMES = re.compile(rf"{_NUMBER}\s*(?:fps|frames\s*(?:/|per)\s*s(?:ec\w*)?)(?![
 _STEP = re.compile(rf"(?:{_STEP_NAMES})\W*?{_NUMBER}\s*\(?\s*(s|sec\w*|ms|us|µs)?(?![a-z])", re.I)
 _SETTING_RATE = re.compile(rf"(?:{_RATE_NAMES}|rate|rate[\s_-]*hz)(?:[\s_-]*k?hz)?", re.I)
 _SETTING_STEP = re.compile(rf"(?:{_STEP_NAMES})(?:[\s_-]*(?:s|ms|us|sec))?", re.I)
+_ALONE = re.compile(rf"\W*{_NUMBER}\s*(k?Hz|S/s|sps)\W*", re.I)
+REMARKS = ("comment", "comments", "remark", "remarks", "notes", "kommentar")
 LONGEST_STEP = 10.0  # s; a larger number is a date, or the hour of the day
 _STEP_SCALE = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 _SEPARATORS = re.compile(r"[;,\t|]\s*|\s{2,}")
@@ -48,6 +50,8 @@ def headers(lines: Sequence[str], dialect: Dialect, skip: int, width: int) -> tu
     for number in range(max(skip, dialect.start - 60), dialect.start):
         line = lines[number]
         if not line.strip() or {number + 1, number + 2} & settings:
+            continue
+        if width == 1 and _rate_in(line[:300], dialect.decimal) is not None:
             continue
         if is_comment(line):
             line = line.lstrip().lstrip("".join(COMMENTS)).strip()
@@ -81,7 +85,7 @@ def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
 
 
 def _fits(cells: Sequence[str], width: int) -> bool:
-    named = [i for i, cell in enumerate(cells) if cell]
+    named = [i for i, cell in enumerate(cells) if cell and cell.lower() not in REMARKS]
     if not named or named[-1] >= width:
         return False
     return len(cells) >= width - 1 or len(named) == width
@@ -143,8 +147,8 @@ def _step_scale(name: str) -> float:
 
 
 def _rate_in(line: str, decimal: str) -> float | None:
-    for form in (_RATE, _BARE_RATE, _FRAMES, _STEP):
-        match = form.search(line)
+    for form in (_RATE, _BARE_RATE, _FRAMES, _STEP, _ALONE):
+        match = form.fullmatch(line) if form is _ALONE else form.search(line)
         number = parse_number(match[1], "," if decimal == "," else ".") if match else None
         if match is None or number is None or not 0.0 < number < 1e9:
             continue

@@ -6,17 +6,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from daq.importing.columns import meaning
 from daq.importing.errors import problem
-from daq.importing.numbers import parse_clock, parse_number
+from daq.importing.json_tables import FEWEST, table_in
+from daq.importing.numbers import parse_number
 from daq.importing.options import ImportOptions
 from daq.importing.runs import rises_evenly
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
-FEWEST = 3
 MAX_COLUMNS = 2000
 _RATE = re.compile(
     r"(?:sampl\w*[\s_-]*)?(?:rate|freq\w*)(?:[\s_-]*\(?k?hz\)?)?|fs|fps|samplerate|abtastrate", re.I
@@ -37,18 +35,13 @@ def is_json(data: bytes) -> bool:
 def read_json(path: Path, data: bytes, options: ImportOptions) -> Table:
     """Return the table in a JSON file.
 
-    The table is a list of rows, a list of records, or an object of columns, at the top or under any key; settings
+    The table is a list of rows, records or channels, an object of columns, or several of these for as many runs, at
+    the top or under any key, or a record a line; settings
     beside it may name the columns, their units (`displacement units`) and the rate or the step of time. Raises
     ImportProblem when there is no table, or the text is not JSON.
     """
-    try:
-        document = json.loads(data.decode(options.encoding or "utf-8-sig"))
-    except (ValueError, LookupError, RecursionError) as error:
-        line = getattr(error, "lineno", None)
-        raise problem(
-            path, f"begins as JSON, but cannot be read ({error})", "export it again", line=line
-        ) from None
-    found = _table_in(document, "")
+    document = _document(path, data, options.encoding)
+    found = table_in(document)
     if found is None:
         raise problem(
             path,
@@ -72,78 +65,22 @@ def read_json(path: Path, data: bytes, options: ImportOptions) -> Table:
     return Table(path, made, None, rate, source, tuple(notes))
 
 
-Found = tuple[str, list[str] | None, list[Array], Any]
-
-
-def _table_in(node: Any, key: str, depth: int = 0) -> Found | None:
-    """Return key, names, columns and the object beside the largest table below a node."""
-    if depth > 4:
-        return None
-    if isinstance(node, list):
-        return _from_list(node, key)
-    if not isinstance(node, dict):
-        return None
-    columns = {
-        str(name): values
-        for name, value in node.items()
-        if isinstance(value, list) and (values := _numbers(value)) is not None
-    }
-    lengths = [len(values) for values in columns.values()]
-    if lengths:
-        most = max(set(lengths), key=lambda n: (lengths.count(n), n))
-        columns = {name: values for name, values in columns.items() if len(values) == most}
-        if most >= FEWEST:
-            return key, list(columns), list(columns.values()), node
-    inner = [found for name, value in node.items() if (found := _table_in(value, str(name), depth + 1))]
-    best = max(inner, key=lambda found: len(found[2][0]) * len(found[2]), default=None)
-    return None if best is None else (*best[:3], best[3] or node)
-
-
-def _from_list(node: list[Any], key: str) -> Found | None:
-    if len(node) < FEWEST:
-        return None
-    if all(isinstance(row, dict) for row in node):
-        return _from_records(node, key)
-    if not all(isinstance(row, list) for row in node):
-        return None
-    names: list[str] | None = None
-    rows: list[list[Any]] = node
-    if rows[0] and all(isinstance(cell, str) and parse_number(cell) is None for cell in rows[0]):
-        names, rows = [str(cell) for cell in rows[0]], rows[1:]
-    width = max(len(row) for row in rows)
-    if not width or any(len(row) < width - 1 for row in rows):
-        return None
-    columns = [_numbers([row[i] if i < len(row) else None for row in rows]) for i in range(width)]
-    if any(column is None for column in columns):
-        return None
-    said = names if names is not None and len(names) == width else None
-    return key, said, [c for c in columns if c is not None], None
-
-
-def _from_records(node: list[dict[str, Any]], key: str) -> Found | None:
-    names = list(dict.fromkeys(str(name) for record in node for name in record))
-    cells = [_numbers([record.get(name) for record in node]) for name in names]
-    kept = [(n, c) for n, c in zip(names, cells, strict=True) if c is not None]
-    return (key, [n for n, _ in kept], [c for _, c in kept], None) if kept else None
-
-
-def _numbers(values: Sequence[Any]) -> Array | None:
-    """Return a list of numbers, texts of numbers or nulls as an array, None for anything else."""
-    made = []
-    for value in values:
-        if value is None:
-            made.append(np.nan)
-        elif isinstance(value, int | float) and not isinstance(value, bool):
-            made.append(float(value) if abs(value) < 1e308 else np.nan)
-        elif isinstance(value, str):
-            number = parse_number(value)
-            number = parse_clock(value) if number is None else number
-            if number is None:
-                return None
-            made.append(number)
-        else:
-            return None
-    return np.array(made) if made else None
+def _document(path: Path, data: bytes, encoding: str | None) -> Any:
+    """Return what a JSON text holds, or the list of what its lines hold where each line is one."""
+    try:
+        text = data.decode(encoding or "utf-8-sig")
+        try:
+            return json.loads(text)
+        except ValueError:
+            lines = [line for line in text.splitlines() if line.strip()]
+            if len(lines) < FEWEST or not all(line.lstrip()[0] in "{[" for line in lines):
+                raise
+            return [json.loads(line) for line in lines]
+    except (ValueError, LookupError, RecursionError) as error:
+        line = getattr(error, "lineno", None)
+        raise problem(
+            path, f"begins as JSON, but cannot be read ({error})", "export it again", line=line
+        ) from None
 
 
 def _scalars(node: Any) -> dict[str, Any]:

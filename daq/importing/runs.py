@@ -16,6 +16,7 @@ from daq.importing.table import SourceColumn, Table
 Named = tuple[str, str]
 MOTIONS = ("displacement", "velocity", "acceleration")
 FEWEST_ROWS = 8
+FEWEST_IN_A_PIECE = 50
 _WORDS = (
     "run|trial|test|messung|versuch|lauf|durchgang|release|take|repeat|repetition|series|serie|reihe|essai|mesure|"
     "prova|ensayo|meting|data ?set|recording|decay"
@@ -24,6 +25,7 @@ _BY_WORD = re.compile(
     rf"[\s,_:;./-]*(?<![a-z])(?:{_WORDS})[\s_]*(?:nr|no)?[\s._#:-]*(\d{{1,4}}|(?-i:[A-H]))(?![a-z0-9])[\s,:;_-]*",
     re.I,
 )
+_LATEST = re.compile(r"(latest)\s*:\s*", re.I)
 _BY_NUMBER = re.compile(r"(.*[^\d\W_])[\s._#-]*(\d{1,3})")
 _BY_LETTER = re.compile(r"(.*\S)[\s_]([A-H])")
 _COPY = re.compile(r"(.*\S)\.\d{1,3}")
@@ -34,9 +36,10 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
     """Return the table of each run, in the order of the file, or the table itself when it holds one recording.
 
     Runs are found by a word and a number in the names (`Angle (rad) Run #3`), by numbers or capital letters at their
-    end (`t1 theta1 t2 theta2`, `Time A`, `Time B`), by names that repeat, by columns of time without any name, or
-    by a column that numbers the runs row by row. Except in the last way, each run has a time column of its own, or all
-    share one (for bare numbers only where the operator asks for a run: `x1` and `x2` may be two masses).
+    end (`t1 theta1 t2 theta2`, `Time A`, `Time B`), by names that repeat, by columns of time without any name, by a
+    column that numbers the runs row by row, or by a time that begins again. Where runs stand side by side, each has a
+    time of its own, or all share one (for bare numbers only where the operator asks for a run: `x1` and `x2` may be two
+    masses).
     """
     if _names_its_time(table, options):
         return [table]
@@ -48,6 +51,7 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
         or _by_repetition(table)
         or _by_rising(table)
         or _by_row(table)
+        or _by_restart(table)
     )
     return _asked_for(found, options) if found else [table]
 
@@ -82,11 +86,11 @@ def _names_its_time(table: Table, options: ImportOptions) -> bool:
 
 
 def _word(column: SourceColumn) -> Named | None:
-    match = _BY_WORD.search(column.label)
+    match = _BY_WORD.search(column.label) or _LATEST.match(column.label)
     if match is None:
         return None
     rest = f"{column.label[: match.start()]} {column.label[match.end() :]}".strip(" ,:;_-")
-    return (rest, match[1]) if rest else (column.label, match[1])
+    return rest, match[1]
 
 
 def _number(column: SourceColumn) -> Named | None:
@@ -114,11 +118,18 @@ def _by_names(table: Table, name_of: Callable[[SourceColumn], Named | None], *, 
         if named is None:
             rest.append(column)
         else:
-            groups.setdefault(named[1], []).append(replace(column, label=named[0]))
+            groups.setdefault(named[1], []).append(_called(column, named[0]))
     times = [c for c in rest if _is_time(c)]
     if times and (not shared or any(_is_time(c) for columns in groups.values() for c in columns)):
         return []
     return _accepted(table, groups, times)
+
+
+def _called(column: SourceColumn, name: str) -> SourceColumn:
+    """Return a column under its name in the run; one that is only called `run 2` is the displacement."""
+    if name or column.unit:
+        return replace(column, label=name)
+    return replace(column, label="", quantity=column.quantity or "displacement")
 
 
 def _by_repetition(table: Table) -> list[Table]:
@@ -171,6 +182,22 @@ def _by_row(table: Table) -> list[Table]:
         return []
     rest = [c for c in table.columns if c is not column]
     return [_part(table, f"{numbers[a]:.0f}", rest, np.arange(a, b)) for a, b in pieces]
+
+
+def _by_restart(table: Table) -> list[Table]:
+    """Cut the rows of a table where its time begins again."""
+    times = [c for c in table.columns if _is_time(c) and not c.clock]
+    if len(times) != 1 or times[0].bad is not None or not np.isfinite(times[0].values).all():
+        return []
+    time = times[0].values
+    steps = np.diff(time)
+    starts = [0, *(np.flatnonzero(steps < 0.0) + 1).tolist()]
+    pieces = list(pairwise([*starts, len(time)]))
+    typical = float(np.median(np.abs(steps))) if len(steps) else 0.0
+    alike = all(abs(time[a] - time[0]) <= 2.0 * typical for a, _ in pieces)
+    if not 2 <= len(pieces) <= 1000 or min(b - a for a, b in pieces) < FEWEST_IN_A_PIECE or not alike:
+        return []
+    return [_part(table, str(k), table.columns, np.arange(a, b)) for k, (a, b) in enumerate(pieces, start=1)]
 
 
 def _accepted(table: Table, groups: dict[str, list[SourceColumn]], shared: list[SourceColumn]) -> list[Table]:

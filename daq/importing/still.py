@@ -8,12 +8,19 @@ from daq.recording import Array
 
 FEW_VALUES = 12
 SMALL, TINY = 0.05, 0.005
+LARGEST = 1e100
+
+
+def is_measurable(values: Array) -> bool:
+    """Return whether there are numbers, and all of a size whose squares can be summed."""
+    finite = values[np.isfinite(values)]
+    return len(finite) > 0 and bool(np.max(np.abs(finite)) < LARGEST)
 
 
 def amplitude(values: Array) -> float:
     """Return the standard deviation of the numbers that are there, 0 when there are fewer than two."""
     finite = values[np.isfinite(values)]
-    return float(np.std(finite)) if len(finite) > 1 and np.max(np.abs(finite)) < 1e150 else 0.0
+    return float(np.std(finite)) if len(finite) > 1 and is_measurable(finite) else 0.0
 
 
 def stands_still(values: Array, largest: float) -> bool:
@@ -35,7 +42,7 @@ def moving(columns: Sequence[Array]) -> list[bool]:
 def oscillation(values: Array) -> float:
     """Return the share of a column's power, its slope taken out, within 20 % of its strongest frequency; 0 to 1."""
     finite = values[np.isfinite(values)]
-    if len(finite) < 16 or not np.max(np.abs(finite)) < 1e150 or np.ptp(finite) == 0.0:
+    if len(finite) < 16 or not is_measurable(finite) or np.ptp(finite) == 0.0:
         return 0.0
     place = np.linspace(-1.0, 1.0, len(finite))
     scaled = (finite - finite.mean()) / np.ptp(finite)

@@ -7,6 +7,7 @@ import numpy as np
 
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.options import ImportOptions
+from daq.importing.still import is_measurable
 from daq.importing.table import SourceColumn, Table
 
 _NAMES = re.compile(
@@ -63,7 +64,12 @@ def _find(table: Table) -> int | None:
 def _are_steps(column: SourceColumn, *, named: bool) -> bool:
     """Return whether a column's numbers, after the first, are positive and nearly alike."""
     values = column.values
-    if column.bad is not None or len(values) < FEWEST or not np.isfinite(values).all():
+    if (
+        column.bad is not None
+        or len(values) < FEWEST
+        or not np.isfinite(values).all()
+        or not is_measurable(values)
+    ):
         return False
     steps = values[1:]
     middle = float(np.median(steps))

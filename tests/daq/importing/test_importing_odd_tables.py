@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from import_files import OMEGA, RATE, load, refusal, said, swing, table
+from import_files import OMEGA, RATE, load, refusal, said, swing, table, write
 
+from daq.importing import read_runs
 from daq.recording import Array
 
 GRAVITY = 9.80665
@@ -66,6 +67,44 @@ def test_axes_in_g_are_axes_too(tmp_path: Path) -> None:
         tmp_path, table("t (s),ax (g),ay (g),az (g)", np.arange(300) / RATE, *(a / GRAVITY for a in axes))
     )
     assert np.std(recording.samples[0] - motion) < 0.05
+
+
+def test_axes_called_g_are_in_g(tmp_path: Path) -> None:
+    motion, axes = phone(moving=2)
+    total = np.sqrt(sum(a**2 for a in axes))
+    text = table("time,gFx,gFy,gFz,TgF", np.arange(300) / RATE, *(a / GRAVITY for a in (*axes, total)))
+    recording = load(tmp_path, text)
+    assert [c.name for c in recording.channels] == ["gFz"]
+    assert np.std(recording.samples[0] - motion) < 0.05
+
+
+def test_of_a_gyroscope_the_axis_that_turns_is_taken(tmp_path: Path) -> None:
+    t, _, v, _ = swing()
+    names = ",".join(f"Gyroscope {axis} (rad/s)" for axis in "xyz")
+    recording = load(tmp_path, table(f"Time (s),{names},Absolute (rad/s)", t, 0.1 * v, v, 0.0 * v, np.abs(v)))
+    assert [(c.name, c.quantity) for c in recording.channels] == [("Gyroscope y (rad/s)", "velocity")]
+
+
+def test_counts_beside_a_time_are_a_displacement_in_counts(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    recording = load(tmp_path, table("millis,counts", 1e3 * t, np.round(5e4 * x), form="%.0f"))
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "count")]
+    assert recording.rate == pytest.approx(RATE)
+
+
+def test_a_line_with_a_rate_is_no_name_of_a_column(tmp_path: Path) -> None:
+    _, x, _, _ = swing()
+    recording = load(tmp_path, table("# x in mm\n# 100 Hz", 1e3 * x))
+    assert (recording.rate, recording.channels[0].unit) == (100.0, "m")
+    message = refusal(tmp_path, table("Sampling frequency = 100 Hz", 1e3 * x))
+    assert "--column displacement=1 " in message
+
+
+def test_the_value_over_x_of_a_labview_file_is_a_time(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    above = "LabVIEW Measurement\nSeparator\tTab\n***End_of_Header***\nX_Value\tPosition (mm)\tComment"
+    recording = load(tmp_path, table(above, t, 1e3 * x, delimiter="\t"), "a.lvm")
+    assert recording.rate == pytest.approx(RATE)
 
 
 def test_axes_that_move_alike_are_not_guessed(tmp_path: Path) -> None:
@@ -177,6 +216,32 @@ def test_json_is_a_table_too(tmp_path: Path, form: str) -> None:
     assert recording.rate == pytest.approx(100.0)
     assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "m")]
     np.testing.assert_allclose(recording.samples[0], X, rtol=1e-9, atol=1e-12)
+
+
+RUNS = {
+    "a list": {"runs": [{"t": T.tolist(), "x": X.tolist()}, {"t": T[:90].tolist(), "x": V[:90].tolist()}]},
+    "keys": {
+        "run4": {"t": T.tolist(), "x": X.tolist()},
+        "run7": {"t": T[:90].tolist(), "x": V[:90].tolist()},
+    },
+}
+
+
+@pytest.mark.parametrize(("form", "names"), [("a list", ["1", "2"]), ("keys", ["4", "7"])])
+def test_runs_in_json_are_runs(tmp_path: Path, form: str, names: list[str]) -> None:
+    runs = read_runs(write(tmp_path, json.dumps(RUNS[form]), "a.json"))
+    assert [r.run for r in runs] == names
+    np.testing.assert_array_equal(runs[0].samples[0], X)
+    np.testing.assert_array_equal(runs[1].samples[0], V[:90])
+
+
+def test_json_of_a_record_a_line_and_of_channels_is_read(tmp_path: Path) -> None:
+    lines = "\n".join(json.dumps({"t (s)": t, "x (mm)": x}) for t, x in ROWS)
+    np.testing.assert_allclose(load(tmp_path, lines, "a.jsonl").samples[0], X, rtol=1e-9, atol=1e-12)
+    channels = {"fs": 100, "channels": [{"name": "pos", "unit": "mm", "values": (1e3 * X).tolist()}]}
+    np.testing.assert_allclose(
+        load(tmp_path, json.dumps(channels), "a.json").samples[0], X, rtol=1e-9, atol=1e-12
+    )
 
 
 def test_json_with_null_loses_a_sample_and_json_without_numbers_is_refused(tmp_path: Path) -> None:

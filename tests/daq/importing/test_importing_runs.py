@@ -116,6 +116,28 @@ def test_a_column_may_number_the_runs_row_by_row(tmp_path: Path) -> None:
     np.testing.assert_allclose(runs[2].samples[0], made[2][1], rtol=1e-8, atol=1e-12)
 
 
+def test_a_time_that_begins_again_begins_a_run(tmp_path: Path) -> None:
+    made = releases(LENGTHS)
+    t, x = (np.concatenate(parts) for parts in zip(*made, strict=True))
+    runs = read_runs(write(tmp_path, wide("t (s),x (m)", [t, x], ",")))
+    assert [(r.run, r.samples.shape[1]) for r in runs] == [("1", 200), ("2", 170), ("3", 185)]
+    np.testing.assert_allclose(runs[1].samples[0], made[1][1], rtol=1e-8, atol=1e-12)
+
+
+def test_the_latest_run_of_a_logger_has_no_number(tmp_path: Path) -> None:
+    (t, x), (u, y) = releases((200, 150))
+    header = "Latest: Time (s),Latest: Position (m),Run 1: Time (s),Run 1: Position (m)"
+    runs = read_runs(write(tmp_path, wide(header, [t, x, u, y], ",")))
+    assert [r.run for r in runs] == ["Latest", "1"]
+    assert [r.samples.shape[1] for r in runs] == [200, 150]
+
+
+def test_columns_that_are_only_called_runs_are_displacements_over_one_time(tmp_path: Path) -> None:
+    (t, x), (_, y) = releases((200, 200))
+    runs = read_runs(write(tmp_path, wide("t;run1;run2", [t, x, y])))
+    np.testing.assert_allclose(runs[1].samples[0], y, rtol=1e-8, atol=1e-12)
+
+
 def test_a_run_in_which_nothing_moves_is_left_out(tmp_path: Path) -> None:
     (t, x), _ = releases((200, 200))
     still = 504.0 + np.tile([0.0, 1.0, 0.0, -1.0], 50)
