@@ -171,7 +171,7 @@ def rises_evenly(column: SourceColumn) -> bool:
 def _by_row(table: Table) -> list[Table]:
     """Cut the rows of a table at a column that numbers its runs."""
     column = next((c for c in table.columns if _COLUMN.fullmatch(c.label.strip())), None)
-    if column is None or column.bad is not None:
+    if column is None or column.bad is not None or len(table.columns) < 2:
         return []
     numbers = column.values
     if not np.isfinite(numbers).all() or np.any(numbers != np.rint(numbers)):
