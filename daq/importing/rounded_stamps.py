@@ -8,6 +8,8 @@ from daq.recording import Array
 
 MARGIN = 1e-6
 FEWEST = 8
+CAMERAS = (24000 / 1001, 30000 / 1001, 60000 / 1001)
+CLEAR = 0.01  # Hz; three such errors are still far less than the distance between two nominal rates
 
 
 def rate_within_rounding(index: Array, time: Array, steps: Array) -> tuple[float, float, float] | None:
@@ -27,6 +29,14 @@ def rate_within_rounding(index: Array, time: Array, steps: Array) -> tuple[float
             low, high, start = found
             return 0.5 * (low + high), start, (high - low) / np.sqrt(12.0)
     return None
+
+
+def nominal_rate(rate: float, std: float) -> float | None:
+    """Return the rate to which a camera or a logger was set, if one lies within three standard errors of `rate`: a
+    whole number of Hz, or a camera's 23.976, 29.97, 59.94 Hz. None where the error is too large to tell.
+    """
+    nearest = min((float(round(rate)), *CAMERAS), key=lambda known: abs(known - rate))
+    return nearest if nearest >= 1.0 and abs(nearest - rate) <= 3.0 * std and std < CLEAR else None
 
 
 def _clocks(index: Array, low: Array, high: Array) -> tuple[float, float, float] | None:

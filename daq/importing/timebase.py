@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from daq.importing.errors import problem
 from daq.importing.quantisation import quantum, rounding
-from daq.importing.rounded_stamps import rate_within_rounding
+from daq.importing.rounded_stamps import nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import SECOND, Unit
 from daq.recording import Array
@@ -108,6 +108,9 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         exact = rate_within_rounding(index.astype(np.float64), time, steps)
         if exact is not None:
             slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
+        nominal = nominal_rate(1.0 / slope, rate_std) if stray > TOO_IRREGULAR * slope else None
+        if nominal is not None:
+            slope, start = 1.0 / nominal, float(np.mean(time) - np.mean(index) / nominal)
     notes.extend(_holes(table, index, time, rows))
     if coarse and uneven:
         notes.append(

@@ -205,6 +205,16 @@ def test_stamps_coarser_than_the_sampling_give_even_times_at_the_true_rate(tmp_p
     ]  # the velocity is its finite difference
 
 
+@pytest.mark.parametrize("rate", [25.0, 30.0, 60.0, 33.37])
+def test_repeating_stamps_are_at_the_rate_that_was_set_if_it_is_a_round_one(
+    tmp_path: Path, rate: float
+) -> None:
+    t = np.arange(1365) / rate
+    x = 14.0 * np.exp(-0.02 * t) * np.cos(OMEGA / 2 * t)
+    recording = load(tmp_path, wide("t;x (deg)", [t, x], form="%.2E"))
+    assert abs(recording.rate - rate) <= (1e-9 if rate == round(rate) else 4 * (recording.rate_std or 0.0))
+
+
 def test_a_part_is_read_by_the_times_of_the_file(tmp_path: Path) -> None:
     t, x, _, _ = swing()
     recording = load(tmp_path, wide("t (s);x (m)", [t + 33.692, x]), start=34.192, stop=35.0)
