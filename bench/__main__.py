@@ -20,6 +20,7 @@ SECTIONS = (
     "peers",
     "recordings",
     "station",
+    "campaign",
     "storage",
     "fuzz",
     "soak",

@@ -33,6 +33,17 @@ def prepared_of(
     return tuple(prepare(decay) if isinstance(decay, FreeDecay) else decay for decay in given)
 
 
+def segments_by_release(decays: Sequence[PreparedDecay]) -> tuple[tuple[int, ...], ...]:
+    """Return, for each release, the places that its segments have in `segments_of`."""
+    found: list[tuple[int, ...]] = []
+    first = 0
+    for prepared in decays:
+        last = first + len(segments(prepared))
+        found.append(tuple(range(first, last)))
+        first = last
+    return tuple(found)
+
+
 def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
     """Return a long release as up to six segments spread evenly over it; a short one as it is.
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.commands.options import MASS, MASS_STD
+from station.commands.options import CONDITIONS, MASS, MASS_STD
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
@@ -63,6 +63,7 @@ if TYPE_CHECKING:
 @click.option("--keep-offset", is_flag=True, help="Leave gravity in an acceleration.")
 @click.option("--specimen", help="What was tested.")
 @click.option("--operator", help="Who tested it.")
+@CONDITIONS
 @json_option
 @click.pass_obj
 def command(
@@ -77,6 +78,7 @@ def command(
     angle_from: str | None,
     specimen: str | None,
     operator: str | None,
+    conditions: tuple[str, ...],
     as_json: bool,
     **others: Any,
 ) -> None:
@@ -96,7 +98,7 @@ def command(
     options = ImportOptions(
         columns=chosen, units=_pairs("--unit", units), angle_from=_two("--angle-from", angle_from), **others
     )
-    info = session_info(settings, mass, mass_std, specimen, operator)
+    info = session_info(settings, mass, mass_std, specimen, operator, conditions)
     try:
         imported = import_file(file, folder, settings.sessions, options, info)
     except ImportProblem as refusal:
