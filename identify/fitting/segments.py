@@ -19,10 +19,10 @@ from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 _LONG_CYCLES = 60.0
 _WANDERING_CYCLES = 12.0
 _SHORTEST_CYCLES = 4.0
-_MOST = 12
+_MOST = 6
 """Pieces: each has six unknowns of its own, and what they cost grows with the square of their number."""
 
-_MOST_CYCLES = 480.0
+_MOST_CYCLES = 240.0
 """Cycles that are simulated: a diagnosis takes as long as the cycles that it runs through a thousand times."""
 
 
@@ -38,8 +38,8 @@ def segments_of(
 def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
     """Return a long release as segments that cover it without a gap; a short one as it is.
 
-    Segments have 60 cycles, the last what remains; or, where the phase wanders, twelve cycles and equal lengths, and more
-    where there would be more than twelve segments. Of a release of more than 480 cycles as many are taken, spread evenly
+    Segments have 60 cycles, the last what remains; or, where the phase wanders, twelve cycles or more, all of one length,
+    at most six of them. Of a release of more than 240 cycles as many are taken, spread evenly
     over it. A driven motion is kept in step by its force, and stays whole.
     """
     window, n = prepared.window, len(prepared.window)
