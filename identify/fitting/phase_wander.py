@@ -12,6 +12,12 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 _POWERS = (1.0, 2.0, 4.0, -1.0)
 """Of the amplitude, in the frequency: one-sided and hysteretic springs, cubic, quintic, play; dry friction has no share."""
 
+_ENDS = 2
+"""Cycles at either end of the motion that are not looked at."""
+
+_NORMAL = 0.6745
+"""Median of a standard normal variable's size: a jump of the phase is no wandering."""
+
 _SHARE_OF_NOISE = 0.3
 """Wandering that moves the readings by this share of their noise raises a reduced chi-square by a twentieth."""
 
@@ -29,7 +35,8 @@ def wanders(prepared: PreparedDecay) -> bool:
     left = (left - design @ np.linalg.lstsq(design, left, rcond=1e-10)[0]) * amplitude.max()
     noise = _noise(prepared)
     by_cycle = 2.0 * noise**2 / _samples_a_cycle(prepared)
-    return bool(np.mean(left**2) > by_cycle + (_SHARE_OF_NOISE * noise) ** 2)
+    strays = float(np.median(np.abs(left))) / _NORMAL
+    return bool(strays**2 > by_cycle + (_SHARE_OF_NOISE * noise) ** 2)
 
 
 def _phase_by_cycle(prepared: PreparedDecay) -> tuple[Array, Array]:
@@ -43,7 +50,11 @@ def _phase_by_cycle(prepared: PreparedDecay) -> tuple[Array, Array]:
     whole = cycle < cycle[-1]
     beyond = phase - w * np.arange(len(phase)) / motion.rate
     count = np.maximum(np.bincount(cycle[whole]), 1)
-    return np.bincount(cycle[whole], beyond[whole]) / count, np.bincount(cycle[whole], amplitude[whole]) / count
+    inside = slice(_ENDS, -_ENDS)  # where the motion is read off both sides
+    return (
+        (np.bincount(cycle[whole], beyond[whole]) / count)[inside],
+        (np.bincount(cycle[whole], amplitude[whole]) / count)[inside],
+    )
 
 
 def _samples_a_cycle(prepared: PreparedDecay) -> float:
