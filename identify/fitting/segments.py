@@ -59,7 +59,9 @@ def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
     cut = [piece for piece in pieces if piece.window.segment]
     if cut:
         share = float(np.mean([piece.share for piece in cut]))
-        words.append(f"long records are fitted in pieces, {len(cut)} here, of {100.0 * share:.3g} % of their motion")
+        words.append(
+            f"long records are fitted in pieces, {len(cut)} here, of {100.0 * share:.3g} % of their motion"
+        )
     sentence = "; ".join(words)
     return f"{sentence[0].upper()}{sentence[1:]}." if sentence else ""
 

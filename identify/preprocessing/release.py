@@ -24,7 +24,7 @@ UNFREE_SHARE = 0.35
 """A force beyond the springs' of this share of theirs is a hand: friction and damping are far smaller."""
 
 SUDDEN_SHARE = 0.01
-"""A release is sudden where a switch from held to free describes it to this share of its size: within a fifth of a period."""
+"""A release is sudden where a switch from held to free describes it to this share of its size: in a fifth of a period."""
 
 SUDDEN_WAIT = 0.25
 """Share of a period after which a sudden release is over."""

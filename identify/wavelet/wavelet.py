@@ -149,7 +149,9 @@ def _choose_stiffness(observed: Observed, fit: RidgeFit, trials: list[PhaseFit])
     misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
     clear = clearances_of_phases(observed, fit, trials)
     noise = float(np.mean(observed.variance * observed.weight**2))
-    order, reason = choose_order((1, 3, 5)[: len(trials)], misfits, clear, _worth(misfits, noise), "stiffness")
+    order, reason = choose_order(
+        (1, 3, 5)[: len(trials)], misfits, clear, _worth(misfits, noise), "stiffness"
+    )
     return (order - 1) // 2, reason
 
 

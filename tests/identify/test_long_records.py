@@ -89,7 +89,9 @@ def test_the_slow_part_of_a_thousand_cycles_is_found_in_little_memory():
     found = slow_part(u + drift, rate, frequency, np.ones(len(time), dtype=bool))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert np.max(np.abs(found.value - drift)) < 1e-4 * 0.02  # of the amplitude: its decay within a knot's two periods
+    assert (
+        np.max(np.abs(found.value - drift)) < 1e-4 * 0.02
+    )  # of the amplitude: its decay within a knot's two periods
     assert peak < 60e6  # dense it would be 200 MB, and 16 times as much for four times the length
 
 
