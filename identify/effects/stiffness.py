@@ -65,6 +65,7 @@ def _quintic(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 
 QUINTIC_STIFFNESS = ForceEffect(
+    rarity=1,
     name="quintic_stiffness",
     title="sharply hardening spring",
     equation="k5 u^5",
