@@ -108,6 +108,8 @@ class Diagnosis(Summarised):
             return "something is missing that the library does not name; see the free form"
         if self.verdict == "unconfirmed":
             return "something is left that no effect of the library foretells"
+        if self.verdict == "driven":
+            return "the motion is driven: a free decay is needed to name a force"
         if self.verdict == "not_enough_data":
             return "the record is too short to tell more effects apart"
         if rungs > _MOST_RUNGS:
@@ -189,13 +191,20 @@ def diagnose(
 def _worth_a_fit(
     baseline: Baseline, library: tuple[Effect, ...], foretell: Callable[[], Confirmation | None]
 ) -> tuple[Effect, ...]:
-    """Return the effects to fit by free run: all, or, far above a floor that is a guess, what the curves leave open."""
-    if baseline.floor_is_sure or baseline.fit.reduced < _FAR_OFF:
+    """Return the effects to fit by free run: all, or, where the floor is a guess, what the curves leave open.
+
+    So it is far above that floor, and on long records, where every free run is dear.
+
+    Where they confirm something, that is what they mention; otherwise also what they cannot show.
+    """
+    long = any(window.segment for window in baseline.fit.windows)
+    if baseline.floor_is_sure or (baseline.fit.reduced < _FAR_OFF and not long):
         return library
     found = foretell()
     if found is None:
         return library
-    return tuple(e for e in library if not found.has_law(e.name) or e.name in found.mentioned)
+    unseen = not found.effects
+    return tuple(e for e in library if e.name in found.mentioned or (unseen and not found.has_law(e.name)))
 
 
 def foretold(
