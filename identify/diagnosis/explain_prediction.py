@@ -44,8 +44,8 @@ def explain_driven(found: Confirmation) -> str:
     frequency = float(np.median(curve.frequency[len(curve) // 2 :])) / (2.0 * np.pi)
     return (
         f"The motion does not die away: its amplitude stays the same over the last two fifths of the record, at "
-        f"{three_figures(frequency)} Hz. Something drives it; a free decay is needed to name a force. Stop the drive and release "
-        "the mass, or record the driving force as a channel of its own."
+        f"{three_figures(frequency)} Hz. Something drives it; a free decay is needed to name a force. Stop the drive and "
+        "release the mass, or record the driving force as a channel of its own."
     )
 
 

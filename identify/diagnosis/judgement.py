@@ -253,7 +253,7 @@ def _by_beats(baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmatio
     if found is None or not found.beats or not ranked:
         return None
     best = min((entry for entry in ranked if entry.candidate.plausible), key=_misfit, default=None)
-    if best is None or not best.candidate.term.effect.line or best.candidate.term.effect.kind != "physics":
+    if best is None or found.has_law(best.candidate.name) or best.candidate.term.effect.kind != "physics":
         return None
     if best.candidate.fit.chi_square > _LINE_LEAVES * baseline.fit.chi_square:
         return None
