@@ -3,7 +3,8 @@
 Under the present model the readings differ from the prediction by noise alone. A suspect of small strength changes the
 prediction along one direction (its column) for each value of its inner parameters; what the fit's own parameters can
 follow is projected out. For drawn noise, the best drop of chi-square over the suspect's columns is a draw from its null
-distribution, and the smallest tail probability over the whole library one from that of the search.
+distribution, and the smallest tail probability over the whole library one from that of the search. A force is one for
+all releases; a sensor's fault has parameters in each, whose drops add up.
 """
 
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
+from identify.diagnosis.null_lines import line_drops, rows_of
 from identify.diagnosis.suspects import states_of_term, with_fault
 from identify.effects.effect import Scales
 from identify.fitting.fit import Fit
@@ -68,9 +70,11 @@ def null_distribution(
     for term in terms:
         name = term.effect.name
         if term.effect.line:
-            best = _line_drops(base, term, noise)
-        else:
+            best = line_drops(base, term, noise)
+        elif term.is_force:
             best = _column_drops(decays, base, term, scales, tangent, noise)
+        else:
+            best = _fault_drops(base, term, scales, tangent, noise)
         drops[name] = np.maximum(drops[name], best) if name in drops else best
     search = np.max([_surprise(np.sort(d), d) for d in drops.values()], axis=0)
     return NullDistribution({name: np.sort(d) for name, d in drops.items()}, np.sort(search))
@@ -109,12 +113,32 @@ def _column_drops(
     return best
 
 
+def _fault_drops(base: Fit, term: Term, scales: Scales, tangent: Array, noise: Array) -> Array:
+    """Sum over the releases of the best drop by a fault that each has with parameters of its own."""
+    problem = Problem(base.model.plus(term), base.windows, base.frequency)
+    before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
+    followed = tangent.T @ noise
+    best = np.zeros((len(base.windows), noise.shape[1]))
+    for start in term_starts(term, scales, fine=True):
+        change = problem.residuals(problem.theta(with_fault(base, term, start))) - before
+        if not np.isfinite(change).all():
+            continue
+        for drops, rows in zip(best, rows_of(base.windows), strict=True):
+            column, own = change[rows], tangent[rows].T @ change[rows]
+            size = float(np.sqrt(max(column @ column - own @ own, 0.0)))
+            if not size > 1e-9:
+                continue
+            amount = (column @ noise[rows] - own @ followed) / size
+            if term.effect.strength.low >= 0.0:
+                amount = np.maximum(amount, 0.0)
+            np.maximum(drops, amount**2, out=drops)
+    return np.asarray(best.sum(axis=0))
+
+
 def _probes(
     decays: tuple[PreparedDecay, ...], base: Fit, problem: Problem, term: Term, start: dict[str, float]
 ) -> list[Array]:
     """Return points near the base at which the term is weakly present, one for each of its linear freedoms."""
-    if not term.is_force:
-        return [problem.theta(with_fault(base, term, start))]
     largest = max(decays, key=lambda prepared: prepared.amplitude)
     begun = term.by_name(start)
     inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
@@ -135,33 +159,3 @@ def _probes(
             if name in states:
                 points.append(point | {name: states[name] + 0.5 * sizes[j]})
     return [problem.theta(p) for p in points]
-
-
-def _line_drops(base: Fit, term: Term, noise: Array) -> Array:
-    """Best line by chance: the largest peak of the periodogram of the noise, over all frequencies."""
-    best = np.zeros(noise.shape[1])
-    first = 0
-    for window in base.windows:
-        spectra = {}
-        for channel in window.channels:
-            used = window.used[channel]
-            padded = np.zeros((len(window), noise.shape[1]))
-            padded[used] = noise[first : first + int(used.sum())]
-            first += int(used.sum())
-            spectra[channel] = np.fft.rfft(padded, 2 * len(window), axis=0) / np.sqrt(
-                max(int(used.sum()), 1) / 2.0
-            )
-        if not term.is_force:
-            if term.channel in spectra:
-                best = np.maximum(best, np.max(np.abs(spectra[term.channel][2:-2]) ** 2, axis=0))
-            continue
-        omega = 2.0 * np.pi * np.fft.rfftfreq(2 * len(window), 1.0 / window.rate)
-        weight = {"displacement": np.ones_like(omega), "velocity": omega * 1j, "acceleration": -(omega**2)}
-        sizes = {c: np.abs(weight[c]) / window.sigma[c] for c in spectra}
-        total = np.sqrt(sum(s**2 for s in sizes.values()))
-        together = sum(
-            spectra[c] * np.conj(weight[c] / window.sigma[c] / np.maximum(total, 1e-300))[:, None]
-            for c in spectra
-        )
-        best = np.maximum(best, np.max(np.abs(together[2:-2]) ** 2, axis=0))
-    return best
