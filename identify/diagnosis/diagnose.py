@@ -249,7 +249,7 @@ def _held_out_error(found: Fit, windows: tuple[FitWindow, ...]) -> float:
     total = 0.0
     for i, window in enumerate(held):
         for channel in window.channels:
-            used = window.used[channel]
-            off = (window.readings[channel] - refit.predicted[i][channel])[used] / window.sigma[channel]
+            off = window.in_noise(channel, window.readings[channel] - refit.predicted[i][channel])
+            off = off[window.used[channel]]
             total += float(off @ off)
     return total

@@ -64,7 +64,9 @@ def null_distribution(
     _, jacobian = linearise(problem, theta)
     size = np.linalg.norm(jacobian, axis=0)
     tangent = np.linalg.qr(jacobian / np.where(size > 0.0, size, 1.0))[0]
-    noise = random.standard_normal((len(jacobian), draws))
+    noise = np.concatenate(
+        [window.draw_noise(channel, random, draws) for window in base.windows for channel in window.channels]
+    )
     scales = scales_of(decays[0], dict.fromkeys(base.windows[0].channels, ()))
     drops: dict[str, Array] = {}
     for term in terms:

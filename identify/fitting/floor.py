@@ -10,7 +10,7 @@ from identify.fitting.noise_colour import ChannelColour
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import SHORTEST
-from identify.signal.coloured_noise import Whitening, spectrum
+from identify.signal.coloured_noise import Colour, Whitening, spectrum
 from identify.signal.spectrum import high_band_floor
 
 _BAND_ABOVE = 8.0
@@ -34,7 +34,7 @@ class Floor:
         """Return the window with this noise."""
         return window.with_(
             sigma={c: self.channels[c].std for c in window.channels},
-            colour={c: colour.components for c, colour in self.colours.items()},
+            colour={c: Colour(found.components, found.uncertainty) for c, found in self.colours.items()},
         )
 
 

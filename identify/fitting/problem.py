@@ -132,7 +132,7 @@ class Problem:
         parts = []
         for channel in window.channels:
             used = window.used[channel]
-            if window.colour.get(channel):
+            if channel in window.colour:
                 parts.append(window.in_noise(channel, window.readings[channel] - predicted[channel])[used])
                 continue
             parts.append((window.readings[channel][used] - predicted[channel][used]) / window.sigma[channel])

@@ -29,6 +29,9 @@ STRENGTHS = frozen(np.concatenate([[0.0], np.geomspace(1e-2, 1e5, 43)]))
 COLOURED = 3.5
 """Gain in log-likelihood from which on noise counts as coloured: 1 in 100 of white ones gains as much."""
 
+_ALIKE = 2.5
+"""Log-likelihood within which two shapes count as alike."""
+
 _MOST_LINES = 4
 _LINE = 4.6
 """Log-likelihood beyond the logarithm of the number of frequencies that a line must bring: chance does in 1 of 100."""
@@ -65,6 +68,10 @@ SHAPES = (
     _shape("random walk", [Component(1.0, _CORNERS[-1])]),
     *(_shape(f"flat below {c:.2g} of the rate", [Component(1.0, c)]) for c in _BANDS),
 )
+
+
+_AT_LOW = np.array([float(sum(p.spectrum(np.array([1e-3]), 1.0)[0] for p in s.processes)) for s in SHAPES])
+"""Density of each shape at a thousandth of the rate."""
 
 
 @dataclass(frozen=True)
@@ -118,9 +125,16 @@ def colour_at_rest(rest: Array, rate: float) -> RestColour | None:
 
 
 def best(log_likelihood: Array) -> tuple[int, int]:
-    """Return shape and strength of the largest likelihood, by their places."""
-    row, column = np.unravel_index(int(np.argmax(log_likelihood)), log_likelihood.shape)
-    return int(row), int(column)
+    """Return shape and strength of the largest likelihood, by their places.
+
+    Of shapes that are about as likely the one with most power at low frequencies: what a short record does not show of a
+    slow drift is no reason to believe that there is none.
+    """
+    columns = np.argmax(log_likelihood, axis=1)
+    heights = log_likelihood[np.arange(len(SHAPES)), columns]
+    slow = np.where(heights > heights.max() - _ALIKE, STRENGTHS[columns] * _AT_LOW, -1.0)
+    row = int(np.argmax(slow)) if heights.max() > 0.0 else 0
+    return row, int(columns[row])
 
 
 def log_uncertainty(log_likelihood: Array) -> float:

@@ -52,6 +52,23 @@ def autocovariance(components: tuple[Component, ...], lags: Array, rate: float) 
     return total
 
 
+@dataclass(frozen=True)
+class Colour:
+    """The processes beside the white part of a noise, and the standard error of the logarithm of their strength.
+
+    Lines are known better than that, and keep theirs.
+    """
+
+    components: tuple[Component, ...]
+    uncertainty: float = 0.0
+
+    def stronger(self, factor: float) -> tuple[Component, ...]:
+        """Return the processes with the strength of those that are no lines changed by a factor."""
+        return tuple(
+            c if c.frequency else Component(factor * c.variance, c.corner) for c in self.components
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Whitening:
     """The filter that turns such noise, sampled at `rate` (Hz) where `used` (n,), into white noise of variance 1."""
