@@ -122,9 +122,7 @@ def fixed(case: Case, number: int) -> dict[str, Any]:
         result["amplitude"] = drawn["from_m"] * (1.0 - 0.06 * number)
     if case.point == "no friction":
         result |= {"mu_0": 0.0}
-    names = (
-        IMPERFECTIONS if case.noise == ALL else (case.noise,) if case.noise in IMPERFECTIONS else ()
-    )
+    names = IMPERFECTIONS if case.noise == ALL else (case.noise,) if case.noise in IMPERFECTIONS else ()
     result["imperfections"] = names
     if case.noise in (COARSE, ALL):
         result["bits"] = 12
@@ -218,7 +216,9 @@ def _table(outcomes: list[Outcome], rows: str, columns: str, good: str) -> str:
         lines.append(f"| {r} | {text} | {k} of {n} ({100 * low:.0f} to {100 * high:.0f} %) |")
     k, n = sum(getattr(o, good) for o in outcomes), len(outcomes)
     low, high = wilson(k, n)
-    lines.append(f"| **all** | {' | ' * (len(across) - 1)} | {k} of {n} ({100 * low:.0f} to {100 * high:.0f} %) |")
+    lines.append(
+        f"| **all** | {' | ' * (len(across) - 1)} | {k} of {n} ({100 * low:.0f} to {100 * high:.0f} %) |"
+    )
     return "\n".join(lines)
 
 
@@ -232,7 +232,9 @@ def run(quick: bool) -> str:
     few = 1 if quick else 4
     single = judge_all(cases_of(NOISES, POINTS, (1,), few * 2))
     joint = judge_all(cases_of(NOISES, POINTS[:1], (3,) if quick else (3, 9), few, first=300))
-    effects = judge_all(cases_of(NOISES, POINTS[:1] if quick else POINTS, (1,), few if quick else 1, EFFECTS, 600))
+    effects = judge_all(
+        cases_of(NOISES, POINTS[:1] if quick else POINTS, (1,), few if quick else 1, EFFECTS, 600)
+    )
     said = Counter(f"{o.verdict} {'+'.join(o.named)}".strip() for o in (*single, *joint) if o.false)
     crashed = [o for o in (*single, *joint, *effects) if o.verdict.startswith("crashed")]
     return "\n\n".join(

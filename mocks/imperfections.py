@@ -76,7 +76,10 @@ def one_over_f(samples: int, random: np.random.Generator) -> np.ndarray:
 
 
 def distorted(
-    names: tuple[str, ...], signal: Mapping[str, np.ndarray], fine: Mapping[str, np.ndarray], oversampling: int
+    names: tuple[str, ...],
+    signal: Mapping[str, np.ndarray],
+    fine: Mapping[str, np.ndarray],
+    oversampling: int,
 ) -> dict[str, np.ndarray]:
     """Return the channels as a bent sensor of acceleration and a slow one of displacement show them.
 

@@ -127,7 +127,7 @@ def _fault_drops(base: Fit, term: Term, scales: Scales, tangent: Array, noise: A
             continue
         for drops, rows in zip(best, rows_of(base.windows), strict=True):
             column, own = change[rows], tangent[rows].T @ change[rows]
-            size = float(np.sqrt(max(column @ column - own @ own, 0.0)))
+            size = float(np.sqrt(max(float(column @ column - own @ own), 0.0)))
             if not size > 1e-9:
                 continue
             amount = (column @ noise[rows] - own @ followed) / size

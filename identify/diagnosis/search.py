@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from identify.diagnosis.null_distribution import NullDistribution, null_distribution
+from identify.diagnosis.rest_evidence import at_rest
 from identify.diagnosis.screening import promising_pairs
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect
@@ -63,6 +64,7 @@ def pairs(
         for first, terms in stage(baseline, tried, library):
             polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
             seconds = try_terms(baseline.decays, first.fit, terms, polished=polished)
+            seconds = tuple(sorted(seconds, key=lambda c: c.score - 2.0 * at_rest(baseline.decays, c)))
             if seconds:
                 found.append(Pair(first, seconds[0]))
             if baseline.floor_is_sure and _reached(baseline, found):

@@ -8,8 +8,8 @@ from identify.arrays import Array
 from identify.fitting.corrected_faults import FEWEST_LOST, allowance
 from identify.fitting.fit import Fit, fit
 from identify.fitting.floor import Floor, refine_floor
-from identify.fitting.noise_colour import noise_colours
 from identify.fitting.initial_values import initial_values, regress_model
+from identify.fitting.noise_colour import noise_colours
 from identify.model.model import Model
 from identify.preprocessing.lost_readings import stale
 from identify.preprocessing.prepared_decay import PreparedDecay

@@ -63,7 +63,9 @@ def _refine(fit: Fit, i: int, known: dict[str, Noise], colours: dict[str, Channe
         before = known[channel] if colour is None else _white_at_rest(known[channel], colour, i)
         channels[channel] = _combine(before, std, error)
         relative = channels[channel].uncertainty / channels[channel].std
-        open_ = 2.0 * relative if colour is None else float(np.hypot(2.0 * relative, _left_open(colour, window)))
+        open_ = (
+            2.0 * relative if colour is None else float(np.hypot(2.0 * relative, _left_open(colour, window)))
+        )
         share += (int(used.sum()) / total * open_) ** 2
     spread = float(np.sqrt(2.0 / max(fit.degrees, 1) + share))
     source = "; ".join(f"{name}: {noise.source}" for name, noise in channels.items())
@@ -89,7 +91,7 @@ def _white_at_rest(known: Noise, colour: ChannelColour, i: int) -> Noise:
 
 def _left_open(colour: ChannelColour, window: FitWindow) -> float:
     """Return what the uncertainty of a colour's strength leaves open of the reduced chi-square of its channel."""
-    frequency = np.fft.rfftfreq(len(window), 1.0 / window.rate)
+    frequency = np.asarray(np.fft.rfftfreq(len(window), 1.0 / window.rate), dtype=np.float64)
     total = spectrum(colour.components, frequency, window.rate)
     return colour.uncertainty * float(np.mean(1.0 - spectrum(colour.lines, frequency, window.rate) / total))
 

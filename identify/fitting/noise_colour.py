@@ -102,9 +102,7 @@ def _colour(
     if not coloured and not lines:
         return None
     strength = float(STRENGTHS[column]) if coloured else 0.0
-    white = tuple(
-        white_part(rest.left, row, strength) if rest is not None else None for rest in rests
-    )
+    white = tuple(white_part(rest.left, row, strength) if rest is not None else None for rest in rests)
     return ChannelColour(
         SHAPES[row] if coloured else None,
         strength,
@@ -124,10 +122,7 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
             continue
         frequency, power, between, harmonic = bins
         backgrounds = np.array(
-            [
-                spectrum(shape.of_strength(1.0, rate), frequency, fit.windows[i].rate) - 1.0
-                for shape in SHAPES
-            ]
+            [spectrum(shape.of_strength(1.0, rate), frequency, fit.windows[i].rate) - 1.0 for shape in SHAPES]
         )
         spread = 1.0 + STRENGTHS[:, None] * backgrounds[:, None, between]
         variance = np.maximum(np.mean(power[between] / spread, axis=2), 1e-300)
@@ -150,7 +145,7 @@ def _is_smooth(power: Array, model: Array, harmonic: Mask) -> bool:
     if count == 0:
         return False
     excess = float(np.mean(power[harmonic] / model[harmonic])) - 1.0
-    return excess < _SMOOTH / np.sqrt(_INDEPENDENT * count)
+    return bool(excess < _SMOOTH / np.sqrt(_INDEPENDENT * count))
 
 
 def _bins(fit: Fit, i: int, channel: str) -> tuple[Array, Array, Mask, Mask] | None:
@@ -167,7 +162,7 @@ def _bins(fit: Fit, i: int, channel: str) -> tuple[Array, Array, Mask, Mask] | N
     )
     taper = np.hanning(n)
     power = np.abs(np.fft.rfft(residual * taper)) ** 2 / np.sum(taper**2)
-    frequency = np.fft.rfftfreq(n, 1.0 / window.rate)
+    frequency = np.asarray(np.fft.rfftfreq(n, 1.0 / window.rate), dtype=np.float64)
     f0, width = fit.frequency / (2.0 * np.pi), window.rate / n
     order = frequency / f0
     nearest = np.maximum(np.rint(order), 1.0)

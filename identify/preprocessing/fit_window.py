@@ -82,9 +82,7 @@ class FitWindow:
 
     @cached_property
     def _whitening(self) -> dict[str, Whitening]:
-        return {
-            c: Whitening(colour.components, self.rate, self.used[c]) for c, colour in self.colour.items()
-        }
+        return {c: Whitening(colour.components, self.rate, self.used[c]) for c, colour in self.colour.items()}
 
     def in_noise(self, channel: str, misfit: Array) -> Array:
         """Return a misfit (n,) of one channel, SI, in units of its noise, whitened; of readings not used it says nothing."""

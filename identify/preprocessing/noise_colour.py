@@ -1,4 +1,4 @@
-"""The colour of a channel's noise, as its rest shows it: a power law, a random walk or a band above the white part, and lines.
+"""The colour of a channel's noise, as its rest shows it: a power law, a random walk or a band beside the white part; lines.
 
 For one shape of spectrum the covariance of the readings is I + q T; in the eigenvectors of T, offset and steady drift left
 out, the likelihood of every strength q is a sum over readings (restricted maximum likelihood, Patterson and Thompson 1971).
@@ -171,7 +171,7 @@ def _likelihood(values: Array) -> Array:
         spread = 1.0 + STRENGTHS[:, None] * sizes
         variance = np.maximum(np.mean(power / spread, axis=1), 1e-300)
         table.append(-0.5 * len(power) * np.log(variance) - 0.5 * np.log(spread).sum(axis=1))
-    return np.array(table) - table[0][0]
+    return np.asarray(np.array(table) - table[0][0])
 
 
 def _white(values: Array) -> float:
@@ -181,7 +181,9 @@ def _white(values: Array) -> float:
 
 def _trend(values: Array) -> Array:
     time = np.linspace(-1.0, 1.0, len(values))
-    return np.asarray(np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, values, 1)))
+    return np.asarray(
+        np.polynomial.polynomial.polyval(time, np.polynomial.polynomial.polyfit(time, values, 1))
+    )
 
 
 def _penalty(values: Array) -> float:
@@ -194,7 +196,7 @@ def _without_lines(
     """Return the lines above a background of white noise and components, and the readings without them."""
     n, clock = len(values), np.arange(len(values)) / rate
     size = 16 * n
-    frequency = np.fft.rfftfreq(size, 1.0 / rate)
+    frequency = np.asarray(np.fft.rfftfreq(size, 1.0 / rate), dtype=np.float64)
     background = spectrum(components, frequency, rate)
     allowed = (frequency > 1.5 * rate / n) & (frequency < 0.49 * rate)
     lines: tuple[Line, ...] = ()

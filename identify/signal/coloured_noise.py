@@ -48,7 +48,9 @@ def autocovariance(components: tuple[Component, ...], lags: Array, rate: float) 
     total = np.zeros(len(lags))
     for c in components:
         time = np.abs(lags) / rate
-        total += c.variance * np.exp(-2.0 * np.pi * c.corner * time) * np.cos(2.0 * np.pi * c.frequency * time)
+        total += (
+            c.variance * np.exp(-2.0 * np.pi * c.corner * time) * np.cos(2.0 * np.pi * c.frequency * time)
+        )
     return total
 
 
@@ -64,9 +66,7 @@ class Colour:
 
     def stronger(self, factor: float) -> tuple[Component, ...]:
         """Return the processes with the strength of those that are no lines changed by a factor."""
-        return tuple(
-            c if c.frequency else Component(factor * c.variance, c.corner) for c in self.components
-        )
+        return tuple(c if c.frequency else Component(factor * c.variance, c.corner) for c in self.components)
 
 
 @dataclass(frozen=True, eq=False)

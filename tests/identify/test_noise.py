@@ -3,7 +3,13 @@ import pytest
 from decays_in_closed_form import coulomb, exponential
 
 from identify.free_decay import FreeDecay
-from identify.preprocessing.noise import estimate_noise, floor_above_motion, floor_at_rest, noise_of, with_steps
+from identify.preprocessing.noise import (
+    estimate_noise,
+    floor_above_motion,
+    floor_at_rest,
+    noise_of,
+    with_steps,
+)
 
 
 def test_the_floor_at_rest_is_the_white_noise_with_its_stated_error() -> None:
