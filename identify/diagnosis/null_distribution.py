@@ -62,11 +62,13 @@ def null_distribution(
     theta = base.theta
     problem = Problem(base.model, base.windows, base.frequency)
     _, jacobian = linearise(problem, theta)
-    size = np.linalg.norm(jacobian, axis=0)
-    tangent = np.linalg.qr(jacobian / np.where(size > 0.0, size, 1.0))[0]
     noise = np.concatenate(
         [window.draw_noise(channel, random, draws) for window in base.windows for channel in window.channels]
     )
+    low, high = theta <= problem.low, theta >= problem.high
+    tangent = _directions(jacobian[:, ~(low | high)])
+    for column, side in [*((j, 1.0) for j in jacobian.T[low]), *((j, -1.0) for j in jacobian.T[high])]:
+        noise = _pressed(noise, side * column, tangent)
     scales = scales_of(decays[0], dict.fromkeys(base.windows[0].channels, ()))
     drops: dict[str, Array] = {}
     for term in terms:
@@ -80,6 +82,26 @@ def null_distribution(
         drops[name] = np.maximum(drops[name], best) if name in drops else best
     search = np.max([_surprise(np.sort(d), d) for d in drops.values()], axis=0)
     return NullDistribution({name: np.sort(d) for name, d in drops.items()}, np.sort(search))
+
+
+def _directions(jacobian: Array) -> Array:
+    """Return an orthonormal basis of what the fit's own parameters can follow, (readings, parameters)."""
+    size = np.linalg.norm(jacobian, axis=0)
+    return np.asarray(np.linalg.qr(jacobian / np.where(size > 0.0, size, 1.0))[0])
+
+
+def _pressed(noise: Array, column: Array, tangent: Array) -> Array:
+    """Return the draws under which a parameter at its bound would stay there: those that lift it are mirrored.
+
+    `column` is how the misfit changes as the parameter moves into its range.
+    """
+    free = column - tangent @ (tangent.T @ column)
+    size = float(np.linalg.norm(free))
+    if not size > 1e-9 * float(np.linalg.norm(column)):
+        return noise
+    direction = free / size
+    lifted = np.minimum(direction @ noise, 0.0)
+    return noise - 2.0 * np.outer(direction, lifted)
 
 
 def _surprise(draws: Array, values: Array, slope: float = 0.5) -> Array:

@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import median_filter
 
+from identify.arrays import Array
 from identify.effects.library import fault_allowed_as
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
@@ -15,6 +17,7 @@ UNSTATED_GAIN_UNCERTAINTY = 0.03
 
 FEWEST_LOST = 3
 _SIGNIFICANT_DROP = 12.0
+_NEAR = 9
 _WORTH_A_REMARK = 0.002
 """Relative error of the gain from which on it is remarked on where the calibration would allow it."""
 
@@ -96,7 +99,7 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
             lost = prepared.lost.get(channel)
             if lost is None or channel not in window.readings:
                 continue
-            off = fit.residual(channel, i)[lost[: len(window)]] / window.sigma[channel]
+            off = _off(fit, channel, i)[lost[: len(window)]] / window.sigma[channel]
             off = off[np.isfinite(off)]
             drop += float(np.sum(off**2))
             count += len(off)
@@ -106,3 +109,15 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
             term = Term(fault, {"channel": channel})
             faults.append(CorrectedFault(term, drop, count, {fault.strength.name: share}))
     return faults
+
+
+def _off(fit: Fit, channel: str, i: int) -> Array:
+    """Return the residual (n,); where the noise is coloured, less its median over the used readings near by."""
+    window, residual = fit.windows[i], fit.residual(channel, i)
+    if channel not in window.colour:
+        return residual
+    used = np.flatnonzero(window.used[channel])
+    if len(used) < _NEAR:
+        return residual
+    slow = median_filter(residual[used], _NEAR, mode="nearest")
+    return np.asarray(residual - np.interp(np.arange(len(residual)), used, slow))

@@ -18,7 +18,7 @@ from identify.preprocessing.fit_window import FitWindow
 
 _HARMONICS = 3
 _AT, _BETWEEN = 0.08, 0.25
-"""Distance from a harmonic, in units of the motion's frequency, up to which and from which on a bin counts as at it, off it."""
+"""Distances from a harmonic, in units of the motion's frequency, up to which a bin is at it and from which on off it."""
 
 _BINS_AT, _BINS_BETWEEN = 2.5, 4.0
 """The same in bins, as Hann's taper widens a line."""

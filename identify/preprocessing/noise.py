@@ -14,7 +14,7 @@ DITHERED = 0.5
 """Noise at rest, in steps of the converter, from which on it carries the readings over the steps and shows their error."""
 
 _STILL, _UNSURE_STILL, _UNSURE = 0.1, 0.1, 0.2
-"""A rest that moves by less than so many steps stands still; relative errors of the noise told by such a rest and by others."""
+"""A rest that moves by less than so many steps stands still; relative errors of the noise by such a rest and by others."""
 
 LEAST = 1e-9
 """Least noise, as a share of the range of the readings: no converter or simulation is better."""

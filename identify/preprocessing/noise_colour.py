@@ -157,7 +157,7 @@ def _eigen(n: int, row: int) -> tuple[Array, Array]:
     time = np.linspace(-1.0, 1.0, n)
     ground = np.linalg.qr(np.column_stack([np.ones(n), time]), mode="complete")[0][:, 2:]
     lags = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
-    covariance = autocovariance(SHAPES[row].of_strength(1.0, 1.0), np.arange(n), 1.0)[lags]
+    covariance = autocovariance(SHAPES[row].of_strength(1.0, 1.0), np.arange(float(n)), 1.0)[lags]
     sizes, vectors = np.linalg.eigh(ground.T @ covariance @ ground)
     return frozen(ground @ vectors), frozen(np.maximum(sizes, 0.0))
 
