@@ -21,6 +21,7 @@ SECTIONS = (
     "peers",
     "recordings",
     "station",
+    "campaign",
     "storage",
     "fuzz",
     "soak",

@@ -27,7 +27,7 @@ GAIN_UNCERTAINTY = 2e-4
 TITLE = "Naming the hidden effect"
 BASE = ("linear_stiffness", "coulomb_friction", "viscous_damping")
 EFFECTS = tuple(name for name in PHYSICS if name not in BASE)
-FAULTS = tuple(name for name in SENSOR_FAULTS if name != "channel_lag")
+FAULTS = tuple(name for name in SENSOR_FAULTS if name not in ("channel_lag", "sensor_bandwidth"))
 HIDDEN_AT_ONE_FREQUENCY = "maxwell_element"
 """Stiffness and viscous damping at one frequency: see the section on bounds for what can be seen of it at all."""
 

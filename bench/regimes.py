@@ -70,7 +70,7 @@ class Outcome:
         if self.verdict.startswith("crashed"):
             return True
         allowed = {self.case.hidden} | set(own_names(self.case.noise))
-        return self.verdict == "unknown_effect" or not set(self.named) <= allowed
+        return self.verdict in ("unknown_effect", "unconfirmed") or not set(self.named) <= allowed
 
     @property
     def found(self) -> bool:

@@ -3,7 +3,7 @@
 from datetime import UTC, datetime
 from enum import StrEnum
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
 FORMAT = 1
 
@@ -45,7 +45,7 @@ class SessionInfo(BaseModel):
 
     `source` is the port or the file, `noise` the standard deviation of each channel at rest in its unit,
     `rate_std_hz` the standard error of the rate as far as it was measured, `reason` why a session was
-    aborted or recovered.
+    aborted or recovered. `conditions` are numbers known of the test, by name with their unit, as "temperature [degC]".
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -65,6 +65,7 @@ class SessionInfo(BaseModel):
     board: BoardInfo | None = None
     rate_hz: float | None = Field(default=None, gt=0, allow_inf_nan=False)
     rate_std_hz: float | None = Field(default=None, ge=0, allow_inf_nan=False)
+    conditions: dict[str, FiniteFloat] = Field(default_factory=dict, max_length=256)
     planned_samples: int | None = Field(default=None, ge=0, le=1 << 53)
     noise: dict[str, float] = Field(default_factory=dict, max_length=256)
     verdict: str = Field(default="", max_length=64)

@@ -10,7 +10,7 @@ import numpy as np
 
 from mocks import sensor_faults
 from mocks.operator_sequence import Episode
-from mocks.sensor_faults import IMMEDIATE
+from mocks.sensor_faults import FILTERS, IMMEDIATE
 from mocks.sensors import Sensor, high_pass
 from mocks.testbed import Bench
 
@@ -54,8 +54,8 @@ class Acquisition:
         self._ready = [np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)]
         self._made = [0, 0]
         self._taken = 0
-        self._before: list[float | None] = [None, None]  # Input of the coupling capacitor.
-        self._coupled = [0.0, 0.0]  # Its output.
+        self._before: dict[tuple[int, str], float] = {}  # Input of each channel's high-pass, by fault.
+        self._passed: dict[tuple[int, str], float] = {}  # Its output.
         self._coming: list[tuple[float, Episode]] = []
 
     def take(self, count: int) -> np.ndarray:
@@ -93,23 +93,23 @@ class Acquisition:
         for fault, parameters in mine.items():
             if fault in IMMEDIATE:
                 signal = signal + sensor_faults.error(fault, parameters, signal, time)
-            elif fault == "ac_coupling" and len(signal):
-                signal = self._couple(channel, parameters["fc"], signal)
+            elif fault in FILTERS and len(signal):
+                passed = self._high_pass((channel, fault), parameters["fc"], signal)
+                signal = signal - passed if fault == "sensor_bandwidth" else passed
         noise = sensor.noise * self._random.standard_normal(len(signal))
         codes = self._converters[channel].codes(signal + sensor.offset + noise)
         if "dropouts" in mine:
             codes = self._drop(codes, len(mine["dropouts"]["lost"]) / 8.0)
         return codes
 
-    def _couple(self, channel: int, corner: float, signal: np.ndarray) -> np.ndarray:
+    def _high_pass(self, key: tuple[int, str], corner: float, signal: np.ndarray) -> np.ndarray:
         """High-pass across calls: the filter is linear, so its old charge just decays on top."""
-        before = self._before[channel]
-        start = float(signal[0]) if before is None else before
+        start = self._before.get(key, float(signal[0]))
         decay = np.exp(-2.0 * np.pi * corner * np.arange(1, len(signal) + 1) / self._rate)
         ramped = np.concatenate([[start], signal])
-        out = high_pass(ramped, 1.0 / self._rate, corner, start)[1:] + self._coupled[channel] * decay
-        self._before[channel] = float(signal[-1])
-        self._coupled[channel] = float(out[-1])
+        out = high_pass(ramped, 1.0 / self._rate, corner, start)[1:] + self._passed.get(key, 0.0) * decay
+        self._before[key] = float(signal[-1])
+        self._passed[key] = float(out[-1])
         return np.asarray(out)
 
     def _drop(self, codes: np.ndarray, per_second: float) -> np.ndarray:

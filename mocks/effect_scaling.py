@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from mocks.forces import PARAMETERS, Effect, pulled
+from mocks.forces import BEGINS_AT_Z, PARAMETERS, Effect, pulled
 from mocks.sensor_faults import rms
 from mocks.testbed import Bench, Release, simulate
 
@@ -20,7 +20,10 @@ SIGNED = {
     "cubic_stiffness",
     "quadratic_stiffness",
     "quintic_stiffness",
+    "signed_quadratic_stiffness",
     "time_varying_stiffness",
+    "settling_stiffness",
+    "power_law_stiffness",
     "magnet",
 }
 
@@ -89,7 +92,13 @@ def _draw_shape(
         "cubic_stiffness": w * w / size**2,
         "quadratic_stiffness": w * w / size,
         "quintic_stiffness": w * w / size**4,
+        "signed_quadratic_stiffness": w * w / size,
         "end_stop": w * w,
+        "impact_with_loss": w * w,
+        "dahl_friction": w * w,
+        "lugre_friction": w * w,
+        "bouc_wen_hysteresis": w * w,
+        "settling_stiffness": 1.0,
         "freeplay": w * w,
         "bilinear_stiffness": w * w,
         "hysteresis": w * w,
@@ -101,14 +110,19 @@ def _draw_shape(
         "position_dependent_friction": w * w,
     }.get(name, per_force)
     shape = {PARAMETERS[name][0]: side * first if name in SIGNED else first}
-    if name == "end_stop":
+    if name in {"end_stop", "impact_with_loss"}:
         shape |= {"gap": size * random.uniform(0.5, 0.85), "side": float(random.integers(-1, 2))}
+        if name == "impact_with_loss":
+            shape |= {"loss": random.uniform(0.3, 0.9) / (w * size)}
     elif name == "freeplay":
         shape |= {"gap": random.uniform(0.001, 0.004)}
-    elif name == "hysteresis":
-        yield_at = random.uniform(0.0015, 0.006)
-        remembered = random.random() < 0.5
-        shape |= {"uy": yield_at, "z_start": pulled(displacement, yield_at) if remembered else 0.0}
+    elif name in BEGINS_AT_Z:
+        shape |= _draw_memory(name, displacement, random)
+    elif name in {"power_law_stiffness", "power_law_damping"}:
+        between = random.uniform(1.4, 1.7) if random.random() < 0.5 else random.uniform(2.3, 2.7)
+        shape |= {"p": between, "at": size * (1.0 if name == "power_law_stiffness" else w)}
+    elif name == "settling_stiffness":
+        shape |= {"tau": random.uniform(1.0, 4.0)}
     elif name == "maxwell_element":
         shape |= {"tau": math.exp(random.uniform(math.log(0.008), math.log(0.12)))}
     elif name == "second_mass":
@@ -129,4 +143,20 @@ def _draw_shape(
         shape |= {"tau": random.uniform(0.8, 3.0)}
     elif name == "adhesion":
         shape |= {"length": random.uniform(0.001, 0.003)}
+    return shape
+
+
+def _draw_memory(name: str, displacement: float, random: np.random.Generator) -> dict[str, float]:
+    """Draw where a joint yields, or over which displacement friction gives way, and how the hold has left it."""
+    if name in {"dahl_friction", "lugre_friction"}:
+        over = random.uniform(0.0005, 0.003)
+        shape = {"ud": over, "z_start": over if displacement > 0.0 else -over}
+        if name == "lugre_friction":
+            shape |= {"rise": random.uniform(0.3, 1.0), "vs": random.uniform(0.04, 0.15)}
+        return shape
+    yield_at = random.uniform(0.0015, 0.006)
+    remembered = random.random() < 0.5
+    shape = {"uy": yield_at, "z_start": pulled(displacement, yield_at) if remembered else 0.0}
+    if name == "bouc_wen_hysteresis":
+        shape |= {"n": random.uniform(0.7, 1.4) if random.random() < 0.5 else random.uniform(2.8, 3.5)}
     return shape

@@ -27,18 +27,26 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
     "cubic_stiffness": ("k3",),
     "quadratic_stiffness": ("k2",),
     "quintic_stiffness": ("k5",),
+    "signed_quadratic_stiffness": ("k2a",),
     "end_stop": ("ks", "gap", "side"),
+    "impact_with_loss": ("ks", "gap", "side", "loss"),
     "freeplay": ("kf", "gap"),
     "bilinear_stiffness": ("kb",),
     "hysteresis": ("kh", "uy", "z_start"),
+    "dahl_friction": ("kd", "ud", "z_start"),
     "maxwell_element": ("k1", "tau"),
     "second_mass": ("ratio", "w2", "zeta"),
     "time_varying_stiffness": ("rate",),
+    "settling_stiffness": ("r", "tau"),
     "harmonic_forcing": ("amp", "f", "phase"),
     "magnet": ("q", "at", "width"),
     "notched_spring": ("q", "at", "width"),
     "amplitude_switched_damping": ("c", "at"),
     "one_way_cable": ("kc",),
+    "lugre_friction": ("kd", "ud", "rise", "vs", "z_start"),
+    "power_law_stiffness": ("f", "p", "at"),
+    "power_law_damping": ("f", "p", "at"),
+    "bouc_wen_hysteresis": ("kh", "uy", "n", "z_start"),
     "coulomb_friction": ("mu_0",),
     "stribeck_friction": ("dmu", "vs"),
     "position_dependent_friction": ("slope",),
@@ -58,14 +66,19 @@ OUTSIDE_THE_LIBRARY = (
     "one_sided_friction",
     "adhesion",
 )
+#: Between the names of the library: laws with an exponent of their own, and LuGre's friction.
+BETWEEN_THE_NAMES = ("lugre_friction", "power_law_stiffness", "power_law_damping", "bouc_wen_hysteresis")
 #: From this code on a force is dry friction: at rest it is a limit, not a force.
 FIRST_FRICTION = CODE["coulomb_friction"]
-COLUMNS = 4
-STATES = 6  # u, v, z (hysteresis), q (Maxwell), y and its velocity (second mass)
+COLUMNS = 6
+STATES = 8  # u, v, z (hysteresis), q (Maxwell), y and its velocity (second mass), z of Dahl or LuGre, z of Bouc-Wen
+#: Where the internal displacement of a memory that begins at `z_start` lies in the state.
+BEGINS_AT_Z = {"hysteresis": 2, "dahl_friction": 6, "lugre_friction": 6, "bouc_wen_hysteresis": 7}
 
-(_K, _MU1, _C2, _C3, _C12, _K3, _K2, _K5, _STOP, _PLAY, _BILINEAR, _HYSTERESIS, _MAXWELL) = range(13)
-(_SECOND, _DRIFT, _FORCING, _MAGNET, _NOTCH, _SWITCHED, _CABLE) = range(13, 20)
-(_COULOMB, _STRIBECK, _BINDING, _FADING, _ONE_SIDED, _ADHESION) = range(20, 26)
+(_K, _MU1, _C2, _C3, _C12, _K3, _K2, _K5, _K2A, _STOP, _IMPACT, _PLAY, _BILINEAR) = range(13)
+(_HYSTERESIS, _DAHL, _MAXWELL, _SECOND, _DRIFT, _SETTLING, _FORCING) = range(13, 20)
+(_MAGNET, _NOTCH, _SWITCHED, _CABLE, _LUGRE, _POWER_U, _POWER_V, _BOUC_WEN) = range(20, 28)
+(_COULOMB, _STRIBECK, _BINDING, _FADING, _ONE_SIDED, _ADHESION) = range(28, 34)
 _HYSTERESIS_CODE = _HYSTERESIS
 _MAXWELL_CODE = _MAXWELL
 _SECOND_CODE = _SECOND
@@ -100,7 +113,7 @@ def kinks(effects: tuple[Effect, ...]) -> np.ndarray:
     at: set[float] = set()
     for effect in effects:
         p = effect.parameters
-        if effect.name == "end_stop":
+        if effect.name in {"end_stop", "impact_with_loss"}:
             at |= {p["gap"]} if p["side"] > 0 else {-p["gap"]} if p["side"] < 0 else {p["gap"], -p["gap"]}
         elif effect.name == "freeplay":
             at |= {p["gap"], -p["gap"]}
@@ -108,6 +121,8 @@ def kinks(effects: tuple[Effect, ...]) -> np.ndarray:
             at |= {p["at"], -p["at"]}
         elif effect.name in {
             "bilinear_stiffness",
+            "signed_quadratic_stiffness",
+            "power_law_stiffness",
             "position_dependent_friction",
             "one_sided_friction",
             "one_way_cable",
@@ -119,14 +134,14 @@ def kinks(effects: tuple[Effect, ...]) -> np.ndarray:
 def state_at_rest(effects: tuple[Effect, ...], displacement: float) -> np.ndarray:
     """Return the state after a long hold at `displacement`: dampers and second mass at ease.
 
-    Hysteresis begins at its parameter `z_start`, m: 0 if the hold has relaxed it,
-    `pulled(displacement, uy)` if it remembers a slow pull from zero.
+    Hysteresis and presliding friction begin at their parameter `z_start`, m: 0 if the hold has relaxed it,
+    `pulled(displacement, uy)` if hysteresis remembers a slow pull from zero.
     """
     state = np.zeros(STATES)
     state[0] = state[3] = state[4] = displacement
     for effect in effects:
-        if effect.name == "hysteresis":
-            state[2] = effect.parameters["z_start"]
+        if effect.name in BEGINS_AT_Z:
+            state[BEGINS_AT_Z[effect.name]] = effect.parameters["z_start"]
     return state
 
 
@@ -150,6 +165,45 @@ def _friction(code, row, t, u, v, at, way, turned_at):  # type: ignore[no-untype
     if code == _ONE_SIDED:
         return a * way if at > 0.0 else 0.0
     return a * math.exp(-abs(u - turned_at) / row[2]) * way
+
+
+@njit(cache=True)
+def _contact(code, row, u, v, at):  # type: ignore[no-untyped-def]
+    """Return the force of play, or of a stop: stiffness times depth, with a loss more on the way in than out."""
+    a = row[1]
+    if code == _PLAY:
+        if at > row[2]:
+            return -a * row[2]
+        if at < -row[2]:
+            return a * row[2]
+        return -a * u
+    if row[3] >= 0.0 and at > row[2]:
+        depth, inwards = u - row[2], v
+    elif row[3] <= 0.0 and at < -row[2]:
+        depth, inwards = u + row[2], -v
+    else:
+        return 0.0
+    return a * depth * (1.0 + row[4] * inwards) if code == _IMPACT else a * depth
+
+
+@njit(cache=True)
+def _remembered(code, row, s):  # type: ignore[no-untyped-def]
+    """Return the force of an effect with a memory."""
+    if code == _MAXWELL:
+        return row[1] * (s[0] - s[3])
+    if code == _SECOND:
+        w2 = row[2]
+        return row[1] * (w2 * w2 * (s[0] - s[4]) + 2.0 * row[3] * w2 * (s[1] - s[5]))
+    return row[1] * s[2 if code == _HYSTERESIS else 7 if code == _BOUC_WEN else 6]
+
+
+@njit(cache=True)
+def _power(code, row, u, v, at, way):  # type: ignore[no-untyped-def]
+    """Return a force of a power law of displacement or of speed."""
+    if code == _POWER_U:
+        size = row[1] * abs(u / row[3]) ** row[2]
+        return size if at > 0.0 else -size
+    return row[1] * abs(v / row[3]) ** row[2] * way
 
 
 @njit(cache=True)
@@ -179,28 +233,20 @@ def force(row, k, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
         return a * u * u
     if code == _K5:
         return a * u**5
-    if code == _STOP:
-        if row[3] >= 0.0 and at > row[2]:
-            return a * (u - row[2])
-        if row[3] <= 0.0 and at < -row[2]:
-            return a * (u + row[2])
-        return 0.0
-    if code == _PLAY:
-        if at > row[2]:
-            return -a * row[2]
-        if at < -row[2]:
-            return a * row[2]
-        return -a * u
+    if code == _K2A:
+        return a * u * u if at > 0.0 else -a * u * u
+    if code in (_STOP, _IMPACT, _PLAY):
+        return _contact(code, row, u, v, at)
     if code == _BILINEAR:
         return a * u if at > 0.0 else 0.0
-    if code == _HYSTERESIS:
-        return a * s[2]
-    if code == _MAXWELL:
-        return a * (u - s[3])
-    if code == _SECOND:
-        return a * (row[2] * row[2] * (u - s[4]) + 2.0 * row[3] * row[2] * (v - s[5]))
+    if code in (_HYSTERESIS, _DAHL, _LUGRE, _BOUC_WEN, _MAXWELL, _SECOND):
+        return _remembered(code, row, s)
+    if code in (_POWER_U, _POWER_V):
+        return _power(code, row, u, v, at, way)
     if code == _DRIFT:
         return k * a * t * u
+    if code == _SETTLING:
+        return k * a * (1.0 - math.exp(-t / row[2])) * u
     if code == _FORCING:
         return -a * math.sin(2.0 * math.pi * row[2] * t + row[3])
     if code == _MAGNET:
@@ -217,8 +263,8 @@ def force(row, k, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def memory_rates(rows, s, way, out):  # type: ignore[no-untyped-def]
-    """Write the rates of the internal states (z, q, y and its velocity) into `out`."""
-    for i in range(2, 6):
+    """Write the rates of the internal states into `out`."""
+    for i in range(2, STATES):
         out[i] = 0.0
     for i in range(rows.shape[0]):
         code = int(rows[i, 0])
@@ -226,6 +272,13 @@ def memory_rates(rows, s, way, out):  # type: ignore[no-untyped-def]
             z = s[2]
             loss = (z / rows[i, 2]) ** 2 if way * z > 0.0 else 0.0
             out[2] = s[1] * (1.0 - loss)
+        elif code == _DAHL:
+            out[6] = s[1] - s[1] * way * s[6] / rows[i, 2]
+        elif code == _LUGRE:
+            level = rows[i, 2] * (1.0 + rows[i, 3] * math.exp(-((s[1] / rows[i, 4]) ** 2)))
+            out[6] = s[1] - s[1] * way * s[6] / level
+        elif code == _BOUC_WEN:
+            out[7] = s[1] * (1.0 - abs(s[7] / rows[i, 2]) ** rows[i, 3]) if way * s[7] > 0.0 else s[1]
         elif code == _MAXWELL_CODE:
             out[3] = (s[0] - s[3]) / rows[i, 2]
         elif code == _SECOND_CODE:

@@ -17,13 +17,13 @@ import numpy as np
 from mocks import imperfections, sensor_faults
 from mocks.bench_parameters import BenchParameters, draw_parameters
 from mocks.effect_scaling import add_effects
-from mocks.forces import OUTSIDE_THE_LIBRARY, PARAMETERS
-from mocks.sensor_faults import IMMEDIATE, OVERSAMPLING, SENSOR_FAULTS
+from mocks.forces import BETWEEN_THE_NAMES, OUTSIDE_THE_LIBRARY, PARAMETERS
+from mocks.sensor_faults import FILTERS, IMMEDIATE, OVERSAMPLING, SENSOR_FAULTS
 from mocks.sensors import hold_samples
 from mocks.testbed import Bench, simulate, simulate_channels
 
 CHANNELS = ("displacement", "acceleration")
-PHYSICS = tuple(name for name in PARAMETERS if name not in OUTSIDE_THE_LIBRARY)
+PHYSICS = tuple(name for name in PARAMETERS if name not in (*OUTSIDE_THE_LIBRARY, *BETWEEN_THE_NAMES))
 
 Pinned = Mapping[str, Mapping[str, Any]]
 #: name of a fault -> its parameters, and the strength that they have.
@@ -42,7 +42,7 @@ class Sample:
 
 def everything() -> tuple[str, ...]:
     """Return every name that can be hidden."""
-    return (*PHYSICS, *OUTSIDE_THE_LIBRARY, *SENSOR_FAULTS)
+    return (*PHYSICS, *OUTSIDE_THE_LIBRARY, *BETWEEN_THE_NAMES, *SENSOR_FAULTS)
 
 
 def draw(effect: str | None, strength: float | tuple[float, ...], seed: int, **fixed: Any) -> Sample:
@@ -88,11 +88,10 @@ def named_strengths(effect: str | None, strength: float | tuple[float, ...]) -> 
 
 
 def kind_of(names: Mapping[str, float]) -> str:
-    """Return "physics", "sensor" or "outside" (the library), joined by "+", or "none"."""
-    kinds = {
-        "sensor" if n in SENSOR_FAULTS else "outside" if n in OUTSIDE_THE_LIBRARY else "physics"
-        for n in names
-    }
+    """Return "physics", "sensor", "outside" (the library) or "between" (its names), joined by "+", or "none"."""
+    special = dict.fromkeys(SENSOR_FAULTS, "sensor")
+    special |= dict.fromkeys(OUTSIDE_THE_LIBRARY, "outside") | dict.fromkeys(BETWEEN_THE_NAMES, "between")
+    kinds = {special.get(n, "physics") for n in names}
     return "+".join(sorted(kinds)) or "none"
 
 
@@ -134,13 +133,13 @@ def find_faults(
     gains = {channel: drawn.sensors[channel].gain for channel in CHANNELS}
     clean = {"displacement": u * gains["displacement"], "acceleration": a * gains["acceleration"]}
     signal = dict(clean)
-    for name in (n for n in faults if n in (*IMMEDIATE, "ac_coupling")):
+    for name in (n for n in faults if n in (*IMMEDIATE, *FILTERS)):
         random = _random(seed, name)
         fixed = pinned.get(name, {})
         channel = sensor_faults.draw_channel(name, random, fixed)
-        if name == "ac_coupling":
+        if name in FILTERS:
             fine = gains[channel] * _fine(bench, drawn, since, late, channel)
-            corner, wrong = _find_coupling(faults[name], fine, drawn.rate, after, fixed)
+            corner, wrong = _find_corner(name, faults[name], fine, drawn.rate, after, fixed)
             parameters: dict[str, Any] = {"fc": corner}
         else:
             parameters = sensor_faults.size_of(
@@ -235,16 +234,16 @@ def _fine(bench: Bench, drawn: BenchParameters, since: np.ndarray, late: float, 
     return motion.displacement if channel == "displacement" else motion.acceleration
 
 
-def _find_coupling(
-    strength: float, fine: np.ndarray, rate: float, after: np.ndarray, pinned: Mapping[str, Any]
+def _find_corner(
+    name: str, strength: float, fine: np.ndarray, rate: float, after: np.ndarray, pinned: Mapping[str, Any]
 ) -> tuple[float, np.ndarray]:
-    """Return the corner (Hz) at which AC coupling has this strength, and its error."""
+    """Return the corner (Hz) at which a filter has this strength, and its error."""
     interval = 1.0 / (rate * OVERSAMPLING)
     signal = fine[::OVERSAMPLING][after]
 
     def strength_at(corner: float) -> float:
-        wrong = sensor_faults.coupling_error(corner, fine, interval)[after]
-        return sensor_faults.strength_of("ac_coupling", wrong, signal)
+        wrong = sensor_faults.filter_error(name, corner, fine, interval)[after]
+        return sensor_faults.strength_of(name, wrong, signal)
 
-    corner = float(pinned.get("fc") or sensor_faults.bisect(strength_at, strength, 1e-4, 20.0))
-    return corner, sensor_faults.coupling_error(corner, fine, interval)
+    corner = float(pinned.get("fc") or sensor_faults.bisect(strength_at, strength, *FILTERS[name]))
+    return corner, sensor_faults.filter_error(name, corner, fine, interval)

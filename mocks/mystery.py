@@ -16,7 +16,9 @@ from mocks.simulated_board import SimulatedBoard
 
 STRENGTHS = (0.005, 0.03)
 FAULTY_SENSOR = 0.2
+#: What every bench has, and what came later: a seed hides today what it always hid.
 PLAIN = ("linear_stiffness", "viscous_damping", "coulomb_friction")
+LATER = ("signed_quadratic_stiffness", "impact_with_loss", "dahl_friction", "settling_stiffness")
 #: Not the lag, which is always there and corrected, nor the coupling capacitor, which at these strengths is nothing but
 #: a lag; nor the gain, which without certificates nobody can call wrong.
 FAULTS = ("offset_drift", "clipping", "mains_hum", "dropouts")
@@ -26,7 +28,9 @@ MOST_DRAWS = 20
 def draw(seed: int, again: int = 0) -> str:
     """Return NAME:STRENGTH of what is hidden; `again` counts the draws that could not be built."""
     random = np.random.default_rng([seed, 41, again])
-    names = FAULTS if random.random() < FAULTY_SENSOR else tuple(n for n in PHYSICS if n not in PLAIN)
+    names = (
+        FAULTS if random.random() < FAULTY_SENSOR else tuple(n for n in PHYSICS if n not in (*PLAIN, *LATER))
+    )
     name = names[int(random.integers(len(names)))]
     low, high = (math.log(strength) for strength in STRENGTHS)
     return f"{name}:{math.exp(random.uniform(low, high)):.5f}"

@@ -20,12 +20,16 @@ SENSOR_FAULTS: dict[str, tuple[str, ...]] = {
     "channel_gain": ("error",),
     "offset_drift": ("rate",),
     "clipping": ("limit",),
+    "sensor_nonlinearity": ("quadratic", "cubic"),
     "ac_coupling": ("fc",),
+    "sensor_bandwidth": ("fc",),
     "mains_hum": ("amp", "f", "phase"),
     "dropouts": ("kind", "lost"),
 }
 #: Those whose error depends on nothing but the signal and the time of that instant.
-IMMEDIATE = ("channel_gain", "offset_drift", "clipping", "mains_hum")
+IMMEDIATE = ("channel_gain", "offset_drift", "clipping", "sensor_nonlinearity", "mains_hum")
+#: Those that filter the signal, and the corners (Hz) at which they are hardly and fully there.
+FILTERS = {"ac_coupling": (1e-4, 20.0), "sensor_bandwidth": (4e3, 1.0)}
 OVERSAMPLING = 16
 
 
@@ -48,18 +52,21 @@ def error(name: str, parameters: Mapping[str, Any], signal: np.ndarray, time: np
         return np.asarray(parameters["rate"] * time)
     if name == "clipping":
         return np.asarray(np.clip(signal, -parameters["limit"], parameters["limit"]) - signal)
+    if name == "sensor_nonlinearity":
+        return np.asarray(parameters["quadratic"] * signal**2 + parameters["cubic"] * signal**3)
     if name == "mains_hum":
         angle = 2.0 * math.pi * parameters["f"] * time + parameters["phase"]
         return np.asarray(parameters["amp"] * np.sin(angle))
     raise ValueError(f"{name} is not a fault of one instant; those are: {', '.join(IMMEDIATE)}")
 
 
-def coupling_error(corner: float, fine: np.ndarray, interval: float) -> np.ndarray:
-    """Return what AC coupling at `corner` Hz adds, every `OVERSAMPLING` samples of `fine`.
+def filter_error(name: str, corner: float, fine: np.ndarray, interval: float) -> np.ndarray:
+    """Return what AC coupling or a roll-off at `corner` Hz adds, every `OVERSAMPLING` samples of `fine`.
 
     `fine` is the channel on a grid of `interval` s; its first value was there long before.
     """
-    return np.asarray((high_pass(fine, interval, corner, fine[0]) - fine)[::OVERSAMPLING])
+    passed = high_pass(fine, interval, corner, fine[0])
+    return np.asarray((-passed if name == "sensor_bandwidth" else passed - fine)[::OVERSAMPLING])
 
 
 def size_of(
@@ -89,6 +96,10 @@ def size_of(
             0.0,
         )
         found = {"limit": level}
+    elif name == "sensor_nonlinearity":
+        power, of = (2, "quadratic") if random.random() < 0.5 else (3, "cubic")
+        found = {"quadratic": 0.0, "cubic": 0.0}
+        found[of] = side * strength * size / rms(signal[after] ** power)
     else:
         mains = 50.0 if random.random() < 0.7 else 60.0
         found = {"amp": strength * size * math.sqrt(2.0), "f": mains + random.uniform(-0.03, 0.03)}

@@ -1,10 +1,12 @@
 """Diagnosis: which effect a model lacks, how sure that is, and what cannot be told apart."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
+from identify.curves.confirmation import Confirmation, ConfirmedEffect, confirm
 from identify.diagnosis.explain import explain
 from identify.diagnosis.judgement import (
     HEADLINES,
@@ -21,18 +23,24 @@ from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.suspect import Suspect
+from identify.diagnosis.suspects import candidate_terms
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
 from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
-from identify.fitting.segments import segments_of
+from identify.fitting.initial_values import scales_of
+from identify.fitting.misfit_errors import with_misfit_errors
+from identify.fitting.segments import prepared_of, segments_of
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.summary import Summarised, Summary
+
+_FAR_OFF = 30.0
+"""Reduced chi-square above which a model fits so badly that free runs from it are dear and say little."""
 
 _FEWEST_CYCLES = 5.0
 _HELD_OUT = 3
@@ -49,7 +57,8 @@ class Diagnosis(Summarised):
     `baseline` is the model as fitted, with its floor. `suspects` come in order, what the verdict names first. `together`
     names a second effect when it takes two to reach the floor. `findings` are sensors' faults that are corrected in
     every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
-    shows. `shape` is the free form, when something is missing that has no name.
+    shows. `shape` is the free form, when something is missing that has no name. `confirmation` is what the curves of
+    the decay foretell, None where they were not asked.
     """
 
     baseline: Baseline
@@ -62,6 +71,7 @@ class Diagnosis(Summarised):
     explanation: str
     next_experiment: str
     library: tuple[Effect, ...] = LIBRARY
+    confirmation: Confirmation | None = None
 
     @property
     def named(self) -> tuple[str, ...]:
@@ -96,6 +106,8 @@ class Diagnosis(Summarised):
             return "the noise floor is reached: no effect of the library lowers the error by more than chance would"
         if self.verdict == "unknown_effect":
             return "something is missing that the library does not name; see the free form"
+        if self.verdict == "unconfirmed":
+            return "something is left that no effect of the library foretells"
         if self.verdict == "not_enough_data":
             return "the record is too short to tell more effects apart"
         if rungs > _MOST_RUNGS:
@@ -135,15 +147,17 @@ def diagnose(
     The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin the fit from, by
     unknown's name. Raises NotIdentifiable when a release holds too little to fit anything.
     """
-    baseline = fit_baseline(segments_of(decays), model or base_model(), known)
-    tried = singles(baseline, library)
-    ranked = rank(baseline, tried, chances(baseline, library))
+    whole = prepared_of(decays)
+    baseline = fit_baseline(segments_of(whole), model or base_model(), known)
+    foretell = cache(lambda: foretold(baseline, whole, library))
+    fitted = _worth_a_fit(baseline, library, foretell)
+    ranked = rank(baseline, singles(baseline, fitted), chances(baseline, fitted))
     faults = tuple(
         f
         for f in corrected_faults(baseline.decays, baseline.fit)
         if f.term.effect.name not in baseline.fit.model
     )
-    judgement = judge(baseline, ranked, faults, library)
+    judgement = judge(baseline, ranked, faults, library, foretell)
     settled = (
         refit_at_floor(baseline.decays, judgement.final) if judgement.final is not baseline.fit else baseline
     )
@@ -152,7 +166,7 @@ def diagnose(
     if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
     findings = tuple(f for f in faults if f.significant or f.remarked)
-    together, shape = judgement.together, judgement.shape
+    together, shape, confirmation = judgement.together, judgement.shape, judgement.confirmation
     return Diagnosis(
         baseline=baseline,
         verdict=verdict,
@@ -161,10 +175,35 @@ def diagnose(
         findings=findings,
         final=settled.fit,
         shape=shape,
-        explanation=explain(baseline, verdict, suspects, together, findings, settled, shape),
+        explanation=explain(baseline, verdict, suspects, together, findings, settled, shape, confirmation),
         next_experiment=next_experiment(baseline, verdict, suspects),
         library=library,
+        confirmation=confirmation,
     )
+
+
+def _worth_a_fit(
+    baseline: Baseline, library: tuple[Effect, ...], foretell: Callable[[], Confirmation | None]
+) -> tuple[Effect, ...]:
+    """Return the effects to fit by free run: all, or, far above a floor that is a guess, what the curves leave open."""
+    if baseline.floor_is_sure or baseline.fit.reduced < _FAR_OFF:
+        return library
+    found = foretell()
+    if found is None:
+        return library
+    return tuple(e for e in library if not found.has_law(e.name) or e.name in found.mentioned)
+
+
+def foretold(
+    baseline: Baseline, whole: tuple[PreparedDecay, ...], library: tuple[Effect, ...]
+) -> Confirmation | None:
+    """Return what the curves of whole releases confirm beyond a fitted model; None where they cannot tell."""
+    if any(decay.window.force is not None for decay in whole):
+        return None
+    forces = Model(baseline.fit.model.forces)
+    terms = candidate_terms(baseline.fit.model, library, whole[0].window)
+    known = {name: estimate.value for name, estimate in baseline.fit.parameters.items()}
+    return confirm(whole, forces, known, terms, scales_of(max(whole, key=lambda decay: decay.amplitude), {}))
 
 
 def _cycles(baseline: Baseline) -> float:
@@ -195,6 +234,7 @@ def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: B
     is_final = candidate.fit is judgement.final
     named = judgement.together and (entry is judgement.ranked[0] or candidate.name in judgement.together)
     found = settled.fit if named or is_final else candidate.fit
+    confirmed = _confirmed(judgement.confirmation, candidate.name)
     return Suspect(
         effect=candidate.term.effect,
         term=candidate.term,
@@ -202,11 +242,16 @@ def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: B
         evidence=entry.evidence,
         p_value=entry.p_value,
         claimed=entry.claimed,
-        parameters=found.of(candidate.term),
+        parameters=(found if baseline.adequate(found) else with_misfit_errors(found)).of(candidate.term),
         fit=candidate.fit,
-        rivals=rivals_of(entry, judgement.ranked),
+        rivals=rivals_of(entry, judgement.ranked) if confirmed is None else confirmed.rivals,
         plausible=candidate.plausible,
+        confirmed=confirmed,
     )
+
+
+def _confirmed(found: Confirmation | None, name: str) -> ConfirmedEffect | None:
+    return next((e for e in found.effects if e.name == name), None) if found is not None else None
 
 
 def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[CorrectedFault, ...]) -> Suspect:

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from identify.curves.confirmation import Confirmation
+from identify.diagnosis.explain_prediction import explain_confirmed, explain_unconfirmed
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.suspect import Suspect
 from identify.fitting.baseline import Baseline
@@ -17,6 +19,7 @@ def explain(
     findings: tuple[CorrectedFault, ...],
     settled: Baseline,
     shape: NonparametricForce | None,
+    confirmation: Confirmation | None = None,
 ) -> str:
     """Return why the verdict is what it is, with numbers and the alternatives that remain."""
     if verdict == "nothing_missing":
@@ -27,6 +30,10 @@ def explain(
             "Release from a larger amplitude, or record for longer."
         )
     top = suspects[0] if suspects else None
+    if verdict == "unconfirmed" and confirmation is not None:
+        return explain_unconfirmed(confirmation)
+    if top is not None and top.confirmed is not None and confirmation is not None:
+        return explain_confirmed(suspects, confirmation)
     if verdict == "unknown_effect" or top is None:
         return _unknown(baseline, top, shape)
     if top.effect.name in {f.term.effect.name for f in findings}:

@@ -1,11 +1,14 @@
 """The judgement: what is claimed, what is not told apart, what is to be said. It is decided here and nowhere else."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from identify.arrays import Array
+from identify.curves.confirmation import WORTH, Confirmation
+from identify.diagnosis.confirmed_fit import fit_confirmed
 from identify.diagnosis.nonparametric_force import NonparametricForce, nonparametric_force
 from identify.diagnosis.null_distribution import NullDistribution
 from identify.diagnosis.rest_evidence import at_rest
@@ -16,13 +19,16 @@ from identify.fitting.baseline import Baseline, force_along_motion
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
 
-Verdict = Literal["missing_effect", "sensor_fault", "nothing_missing", "unknown_effect", "not_enough_data"]
+Verdict = Literal[
+    "missing_effect", "sensor_fault", "nothing_missing", "unknown_effect", "unconfirmed", "not_enough_data"
+]
 
 HEADLINES: dict[Verdict, str] = {
     "missing_effect": "A force is missing",
     "sensor_fault": "A sensor is at fault",
     "nothing_missing": "Nothing is missing",
     "unknown_effect": "Something is missing that has no name here",
+    "unconfirmed": "A misfit that no effect here foretells",
     "not_enough_data": "Not enough data",
 }
 
@@ -37,8 +43,6 @@ RIVALS_WITHIN = 4.6
 
 _DECISIVE = 12.0
 """Nats of evidence below which a force is not claimed while a sensor is known to be faulty: mend that first."""
-
-_FREE_FORM_EXPLAINS = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +61,8 @@ class Judgement:
 
     `ranked` are the candidates, what the verdict names first; `together` the second effect where it takes two; `final`
     the fit with what was found; `shape` the free form, when something is missing that has no name. `corrected` tells
-    that a fault which every fit corrects decides, not a candidate that was tried.
+    that a fault which every fit corrects decides, not a candidate that was tried. `confirmation` is what curves
+    foretell, None where they were not asked.
     """
 
     verdict: Verdict
@@ -66,6 +71,7 @@ class Judgement:
     together: tuple[str, ...] = ()
     shape: NonparametricForce | None = None
     corrected: bool = False
+    confirmation: Confirmation | None = None
 
 
 def alpha(baseline: Baseline) -> float:
@@ -132,12 +138,17 @@ def judge(
     ranked: tuple[Ranked, ...],
     faults: tuple[CorrectedFault, ...],
     library: tuple[Effect, ...],
+    foretell: Callable[[], Confirmation | None],
 ) -> Judgement:
-    """Return what is to be said: of nothing claimed, of one effect that reaches the floor, of two, or of no name."""
+    """Return what is to be said: of nothing claimed, of one effect that reaches the floor, of two, or of no name.
+
+    Where the floor is not reached, or could only be guessed, chi-square names nothing: `foretell` is asked what the
+    curves of the decay confirm.
+    """
     faulty = any(fault.significant for fault in faults)
     top = ranked[0] if ranked else None
     if top is None or not top.claimed:
-        return _without_claim(baseline, ranked, faulty)
+        return _without_claim(baseline, ranked, faulty, foretell)
     best = top.candidate
     if best.term.effect.kind == "physics" and top.evidence < _DECISIVE and faulty:
         return Judgement("sensor_fault", ranked, baseline.fit, corrected=True)
@@ -145,34 +156,80 @@ def judge(
         if not best.plausible:
             shape = _free_form(baseline, baseline.fit)
             return Judgement("unknown_effect", ranked, best.fit, shape=shape)
-        return Judgement(_verdict_of(best), ranked, best.fit)
-    return _beyond_one(baseline, ranked, library)
+        alone = Judgement(_verdict_of(best), ranked, best.fit)
+        return alone if baseline.floor_is_sure else _if_foretold(baseline, alone, foretell())
+    return _beyond_one(baseline, ranked, library, foretell)
 
 
-def _without_claim(baseline: Baseline, ranked: tuple[Ranked, ...], faulty: bool) -> Judgement:
+def _if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
+    """Return the judgement of one effect that reaches a guessed floor, unless the curves contradict it."""
+    best = alone.ranked[0].candidate
+    if found is None or not found.has_law(best.name) or found.usual.typical("motion") < WORTH:
+        return replace(alone, confirmation=found)
+    if best.name in found.names or any(best.name in effect.rivals for effect in found.effects):
+        return replace(alone, confirmation=found)
+    return _by_curves(baseline, alone.ranked, found)
+
+
+def _without_claim(
+    baseline: Baseline,
+    ranked: tuple[Ranked, ...],
+    faulty: bool,
+    foretell: Callable[[], Confirmation | None],
+) -> Judgement:
     if not baseline.adequate(baseline.fit):
-        shape = _free_form(baseline, baseline.fit)
-        return Judgement("unknown_effect", ranked, baseline.fit, shape=shape)
+        return _by_curves(baseline, ranked, foretell())
     if faulty:
         return Judgement("sensor_fault", ranked, baseline.fit, corrected=True)
     return Judgement("nothing_missing", ranked, baseline.fit)
 
 
-def _beyond_one(baseline: Baseline, ranked: tuple[Ranked, ...], library: tuple[Effect, ...]) -> Judgement:
-    """Judge where no single effect reaches the floor: two together, a name for most of it, or no name."""
+def _beyond_one(
+    baseline: Baseline,
+    ranked: tuple[Ranked, ...],
+    library: tuple[Effect, ...],
+    foretell: Callable[[], Confirmation | None],
+) -> Judgement:
+    """Judge where no single effect reaches the floor: two together that do, or what the curves foretell."""
     best = ranked[0].candidate
-    two = pairs(baseline, tuple(entry.candidate for entry in ranked), library)
-    better = two and two[0].plausible and two[0].second.score < best.score
-    together = two[0] if better else None
-    if together is not None and baseline.adequate(together.second.fit):
-        return _of_pair(ranked, together, None)
-    final = together.second.fit if together is not None else best.fit
-    shape = _free_form(baseline, final)
-    if shape.explained > _FREE_FORM_EXPLAINS or baseline.floor_is_sure or not best.plausible:
-        return Judgement("unknown_effect", ranked, final, shape=_free_form(baseline, best.fit))
-    if together is not None:
-        return _of_pair(ranked, together, shape)
-    return Judgement(_verdict_of(best), ranked, best.fit, shape=shape)
+    found = None if baseline.floor_is_sure else foretell()
+    if found is None:
+        two = pairs(baseline, tuple(entry.candidate for entry in ranked), library)
+        better = two and two[0].plausible and two[0].second.score < best.score
+        together = two[0] if better else None
+        if together is not None and baseline.adequate(together.second.fit):
+            return _of_pair(ranked, together, None)
+        found = foretell()
+    return _by_curves(baseline, ranked, found)
+
+
+def _by_curves(baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None) -> Judgement:
+    """Return the judgement of a misfit above the floor: what the curves confirm, however much of it that explains."""
+    whole = None if found is None or not found.effects else fit_confirmed(baseline, found)
+    if found is None or whole is None:
+        best = ranked[0].candidate.fit if ranked and ranked[0].claimed else baseline.fit
+        verdict: Verdict = "unknown_effect" if found is None or baseline.floor_is_sure else "unconfirmed"
+        return Judgement(verdict, ranked, baseline.fit, shape=_free_form(baseline, best), confirmation=found)
+    points = sum(len(curve) for curve in found.curves)
+    evidence = float(points * np.log(baseline.fit.chi_square / whole.chi_square))
+    first = tuple(
+        Ranked(
+            Candidate(effect.term, whole, whole.chi_square, baseline.fit.chi_square - whole.chi_square, True),
+            evidence,
+            float(np.exp(-max(evidence, 0.0))),
+            True,
+        )
+        for effect in found.effects
+    )
+    rest = tuple(replace(e, claimed=False) for e in ranked if e.candidate.name not in found.names)
+    return Judgement(
+        "missing_effect",
+        (*first, *rest),
+        whole,
+        found.names[1:],
+        _free_form(baseline, whole),
+        confirmation=found,
+    )
 
 
 def _of_pair(ranked: tuple[Ranked, ...], pair: Pair, shape: NonparametricForce | None) -> Judgement:

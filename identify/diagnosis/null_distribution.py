@@ -141,22 +141,53 @@ def _fault_drops(base: Fit, term: Term, scales: Scales, tangent: Array, noise: A
     """Sum over the releases of the best drop by a fault that each has with parameters of its own."""
     problem = Problem(base.model.plus(term), base.windows, base.frequency)
     before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
+    changes = [
+        problem.residuals(problem.theta(with_fault(base, term, start))) - before
+        for start in term_starts(term, scales, fine=True)
+    ]
+    changes = [change for change in changes if np.isfinite(change).all()]
     followed = tangent.T @ noise
-    best = np.zeros((len(base.windows), noise.shape[1]))
-    for start in term_starts(term, scales, fine=True):
-        change = problem.residuals(problem.theta(with_fault(base, term, start))) - before
-        if not np.isfinite(change).all():
+    total = np.zeros(noise.shape[1])
+    for rows in rows_of(base.windows):
+        amounts = _amounts([change[rows] for change in changes], tangent[rows], noise[rows], followed)
+        if not amounts:
             continue
-        for drops, rows in zip(best, rows_of(base.windows), strict=True):
-            column, own = change[rows], tangent[rows].T @ change[rows]
-            size = float(np.sqrt(max(float(column @ column - own @ own), 0.0)))
-            if not size > 1e-9:
-                continue
-            amount = (column @ noise[rows] - own @ followed) / size
-            if term.effect.strength.low >= 0.0:
-                amount = np.maximum(amount, 0.0)
-            np.maximum(drops, amount**2, out=drops)
-    return np.asarray(best.sum(axis=0))
+        if term.fault.held_at_first:
+            one_sided = term.effect.strength.low >= 0.0
+            total += np.max([np.maximum(a, 0.0) ** 2 if one_sided else a**2 for a, _ in amounts], axis=0)
+        else:  # the starts are directions, all of which are free
+            total += np.sum([free**2 for _, free in amounts], axis=0)
+    return total
+
+
+def _amounts(
+    columns: list[Array], tangent: Array, noise: Array, followed: Array
+) -> list[tuple[Array, Array]]:
+    """Return how much of each draw lies along each column, (draws,) each, and along what earlier columns leave of it.
+
+    Columns (readings,) are those of one release, less what the fit's parameters follow in all of them.
+    """
+    found: list[tuple[Array, Array]] = []
+    basis: list[tuple[Array, Array]] = []
+    for column in columns:
+        own = tangent.T @ column
+        size = float(column @ column - own @ own)
+        if not size > 1e-18 + 1e-12 * float(column @ column):
+            continue
+        column, own = column / np.sqrt(size), own / np.sqrt(size)
+        left, left_own = column, own
+        for other, other_own in basis:
+            share = float(left @ other - left_own @ other_own)
+            left, left_own = left - share * other, left_own - share * other_own
+        length = float(np.sqrt(max(float(left @ left - left_own @ left_own), 0.0)))
+        if length > 1e-4:
+            left, left_own = left / length, left_own / length
+            basis.append((left, left_own))
+            free = left @ noise - left_own @ followed
+        else:
+            free = np.zeros(noise.shape[1])
+        found.append((column @ noise - own @ followed, free))
+    return found
 
 
 def _probes(

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from identify.curves.confirmation import ConfirmedEffect
 from identify.effects.effect import Effect, Kind
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
@@ -17,7 +18,8 @@ class Suspect:
     that chance gives any suspect of the library as good a reason; `claimed` says that it is small enough to claim the
     effect. `rivals` are claimed effects whose evidence is as good: this record does not tell them apart.
     `held_out_gain` is the drop of chi-square on cycles that were not fitted, None when it was not asked. `plausible` is
-    False where another effect is the better name for the same force.
+    False where another effect is the better name for the same force. `confirmed` says what the effect foretells of
+    readings that it was not fitted to, None where that was not asked or it foretells nothing.
     """
 
     effect: Effect
@@ -31,6 +33,7 @@ class Suspect:
     rivals: tuple[str, ...] = ()
     held_out_gain: float | None = None
     plausible: bool = True
+    confirmed: ConfirmedEffect | None = None
 
     @property
     def kind(self) -> Kind:

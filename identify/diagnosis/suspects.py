@@ -31,7 +31,7 @@ from identify.signal.spectrum import strongest_lines
 _LINES = 3
 _STARTS = 3
 _FIRST_STEPS = 5
-_POLISHED = 10
+_POLISHED = 14
 _FAR_OFF = 100.0
 _IMPLAUSIBLE = 10.0
 

@@ -48,6 +48,7 @@ def _cubic(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 
 CUBIC_DAMPING = ForceEffect(
+    rarity=1,
     name="cubic_damping",
     title="cubic damping",
     equation="c3 v^3",
@@ -65,6 +66,7 @@ def _position_dependent(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 
 POSITION_DEPENDENT_DAMPING = ForceEffect(
+    rarity=1,
     name="position_dependent_damping",
     title="damping that grows away from the middle",
     equation="c12 u^2 v",

@@ -72,7 +72,8 @@ class Effect(ABC):
     `variants` are alternatives (inner values that are held, or the channel at fault) that are tried each and of
     which the best counts. `plausible(values, scales)` is False where another effect is the better name for the same
     misfit. `units` are the units of displacement for which the effect has a meaning, () for all. A `line` has a
-    frequency and a phase that are free: chance offers it every peak of a periodogram. An effect that
+    frequency and a phase that are free: chance offers it every peak of a periodogram. Of effects that a record does not
+    tell apart the one of less `rarity` on benches, its own inner parameters counted in, leads. An effect that
     `shows_detection_limit` is quoted, with the strength that would have been seen, where nothing is missing.
     """
 
@@ -87,6 +88,7 @@ class Effect(ABC):
     confusable_with: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
     line: bool = False
+    rarity: int = 0
     shows_detection_limit: bool = False
 
     def __post_init__(self) -> None:

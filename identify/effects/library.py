@@ -9,8 +9,10 @@ from identify.effects.damping import (
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.effects.friction import COULOMB_FRICTION, POSITION_DEPENDENT_FRICTION, STRIBECK_FRICTION
+from identify.effects.impact import IMPACT
 from identify.effects.memory import HYSTERESIS, MAXWELL_ELEMENT, SECOND_MASS
 from identify.effects.pendulum import PENDULUM_STIFFNESS
+from identify.effects.presliding import DAHL_FRICTION, LUGRE_FRICTION
 from identify.effects.sensor_fault import Allowance, SensorFault
 from identify.effects.sensors import (
     AC_COUPLING,
@@ -20,6 +22,8 @@ from identify.effects.sensors import (
     DROPOUTS,
     MAINS_HUM,
     OFFSET_DRIFT,
+    SENSOR_BANDWIDTH,
+    SENSOR_NONLINEARITY,
 )
 from identify.effects.stiffness import (
     BILINEAR_STIFFNESS,
@@ -29,8 +33,9 @@ from identify.effects.stiffness import (
     LINEAR_STIFFNESS,
     QUADRATIC_STIFFNESS,
     QUINTIC_STIFFNESS,
+    SIGNED_QUADRATIC_STIFFNESS,
 )
-from identify.effects.time import HARMONIC_FORCING, TIME_VARYING_STIFFNESS
+from identify.effects.time import HARMONIC_FORCING, SETTLING_STIFFNESS, TIME_VARYING_STIFFNESS
 
 BASE: tuple[ForceEffect, ...] = (LINEAR_STIFFNESS, COULOMB_FRICTION, VISCOUS_DAMPING)
 
@@ -43,24 +48,33 @@ LIBRARY: tuple[Effect, ...] = (
     POSITION_DEPENDENT_FRICTION,
     CUBIC_STIFFNESS,
     QUADRATIC_STIFFNESS,
+    SIGNED_QUADRATIC_STIFFNESS,
     QUINTIC_STIFFNESS,
     PENDULUM_STIFFNESS,
     END_STOP,
+    IMPACT,
     FREEPLAY,
     BILINEAR_STIFFNESS,
+    DAHL_FRICTION,
     HYSTERESIS,
     MAXWELL_ELEMENT,
     SECOND_MASS,
     TIME_VARYING_STIFFNESS,
+    SETTLING_STIFFNESS,
     HARMONIC_FORCING,
     CHANNEL_LAG,
     CHANNEL_GAIN,
     OFFSET_DRIFT,
     CLIPPING,
+    SENSOR_NONLINEARITY,
     AC_COUPLING,
+    SENSOR_BANDWIDTH,
     MAINS_HUM,
     DROPOUTS,
 )
+
+RARE: tuple[Effect, ...] = (LUGRE_FRICTION,)
+"""Effects that are fitted when they are asked for and are no suspects: LuGre friction is Dahl's together with Stribeck's."""
 
 
 def find_effect(name: str, library: tuple[Effect, ...] = LIBRARY) -> Effect:

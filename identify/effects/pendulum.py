@@ -12,6 +12,9 @@ def _pendulum(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * (sin(u) - u)
 
 
+_MOST_OF_IT = 0.3
+"""Share of the whole stiffness below which a softening is not called gravity's: a cubic spring says the same."""
+
 PENDULUM_STIFFNESS = ForceEffect(
     name="pendulum_stiffness",
     title="gravity on a pendulum",
@@ -21,6 +24,7 @@ PENDULUM_STIFFNESS = ForceEffect(
     ),
     force=_pendulum,
     units=("rad",),
+    plausible=lambda values, scales: values["g"] > _MOST_OF_IT * scales.frequency**2,
     symptom="the frequency falls with the square of the angle, as 1 - angle^2/16 where there is no other spring",
     confirming_test="turn the axis vertical, so that gravity has no moment: the frequency is the same at every angle",
     confusable_with=("cubic_stiffness", "quintic_stiffness"),

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Literal
 
 from identify.arrays import Array
@@ -18,8 +19,9 @@ class SensorFault(Effect):
     `observe(time, reading, p)` takes the predicted readings of one channel before its offset, shape (n,), at `time` (s
     since the release) and returns what the faulty sensor would show. `starts(scales, channel)` lists starting values of
     all parameters, of which those `held_at_first` act out of proportion. A fault that `shows_at_rest` is looked for
-    there too; `seems_lag(start, scales)` is by how much it makes its channel seem early (s). A fault that every fit
-    allows for is no suspect: `allowed_as` says as what, and it is judged by what the fit allowed for.
+    there too; `seems_lag(start, scales)` is by how much it makes its channel seem early (s). A fault that
+    `needs_other_channel` looks like a force where there is one channel only, and is no suspect there. A fault that every
+    fit allows for is no suspect either: `allowed_as` says as what, and it is judged by what the fit allowed for.
     """
 
     observe: Callable[[Array, Array, Array], Array] = field(default=lambda time, reading, p: reading)
@@ -27,6 +29,7 @@ class SensorFault(Effect):
     held_at_first: tuple[str, ...] = ()
     shows_at_rest: bool = False
     seems_lag: Callable[[tuple[float, ...], Scales], float] | None = None
+    needs_other_channel: bool = False
     allowed_as: Allowance = ""
 
     @property
@@ -51,9 +54,10 @@ class SensorFault(Effect):
 
     @property
     def one_sided(self) -> bool:
-        """True: a fault is begun on the side on which it can be."""
-        return True
+        """Whether the first parameter has a lower bound."""
+        return isfinite(self.strength.low)
 
     def starting_values(self, scales: Scales, channel: str) -> Starts:
-        """Return starting values of all parameters; none where the channel is absent."""
-        return self.starts(scales, channel) if channel in scales.peaks else ()
+        """Return starting values of all parameters; none where the channel, or another one that it takes, is absent."""
+        absent = channel not in scales.peaks or (self.needs_other_channel and len(scales.peaks) < 2)
+        return () if absent else self.starts(scales, channel)

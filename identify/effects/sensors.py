@@ -1,6 +1,6 @@
 """Faults of a sensor: they change a reading, not the motion, and so break a = D^2 u."""
 
-from math import inf, pi
+from math import atan, inf, pi
 
 import numpy as np
 from scipy.signal import lfilter
@@ -33,7 +33,8 @@ CHANNEL_GAIN = SensorFault(
     parameters=(Parameter("error", "1", "gain of the acceleration relative to the displacement, less one"),),
     allowed_as="gain",
     symptom="the error of a = D^2 u is proportional to the acceleration",
-    confirming_test="calibrate both sensors against one reference",
+    confirming_test="calibrate both sensors against one reference; another spring: a tilt or a roll-off changes with it",
+    confusable_with=("sensor_bandwidth",),
 )
 
 
@@ -126,6 +127,79 @@ AC_COUPLING = SensorFault(
     symptom="one channel leads in phase, the more the slower the motion, and forgets its mean",
     confirming_test="hold the mass off its zero: the reading creeps back",
     confusable_with=("channel_lag", "maxwell_element", "viscous_damping"),
+)
+
+
+def _bend(time: Array, reading: Array, p: Array) -> Array:
+    return np.asarray(reading * (1.0 + reading * (p[0] + reading * p[1])))
+
+
+_BEND = 1e-3
+"""Share of the full range by which a sensor may be taken to bend at first."""
+
+_MOST_BEND = 0.1
+"""Share of the full range beyond which a sensor does not bend, it is broken."""
+
+
+def _bend_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
+    peak = scales.peaks[channel]
+    return (_BEND / peak, 0.0), (0.0, _BEND / peak**2)
+
+
+def _bends_little(values: dict[str, float], scales: Scales) -> bool:
+    peak = max(scales.peaks.values())
+    return abs(values["quadratic"]) * peak < _MOST_BEND and abs(values["cubic"]) * peak**2 < _MOST_BEND
+
+
+SENSOR_NONLINEARITY = SensorFault(
+    name="sensor_nonlinearity",
+    title="a sensor bends (nonlinearity)",
+    equation="x + quadratic x^2 + cubic x^3",
+    parameters=(
+        Parameter("quadratic", "1/(reading)", "relative error per reading"),
+        Parameter("cubic", "1/(reading)^2", "relative error per squared reading"),
+    ),
+    observe=_bend,
+    starts=_bend_starts,
+    plausible=_bends_little,
+    needs_other_channel=True,
+    variants=_BOTH,
+    symptom="harmonics and a shifted mean in one channel, which the other does not show",
+    confirming_test="calibrate the sensor over its range, or use another part of it",
+    confusable_with=("quadratic_stiffness", "cubic_stiffness", "clipping"),
+)
+
+
+def _low_pass(time: Array, reading: Array, p: Array) -> Array:
+    return np.asarray(reading - _high_pass(time, reading - reading[:1], p))
+
+
+def _roll_off_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
+    return tuple((ratio * scales.frequency / (2.0 * pi), 0.0) for ratio in (3.0, 8.0, 20.0))
+
+
+def _is_slow(values: dict[str, float], scales: Scales) -> bool:
+    return scales.frequency / (2.0 * pi) < values["fc"] < 0.5 * scales.rate
+
+
+SENSOR_BANDWIDTH = SensorFault(
+    name="sensor_bandwidth",
+    title="a sensor is slow (first-order roll-off)",
+    equation="first-order low-pass at fc",
+    parameters=(
+        Parameter("fc", "Hz", "corner frequency", 0.0, inf),
+        Parameter("transient", "reading", "what the sensor remembers of the time before the fit"),
+    ),
+    observe=_low_pass,
+    starts=_roll_off_starts,
+    held_at_first=("fc",),
+    plausible=_is_slow,
+    seems_lag=lambda start, scales: -atan(scales.frequency / (2.0 * pi * start[0])) / scales.frequency,
+    needs_other_channel=True,
+    variants=_BOTH,
+    symptom="one channel rounds off what is sudden in the other; of a slow motion it is late and a little small",
+    confirming_test="tap the mass: the sensor's answer is longer than the other's",
+    confusable_with=("channel_lag", "channel_gain", "dahl_friction"),
 )
 
 

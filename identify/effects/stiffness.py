@@ -60,11 +60,29 @@ QUADRATIC_STIFFNESS = ForceEffect(
 
 
 @force_function
+def _signed_quadratic(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * u * abs(u)
+
+
+SIGNED_QUADRATIC_STIFFNESS = ForceEffect(
+    name="signed_quadratic_stiffness",
+    title="spring that hardens in proportion to its deflection",
+    equation="k2a u |u|",
+    parameters=(Parameter("k2a", "1/(m s^2)", "growth of the stiffness with the deflection, per unit mass"),),
+    force=_signed_quadratic,
+    symptom="the frequency moves in proportion to the amplitude, alike in both directions",
+    confirming_test="release from twice the amplitude: the frequency shift doubles",
+    confusable_with=("cubic_stiffness", "freeplay", "end_stop"),
+)
+
+
+@force_function
 def _quintic(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * u**5
 
 
 QUINTIC_STIFFNESS = ForceEffect(
+    rarity=1,
     name="quintic_stiffness",
     title="sharply hardening spring",
     equation="k5 u^5",

@@ -1,9 +1,9 @@
 """Effects that depend on time itself."""
 
-from math import inf, pi, sin
+from math import exp, inf, pi, sin
 
 from identify.effects.compiled import force_function
-from identify.effects.effect import Parameter, Scales, near_harmonic
+from identify.effects.effect import Parameter, Scales, Starts, near_harmonic
 from identify.effects.force_effect import ForceEffect
 
 
@@ -21,7 +21,34 @@ TIME_VARYING_STIFFNESS = ForceEffect(
     force=_time_varying,
     symptom="the frequency moves with time, not with amplitude",
     confirming_test="a second release at a quarter of the amplitude: the drift with time is the same",
-    confusable_with=("cubic_stiffness", "freeplay"),
+    confusable_with=("settling_stiffness", "cubic_stiffness", "freeplay"),
+)
+
+
+@force_function
+def _settling(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * p[2] * (1.0 - exp(-t / p[1])) * u
+
+
+def _settling_starts(scales: Scales) -> Starts:
+    return tuple((share * scales.duration,) for share in (0.1, 0.3, 0.8))
+
+
+SETTLING_STIFFNESS = ForceEffect(
+    name="settling_stiffness",
+    title="stiffness that settles (warming)",
+    equation="k r (1 - exp(-t/tau)) u",
+    parameters=(
+        Parameter("r", "1", "relative change of the stiffness from the release to the end"),
+        Parameter("tau", "s", "time in which it settles", 0.0, inf),
+    ),
+    shared_parameters={"linear_stiffness.k": lambda frequency: frequency**2},
+    force=_settling,
+    starts=_settling_starts,
+    plausible=lambda values, scales: 2.0 * pi / scales.frequency < values["tau"] < 1.5 * scales.duration,
+    symptom="the frequency moves with time and comes to a halt, whatever the amplitude",
+    confirming_test="a second release soon after the first: the frequency begins where the first one ended",
+    confusable_with=("time_varying_stiffness", "cubic_stiffness", "freeplay"),
 )
 
 

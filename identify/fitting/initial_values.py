@@ -3,7 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
+from identify.arrays import Array
 from identify.effects.effect import Scales
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
@@ -17,13 +19,11 @@ def initial_values(
 ) -> dict[str, float]:
     """Return where a fit may begin, by unknown's name: strengths by equation error, the states from the motions.
 
-    `inner` gives inner parameters by "effect.parameter". The strengths come from the release of the largest amplitude.
+    `inner` gives inner parameters by "effect.parameter". The strengths share all releases, whose zeros are their own.
     """
-    largest = max(decays, key=lambda prepared: prepared.amplitude)
     values = dict(inner)
-    for term, strength in zip(model.forces, regress_model(largest, model, inner).strengths, strict=True):
-        parameter = term.effect.strength
-        values[str(term.strength)] = float(np.clip(strength, parameter.low, parameter.high))
+    for term, strength in zip(model.forces, _strengths(decays, model, inner), strict=True):
+        values[str(term.strength)] = float(strength)
     if any(prepared.window.estimates_mass for prepared in decays):
         values[str(nuisance("force_gain"))] = 1.0
     for i, prepared in enumerate(decays):
@@ -76,21 +76,60 @@ def _of_release(
     return found
 
 
+def _strengths(decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str, float]) -> Array:
+    """Return the strengths of a model's forces by equation error over all releases, (forces,), within their bounds.
+
+    One that would leave its bounds is held there and the others are found anew: a dry friction that came out negative
+    and was only cut off would leave the viscous damping twice too large.
+    """
+    rows = [_rows(prepared, model, inner) for prepared in decays]
+    design, restoring = np.vstack([d for d, _ in rows]), np.concatenate([r for _, r in rows])
+    low, high = np.full(design.shape[1], -np.inf), np.full(design.shape[1], np.inf)
+    for i, term in enumerate(model.forces):
+        low[i], high[i] = term.effect.strength.low, term.effect.strength.high
+    size = np.linalg.norm(design, axis=0)
+    if not len(design) or not np.isfinite(size).all():  # nothing moves, or a state ran away
+        return np.clip(np.zeros(len(model.forces)), low[: len(model.forces)], high[: len(model.forces)])
+    size[size == 0.0] = 1.0
+    triangle = np.asarray(np.linalg.qr(np.column_stack([design / size, restoring]), mode="r"))
+    found = lsq_linear(triangle[:, :-1], triangle[:, -1], (low * size, high * size), method="bvls").x / size
+    return np.asarray(found[: len(model.forces)])
+
+
+def _rows(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> tuple[Array, Array]:
+    """Return forces of unit strength (m, forces) and restoring force (m,) where it moves, in units of the noise.
+
+    Both without their means, which leaves a release its own zero. Where the mass was only estimated, a last column is
+    the external force's.
+    """
+    motion, used = prepared.motion, moving(prepared.motion)
+    columns = np.column_stack(_columns(prepared, model, inner))[used]
+    restoring = prepared.restoring[used]
+    noise = motion.noise_acceleration or 1.0
+    if not used.any() or not np.isfinite(columns).all():
+        return columns, restoring
+    return (columns - columns.mean(axis=0)) / noise, (restoring - restoring.mean()) / noise
+
+
+def _columns(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> list[Array]:
+    motion = prepared.motion
+    along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
+    columns = [force_along(term, inner_values(term, inner), *along) for term in model.forces]
+    if prepared.window.estimates_mass:
+        assert prepared.window.force is not None
+        columns.append(-prepared.window.force)
+    return columns
+
+
 def regress_model(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> Regression:
     """Regress the measured restoring force on the forces of a model at given inner parameters.
 
     Where the mass was only estimated, what the external force should be corrected by is regressed too.
     """
     motion = prepared.motion
-    along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
-    columns = [force_along(term, inner_values(term, inner), *along) for term in model.forces]
-    noise = motion.noise_acceleration or 1.0
-    if not prepared.window.estimates_mass:
-        return regress(prepared.restoring, np.column_stack(columns), moving(motion), noise)
-    assert prepared.window.force is not None
-    columns.append(-prepared.window.force)
-    found = regress(prepared.restoring, np.column_stack(columns), moving(motion), noise)
-    return replace(found, strengths=found.strengths[:-1])
+    design = np.column_stack(_columns(prepared, model, inner))
+    found = regress(prepared.restoring, design, moving(motion), motion.noise_acceleration or 1.0)
+    return replace(found, strengths=found.strengths[: len(model.forces)])
 
 
 def scales_of(prepared: PreparedDecay, lines: dict[str, tuple[tuple[float, float, float], ...]]) -> Scales:

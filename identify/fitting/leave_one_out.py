@@ -1,5 +1,6 @@
 """Leave one release out: what the physics found on all others predicts of it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,35 +24,37 @@ class LeftOut:
     motion_percent: float
 
 
-def leave_one_out(found: Fit) -> tuple[LeftOut, ...]:
+def leave_one_out(found: Fit, releases: Sequence[Sequence[int]] | None = None) -> tuple[LeftOut, ...]:
     """Fit to all releases but one, hold the physics, refit the nuisances of the one left out; for each in turn.
 
-    Raises NotIdentifiable with a single release.
+    `releases` are the windows that belong to each release, where long ones were fitted in segments; else each window
+    is one. Raises NotIdentifiable with a single release.
     """
-    if len(found.windows) < 2:
+    groups = [[i] for i in range(len(found.windows))] if releases is None else [list(g) for g in releases]
+    if len(groups) < 2:
         raise NotIdentifiable("Leaving one release out needs at least two.")
-    return tuple(_without(found, i) for i in range(len(found.windows)))
+    return tuple(_without(found, index, left) for index, left in enumerate(groups))
 
 
-def _without(found: Fit, left: int) -> LeftOut:
-    kept = [i for i in range(len(found.windows)) if i != left]
+def _without(found: Fit, index: int, left: list[int]) -> LeftOut:
+    kept = [i for i in range(len(found.windows)) if i not in left]
     windows = tuple(found.windows[i] for i in kept)
     others = fit(found.model, windows, _values_of(found, kept), found.frequency)
-    problem = Problem(found.model, (found.windows[left],), found.frequency)
+    problem = Problem(found.model, tuple(found.windows[i] for i in left), found.frequency)
     shared = np.array([unknown.window < 0 for unknown in problem.unknowns])
-    theta = np.where(shared, problem.theta(others.point), problem.theta(_values_of(found, [left])))
+    theta = np.where(shared, problem.theta(others.point), problem.theta(_values_of(found, left)))
     theta = minimise_fully(problem, theta, held=shared).theta
     alone = fit_at(problem, theta)
-    window = alone.windows[0]
-    channel = window.channels[0]
-    used = window.used[channel]
-    misfit = alone.residual(channel)[used]
-    readings = int(sum(window.used[c].sum() for c in window.channels))
+    used = [alone.windows[i].used[alone.windows[i].channels[0]] for i in range(len(left))]
+    channels = [window.channels[0] for window in alone.windows]
+    misfit = np.concatenate([alone.residual(c, i)[used[i]] for i, c in enumerate(channels)])
+    reading = np.concatenate([alone.windows[i].readings[c][used[i]] for i, c in enumerate(channels)])
+    readings = int(sum(window.used[c].sum() for window in alone.windows for c in window.channels))
     degrees = max(readings - int((~shared).sum()), 1)
     return LeftOut(
-        left,
+        index,
         alone.chi_square / degrees,
-        float(100.0 * np.sqrt(np.mean(misfit**2)) / np.std(window.readings[channel][used])),
+        float(100.0 * np.sqrt(np.mean(misfit**2)) / np.std(reading)),
     )
 
 

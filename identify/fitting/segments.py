@@ -22,9 +22,26 @@ def segments_of(
     decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
 ) -> tuple[PreparedDecay, ...]:
     """Return one release or several, prepared where they are not yet, long ones as their segments."""
+    return tuple(piece for prepared in prepared_of(decays) for piece in segments(prepared))
+
+
+def prepared_of(
+    decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
+) -> tuple[PreparedDecay, ...]:
+    """Return one release or several, prepared where they are not yet."""
     given = [decays] if isinstance(decays, FreeDecay | PreparedDecay) else decays
-    ready = [prepare(decay) if isinstance(decay, FreeDecay) else decay for decay in given]
-    return tuple(piece for prepared in ready for piece in segments(prepared))
+    return tuple(prepare(decay) if isinstance(decay, FreeDecay) else decay for decay in given)
+
+
+def segments_by_release(decays: Sequence[PreparedDecay]) -> tuple[tuple[int, ...], ...]:
+    """Return, for each release, the places that its segments have in `segments_of`."""
+    found: list[tuple[int, ...]] = []
+    first = 0
+    for prepared in decays:
+        last = first + len(segments(prepared))
+        found.append(tuple(range(first, last)))
+        first = last
+    return tuple(found)
 
 
 def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:

@@ -166,3 +166,18 @@ def _second_order(
     change = (along(u + share * answer) - along(u - share * answer)) / (2.0 * share)
     shape = np.cos(theta)
     return float(np.mean(change * shape) / np.mean(shape**2) / amplitude)
+
+
+def mean_force(
+    effect: ForceEffect, parameters: dict[str, float], frequency: float, amplitudes: Array
+) -> Array:
+    """Return the mean of a force over a cycle, m/s^2, at each amplitude (n,); zeros for one with memory."""
+    means = np.zeros(len(amplitudes))
+    if effect.force is None or effect.rates is not None:
+        return means
+    p = effect.table(parameters, parameters)
+    for i, amplitude in enumerate(amplitudes):
+        _, u, v = _harmonic(frequency, float(amplitude))
+        along = (np.zeros(len(u) - 1), u[:-1].copy(), v[:-1].copy(), np.zeros((len(u) - 1, STATES)))
+        means[i] = np.mean(effect.smooth_force_along(p, *along))
+    return means

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.commands.options import MASS, MASS_STD
+from station.commands.options import CONDITIONS, MASS, MASS_STD
 from station.output import json_option, print_json, progress, screen
 
 MOST_TAKES = 3
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 @click.option("--level", type=float, metavar="M", help="Smallest swing taken for a release.")
 @click.option("--specimen", help="What is tested.")
 @click.option("--operator", help="Who tests it.")
+@CONDITIONS
 @click.option(
     "--spare",
     type=click.Path(path_type=Path),
@@ -61,6 +62,7 @@ def command(
     mass_std: float | None,
     specimen: str | None,
     operator: str | None,
+    conditions: tuple[str, ...],
     spare: Path | None,
     no_viewer: bool,
     again: bool | None,
@@ -77,7 +79,7 @@ def command(
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
-    info = session_info(settings, mass, mass_std, specimen, operator)
+    info = session_info(settings, mass, mass_std, specimen, operator, conditions)
     chosen = choose_port(port or settings.capture.port)
     wanted = capture_settings(settings, info, **timing)
     session, url = record(chosen, wanted, folder or new_folder(settings.sessions), not no_viewer, spare)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 @MODEL
 @EFFECTS
 @GAIN
+@click.option("--anyway", is_flag=True, help="Even if the sessions look like different benches.")
 @NO_VIEWER
 @json_option
 @click.pass_obj
@@ -27,20 +28,32 @@ def command(
     model_file: Path | None,
     effects_file: Path | None,
     gain_percent: float | None,
+    anyway: bool,
     no_viewer: bool,
     as_json: bool,
 ) -> None:
     """Find out which effect a model lacks.
 
-    SESSION is a session or a data file; several share the physics. Without
-    --model the model is stiffness, dry and viscous friction.
+    SESSION is a session or a data file; several share the physics, which is
+    looked at first. Without --model the model is stiffness, dry and viscous
+    friction.
     """
-    from station.operations.diagnosing import diagnose_sessions, keep, open_or_refuse, refuse_if_too_little
+    from station.operations.diagnosing import (
+        diagnose_sessions,
+        keep,
+        open_or_refuse,
+        physics_shared,
+        refuse_if_too_little,
+    )
+    from station.results.diagnosis_document import with_differences
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_or_refuse(sessions, settings, gain_percent, as_json)
+    shared = physics_shared(opened, anyway, progress)
     found, document = diagnose_sessions(opened, model_file, effects_file, progress)
+    if shared is not None:
+        document = with_differences(document, shared)
     keep(opened, document)
     if as_json:
         print_json(document.plain())

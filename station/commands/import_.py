@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.commands.options import MASS, MASS_STD
+from station.commands.options import CONDITIONS, MASS, MASS_STD
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
 @click.option("--keep-derived", is_flag=True, help="Keep channels that were computed from another one.")
 @click.option("--specimen", help="What was tested.")
 @click.option("--operator", help="Who tested it.")
+@CONDITIONS
 @json_option
 @click.pass_obj
 def command(
@@ -63,6 +64,7 @@ def command(
     units: tuple[str, ...],
     specimen: str | None,
     operator: str | None,
+    conditions: tuple[str, ...],
     as_json: bool,
     **text: Any,
 ) -> None:
@@ -78,7 +80,7 @@ def command(
     settings = load_settings(settings_file)
     chosen = {name: _number(value) for name, value in _pairs("--column", columns).items()}
     options = ImportOptions(columns=chosen, units=_pairs("--unit", units), **text)
-    info = session_info(settings, mass, mass_std, specimen, operator)
+    info = session_info(settings, mass, mass_std, specimen, operator, conditions)
     imported = import_file(file, folder, settings.sessions, options, info)
     if as_json:
         print_json(_document(file, imported))

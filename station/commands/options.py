@@ -38,3 +38,10 @@ MASS_STD = click.option(
     "--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass."
 )
 NO_VIEWER = click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
+CONDITIONS = click.option(
+    "--condition",
+    "conditions",
+    multiple=True,
+    metavar="NAME=NUMBER",
+    help='Known of the test, as "temperature [degC]=21.5".',
+)

@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
+from identify.comparison.shared_physics import OTHER_BENCH, SharedPhysics, shared_physics
 from identify.diagnosis.diagnose import Diagnosis
 from identify.errors import NotIdentifiable
 from identify.model.model import base_model
-from station.exits import NOT_IDENTIFIABLE, Problem
+from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
 from station.operations.session_set import SessionSet, chosen_model, open_sessions, whole_library
 from station.output import print_json
 from station.results.diagnosis_document import (
@@ -36,6 +37,27 @@ def open_or_refuse(
             names = tuple(Path(argument).name for argument in arguments)
             print_json(refused_document(names, base_model(), str(refusal)).plain())
         raise NotEnoughData(f"not enough data: {refusal}") from refusal
+
+
+def physics_shared(sessions: SessionSet, anyway: bool, progress: Progress) -> SharedPhysics | None:
+    """Say whether sessions share their physics, each looked at alone; None with a single one.
+
+    Raises UsageProblem where a stiffness is another by so much that the benches are plainly different, unless `anyway`.
+    """
+    if len(sessions.decays) < 2:
+        return None
+    shared, names = shared_physics(sessions.decays), sessions.names
+    for difference in shared.differences:
+        progress(f"{names[difference.index]}: {difference.words(names[0])}")
+    if not shared.differences:
+        progress(f"the {len(names)} sessions share stiffness and friction, as far as each alone can say")
+    others = [names[index] for index in shared.other_benches]
+    if others and not anyway:
+        raise UsageProblem(
+            f"{', '.join(others)}: not the bench of {names[0]}, the stiffness per unit mass differing by more than a "
+            f"factor of {OTHER_BENCH:g}; diagnose them apart, or give --anyway if they do share their physics"
+        )
+    return shared
 
 
 def diagnose_sessions(

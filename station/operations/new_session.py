@@ -1,11 +1,13 @@
 """A session to be: its folder, what is known of the specimen, and how it is captured."""
 
+import math
 import time
 from pathlib import Path
 from typing import Any
 
 from daq.capture import CaptureSettings
 from daq.session_info import SessionInfo
+from station.exits import UsageProblem
 from station.settings import Settings
 
 
@@ -20,16 +22,36 @@ def new_folder(sessions: Path, prefix: str = "release") -> Path:
 
 
 def session_info(
-    settings: Settings, mass: float | None, mass_std: float | None, specimen: str | None, operator: str | None
+    settings: Settings,
+    mass: float | None,
+    mass_std: float | None,
+    specimen: str | None,
+    operator: str | None,
+    conditions: tuple[str, ...] = (),
 ) -> SessionInfo:
-    """Return a session's metadata from options, else from the settings."""
+    """Return a session's metadata from options, else from the settings.
+
+    `conditions` are numbers known of the test, each as "temperature [degC]=21.5".
+    """
     known = settings.specimen
     return SessionInfo(
         operator=operator if operator is not None else known.operator,
         specimen=specimen if specimen is not None else known.name,
         mass_kg=mass if mass is not None else known.mass_kg,
         mass_std_kg=mass_std if mass is not None or mass_std is not None else known.mass_std_kg,
+        conditions=dict(_condition(text) for text in conditions),
     )
+
+
+def _condition(text: str) -> tuple[str, float]:
+    name, _, value = text.rpartition("=")
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not name.strip() or not math.isfinite(number):
+        raise UsageProblem(f'--condition {text}: write NAME=NUMBER, as "temperature [degC]=21.5"')
+    return name.strip(), number
 
 
 def capture_settings(settings: Settings, info: SessionInfo, **timing: Any) -> CaptureSettings:

@@ -6,6 +6,7 @@ from typing import Any
 from pydantic import AliasChoices, Field
 
 from daq.session import Session
+from identify.comparison.shared_physics import SharedPhysics
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.judgement import Verdict
 from identify.diagnosis.nonparametric_force import NonparametricForce
@@ -119,8 +120,20 @@ class HeldOutDocument(Part):
     motion_percent: Number
 
 
+class DifferenceDocument(Part):
+    """In what a session, alone, differs from the first: in % of its value, and in standard errors."""
+
+    session: str
+    parameter: str
+    percent: Number
+    sigmas: Number
+
+
 class DiagnosisDocument(Document):
-    """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named."""
+    """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named.
+
+    `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
+    """
 
     sessions: list[str]
     model: ModelSummary
@@ -138,6 +151,7 @@ class DiagnosisDocument(Document):
     explanation: str
     next_experiment: str
     fitted: ModelFile | None
+    differences: list[DifferenceDocument] | None = None
 
 
 def diagnosis_document(
@@ -191,6 +205,20 @@ def refused_document(names: tuple[str, ...], model: Model, reason: str) -> Diagn
             **dict.fromkeys(("noise_floor", "error_with_named", "shape", "held_out", "fitted")),
         }
     )
+
+
+def with_differences(document: DiagnosisDocument, shared: SharedPhysics) -> DiagnosisDocument:
+    """Return a diagnosis with what was found of its sessions before it: in what each, alone, differs from the first."""
+    differences = [
+        DifferenceDocument(
+            session=document.sessions[one.index],
+            parameter=one.parameter,
+            percent=one.percent,
+            sigmas=one.sigmas,
+        )
+        for one in shared.differences
+    ]
+    return document.model_copy(update={"differences": differences})
 
 
 def read_diagnosis(session: Session) -> DiagnosisDocument | None:

@@ -21,6 +21,7 @@ from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.leave_one_out import LeftOut, leave_one_out
+from identify.fitting.segments import segments_by_release
 from identify.model.model import Model, base_model
 from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -117,7 +118,7 @@ def diagnose(
     if len(decays) < 2:
         return found, None
     progress("leaving one session out at a time")
-    return found, leave_one_out(found.final)
+    return found, leave_one_out(found.final, segments_by_release(decays))
 
 
 def refine(

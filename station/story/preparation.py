@@ -41,12 +41,18 @@ def prepare_session(
     `gain_percent`, the relative uncertainty of the gain between the channels, replaces what the sensors' certificates
     say; `mass` (kg) replaces the session's. Raises NotIdentifiable, with the session's name, when it holds too little.
     """
-    recording = session.recording()
-    gain = gain_uncertainty(recording) if gain_percent is None else gain_percent / 100.0
     try:
-        return prepare(free_decay(recording, options_for(session, settings, mass)), gain_uncertainty=gain)
+        return prepare_recording(session.recording(), options_for(session, settings, mass), gain_percent)
     except NotIdentifiable as refusal:
         raise NotIdentifiable(f"{session.folder.name}: {refusal}") from refusal
+
+
+def prepare_recording(
+    recording: Recording, options: Options, gain_percent: float | None = None
+) -> PreparedDecay:
+    """Return the release of a recording, ready to be fitted; arguments and errors as `prepare_session`."""
+    gain = gain_uncertainty(recording) if gain_percent is None else gain_percent / 100.0
+    return prepare(free_decay(recording, options), gain_uncertainty=gain)
 
 
 def free_decay(recording: Recording, options: Options) -> FreeDecay:

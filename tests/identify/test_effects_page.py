@@ -2,7 +2,8 @@ from pathlib import Path
 
 import pytest
 
-from identify.effects.library import LIBRARY
+from identify.effects.families import FAMILIES
+from identify.effects.library import LIBRARY, RARE
 from identify.effects.user import parse_effect
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")
@@ -14,6 +15,18 @@ def test_the_page_tells_of_every_effect_as_the_library_has_it(effect):
     assert effect.title in row
     assert effect.equation.replace("|", "\\|") in row
     assert effect.symptom in row
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.effect.name)
+def test_the_page_tells_of_every_family_and_its_members(family):
+    row = next(line for line in PAGE.splitlines() if line.startswith(f"| `{family.effect.name}` "))
+    assert family.effect.title in row
+    assert family.effect.equation.replace("|", "\\|") in row
+    assert ", ".join(f"{name} {exponent:g}" for name, exponent in family.members.items()) in row
+
+
+def test_the_page_says_why_an_effect_is_no_suspect():
+    assert all(f"`{effect.name}` in `RARE`" in PAGE for effect in RARE)
 
 
 def test_the_line_on_the_page_is_read():

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY
+from identify.effects.families import FAMILIES
+from identify.effects.library import LIBRARY, RARE
 
 ROOT = Path(__file__).resolve().parents[2]
 INSIDE = ROOT / "identify" / "effects"
@@ -18,7 +19,8 @@ MODULES = [
     for file in sorted((ROOT / package).rglob("*.py"))
     if INSIDE not in file.parents
 ]
-NAMED = re.compile(rf"({'|'.join(effect.name for effect in LIBRARY)})(\..*)?")
+KNOWN = (*LIBRARY, *RARE, *(family.effect for family in FAMILIES))
+NAMED = re.compile(rf"({'|'.join(effect.name for effect in KNOWN)})(\..*)?")
 
 
 def literals_that_name_an_effect(source: str) -> list[str]:

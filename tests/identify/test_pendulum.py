@@ -1,6 +1,8 @@
 """The pendulum: an effect in a file of its own, found where it is and never offered where it has no meaning."""
 
+import os
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,11 +15,13 @@ from identify.diagnosis.ladder import add_effect, first_rung
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.library import LIBRARY, find_effect
 from identify.errors import NotIdentifiable
+from identify.fitting.initial_values import initial_values
 from identify.free_decay import FreeDecay
 from identify.model.equivalent_linearisation import average
-from identify.model.model import base_model
+from identify.model.model import Term, base_model
 from identify.preprocessing.prepared_decay import prepare
 
+DATA = Path(os.environ.get("STATION_DATA", Path(__file__).parents[3] / "shared" / "data"))
 RATE, REST, SECONDS = 128.0, 2.0, 24.0
 K, MU_0, MU_1 = 31.0, 0.05, 0.06
 RELEASED_AT = 0.8  # rad
@@ -129,3 +133,28 @@ def test_its_signature_is_that_of_the_bessel_function():
     exact = np.sqrt(K) * np.pi / (2.0 * ellipk(np.sin(amplitude / 2.0) ** 2))
     # First order in g: the exact frequency differs by the fourth power of the amplitude, 3 % of the shift at 1 rad.
     np.testing.assert_allclose(np.sqrt(K + found.stiffening) - np.sqrt(K), exact - np.sqrt(K), rtol=0.05)
+
+
+def test_a_fit_begins_at_the_right_damping_where_the_friction_would_come_out_negative():
+    k, mu_1, time = 37.2, 0.06, np.arange(600) / 20.0
+    run = solve_ivp(
+        lambda t, y: [y[1], -k * np.sin(y[0]) - mu_1 * y[1]], (0.0, 30.0), [1.6, 0.0], t_eval=time, rtol=1e-9
+    )
+    angle = run.y[0] + 2e-3 * np.random.default_rng(2).standard_normal(len(time))
+    prepared = prepare(FreeDecay(20.0, displacement=angle, unit="rad"))
+    begin = initial_values((prepared,), base_model().plus(Term(find_effect("pendulum_stiffness"))), {})
+    assert begin["coulomb_friction.mu_0"] == 0.0
+    # Cut off afterwards, the negative friction would have left 7 % too much viscous damping.
+    assert begin["viscous_damping.mu_1"] == pytest.approx(mu_1, rel=0.02)
+
+
+@pytest.mark.skipif(not DATA.exists(), reason=f"no recordings in {DATA}")
+def test_a_real_pendulum_from_a_large_angle_is_fitted_from_where_the_fit_begins():
+    rows = np.genfromtxt(DATA / "labelled" / "pendulum_large_angle.csv", delimiter=",", skip_header=1)
+    decay = FreeDecay(100.0, displacement=rows[:, 1], unit="rad")
+    ground = first_rung(decay)
+    there = add_effect(ground, find_effect("pendulum_stiffness"))
+    # The floor is a thousandth of a radian; friction that is not in the model leaves 1 % of the motion.
+    assert there.fit.reduced < 1e-3 * ground.fit.reduced
+    g, k = there.fit.values["pendulum_stiffness.g"].value, there.fit.values["linear_stiffness.k"].value
+    assert g == pytest.approx(k, rel=0.01)  # no other spring

@@ -23,6 +23,7 @@ CLOSED = [
     ("cubic_stiffness", {"k3": 5e4}, 0 * A, 3 * 5e4 * A**2 / 4),
     ("quintic_stiffness", {"k5": 5e7}, 0 * A, 5 * 5e7 * A**4 / 8),
     ("quadratic_stiffness", {"k2": 900.0}, 0 * A, -5 * 900.0**2 * A**2 / (6 * W**2)),
+    ("signed_quadratic_stiffness", {"k2a": 700.0}, 0 * A, 8 * 700.0 * A / (3 * np.pi)),
     (
         "maxwell_element",
         {"k1": 20.0, "tau": 0.03},
@@ -48,6 +49,30 @@ def test_an_end_stop_does_nothing_below_its_gap_and_stiffens_above():
     closed = 2 * 80.0 / np.pi * (np.arccos(r) - r * np.sqrt(1 - r**2))
     assert found.stiffening[0] == 0.0
     np.testing.assert_allclose(found.stiffening[1:], closed, rtol=1e-3)  # the corner falls between points
+
+
+def test_a_stop_that_takes_energy_stiffens_as_an_elastic_one_and_damps_besides():
+    """c_eq = 4 ks loss/(pi A^2) int_0^acos(gap/A) (A cos x - gap) A^2 sin^2 x dx, with stops on both sides."""
+    found = average(
+        find_effect("impact_with_loss"), {"ks": 80.0, "gap": 0.010, "side": 0.0, "loss": 1.5}, W, A
+    )
+    a, x = A[1:], np.arccos(0.010 / A[1:])
+    inside = a**3 * np.sin(x) ** 3 / 3 - 0.010 * a**2 * (x / 2 - np.sin(2 * x) / 4)
+    assert found.damping[0] == 0.0
+    np.testing.assert_allclose(found.damping[1:], 4 * 80.0 * 1.5 / (np.pi * a**2) * inside, rtol=1e-3)
+    r = 0.010 / a
+    closed = 2 * 80.0 / np.pi * (np.arccos(r) - r * np.sqrt(1 - r**2))
+    np.testing.assert_allclose(found.stiffening[1:], closed, rtol=1e-3)
+
+
+@pytest.mark.parametrize("over", [3e-4, 4e-3, 0.05])
+def test_presliding_friction_loses_the_area_of_dahls_loop(over):
+    """z = ud (1 - c exp(-(u + A)/ud)) on the way up, and minus that on the way down: c = 2/(1 + exp(-2 A/ud))."""
+    found = average(find_effect("dahl_friction"), {"kd": 30.0, "ud": over}, W, A)
+    c = 2.0 / (1.0 + np.exp(-2.0 * A / over))
+    area = 2.0 * 30.0 * over * (2.0 * A - c * over * (1.0 - np.exp(-2.0 * A / over)))
+    assert found.settled
+    np.testing.assert_allclose(found.damping, area / (np.pi * W * A**2), rtol=1e-3)
 
 
 def test_freeplay_softens_at_small_amplitude():
@@ -89,6 +114,12 @@ def test_a_time_varying_stiffness_is_that_of_the_moment():
         find_effect("time_varying_stiffness"), {"rate": 0.01, "linear_stiffness.k": W**2}, W, A, time=2.0
     )
     np.testing.assert_allclose(found.stiffening, 0.02 * W**2, rtol=1e-6)
+
+
+def test_a_settling_stiffness_is_that_of_the_moment():
+    values = {"r": 0.03, "tau": 1.5, "linear_stiffness.k": W**2}
+    found = average(find_effect("settling_stiffness"), values, W, A, time=2.0)
+    np.testing.assert_allclose(found.stiffening, 0.03 * (1.0 - np.exp(-2.0 / 1.5)) * W**2, rtol=1e-6)
 
 
 @force_function

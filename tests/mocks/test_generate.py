@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mocks import generate
-from mocks.forces import OUTSIDE_THE_LIBRARY, PARAMETERS, Effect
+from mocks.forces import BETWEEN_THE_NAMES, OUTSIDE_THE_LIBRARY, PARAMETERS, Effect
 from mocks.generate import PHYSICS, draw
 from mocks.sensor_faults import SENSOR_FAULTS
 from mocks.testbed import Bench, Release, simulate, simulate_channels
@@ -28,13 +28,17 @@ LIBRARY = [
     "cubic_stiffness",
     "quadratic_stiffness",
     "quintic_stiffness",
+    "signed_quadratic_stiffness",
     "end_stop",
+    "impact_with_loss",
     "freeplay",
     "bilinear_stiffness",
     "hysteresis",
+    "dahl_friction",
     "maxwell_element",
     "second_mass",
     "time_varying_stiffness",
+    "settling_stiffness",
     "harmonic_forcing",
 ]
 
@@ -54,12 +58,15 @@ def test_every_effect_and_every_sensor_fault_of_the_table_can_be_hidden():
     assert set(PHYSICS) == set(LIBRARY)
     assert set(SENSOR_FAULTS) == {
         "channel_lag", "channel_gain", "offset_drift", "clipping", "ac_coupling", "mains_hum", "dropouts",
+        "sensor_nonlinearity", "sensor_bandwidth",
     }  # fmt: skip
     assert len(OUTSIDE_THE_LIBRARY) >= 5
-    assert set(generate.everything()) == {*LIBRARY, *OUTSIDE_THE_LIBRARY, *SENSOR_FAULTS}
+    assert set(generate.everything()) == {
+        *LIBRARY, *OUTSIDE_THE_LIBRARY, *BETWEEN_THE_NAMES, *SENSOR_FAULTS,
+    }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", [*LIBRARY, *OUTSIDE_THE_LIBRARY])
+@pytest.mark.parametrize("name", [*LIBRARY, *OUTSIDE_THE_LIBRARY, *BETWEEN_THE_NAMES])
 @pytest.mark.parametrize("strength", [0.0003, 0.01])
 def test_a_hidden_force_has_the_strength_asked_for(name, strength):
     truth = draw(name, strength, 11).truth
@@ -137,6 +144,7 @@ def test_two_effects_are_both_as_strong_as_asked_for():
     assert truth["kind"] == "physics"
     assert draw("freeplay+mains_hum", 0.01, 8).truth["kind"] == "physics+sensor"
     assert draw("magnet", 0.01, 8).truth["kind"] == "outside"
+    assert draw("power_law_damping", 0.01, 8).truth["kind"] == "between"
 
 
 def test_a_gain_error_is_there_when_asked_for():

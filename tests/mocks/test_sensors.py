@@ -27,6 +27,24 @@ def test_a_sensor_has_gain_offset_and_white_noise_of_the_rms_asked_for():
     assert abs(np.mean(x[1:] * x[:-1])) < 4.0 * rms**2 / math.sqrt(200_000)
 
 
+def test_a_slow_sensor_is_late_and_small_as_a_first_order_filter_is():
+    interval, corner = 1e-4, 9.0
+    time = np.arange(60_000) * interval
+    w, wc = 2.0 * math.pi * 4.0, 2.0 * math.pi * corner
+    true = np.sin(w * time)
+    wrong = sensor_faults.filter_error("sensor_bandwidth", corner, true, interval)[-300:]
+    at = time[:: sensor_faults.OVERSAMPLING][-300:]
+    expected = np.imag(wc / (1j * w + wc) * np.exp(1j * w * at)) - np.sin(w * at)
+    np.testing.assert_allclose(wrong, expected, atol=(w * interval) ** 2)  # straight between samples
+
+
+def test_a_sensor_that_bends_adds_its_square_and_its_cube():
+    wrong = sensor_faults.error(
+        "sensor_nonlinearity", {"quadratic": 2.0, "cubic": -3.0}, np.array([0.5, -0.5]), np.zeros(2)
+    )
+    np.testing.assert_allclose(wrong, [0.5 - 0.375, 0.5 + 0.375])
+
+
 def test_a_coupling_capacitor_lets_a_step_decay_and_leads_a_sine():
     interval, corner = 1e-4, 0.3
     step = high_pass(np.ones(20000), interval, corner, 0.0)

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from mocks.forces import Effect
@@ -99,6 +101,58 @@ def test_an_end_stop_turns_the_mass_as_its_energy_says():
     furthest = (-b + math.sqrt(b * b - 4.0 * a * c)) / (2.0 * a)
     # The grid of 5 us misses the turning point by a t^2 / 8 = 1e-10 m at most.
     assert motion.displacement.max() == pytest.approx(furthest, abs=EXACT_M)
+
+
+def test_a_spring_that_hardens_with_its_deflection_has_the_period_of_its_energy():
+    more, amplitude = 3000.0, 0.02
+    bench = Bench(STIFFNESS, 0.0, 0.0, (Effect("signed_quadratic_stiffness", {"k2a": more}),))
+
+    def slowness(angle):  # dt/d(angle) for u = A sin(angle), from v^2 = k (A^2 - u^2) + 2/3 k2a (A^3 - u^3)
+        x = np.sin(angle)
+        return 1.0 / np.sqrt(STIFFNESS + 2.0 / 3.0 * more * amplitude * (1.0 + x + x * x) / (1.0 + x))
+
+    period = 4.0 * quad(slowness, 0.0, np.pi / 2.0, epsabs=1e-13)[0]
+    motion = simulate(bench, Release(amplitude), np.array([period, 20.0 * period]))
+    np.testing.assert_allclose(motion.displacement, amplitude, atol=EXACT_M)
+
+
+def test_a_stop_with_loss_gives_back_the_speed_of_its_closed_form():
+    """v dv/(1 + loss v) = -ks d dd on the way in and out (Hunt and Crossley 1975, with a linear stop)."""
+    stop, gap, loss, speed = 4e4, 0.005, 1.7, 0.3
+    stopped = Effect("impact_with_loss", {"ks": stop, "gap": gap, "side": 1.0, "loss": loss})
+    motion = simulate(Bench(1e-9, 0.0, 0.0, (stopped,)), Release(0.0, speed), np.array([0.1]))
+
+    def level(v):
+        return v / loss - math.log(1.0 + loss * v) / loss**2
+
+    back = brentq(lambda v: level(-v) - level(speed), 1e-6, speed)
+    assert motion.velocity[0] == pytest.approx(-back, rel=1e-6)
+    assert back == pytest.approx(speed * (1.0 - 2.0 / 3.0 * loss * speed), rel=0.15)  # its rule of thumb
+
+
+def test_friction_before_sliding_rises_to_its_level_over_its_length():
+    over, start, kd = 0.002, 0.02, 40.0
+    asperity = {"kd": kd, "ud": over, "z_start": over}
+    time = np.linspace(0.0, 0.1, 50)
+    motion = simulate(Bench(STIFFNESS, 0.0, 0.0, (Effect("dahl_friction", asperity),)), Release(start), time)
+    # On the way down dz/du = 1 + z/ud (Dahl 1968).
+    expected = kd * (-over + 2.0 * over * np.exp((motion.displacement - start) / over))
+    assert motion.velocity[1:].max() < 0.0
+    np.testing.assert_allclose(motion.effects[0], expected, atol=1e-9)
+    smooth = Effect("lugre_friction", asperity | {"rise": 0.0, "vs": 0.1})
+    other = simulate(Bench(STIFFNESS, 0.0, 0.0, (smooth,)), Release(start), time)
+    np.testing.assert_array_equal(other.displacement, motion.displacement)
+
+
+def test_a_stiffness_that_settles_is_integrated_as_another_integrator_does():
+    r, tau, time = 0.05, 0.7, np.linspace(0.0, 4.0, 300)
+    bench = Bench(STIFFNESS, 0.0, 0.0, (Effect("settling_stiffness", {"r": r, "tau": tau}),))
+
+    def slope(t, y):
+        return [y[1], -STIFFNESS * (1.0 + r * (1.0 - math.exp(-t / tau))) * y[0]]
+
+    exact = solve_ivp(slope, (0.0, 4.0), [0.02, 0.0], t_eval=time, rtol=1e-12, atol=1e-14, method="DOP853")
+    np.testing.assert_allclose(simulate(bench, Release(0.02), time).displacement, exact.y[0], atol=EXACT_M)
 
 
 def test_a_second_mass_without_damping_keeps_the_energy_of_both():

@@ -1,0 +1,105 @@
+"""An averaged law: what an effect of unit strength does to loss, frequency and centre at every amplitude."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.curves.decay_curve import DecayCurve
+from identify.effects.effect import Scales
+from identify.effects.force_effect import ForceEffect
+from identify.fitting.initial_values import term_starts
+from identify.model.equivalent_linearisation import Signature, average, mean_force
+from identify.model.model import Term
+
+_AMPLITUDES = 14
+_SAME = 1e-6
+_SHAPELESS = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class AveragedLaw:
+    """The signature of a term at unit strength over a grid of amplitudes, at the start and at the end of a record.
+
+    `inner` are the inner parameters, by their own names; `duration` (s) is what lies between the two signatures, and
+    `centre` (amplitudes,) the displacement of the centre by a force that is even.
+    """
+
+    term: Term
+    inner: dict[str, float]
+    amplitudes: Array
+    early: Signature
+    late: Signature
+    centre: Array
+    duration: float
+
+    @property
+    def name(self) -> str:
+        """The effect's name."""
+        return self.term.effect.name
+
+    @property
+    def of_time(self) -> bool:
+        """Whether the law changes with time, not with the amplitude alone."""
+        scale = np.abs(self.late.stiffening).max() + np.abs(self.late.damping).max()
+        apart = np.abs(self.late.stiffening - self.early.stiffening).max()
+        apart += np.abs(self.late.damping - self.early.damping).max()
+        return bool(apart > _SAME * scale)
+
+    def along(self, curve: DecayCurve) -> tuple[Array, Array, Array]:
+        """Return loss (1/s) and change of w^2 (1/s^2) between the points, (n - 1,), and the centre at them, (n,)."""
+        at, grid = np.log(curve.between), np.log(self.amplitudes)
+        share = np.clip(curve.clock / self.duration, 0.0, 1.0)
+        loss, stiffening = (
+            (1.0 - share) * np.interp(at, grid, getattr(self.early, what))
+            + share * np.interp(at, grid, getattr(self.late, what))
+            for what in ("damping", "stiffening")
+        )
+        return loss, stiffening, np.interp(np.log(curve.amplitude), grid, self.centre)
+
+    @property
+    def shapeless(self) -> bool:
+        """Whether the curves cannot tell the effect from a linear spring and damper."""
+        if self.of_time:
+            return False
+        for values, size in ((self.early.damping, 1.0), (self.early.stiffening, 1.0)):
+            spread = np.ptp(values)
+            if spread > _SHAPELESS * size * max(float(np.abs(values).max()), 1e-300):
+                return False
+        return bool(np.abs(self.centre).max() < _SHAPELESS * self.amplitudes.max())
+
+
+def laws_of(
+    terms: Iterable[Term], frequency: float, scales: Scales, amplitudes: tuple[float, float], duration: float
+) -> tuple[AveragedLaw, ...]:
+    """Return the laws of forces at all starting values of their inner parameters; those without a shape left out.
+
+    `frequency` in rad/s, `amplitudes` the smallest and the largest of the curves, `duration` in s. Lines have none.
+    """
+    grid = np.geomspace(0.9 * amplitudes[0], 1.1 * amplitudes[1], _AMPLITUDES)
+    laws = []
+    for term in terms:
+        if not isinstance(term.effect, ForceEffect) or term.effect.line:
+            continue
+        for inner in term_starts(term, scales, fine=True):
+            if not law_of(term, inner, frequency, grid[[0, len(grid) // 2, -1]], duration).shapeless:
+                laws.append(law_of(term, inner, frequency, grid, duration))
+    return tuple(laws)
+
+
+def law_of(
+    term: Term, inner: dict[str, float], frequency: float, grid: Array, duration: float
+) -> AveragedLaw:
+    """Return the law of one force at inner values by their own names."""
+    effect = term.force
+    shared = {name: rough(frequency) for name, rough in effect.shared_parameters.items()}
+    values = term.held_values | inner | {effect.strength.name: 1.0} | shared
+    early = average(effect, values, frequency, grid)
+    probe = average(effect, values, frequency, grid[-1:], time=duration)
+    same = np.isclose(probe.stiffening[0], early.stiffening[-1]) and np.isclose(
+        probe.damping[0], early.damping[-1]
+    )
+    late = early if same else average(effect, values, frequency, grid, time=duration)
+    centre = -mean_force(effect, values, frequency, grid) / frequency**2
+    return AveragedLaw(term, dict(inner), grid, early, late, centre, duration)

@@ -1,0 +1,411 @@
+"""Confirmation: effects that foretell what they were not fitted to.
+
+Laws are added one at a time, to the kind of error (of the phase, or of the envelope) that is worst foretold. A law is
+taken only if it removes a good share of that error, on most of the parts that were left out, and spoils nothing else.
+Of laws that do so nearly as well the simplest leads, and the others are its rivals. A frequency that may move with time
+as well as with the amplitude names nothing.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from identify.curves.averaged_law import AveragedLaw, law_of, laws_of
+from identify.curves.curve_regression import CurveRegression, Rows
+from identify.curves.decay_curve import DecayCurve
+from identify.curves.held_out import HeldOut, cut_in_two, hold_out
+from identify.curves.isolated_mode import IsolatedMode
+from identify.curves.simulated_curve import simulated_curve
+from identify.effects.effect import Effect, Scales
+from identify.errors import NotIdentifiable
+from identify.model.model import Model, Term
+from identify.preprocessing.prepared_decay import PreparedDecay
+
+SHARE = 0.5
+"""Share of an error that an effect must remove to be worth a name."""
+
+WORTH = 0.5
+"""Error, in % of the motion, that an effect must remove to be worth a name."""
+
+MOST_PARTS = 0.66
+"""Share of the parts left out that an effect must foretell better."""
+
+NEARLY = 0.8
+"""Laws that remove this share of what the best removes are not told apart from it."""
+
+DRIFT_NEARLY = 0.7
+"""The same for a law of time: what may be a drift is no law of the amplitude."""
+
+CLEARLY = 1.0 / 3.0
+"""Share of the error of every law without inner parameters below which a law with some is taken: it can bend to much."""
+
+MOST_RIVALS = 3
+"""Rivals of an effect; where more laws foretell as well, none of them is the name."""
+
+SECOND_WORTH = 2.0
+"""Error, in % of the motion, that a second effect must remove where another has removed its part."""
+
+RANGE = 2.5
+"""Largest over smallest amplitude, over all releases, from which on laws of amplitude can be told at all."""
+
+_SHORTLIST = 6
+_MOST = 4
+_SPOILS = 0.05
+_CHANNELS = ("phase", "envelope")
+_WORDS = {"phase": "frequency", "envelope": "loss"}
+_FOLLOWS = 5.0
+_ROUNDS = 4
+_SETTLED = 0.005
+
+
+@dataclass(frozen=True, eq=False)
+class ConfirmedEffect:
+    """An effect that foretells: `error` ("frequency" or "loss") is what it explains, from `before` to `after` %.
+
+    `better` of `parts` left out were foretold better with it. `rivals` foretell nearly as well.
+    """
+
+    term: Term
+    strength: float
+    inner: dict[str, float]
+    explains: str
+    before: float
+    after: float
+    better: int
+    parts: int
+    rivals: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """The effect's name."""
+        return self.term.effect.name
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Starting values of its parameters by unknown's name."""
+        return self.term.by_name(self.inner | {self.term.effect.strength.name: self.strength})
+
+
+@dataclass(frozen=True, eq=False)
+class Confirmation:
+    """What curves confirm.
+
+    `effects` in the order in which they were taken. `usual` and `found` are the errors of the model as given and with
+    the effects, for each part that was left out; `one_record` says that these are halves of a record, not releases.
+    `undecided` maps "frequency" or "loss" to the names of laws that explain it and that these releases do not part
+    from a drift in time. `laws` are the effects that were tried; `linear_strengths` those of the model's own forces with
+    the effects, by unknown's name.
+    """
+
+    curves: tuple[DecayCurve, ...]
+    effects: tuple[ConfirmedEffect, ...]
+    usual: HeldOut
+    found: HeldOut
+    one_record: bool
+    undecided: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    laws: tuple[str, ...] = ()
+    linear_strengths: dict[str, float] = field(default_factory=dict)
+
+    def has_law(self, name: str) -> bool:
+        """Whether the curves can show an effect at all."""
+        return name in self.laws
+
+    @property
+    def mentioned(self) -> set[str]:
+        """The names of all effects that explain something: confirmed ones, their rivals, and what is undecided."""
+        named = {name for effect in self.effects for name in (effect.name, *effect.rivals)}
+        return named.union(*self.undecided.values())
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the confirmed effects."""
+        return tuple(effect.name for effect in self.effects)
+
+    @property
+    def parts(self) -> int:
+        """Number of parts that were left out and foretold."""
+        return len(self.found.foretold)
+
+    @property
+    def better(self) -> int:
+        """On how many parts the prediction with the effects is the better one."""
+        return self.found.better(self.usual, "motion")
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    column: int
+    held: HeldOut
+
+
+class _Search:
+    """The search on some releases: regression, corrections by simulation, and the laws taken so far."""
+
+    def __init__(
+        self,
+        decays: tuple[PreparedDecay, ...],
+        modes: tuple[IsolatedMode, ...],
+        model: Model,
+        known: dict[str, float],
+        terms: tuple[Term, ...],
+        scales: Scales,
+    ) -> None:
+        self.decays, self.modes, self.model, self.known = decays, modes, model, known
+        self.scales = scales
+        self.whole = tuple(
+            mode.curve(np.asarray(decay.window.readings[mode.channel]))
+            for decay, mode in zip(decays, modes, strict=True)
+        )
+        self.one_record = len(decays) == 1
+        self.parts = cut_in_two(self.whole[0]) if self.one_record else self.whole
+        frequency = float(np.median(np.concatenate([curve.frequency for curve in self.whole])))
+        sizes = np.concatenate([curve.amplitude for curve in self.whole])
+        span = (float(sizes.min()), float(sizes.max()))
+        duration = max(float(curve.time[-1]) for curve in self.whole)
+        grid = np.geomspace(0.9 * span[0], 1.1 * span[1], 14)
+        self.base = tuple(
+            law_of(term, _inner_of(term, known), frequency, grid, duration) for term in model.forces
+        )
+        laws = (*self.base, *laws_of(terms, frequency, scales, span, duration))
+        self.regression = CurveRegression(self.parts, laws, frequency)
+        self.span = span[1] / span[0]
+
+    def terms_of(self, columns: tuple[int, ...]) -> tuple[AveragedLaw, ...]:
+        return tuple(self.regression.laws[c] for c in columns)
+
+    def plausible(self, column: int, held: HeldOut) -> bool:
+        """Whether no other effect is the better name for what a law became."""
+        law = self.regression.laws[column]
+        values = (
+            law.term.held_values
+            | law.inner
+            | {law.term.effect.strength.name: float(held.strengths.shared[-1])}
+        )
+        return law.term.effect.plausible(values, self.scales)
+
+    def hold_out(self, columns: tuple[int, ...], rows: Sequence[Rows]) -> HeldOut:
+        return hold_out(self.regression, columns, rows, one_record=self.one_record)
+
+    def corrected(self, columns: tuple[int, ...], held: HeldOut) -> tuple[Rows, ...]:
+        """Return what was measured, less what the windows and the averaging do to a motion of this model."""
+        laws = self.terms_of(columns)
+        model = Model(tuple(law.term for law in laws))
+        rows = []
+        for i, (decay, mode) in enumerate(zip(self.decays, self.modes, strict=True)):
+            strengths = held.strengths.of(i)
+            values = dict(self.known)
+            for law, strength in zip(laws, strengths, strict=True):
+                values |= law.term.by_name(law.inner | {law.term.effect.strength.name: float(strength)})
+            rows += self._less(
+                columns, strengths, simulated_curve(decay, mode, model, values, self.whole[i]), i
+            )
+        return tuple(rows)
+
+    def _less(
+        self, columns: tuple[int, ...], strengths: np.ndarray, run: DecayCurve | None, release: int
+    ) -> list[Rows]:
+        measured = (
+            [self.regression.measured[release]] if not self.one_record else list(self.regression.measured)
+        )
+        if run is None:
+            return measured
+        runs = [run]
+        if self.one_record and len(self.parts) > 1:
+            middle = len(self.parts[0])
+            runs = [run.part(0, middle), run.part(middle - 1, len(run))]
+        less = []
+        for rows, piece in zip(measured, runs, strict=True):
+            excess = self.regression.rows_of(piece).minus(self.regression.rows_by(piece, columns, strengths))
+            follows = np.isfinite(excess.loss).all() and np.isfinite(excess.stiffness).all()
+            follows = follows and np.abs(excess.loss).max() < _FOLLOWS * self.regression.typical_loss
+            less.append(rows.minus(excess) if follows else rows)
+        return less
+
+    def settled(self, columns: tuple[int, ...], rows: Sequence[Rows]) -> tuple[HeldOut, tuple[Rows, ...]]:
+        """Return the errors of a model with its own corrections, and the corrected rows."""
+        held, own = self.hold_out(columns, rows), tuple(rows)
+        for _ in range(_ROUNDS):
+            before, own = own, self.corrected(columns, held)
+            held = self.hold_out(columns, own)
+            if _moved(before, own) < _SETTLED * self.regression.typical_loss:
+                break
+        return held, own
+
+
+def _moved(before: Sequence[Rows], after: Sequence[Rows]) -> float:
+    """Return how far corrected rows have moved since the last round, rms, 1/s."""
+    moved = [
+        np.mean((a.loss - b.loss) ** 2 + (a.stiffness - b.stiffness) ** 2)
+        for a, b in zip(before, after, strict=True)
+    ]
+    return float(np.sqrt(np.mean(moved)))
+
+
+def confirm(
+    decays: Sequence[PreparedDecay],
+    model: Model,
+    known: dict[str, float],
+    terms: tuple[Term, ...],
+    scales: Scales,
+) -> Confirmation | None:
+    """Return what the curves of some releases confirm beyond a model; None where they are too short to tell.
+
+    `known` has the model's parameters by unknown's name, `terms` are the candidates.
+    """
+    found = [(decay, mode) for decay in decays if (mode := _mode_of(decay)) is not None]
+    if not found:
+        return None
+    search = _Search(
+        tuple(decay for decay, _ in found), tuple(mode for _, mode in found), model, known, terms, scales
+    )
+    if len(search.parts) < 2:
+        return None
+    columns = tuple(range(len(search.base)))
+    usual, rows = search.settled(columns, search.regression.measured)
+    held = usual
+    effects: list[ConfirmedEffect] = []
+    undecided: dict[str, tuple[str, ...]] = {}
+    if search.span >= RANGE:
+        while len(effects) < _MOST:
+            taken = _next(search, columns, held, rows, [e.explains for e in effects], undecided)
+            if taken is None:
+                break
+            effect, column, held, rows = taken
+            columns = (*columns, column)
+            effects.append(effect)
+    return Confirmation(
+        search.whole,
+        tuple(effects),
+        usual,
+        held,
+        search.one_record,
+        undecided,
+        tuple(dict.fromkeys(law.name for law in search.regression.laws[len(search.base) :])),
+        {
+            str(law.term.strength): max(float(strength), law.term.effect.strength.low)
+            for law, strength in zip(search.base, held.strengths.shared, strict=False)
+        },
+    )
+
+
+def _mode_of(decay: PreparedDecay) -> IsolatedMode | None:
+    try:
+        return IsolatedMode.of(decay.window)
+    except NotIdentifiable:
+        return None
+
+
+def _inner_of(term: Term, known: dict[str, float]) -> dict[str, float]:
+    names = [p.name for p in term.free if p.name in term.effect.inner]
+    return {name: known[str(term.parameter(name))] for name in names}
+
+
+def _next(
+    search: _Search,
+    columns: tuple[int, ...],
+    held: HeldOut,
+    rows: tuple[Rows, ...],
+    explained: list[str],
+    undecided: dict[str, tuple[str, ...]],
+) -> tuple[ConfirmedEffect, int, HeldOut, tuple[Rows, ...]] | None:
+    """Return the next effect, its column, the errors with it and the corrected rows; None where none is worth it."""
+    trials = _screened(search, columns, held, rows)
+    settled = {t.column: search.settled((*columns, t.column), rows) for t in trials}
+    for channel in sorted(_CHANNELS, key=lambda c: -held.mean(c)):
+        what = _WORDS[channel]
+        if what in undecided:
+            continue
+        good = [
+            column
+            for column, (after, _) in settled.items()
+            if _worth(held, after, channel, what in explained) and search.plausible(column, after)
+        ]
+        if not good:
+            continue
+        laws = search.regression.laws
+        left = {c: settled[c][0].mean(channel) for c in settled}
+        removed = {c: held.mean(channel) - left[c] for c in settled}
+        best = max(removed[c] for c in good)
+        near = [c for c in good if removed[c] >= NEARLY * best]
+        drifts = [c for c in settled if laws[c].of_time and removed[c] >= DRIFT_NEARLY * best]
+        if drifts:
+            undecided[what] = tuple(dict.fromkeys(laws[c].name for c in (*near, *drifts)))
+            continue
+        stiff = [c for c in good if not laws[c].term.effect.inner]
+        if stiff and min(left[c] for c in near) > CLEARLY * min(left[c] for c in stiff):
+            near = [*near, min(stiff, key=lambda c: left[c])]
+        elif not stiff and min(left[c] for c in near) > (1.0 - CLEARLY) * held.mean(channel):
+            near = []
+        if not near:
+            continue
+        lead = min(near, key=lambda c: (_complexity(laws[c].term.effect), -removed[c]))
+        rivals = tuple(dict.fromkeys(laws[c].name for c in near if laws[c].name != laws[lead].name))
+        if len(rivals) > MOST_RIVALS:
+            undecided[what] = (laws[lead].name, *rivals)
+            continue
+        after, own = settled[lead]
+        effect = ConfirmedEffect(
+            term=laws[lead].term,
+            strength=float(after.strengths.shared[-1]),
+            inner=laws[lead].inner,
+            explains=what,
+            before=held.typical(channel),
+            after=after.typical(channel),
+            better=after.better(held, channel),
+            parts=len(after.foretold),
+            rivals=rivals,
+        )
+        return effect, lead, after, own
+    return None
+
+
+def _complexity(effect: Effect) -> int:
+    return len(effect.inner) + effect.rarity
+
+
+def _worth(before: HeldOut, after: HeldOut, channel: str, again: bool) -> bool:
+    """Whether an effect removes enough of one kind of error, on most parts, and spoils nothing else."""
+    share, worth = SHARE, SECOND_WORTH if again else WORTH
+    if before.typical(channel) - after.typical(channel) < max(share * before.typical(channel), worth):
+        return False
+    for fitted in (False, True):
+        old, new = before.mean(channel, fitted=fitted), after.mean(channel, fitted=fitted)
+        if old - new < max(share * old, worth):
+            return False
+    if after.better(before, channel) < MOST_PARTS * len(after.foretold):
+        return False
+    other = "phase" if channel == "envelope" else "envelope"
+    gained = before.mean(channel) - after.mean(channel)
+    spoils = max(WORTH, _SPOILS * gained)
+    return (
+        after.mean(other) < before.mean(other) + spoils
+        and after.mean("centre") < before.mean("centre") + spoils
+    )
+
+
+def _screened(
+    search: _Search, columns: tuple[int, ...], held: HeldOut, rows: tuple[Rows, ...]
+) -> list[_Trial]:
+    """Return the best column of the effects that look best, with the corrections of the model so far."""
+    laws = search.regression.laws
+    taken = {laws[c].name for c in columns}
+    best: dict[tuple[str, str], tuple[float, _Trial]] = {}
+    for column in range(len(search.base), len(laws)):
+        if laws[column].name in taken:
+            continue
+        trial = _Trial(column, search.hold_out((*columns, column), rows))
+        for channel in _CHANNELS:
+            gain = held.mean(channel) - trial.held.mean(channel)
+            key = (channel, laws[column].name)
+            if gain > 0.0 and (key not in best or gain > best[key][0]):
+                best[key] = (gain, trial)
+    chosen: dict[int, _Trial] = {}
+    for channel in _CHANNELS:
+        own = sorted((v for (c, _), v in best.items() if c == channel), key=lambda v: -v[0])
+        for _, trial in own[:_SHORTLIST]:
+            chosen[trial.column] = trial
+        for _, trial in own:
+            if laws[trial.column].of_time:
+                chosen[trial.column] = trial
+    return list(chosen.values())

@@ -1,0 +1,65 @@
+"""Held out: what laws that were fitted to some curves foretell of the others.
+
+With several releases each is left out in turn, and its linear spring and damper alone are refitted. One release is cut
+in two at the geometric mean of its amplitudes: the large amplitudes foretell the small ones, and back, nothing refitted.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.curves.curve_regression import CurveRegression, MotionError, Rows, Strengths
+from identify.curves.decay_curve import DecayCurve
+
+_FEWEST = 3
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """Errors of some laws: `foretold` one for each part that was left out, `fitted` one for each that was fitted."""
+
+    strengths: Strengths
+    foretold: tuple[MotionError, ...]
+    fitted: tuple[MotionError, ...]
+
+    def mean(self, channel: str, *, fitted: bool = False) -> float:
+        """Return the rms over parts of one kind of error ("envelope", "phase", "centre", "motion"), % of the motion."""
+        errors = self.fitted if fitted else self.foretold
+        return float(np.sqrt(np.mean([getattr(error, channel) ** 2 for error in errors])))
+
+    def typical(self, channel: str) -> float:
+        """Return the median over the parts that were left out, % of the motion."""
+        return float(np.median([getattr(error, channel) for error in self.foretold]))
+
+    def better(self, other: "HeldOut", channel: str) -> int:
+        """Return on how many parts the prediction is better than another's."""
+        pairs = zip(self.foretold, other.foretold, strict=True)
+        return sum(getattr(mine, channel) < getattr(theirs, channel) for mine, theirs in pairs)
+
+
+def cut_in_two(curve: DecayCurve) -> tuple[DecayCurve, ...]:
+    """Return the part of large and the part of small amplitudes, one point in common; the whole where it is too short."""
+    size = np.log(curve.amplitude)
+    middle = int(np.argmin(np.abs(size - 0.5 * (size.max() + size.min()))))
+    middle = min(max(middle, _FEWEST), len(curve) - 1 - _FEWEST)
+    if middle < _FEWEST:
+        return (curve,)
+    return curve.part(0, middle + 1), curve.part(middle, len(curve))
+
+
+def hold_out(
+    regression: CurveRegression, columns: tuple[int, ...], rows: Sequence[Rows], *, one_record: bool
+) -> HeldOut:
+    """Return what some laws foretell of each curve from the others, and what they leave of all when fitted to all."""
+    count = len(regression.curves)
+    everything = list(range(count))
+    foretold = []
+    for left in everything if count > 1 else []:
+        found = regression.solve(columns, [i for i in everything if i != left], rows, one_record=one_record)
+        if not one_record:
+            found = regression.foretell(found, left, rows[left])
+        foretold.append(regression.error(found.shared, columns, left, rows[left]))
+    whole = regression.solve(columns, everything, rows, one_record=one_record)
+    fitted = tuple(regression.error(whole.of(i), columns, i, rows[i]) for i in everything)
+    return HeldOut(whole, tuple(foretold), fitted)

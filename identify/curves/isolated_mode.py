@@ -1,0 +1,150 @@
+"""One mode, isolated: windows of a cycle or more in which a harmonic motion is fitted to the readings.
+
+Under a window (the root of Hann's) around its centre the reading is written as o + d s + Re[(p + q s) e^{iws}], s the
+time from the centre, by least squares: p has amplitude and phase, o is the centre of the oscillation, q follows the
+decay. All is linear in the reading, so that a predicted motion passes through the very same windows: what they do to
+a measured motion they do to the prediction.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from identify.arrays import Array, Mask
+from identify.curves.decay_curve import DecayCurve
+from identify.errors import NotIdentifiable
+from identify.preprocessing.fit_window import FitWindow
+from identify.signal.oscillation import dominant_frequency, running_amplitude
+
+_ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
+_MOST_POINTS = 100
+_HALF_WIDTHS = ((8.0, 0.75), (20.0, 1.0), (np.inf, 1.5))
+"""Up to so many cycles in a record, half-width of a window in cycles."""
+
+_RISES = 4
+"""Points at the start over which the amplitude may still grow, while a hand pushes: they are left out."""
+
+_SMALLEST = 0.03
+"""Share of the largest amplitude at which a curve ends."""
+
+_TURNS = 3
+_FEWEST = 4
+
+
+@dataclass(frozen=True, eq=False)
+class IsolatedMode:
+    """The windows of one record: `operators` (k, 4, m) give Re p, Im p, o and the row of the harmonic fit's residual.
+
+    Window k begins at sample `first[k]` and lies around `centre[k]` (s since the release); `frequency` (k,) is the
+    angular frequency at which it looks, rad/s.
+    """
+
+    channel: str
+    centre: Array
+    first: NDArray[np.int_]
+    operators: tuple[Array, ...]
+    frequency: Array
+
+    @classmethod
+    def of(cls, window: FitWindow) -> Self:
+        """Lay windows over a record, following its frequency; NotIdentifiable when it holds fewer than four."""
+        channel = window.channels[0]
+        order = _ORDER[channel]
+        used = window.used[channel]
+        values = np.where(used, window.readings[channel], np.mean(window.readings[channel][used]))
+        mean = 2.0 * np.pi * dominant_frequency(values, window.rate, order)
+        if not mean > 0.0:
+            raise NotIdentifiable("The record shows no oscillation to draw a curve of.")
+        centre, half = _centres(values, window.rate, mean)
+        if len(centre) < _FEWEST:
+            raise NotIdentifiable("The record holds too few cycles to draw a curve of.")
+        frequency = np.full(len(centre), mean)
+        for _ in range(_TURNS):
+            first, operators, slopes = _operators(used, window.rate, centre, half, frequency)
+            found = [_apply(o, f, values) for o, f in zip(slopes, first, strict=True)]
+            shift = np.array([((q[2] + 1j * q[3]) / (q[0] + 1j * q[1])).imag for q in found])
+            frequency = np.clip(_smoothed(frequency + shift), 0.5 * mean, 2.0 * mean)
+        first, operators, _ = _operators(used, window.rate, centre, half, frequency)
+        whole = cls(channel, window.time + centre, first, operators, frequency)
+        return whole._from(int(np.argmax(whole.curve(values).amplitude[: _RISES + 1])))
+
+    def _from(self, point: int) -> Self:
+        cut = slice(point, None)
+        return type(self)(
+            self.channel, self.centre[cut], self.first[cut], self.operators[cut], self.frequency[cut]
+        )
+
+    def curve(self, values: Array) -> DecayCurve:
+        """Return the curve of a reading of this record, measured or predicted, (n,)."""
+        found = np.array([_apply(o, f, values) for o, f in zip(self.operators, self.first, strict=True)])
+        wave = found[:, 0] + 1j * found[:, 1]
+        phase = np.angle(wave)
+        expected = 0.5 * (self.frequency[1:] + self.frequency[:-1]) * np.diff(self.centre)
+        turned = np.diff(phase)
+        turned += 2.0 * np.pi * np.round((expected - turned) / (2.0 * np.pi))
+        phase = np.concatenate([phase[:1], phase[0] + np.cumsum(turned)])
+        order = _ORDER[self.channel]
+        size = np.maximum(np.abs(wave), 1e-300)
+        left = np.array(
+            [_left(o, f, values, w) for o, f, w in zip(self.operators, self.first, found, strict=True)]
+        )
+        return DecayCurve(
+            self.centre,
+            size / self.frequency**order,
+            phase - 0.5 * np.pi * order,
+            found[:, 2],
+            left / size,
+            order == 0,
+        )
+
+
+def _centres(values: Array, rate: float, frequency: float) -> tuple[Array, float]:
+    """Return the windows' centres (k,) and half-width, s since the first sample."""
+    period = 2.0 * np.pi / frequency
+    running = running_amplitude(values, max(round(period * rate), 2))
+    top = int(np.argmax(running))
+    small = np.flatnonzero(running[top:] < _SMALLEST * running[top])
+    end = (top + int(small[0]) if len(small) else len(values)) / rate
+    cycles = end / period
+    half = period * next(width for most, width in _HALF_WIDTHS if cycles <= most)
+    hop = period * max(1.0, cycles / _MOST_POINTS)
+    half = max(half, 0.5 * hop)
+    return np.arange(half, end - half + 0.5 / rate, hop), half
+
+
+def _operators(
+    used: Mask, rate: float, centre: Array, half: float, frequency: Array
+) -> tuple[NDArray[np.int_], tuple[Array, ...], tuple[Array, ...]]:
+    """Return the first sample of each window, its operators (3, m) for p and o, and (4, m) for p and q."""
+    n = len(used)
+    first = np.maximum(np.ceil((centre - half) * rate).astype(int), 0)
+    last = np.minimum(np.floor((centre + half) * rate).astype(int) + 1, n)
+    steady, sloping = [], []
+    for c, w, a, b in zip(centre, frequency, first, last, strict=True):
+        s = np.arange(a, b) / rate - c
+        weight = np.clip(np.cos(0.5 * np.pi * s / half), 0.0, None) * used[a:b]
+        x = s / half
+        cos, sin = np.cos(w * s), np.sin(w * s)
+        design = np.column_stack([cos, -sin, x * cos, -x * sin, np.ones(len(s)), x])
+        inverse = np.linalg.pinv(design * weight[:, None], rcond=1e-6) * weight
+        inverse[2:4] /= half
+        steady.append(inverse[[0, 1, 4]])
+        sloping.append(inverse[:4])
+    return first, tuple(steady), tuple(sloping)
+
+
+def _apply(operator: Array, first: int, values: Array) -> Array:
+    return np.asarray(operator @ values[first : first + operator.shape[1]])
+
+
+def _left(operator: Array, first: int, values: Array, found: Array) -> float:
+    """Return the rms of a window's reading about its harmonic part, a rough measure of what is not this mode."""
+    part = values[first : first + operator.shape[1]] - found[2]
+    return float(np.sqrt(max(np.mean(part**2) - 0.5 * (found[0] ** 2 + found[1] ** 2), 0.0)))
+
+
+def _smoothed(values: Array) -> Array:
+    padded = np.concatenate([values[:1], values, values[-1:]])
+    return np.convolve(padded, np.ones(3) / 3.0, "valid")

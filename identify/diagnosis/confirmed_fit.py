@@ -1,0 +1,31 @@
+"""A model with the effects that curves confirm, fitted by free run."""
+
+from identify.curves.confirmation import Confirmation
+from identify.diagnosis.suspects import states_of_term
+from identify.fitting.baseline import Baseline
+from identify.fitting.fit import Fit, fit
+from identify.fitting.initial_values import initial_values
+
+
+def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
+    """Return the model with the confirmed effects, fitted to all readings; None where that only makes it worse.
+
+    It begins from the strengths that the curves give, once with the states of the model as it was and once with those
+    of the measured motion; the better end counts.
+    """
+    base = baseline.fit
+    model = base.model
+    strengths: dict[str, float] = {}
+    states: dict[str, float] = {}
+    for effect in found.effects:
+        model = model.plus(effect.term)
+        strengths |= effect.values
+        states |= states_of_term(base, effect.term, base.point | effect.values)
+    linear = found.linear_strengths
+    starts = (
+        base.point | linear | strengths | states,
+        initial_values(baseline.decays, model, base.point | strengths) | linear | strengths,
+    )
+    ends = [fit(model, base.windows, start, base.frequency) for start in starts]
+    best = min(ends, key=lambda end: end.chi_square)
+    return best if best.chi_square < base.chi_square else None

@@ -1,0 +1,67 @@
+"""The explanation of what curves confirm: how well, by which prediction, and what is left."""
+
+import numpy as np
+
+from identify.curves.confirmation import Confirmation
+from identify.diagnosis.suspect import Suspect
+from identify.formatting import quantity, three_figures
+
+_KINDS = {"frequency": "the frequency", "loss": "the loss per cycle"}
+
+
+def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str:
+    """Return what is missing, what it foretells, and what has no name."""
+    sentences = []
+    for suspect in suspects:
+        effect = suspect.confirmed
+        if effect is None:
+            continue
+        numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in suspect.parameters.items())
+        also = f"; {_among(effect.rivals)} foretells nearly as well" if effect.rivals else ""
+        sentences.append(
+            f"Missing is {suspect.effect.title} ({suspect.effect.name}: {numbers}), which moves "
+            f"{_KINDS[effect.explains]} with the amplitude: the error of its prediction falls from "
+            f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion{also}."
+        )
+    return " ".join([*sentences, _prediction(found), *_undecided(found)])
+
+
+def explain_unconfirmed(found: Confirmation) -> str:
+    """Return that something is left which no effect foretells, how much it is, and what may be behind it."""
+    size = three_figures(_share(found))
+    basis = (
+        "small amplitudes from large ones and back" if found.one_record else "one release from all the others"
+    )
+    words = [f"The model leaves {size} % of the motion when it foretells {basis}."]
+    undecided = _undecided(found)
+    words += undecided or ["No effect of the library foretells more of it, so none is named."]
+    return " ".join(words)
+
+
+def _prediction(found: Confirmation) -> str:
+    """Return on how many parts the prediction is confirmed, and the error before and after."""
+    before, after = found.usual.typical("motion"), found.found.typical("motion")
+    what = "halves of the record, large and small amplitudes," if found.one_record else "other releases"
+    left = "" if after < 1.0 else f"; what is left, {three_figures(after)} % of the motion, has no name"
+    return (
+        f"Confirmed on {found.better} of {found.parts} {what} that it was not fitted to: prediction error "
+        f"{three_figures(before)} to {three_figures(after)} % of the motion{left}."
+    )
+
+
+def _undecided(found: Confirmation) -> list[str]:
+    sentences = []
+    for what, names in found.undecided.items():
+        sentences.append(
+            f"{_KINDS[what].capitalize()} changes too, and {_among(names)} explain it alike, so none is named; "
+            "a second release from a quarter of the amplitude tells time from amplitude."
+        )
+    return sentences
+
+
+def _share(found: Confirmation) -> float:
+    return float(np.round(found.usual.typical("motion"), 6))
+
+
+def _among(names: tuple[str, ...]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

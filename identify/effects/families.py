@@ -1,0 +1,106 @@
+"""The families: laws with a free exponent between the effects of the library. They are no suspects by themselves."""
+
+from math import copysign, inf
+
+from identify.effects.compiled import force_function, rate_function
+from identify.effects.effect import Parameter, Scales, Starts
+from identify.effects.family import Family
+from identify.effects.force_effect import ForceEffect
+
+
+@force_function
+def _power_of_displacement(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return copysign(p[0] * (abs(u) / p[2]) ** p[1], u)
+
+
+POWER_LAW_STIFFNESS = Family(
+    effect=ForceEffect(
+        name="power_law_stiffness",
+        title="spring of a power law",
+        equation="f (|u|/at)^p sgn u",
+        parameters=(
+            Parameter("f", "m/s^2", "force per unit mass at the displacement `at`"),
+            Parameter("p", "1", "exponent", 1.2, 7.0),
+            Parameter("at", "m", "displacement at which the force is f", 0.0, inf),
+        ),
+        force=_power_of_displacement,
+        starts=lambda scales: ((1.5,), (2.5,), (4.5,)),
+        variants=({"at": 1.0},),
+        symptom="the frequency moves with the power p - 1 of the amplitude, alike in both directions",
+        confirming_test="release from twice the amplitude: the frequency shift grows by 2^(p - 1)",
+    ),
+    exponent="p",
+    members={"signed_quadratic_stiffness": 2.0, "cubic_stiffness": 3.0, "quintic_stiffness": 5.0},
+    held=lambda scales: {"at": scales.amplitude},
+)
+
+
+@force_function
+def _power_of_velocity(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return copysign(p[0] * (abs(v) / p[2]) ** p[1], v)
+
+
+POWER_LAW_DAMPING = Family(
+    effect=ForceEffect(
+        name="power_law_damping",
+        title="damping of a power law",
+        equation="f (|v|/at)^p sgn v",
+        parameters=(
+            Parameter("f", "m/s^2", "force per unit mass at the speed `at`", 0.0, inf),
+            Parameter("p", "1", "exponent", 0.2, 4.0),
+            Parameter("at", "m/s", "speed at which the force is f", 0.0, inf),
+        ),
+        force=_power_of_velocity,
+        starts=lambda scales: ((0.5,), (1.6,), (2.6,)),
+        variants=({"at": 1.0},),
+        symptom="the decrement grows with the power p - 1 of the amplitude",
+        confirming_test="release from twice the amplitude: the extra decrement grows by 2^(p - 1)",
+        nonsmooth=True,
+    ),
+    exponent="p",
+    members={"viscous_damping": 1.0, "quadratic_damping": 2.0, "cubic_damping": 3.0},
+    held=lambda scales: {"at": scales.speed},
+)
+
+
+@force_function
+def _joint(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * z[0]
+
+
+@rate_function
+def _joint_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    if v * z[0] > 0.0:
+        return v * (1.0 - (abs(z[0]) / p[1]) ** p[2]), 0.0
+    return v, 0.0
+
+
+def _yield_starts(scales: Scales) -> Starts:
+    return tuple((share * scales.amplitude, n) for share in (0.1, 0.25, 0.6) for n in (1.0, 2.5))
+
+
+BOUC_WEN = Family(
+    effect=ForceEffect(
+        name="bouc_wen_hysteresis",
+        title="hysteresis of Bouc and Wen",
+        equation="kh z,  z' = v (1 - |z/uy|^n [v z > 0])",
+        parameters=(
+            Parameter("kh", "1/s^2", "stiffness of the joint before it slips, per unit mass", 0.0, inf),
+            Parameter("uy", "m", "displacement at which it yields", 0.0, inf),
+            Parameter("n", "1", "sharpness of the yield", 0.5, 4.0),
+        ),
+        force=_joint,
+        rates=_joint_rates,
+        states=1,
+        fading_memory=False,
+        equilibrium_state=lambda u, p: (copysign(min(abs(u), float(p[1])), u), 0.0),
+        starts=_yield_starts,
+        symptom="a loop in the plane of displacement and force, whose corners are the sharper the larger n",
+        confirming_test="move the mass slowly to and fro: the loop shows its corners",
+        nonsmooth=True,
+    ),
+    exponent="n",
+    members={"hysteresis": 2.0},
+)
+
+FAMILIES: tuple[Family, ...] = (POWER_LAW_STIFFNESS, POWER_LAW_DAMPING, BOUC_WEN)

@@ -1,0 +1,87 @@
+"""Friction before sliding: an asperity bends as a spring does, and slides in the end."""
+
+from math import copysign, exp, inf
+
+from identify.arrays import Array
+from identify.effects.compiled import force_function, rate_function
+from identify.effects.effect import Parameter, Scales, Starts
+from identify.effects.force_effect import ForceEffect
+
+_SHORTEST = 0.01
+"""Presliding displacement over the amplitude below which the friction is a dry one."""
+
+
+@force_function
+def _spring(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return p[0] * z[0]
+
+
+@rate_function
+def _dahl_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    return v - abs(v) * z[0] / p[1], 0.0
+
+
+def _pulled(u: float, p: Array) -> tuple[float, float]:
+    return copysign(min(abs(u), float(p[1])), u), 0.0
+
+
+def _slides(values: dict[str, float], scales: Scales) -> bool:
+    return _SHORTEST * scales.amplitude < values["ud"] < scales.amplitude
+
+
+DAHL_FRICTION = ForceEffect(
+    name="dahl_friction",
+    title="friction that gives way before it slides (Dahl)",
+    equation="kd z,  z' = v (1 - z/ud sgn v)",
+    parameters=(
+        Parameter("kd", "1/s^2", "stiffness at a reversal, per unit mass", 0.0, inf),
+        Parameter("ud", "m", "displacement over which it gives way; kd ud is the friction", 0.0, inf),
+    ),
+    force=_spring,
+    rates=_dahl_rates,
+    states=1,
+    fading_memory=False,
+    equilibrium_state=_pulled,
+    starts=lambda scales: tuple((share * scales.amplitude,) for share in (0.03, 0.1, 0.3)),
+    plausible=_slides,
+    symptom="dry friction whose jump at every reversal is a slope; stiffer at small amplitude",
+    confirming_test="move the mass by less than ud, slowly: it springs back",
+    confusable_with=("hysteresis", "coulomb_friction", "position_dependent_friction"),
+    nonsmooth=True,
+)
+
+
+@rate_function
+def _lugre_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    ratio = v / p[3]
+    return v - abs(v) * z[0] / (p[1] * (1.0 + p[2] * exp(-ratio * ratio))), 0.0
+
+
+def _lugre_starts(scales: Scales) -> Starts:
+    return tuple((share * scales.amplitude, 0.5, 0.2 * scales.speed) for share in (0.03, 0.1))
+
+
+LUGRE_FRICTION = ForceEffect(
+    name="lugre_friction",
+    title="friction that gives way before it slides, and rises at low speed (LuGre)",
+    equation="kd z,  z' = v (1 - z/(ud (1 + rise exp(-(v/vs)^2))) sgn v)",
+    parameters=(
+        Parameter("kd", "1/s^2", "stiffness at a reversal, per unit mass", 0.0, inf),
+        Parameter(
+            "ud", "m", "displacement over which it gives way at speed; kd ud is the friction", 0.0, inf
+        ),
+        Parameter("rise", "1", "relative rise of the friction towards rest", 0.0, 5.0),
+        Parameter("vs", "m/s", "speed at which the rise has fallen to 1/e", 0.0, inf),
+    ),
+    force=_spring,
+    rates=_lugre_rates,
+    states=1,
+    fading_memory=False,
+    equilibrium_state=_pulled,
+    starts=_lugre_starts,
+    plausible=_slides,
+    symptom="dry friction whose jump at every reversal is a slope, with extra loss near the end of the decay",
+    confirming_test="pull slowly, then faster: the force falls as the speed rises",
+    confusable_with=("dahl_friction", "stribeck_friction", "hysteresis"),
+    nonsmooth=True,
+)

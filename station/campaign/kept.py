@@ -1,0 +1,47 @@
+"""The folder of a campaign: one document for each session, written as soon as it is done."""
+
+import re
+from pathlib import Path
+
+from daq.storage import refused, write_whole
+from station.results.campaign_document import NAME, CampaignDocument, SessionResult
+
+SESSIONS = "sessions"
+LONGEST_NAME = 80
+
+
+class Kept:
+    """The results that a campaign keeps, by the key of the session's content and the settings."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def make(self) -> None:
+        """Make the folder; StorageError when the disk refuses."""
+        try:
+            (self.folder / SESSIONS).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise refused(self.folder, error) from error
+
+    def file(self, name: str, key: str) -> Path:
+        """Return the file in which the result of a session is kept."""
+        plain = re.sub(r"[^\w.-]+", "_", name)[:LONGEST_NAME]
+        return self.folder / SESSIONS / f"{plain}-{key[:16]}.json"
+
+    def read(self, name: str, key: str) -> SessionResult | None:
+        """Return the result of a session, None where there is none that can be read: it is made again."""
+        try:
+            found = SessionResult.model_validate_json(self.file(name, key).read_bytes())
+        except (OSError, ValueError):
+            return None
+        return found if found.key == key else None
+
+    def write(self, name: str, key: str, result: str) -> None:
+        """Keep the result of a session, whole or not at all."""
+        write_whole(self.file(name, key), result.encode())
+
+    def write_table(self, document: CampaignDocument, tables: dict[str, str]) -> None:
+        """Keep what the sessions say together, and its tables by the names of their files."""
+        write_whole(self.folder / NAME, document.model_dump_json(indent=1).encode() + b"\n")
+        for name, content in tables.items():
+            write_whole(self.folder / name, content.encode())

@@ -1,0 +1,111 @@
+"""One run of a campaign: what is missing or changed is done and kept at once, what is kept is read."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from daq.errors import StationError
+from station.campaign.crew import Crew, perform_all
+from station.campaign.kept import Kept
+from station.campaign.sources import Source
+from station.campaign.work import Work
+from station.results.campaign_document import FailedSession, SessionResult
+from station.settings import Settings
+
+
+class Observer(Protocol):
+    """Who is told how far a run is."""
+
+    def kept(self, name: str) -> None:
+        """A session had been done before."""
+
+    def done(self, name: str) -> None:
+        """A session has been done."""
+
+    def failed(self, name: str, reason: str) -> None:
+        """A session has no result."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked of every session."""
+
+    settings: Settings
+    gain_percent: float | None = None
+    diagnose: bool = False
+
+
+@dataclass
+class Run:
+    """What a run has come to: each source with its result, those without, and the time that it took."""
+
+    results: list[tuple[Source, SessionResult]] = field(default_factory=list)
+    failed: list[FailedSession] = field(default_factory=list)
+    done: int = 0
+    kept: int = 0
+    workers: int = 0
+    wall_s: float = 0.0
+    work_s: float = 0.0
+
+
+def run_campaign(
+    sources: tuple[Source, ...], request: Request, crew: Crew, kept: Kept, observer: Observer
+) -> Run:
+    """Bring the results of all sources up to date; each is kept the moment it is there.
+
+    StorageError when the folder of the campaign cannot be written; Problem when the crew is gone.
+    """
+    run, under_way = Run(), {}
+    began = time.monotonic()
+
+    def fail(source: Source, reason: str) -> None:
+        run.failed.append(FailedSession(session=source.name, reason=reason))
+        observer.failed(source.name, reason)
+
+    def take(source: Source, result: SessionResult) -> None:
+        if result.reason:
+            fail(source, result.reason)
+        else:
+            run.results.append((source, result))
+
+    def missing() -> Iterator[Work]:
+        for source in sources:
+            try:
+                if source.info is None:
+                    raise StationError(source.problem or "its metadata cannot be read")
+                work = source.work(request.settings, request.gain_percent, request.diagnose)
+            except StationError as error:
+                fail(source, " ".join(str(error).split()))
+                continue
+            known = kept.read(source.name, work.key)
+            if known is None:
+                under_way[id(work)] = source
+                yield work
+                continue
+            run.kept += 1
+            if not known.reason:
+                observer.kept(source.name)
+            take(source, known)
+
+    kept.make()
+    with crew:
+        for answer in perform_all(missing(), crew):
+            source = under_way.pop(id(answer.work))
+            run.workers = max(run.workers, crew.workers)
+            if answer.problem:
+                fail(source, answer.problem)
+                continue
+            try:
+                result = SessionResult.model_validate_json(answer.result)
+            except ValueError:
+                fail(source, "its worker's answer is none that this version knows: is it another version?")
+                continue
+            kept.write(source.name, answer.work.key, answer.result)
+            run.done += 1
+            run.work_s += result.seconds
+            take(source, result)
+            if not result.reason:
+                observer.done(source.name)
+    run.wall_s = time.monotonic() - began
+    return run

@@ -1,0 +1,183 @@
+"""What many sessions say together: every parameter's control chart, and its trends against all that is known."""
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from station.campaign.control_limits import control_limits
+from station.campaign.metadata import Known
+from station.campaign.run import Run
+from station.campaign.sources import Source
+from station.campaign.trend import find_trend, sure_ones
+from station.results.campaign_document import (
+    CampaignDocument,
+    CampaignRow,
+    ChartDocument,
+    OutsideDocument,
+    SessionResult,
+    TrendDocument,
+)
+from station.results.documents import EstimateDocument
+
+Array = NDArray[np.float64]
+
+AMPLITUDE, DATE, MISFIT = "amplitude", "date", "motion misfit"
+NAME_AND_UNIT = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*")
+DAY = 86400.0
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """One number of every session, NaN where a session has none, with its standard errors (n,)."""
+
+    name: str
+    unit: str
+    values: Array
+    std: Array
+
+
+def campaign_document(
+    folder: Path, diagnosed: bool, run: Run, metadata: dict[str, Known] | None = None
+) -> CampaignDocument:
+    """Return what a run has found; `metadata` are the operator's by the sessions' names and come before theirs."""
+    rows = sorted(
+        (_row(source, result, (metadata or {}).get(source.name, Known())) for source, result in run.results),
+        key=lambda row: (row.made.timestamp() if row.made else 0.0, row.result.session),
+    )
+    parameters = parameter_series(rows)
+    named = Counter(name for row in rows for name in row.result.named)
+    verdicts = Counter(row.result.verdict for row in rows if row.result.verdict)
+    return CampaignDocument(
+        format=1,
+        folder=str(folder),
+        diagnosed=diagnosed,
+        workers=run.workers,
+        done=run.done,
+        kept=run.kept,
+        wall_s=run.wall_s,
+        work_s=run.work_s,
+        rows=rows,
+        failed=sorted(run.failed, key=lambda one: one.session),
+        verdicts={str(verdict): count for verdict, count in verdicts.most_common()},
+        names=dict(named.most_common()),
+        charts=[chart for series in parameters if (chart := _chart(series, rows)) is not None],
+        trends=_trends(parameters, variables(rows)),
+    )
+
+
+def _row(source: Source, result: SessionResult, known: Known) -> CampaignRow:
+    info = source.info
+    conditions: dict[str, float] = {}
+    if info is not None:
+        conditions = dict(info.conditions)
+        if info.mass_kg is not None:
+            conditions = {"mass [kg]": info.mass_kg} | conditions
+    made: datetime | None = known.date or (info.created if info is not None else None)
+    return CampaignRow(made=made, conditions=conditions | known.conditions, result=result)
+
+
+def parameter_series(rows: list[CampaignRow]) -> list[Series]:
+    """Return every parameter over the sessions, and the misfit; one that has two units is two."""
+    keys = dict.fromkeys(
+        (name, estimate.unit) for row in rows for name, estimate in row.result.parameters.items()
+    )
+
+    def found(name: str, unit: str) -> Callable[[CampaignRow], EstimateDocument | None]:
+        def of(row: CampaignRow) -> EstimateDocument | None:
+            estimate = row.result.parameters.get(name)
+            return estimate if estimate is not None and estimate.unit == unit else None
+
+        return of
+
+    series = [
+        Series(name, unit, _column(rows, of, "value"), _column(rows, of, "std"))
+        for name, unit in keys
+        for of in (found(name, unit),)
+    ]
+    misfit = np.array([_plain(row.result.motion_percent) for row in rows])
+    if np.isfinite(misfit).any():
+        series.append(Series(MISFIT, "%", misfit, np.full(len(rows), np.nan)))
+    return series
+
+
+def variables(rows: list[CampaignRow]) -> list[Series]:
+    """Return what parameters may depend on: amplitude, date and every number that is known of the tests."""
+    found = []
+    for unit in dict.fromkeys(row.result.unit for row in rows):
+        values = [_plain(row.result.amplitude) if row.result.unit == unit else math.nan for row in rows]
+        found.append((AMPLITUDE, unit, values))
+    dates = [row.made.timestamp() / DAY if row.made else math.nan for row in rows]
+    found.append((DATE, "day", dates))
+    for key in dict.fromkeys(key for row in rows for key in row.conditions):
+        parts = NAME_AND_UNIT.fullmatch(key)
+        name, unit = parts.groups() if parts else (key, "unit")
+        found.append((name, unit, [row.conditions.get(key, math.nan) for row in rows]))
+    return [Series(name, unit, np.array(values), np.zeros(0)) for name, unit, values in found]
+
+
+def _column(rows: list[CampaignRow], of: Callable[[CampaignRow], EstimateDocument | None], key: str) -> Array:
+    return np.array([_plain(getattr(estimate, key)) if (estimate := of(row)) else math.nan for row in rows])
+
+
+def _plain(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _chart(series: Series, rows: list[CampaignRow]) -> ChartDocument | None:
+    there = np.flatnonzero(np.isfinite(series.values))
+    limits = control_limits(series.values[there])
+    if limits is None:
+        return None
+    outside = [
+        OutsideDocument(
+            session=rows[i].result.session,
+            value=float(series.values[i]),
+            std=float(series.std[i]),
+            sigmas=float((series.values[i] - limits.centre) / limits.spread) if limits.spread else math.inf,
+        )
+        for i in there[limits.outside]
+    ]
+    known = series.std[there][np.isfinite(series.std[there])]
+    return ChartDocument(
+        parameter=series.name,
+        unit=series.unit,
+        sessions=len(there),
+        centre=limits.centre,
+        spread=limits.spread,
+        stated=float(np.median(known)) if len(known) else None,
+        lower=limits.lower,
+        upper=limits.upper,
+        outside=outside,
+    )
+
+
+def _trends(parameters: list[Series], against: list[Series]) -> list[TrendDocument]:
+    found = [
+        (parameter, variable, trend)
+        for parameter in parameters
+        for variable in against
+        if (trend := find_trend(variable.values, parameter.values, parameter.std)) is not None
+    ]
+    sure = sure_ones([trend.p_value for _, _, trend in found])
+    documents = [
+        TrendDocument(
+            parameter=parameter.name,
+            against=variable.name,
+            unit=f"{parameter.unit} per {variable.unit}",
+            slope=trend.slope,
+            std=trend.std,
+            p_value=trend.p_value,
+            sure=is_sure,
+            sessions=trend.count,
+            left_out=trend.left_out,
+        )
+        for (parameter, variable, trend), is_sure in zip(found, sure, strict=True)
+    ]
+    return sorted(documents, key=lambda one: one.p_value)

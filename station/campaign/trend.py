@@ -1,0 +1,106 @@
+"""A trend: a straight line through values with errors, weighted by them and by what scatters besides."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize, stats
+
+Array = NDArray[np.float64]
+
+FEWEST = 5
+FEWEST_PLACES = 3
+FAR = 5.0
+"""Standard deviations off the robust line from which on a value is left out: it is an outlier, not the trend."""
+
+MOST_PAIRED = 800
+
+
+@dataclass(frozen=True)
+class Trend:
+    """The slope of y against x with its standard error, and the p-value of a slope of zero.
+
+    `scatter` is tau, in the unit of y; `count` values were used and `left_out` lay too far off.
+    """
+
+    slope: float
+    std: float
+    p_value: float
+    scatter: float
+    count: int
+    left_out: int
+
+
+def find_trend(x: Array, y: Array, std: Array) -> Trend | None:
+    """Return the trend of y (n,) with standard errors (n,) against x (n,); None where there is too little of either.
+
+    Weighted least squares with weights 1/(std^2 + tau^2); tau is the scatter from session to session that the
+    stated errors do not explain, such that the weighted squares left are what n - 2 degrees of freedom expect (Paule
+    and Mandel 1982, for a regression: DerSimonian and Kacker 2007). Without errors (not finite) all weigh the same.
+    Student's t with n - 2 degrees of freedom gives the p-value. Values more than five standard deviations off the line
+    of Theil and Sen are left out.
+    """
+    kept = np.isfinite(x) & np.isfinite(y)
+    x, y, std = x[kept], y[kept], std[kept]
+    if len(x) < FEWEST or len(np.unique(x)) < FEWEST_PLACES or np.ptp(y) == 0.0:
+        return None
+    known = np.isfinite(std) & (std > 0.0)
+    own = np.where(known, std, np.median(std[known])) if known.any() else np.zeros(len(x))
+    near = _near(x, y, own)
+    left_out = int((~near).sum())
+    x, y, own = x[near], y[near], own[near]
+    if len(x) < FEWEST or len(np.unique(x)) < FEWEST_PLACES or np.ptp(y) == 0.0:
+        return None
+    tau = _scatter(x, y, own)
+    slope, error = _line(x, y, 1.0 / (own**2 + tau**2))[:2]
+    if not error > 0.0:
+        return None
+    p_value = float(2.0 * stats.t.sf(abs(slope) / error, len(x) - 2))
+    return Trend(slope, error, p_value, tau, len(x), left_out)
+
+
+def _near(x: Array, y: Array, own: Array) -> NDArray[np.bool_]:
+    """Return which values lie where a robust line, their own errors and the scatter of most would have them."""
+    some = slice(None, None, -(-len(x) // MOST_PAIRED))
+    slope = stats.theilslopes(y[some], x[some]).slope if np.ptp(x[some]) > 0.0 else 0.0
+    rest = y - slope * x
+    rest = rest - np.median(rest)
+    scatter = float(np.median(np.abs(rest))) / 0.6745
+    allowed = FAR * np.sqrt(own**2 + scatter**2)
+    return np.asarray((np.abs(rest) <= allowed) | (allowed == 0.0))
+
+
+def sure_ones(p_values: list[float], level: float = 0.05) -> list[bool]:
+    """Return which of several hypotheses are rejected together at a level, by Holm's step-down (1979)."""
+    order = np.argsort(p_values)
+    sure = [False] * len(p_values)
+    for rank, i in enumerate(order):
+        if p_values[i] > level / (len(p_values) - rank):
+            break
+        sure[i] = True
+    return sure
+
+
+def _line(x: Array, y: Array, weight: Array) -> tuple[float, float, float]:
+    """Return slope, standard error and weighted sum of squares of a line."""
+    total = float(weight.sum())
+    middle = float(weight @ x) / total
+    centred = x - middle
+    spread = float(weight @ centred**2)
+    slope = float(weight @ (centred * y)) / spread
+    rest = y - float(weight @ y) / total - slope * centred
+    return slope, float(1.0 / np.sqrt(spread)), float(weight @ rest**2)
+
+
+def _scatter(x: Array, y: Array, own: Array) -> float:
+    degrees = len(x) - 2
+    if not own.any():
+        return float(np.sqrt(_line(x, y, np.ones(len(x)))[2] / degrees))
+
+    def excess(tau: float) -> float:
+        return _line(x, y, 1.0 / (own**2 + tau**2))[2] - degrees
+
+    largest = float(np.ptp(y))
+    if excess(0.0) <= 0.0:
+        return 0.0
+    return float(optimize.brentq(excess, 0.0, 2.0 * largest, xtol=1e-6 * largest))

@@ -1,0 +1,157 @@
+"""What a worker does with one session; everything that it needs is sent to it."""
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from station.story.preparation import Options
+
+if TYPE_CHECKING:
+    from identify.fitting.baseline import Baseline
+    from identify.preprocessing.prepared_decay import PreparedDecay
+    from station.story.identification import Identification
+
+
+@dataclass(frozen=True)
+class Work:
+    """One session on its way to a worker, which may be on a computer without the session's folder.
+
+    `files` are the contents of the files that a recording is read from, by name; `gain_percent` is the relative
+    uncertainty of the gain between the channels where it is not the certificates'.
+    """
+
+    key: str
+    name: str
+    files: dict[str, bytes]
+    options: Options
+    gain_percent: float | None = None
+    diagnose: bool = False
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What came of one session: its result as JSON, or why there is none.
+
+    A `problem` of the session itself, such as too few cycles, is no problem here but part of the result: it would come
+    again. This is one of the program or of the computer.
+    """
+
+    work: Work
+    result: str = ""
+    problem: str = ""
+
+
+def perform(work: Work) -> str:
+    """Identify one session, fit the usual model to it and, where it is asked for, diagnose it; return the JSON.
+
+    Raises nothing that is the session's fault: the result says why it failed.
+    """
+    from daq.errors import StationError
+    from identify.errors import NotIdentifiable
+    from station.results.campaign_document import SessionResult
+
+    began = time.perf_counter()
+    try:
+        content = _contents(work)
+    except (NotIdentifiable, StationError) as refusal:
+        content = {"reason": " ".join(str(refusal).split())}
+    known = {"format": 1, "session": work.name, "key": work.key, "seconds": time.perf_counter() - began}
+    return SessionResult.model_validate(known | content).model_dump_json(indent=1) + "\n"
+
+
+def _contents(work: Work) -> dict[str, Any]:
+    from identify.errors import NotIdentifiable
+    from station.results.identification_document import amplitude
+    from station.story.pipeline import identify
+    from station.story.preparation import prepare_recording
+
+    recording = _recording(work)
+    result = identify(recording, work.options)
+    content: dict[str, Any] = {
+        "unit": result.decay.unit,
+        "amplitude": _size(amplitude(result)),
+        "parameters": identified_parameters(result),
+        "refusals": dict(result.refusals),
+    }
+    try:
+        prepared = prepare_recording(recording, work.options, work.gain_percent)
+        content = _merged(content, _diagnosed(prepared) if work.diagnose else _fitted(prepared))
+        if content["amplitude"] is None:
+            content["amplitude"] = prepared.amplitude
+    except NotIdentifiable as refusal:
+        content["refusals"] = content["refusals"] | {"fit": str(refusal)}
+    if not content["parameters"]:
+        content["reason"] = "; ".join(dict.fromkeys(content["refusals"].values())) or "nothing was identified"
+    return content
+
+
+def _recording(work: Work) -> Any:
+    from pathlib import Path
+    from tempfile import TemporaryDirectory
+
+    from daq.session import Session
+
+    with TemporaryDirectory() as place:
+        folder = Path(place) / "session"
+        folder.mkdir()
+        for name, content in work.files.items():
+            (folder / name).write_bytes(content)
+        return Session.open(folder).recording()
+
+
+def _merged(first: dict[str, Any], second: dict[str, Any]) -> dict[str, Any]:
+    return first | second | {"parameters": first["parameters"] | second["parameters"]}
+
+
+def _size(amplitude: float | None) -> float | None:
+    return None if amplitude is None else abs(amplitude)
+
+
+def identified_parameters(result: "Identification") -> dict[str, Any]:
+    """Return what both methods and the alignment found, by "method.parameter"."""
+    found: dict[str, Any] = {}
+    for method, values in (("wavelet", result.wavelet), ("restoring_force", result.restoring_force)):
+        if values is not None:
+            found[f"{method}.K"] = values.stiffness
+            found |= {f"{method}.mu_{order}": estimate for order, estimate in enumerate(values.damping)}
+    if result.alignment is not None:
+        found |= {"alignment.lag": result.alignment.lag, "alignment.gain": result.alignment.gain}
+    return found
+
+
+def _fitted(prepared: "PreparedDecay") -> dict[str, Any]:
+    from identify.fitting.baseline import fit_baseline
+    from identify.fitting.segments import segments_of
+    from identify.model.model import base_model
+
+    return fit_content(fit_baseline(segments_of(prepared), base_model()))
+
+
+def fit_content(baseline: "Baseline") -> dict[str, Any]:
+    """Return the parameters of a fitted model, and how far it is from the measurement."""
+    from identify.fitting.misfit_errors import with_misfit_errors
+    from identify.fitting.model_error import errors_of
+
+    error = errors_of(baseline)
+    found = baseline.fit if baseline.adequate(baseline.fit) else with_misfit_errors(baseline.fit)
+    return {
+        "parameters": dict(found.parameters),
+        "chi2": error.chi_square,
+        "chi2_std": error.floor_std,
+        "motion_percent": error.motion_percent,
+        "at_floor": baseline.at_floor,
+    }
+
+
+def _diagnosed(prepared: "PreparedDecay") -> dict[str, Any]:
+    from dataclasses import replace
+
+    from station.story.pipeline import diagnose
+
+    found, _ = diagnose((prepared,))
+    content = fit_content(found.baseline)
+    if found.named:
+        final = fit_content(replace(found.baseline, fit=found.final))
+        content["parameters"] = final["parameters"] | content["parameters"]
+        content |= {f"{name}_named": final[name] for name in ("chi2", "motion_percent")}
+    return content | {"verdict": found.verdict, "named": found.named}

@@ -1,0 +1,79 @@
+"""Families: their members are the library's effects, and the exponent of a hidden law is found."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from releases import drawn
+from scipy.special import gamma
+
+from identify.diagnosis.suspects import try_terms
+from identify.effects.families import BOUC_WEN, FAMILIES, POWER_LAW_DAMPING, POWER_LAW_STIFFNESS
+from identify.effects.library import LIBRARY, find_effect
+from identify.fitting.baseline import fit_baseline
+from identify.fitting.initial_values import scales_of
+from identify.model.equivalent_linearisation import average
+from identify.model.model import Term, base_model
+
+W, A = 24.78, np.array([0.004, 0.012, 0.023])
+
+
+def test_families_are_no_suspects_and_their_members_are():
+    names = {effect.name for effect in LIBRARY}
+    for family in FAMILIES:
+        assert family.effect.name not in names
+        assert set(family.members) <= names
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.effect.name)
+def test_a_member_is_the_family_at_its_exponent(family):
+    """In proportion: their strengths are measured differently."""
+    for name, exponent in family.members.items():
+        member = find_effect(name)
+        values = {"f": 1.3, "at": 0.02, "kh": 1.3, "uy": 0.004, family.exponent: exponent}
+        law = average(family.effect, {p.name: values[p.name] for p in family.effect.parameters}, W, A)
+        there = average(member, {p.name: values.get(p.name, 1.0) for p in member.parameters}, W, A)
+        for mine, its in ((law.damping, there.damping), (law.stiffening, there.stiffening)):
+            if abs(its[0]) > 1e-6:
+                np.testing.assert_allclose(mine / mine[0], its / its[0], rtol=1e-5)
+
+
+@pytest.mark.parametrize("p", [1.5, 3.3])
+def test_the_signature_of_a_power_law_is_that_of_the_gamma_function(p):
+    """The mean of |cos|^q over a cycle is gamma((q + 1)/2)/(sqrt(pi) gamma(q/2 + 1))."""
+    mean = gamma((p + 2) / 2) / (np.sqrt(np.pi) * gamma((p + 1) / 2 + 1))
+    spring = average(POWER_LAW_STIFFNESS.effect, {"f": 0.3, "p": p, "at": 0.01}, W, A)
+    np.testing.assert_allclose(spring.stiffening, 2 * 0.3 * (A / 0.01) ** p / A * mean, rtol=1e-4)
+    damper = average(POWER_LAW_DAMPING.effect, {"f": 0.3, "p": p, "at": 0.2}, W, A)
+    np.testing.assert_allclose(damper.damping, 2 * 0.3 * (A * W / 0.2) ** p / (A * W) * mean, rtol=1e-4)
+
+
+def test_the_nearest_member_is_told():
+    assert POWER_LAW_DAMPING.nearest(1.9) == "quadratic_damping"
+    assert POWER_LAW_STIFFNESS.nearest(4.4) == "quintic_stiffness"
+
+
+def test_a_member_out_of_reach_is_refused():
+    with pytest.raises(ValueError, match="no exponent for hysteresis"):
+        replace(BOUC_WEN, members={"hysteresis": 9.0})
+
+
+@pytest.mark.parametrize(
+    ("hidden", "family", "exponent"),
+    [
+        ("quadratic_damping", POWER_LAW_DAMPING, 2.0),
+        ("power_law_damping", POWER_LAW_DAMPING, None),
+        pytest.param("power_law_stiffness", POWER_LAW_STIFFNESS, None, marks=pytest.mark.slow),
+        pytest.param("bouc_wen_hysteresis", BOUC_WEN, None, marks=pytest.mark.slow),
+    ],
+)
+def test_the_exponent_of_a_hidden_law_is_found(hidden, family, exponent):
+    prepared, truth = drawn(hidden, 0.02, seed=51)
+    baseline = fit_baseline((prepared,), base_model())
+    term = Term(family.effect, family.held(scales_of(prepared, {})))
+    found = try_terms(baseline.decays, baseline.fit, (term,))[0].fit
+    p = found.of(term)[family.exponent]
+    true = truth["parameters"][family.exponent] if exponent is None else exponent
+    assert found.reduced < 1.3  # the floor of a single record is known to some 6 %, and the noise to 1.2 here
+    assert abs(p.value - true) < 4.0 * p.std  # 1 in 16000 by chance
+    assert p.std < 0.15

@@ -1,0 +1,98 @@
+"""A folder of simulated sessions of one bench, and crews that need no process: what the tests of campaigns share."""
+
+import os
+import signal
+import time
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+
+from daq.recording import Channel, Recording
+from daq.session import Session
+from daq.session_info import SessionInfo
+from mocks.generate import draw
+from station.campaign.work import Answer, Work, perform
+
+CHANNELS = (Channel("displacement", "displacement", "m"), Channel("acceleration", "acceleration", "m/s^2"))
+BEGAN = datetime(2026, 3, 1, tzinfo=UTC)
+STIFFNESS, SOFTER_PER_DEGREE = 613.6, -2e-3
+
+
+def make_sessions(folder, count, *, seconds=3.0):
+    """Make sessions an hour apart; the spring gets softer with the temperature, from 20 degC on."""
+    random = np.random.default_rng(4)
+    for i in range(count):
+        temperature = round(20.0 + 5.0 * random.random(), 2)
+        stiffness = STIFFNESS * (1.0 + SOFTER_PER_DEGREE * (temperature - 20.0))
+        sample = draw(None, 0.0, i, stiffness=stiffness, mu_0=0.1, mu_1=0.25, amplitude=0.02, seconds=seconds)
+        info = SessionInfo(created=BEGAN + timedelta(hours=i), conditions={"temperature [degC]": temperature})
+        make_session(
+            folder / f"r{i:03d}", sample.rate, np.array([sample.displacement, sample.acceleration]), info
+        )
+    return folder
+
+
+def make_session(folder, rate, readings, info=None):
+    recording = Recording(rate, CHANNELS, readings, np.ones(readings.shape[1], dtype=bool))
+    return Session.create_imported(folder, recording, None, info)
+
+
+def make_noise(folder):
+    """Make a session in which nothing is released."""
+    readings = 1e-5 * np.random.default_rng(1).standard_normal((2, 600))
+    return make_session(folder, 256.0, readings, SessionInfo(created=BEGAN))
+
+
+class Here:
+    """A crew of this process; `after` sessions the operator presses Ctrl-C."""
+
+    workers = 1
+
+    def __init__(self, after=None):
+        self.performed, self.after = [], after
+        self._waiting = []
+
+    @property
+    def wanted(self):
+        return 2 - len(self._waiting)
+
+    @property
+    def busy(self):
+        return bool(self._waiting)
+
+    def submit(self, work):
+        self._waiting.append(work)
+
+    def answers(self):
+        if self.after is not None and len(self.performed) >= self.after:
+            raise KeyboardInterrupt
+        work = self._waiting.pop(0)
+        self.performed.append(work.name)
+        return [Answer(work, perform(work))]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+
+def work_called(name):
+    from station.story.preparation import Options
+
+    return Work(name, name, {}, Options())
+
+
+def slowly(work):
+    """Take a moment, so that a worker can be killed in the middle."""
+    time.sleep(0.3)
+    return work.name
+
+
+def deadly(work):
+    """Kill the worker that gets the session called "deadly"; fail at the one called "faulty"."""
+    if work.name == "deadly":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if work.name == "faulty":
+        raise ZeroDivisionError("division by zero")
+    return work.name

@@ -1,0 +1,69 @@
+"""Several sessions to diagnose: first it is said whether they share their physics, and another bench is refused."""
+
+import numpy as np
+import pytest
+from many_sessions import make_session
+
+from mocks.generate import draw
+from station.cli import run as station
+from station.exits import UsageProblem
+from station.operations.diagnosing import physics_shared
+from station.operations.session_set import open_sessions
+from station.results.diagnosis_document import DiagnosisDocument, with_differences
+from station.settings import Settings
+
+STIFFNESS = 613.6
+
+
+@pytest.fixture(scope="module")
+def sessions(tmp_path_factory):
+    """Sessions of one bench ("a", "b"), of a softer spring ("soft") and of quite another ("stiff")."""
+    folder = tmp_path_factory.mktemp("together")
+    benches = {"a": 1.0, "b": 1.0, "soft": 0.969, "stiff": 3.0}
+    for seed, (name, factor) in enumerate(benches.items()):
+        made = draw(None, 0.0, seed, stiffness=factor * STIFFNESS, mu_0=0.13, mu_1=0.29, seconds=3.0)
+        make_session(folder / name, made.rate, np.array([made.displacement, made.acceleration]))
+    return folder
+
+
+def opened(folder, *names):
+    return open_sessions(tuple(str(folder / name) for name in names), Settings())
+
+
+def test_sessions_of_one_bench_are_said_to_share_it(sessions):
+    said = []
+    assert physics_shared(opened(sessions, "a", "b"), False, said.append).differences == ()
+    assert said == ["the 2 sessions share stiffness and friction, as far as each alone can say"]
+
+
+def test_a_single_session_is_not_looked_at(sessions):
+    said = []
+    assert physics_shared(opened(sessions, "a"), False, said.append) is None
+    assert said == []
+
+
+def test_another_spring_is_said_before_and_kept_with_the_diagnosis(sessions):
+    said = []
+    both = opened(sessions, "a", "soft")
+    shared = physics_shared(both, False, said.append)
+    assert said[0].startswith("soft: stiffness per unit mass 3.1")
+    assert " % lower than a (" in said[0]
+    empty = DiagnosisDocument.model_validate(
+        {"format": 1, "sessions": both.names, "model": {"effects": [], "equation": "", "parameters": {}}}
+        | {"error": {}, "verdict": "not_enough_data", "explanation": "", "next_experiment": ""}
+        | dict.fromkeys(("named", "rivals", "suspects", "together", "findings"), ())
+        | dict.fromkeys(("noise_floor", "error_with_named", "shape", "held_out", "fitted"))
+    )
+    assert empty.differences is None
+    (kept,) = with_differences(empty, shared).differences
+    assert (kept.session, kept.parameter) == ("soft", "linear_stiffness.k")
+    assert kept.percent == pytest.approx(-3.1, abs=0.1)
+
+
+def test_another_bench_is_refused_with_what_to_do_unless_anyway(sessions, capsys):
+    assert station(["diagnose", str(sessions / "a"), str(sessions / "stiff"), "--no-viewer"]) == 2
+    assert "stiff: not the bench of a" in capsys.readouterr().err
+    both = opened(sessions, "a", "stiff")
+    with pytest.raises(UsageProblem, match="--anyway"):
+        physics_shared(both, False, lambda text: None)
+    assert physics_shared(both, True, lambda text: None).other_benches == (1,)
