@@ -10,11 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array, Mask
+from identify.fitting.common_lines import common_lines
 from identify.fitting.fit import Fit
 from identify.preprocessing.noise_colour import (
     COLOURED,
     SHAPES,
     STRENGTHS,
+    Line,
     RestColour,
     Shape,
     best,
@@ -28,7 +30,6 @@ from identify.signal.coloured_noise import Component, spectrum
 _BETWEEN = 0.25
 """Distance from a harmonic, in units of the motion's frequency, from which on a bin counts as between."""
 
-_AT = 0.08
 _HARMONICS = 3
 _INDEPENDENT = 0.52
 """Independent values a bin of a spectrum under Hann's taper."""
@@ -76,9 +77,10 @@ class ChannelColour:
 def noise_colours(decays: tuple[PreparedDecay, ...], fit: Fit) -> dict[str, ChannelColour]:
     """Return the colour of each channel whose noise is not white."""
     rests = [_rests_of(prepared) for prepared in decays]
+    hum = {} if any(rests) else common_lines(fit, 0)
     found = {}
     for channel in fit.windows[0].channels:
-        colour = _colour(decays, fit, channel, [rest.get(channel) for rest in rests])
+        colour = _colour(fit, channel, [rest.get(channel) for rest in rests], hum.get(channel, ()))
         if colour is not None:
             found[channel] = colour
     return found
@@ -90,13 +92,13 @@ def _rests_of(prepared: PreparedDecay) -> dict[str, RestColour]:
 
 
 def _colour(
-    decays: tuple[PreparedDecay, ...], fit: Fit, channel: str, rests: list[RestColour | None]
+    fit: Fit, channel: str, rests: list[RestColour | None], hum: tuple[Line, ...]
 ) -> ChannelColour | None:
     rate = next((rest.rate for rest in rests if rest is not None), fit.windows[0].rate)
     at_rest = sum((r.log_likelihood for r in rests if r is not None), np.zeros((len(SHAPES), len(STRENGTHS))))
     table = at_rest + _of_residual(fit, channel, rate, at_rest)
     row, column = best(table)
-    common = next((r.common for r in rests if r is not None and r.common), ())
+    common = next((r.common for r in rests if r is not None and r.common), hum)
     lines = tuple(Component(line.power, line.uncertainty, line.frequency) for line in common)
     coloured = column > 0 and table[row, column] >= COLOURED
     if not coloured and not lines:
@@ -130,7 +132,7 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
         own -= own[0, 0]
         row, column = best(own + at_rest)
         model = variance[row, column] * (1.0 + STRENGTHS[column] * backgrounds[row])
-        if _is_smooth(power, model, harmonic) and _is_allowed(at_rest, own, row, column):
+        if _is_smooth(power, model, harmonic, between) and _is_allowed(at_rest, own, row, column):
             total += own
     return total
 
@@ -140,16 +142,19 @@ def _is_allowed(at_rest: Array, own: Array, row: int, column: int) -> bool:
     return bool(at_rest.max() - at_rest[row, column] < _VETO)
 
 
-def _is_smooth(power: Array, model: Array, harmonic: Mask) -> bool:
-    count = int(harmonic.sum())
+def _is_smooth(power: Array, model: Array, near: Mask, between: Mask) -> bool:
+    """Whether a residual has no more power near the harmonics than its colour would give it, and no line."""
+    count = int(near.sum())
     if count == 0:
         return False
-    excess = float(np.mean(power[harmonic] / model[harmonic])) - 1.0
-    return bool(excess < _SMOOTH / np.sqrt(_INDEPENDENT * count))
+    ratio = power / model
+    if max(float(ratio[near].max()), float(ratio[between].max())) > _LINE:
+        return False
+    return bool(float(np.mean(ratio[near])) - 1.0 < _SMOOTH / np.sqrt(_INDEPENDENT * count))
 
 
 def _bins(fit: Fit, i: int, channel: str) -> tuple[Array, Array, Mask, Mask] | None:
-    """Return frequencies (Hz) and power of a residual, and which bins lie between the harmonics and which at them."""
+    """Return frequencies (Hz) and power of a residual, and which bins lie between the harmonics and which near them."""
     window = fit.windows[i]
     used = window.used[channel]
     residual = np.where(used, fit.residual(channel, i), 0.0)[window.lead :] / window.sigma[channel]
@@ -169,7 +174,7 @@ def _bins(fit: Fit, i: int, channel: str) -> tuple[Array, Array, Mask, Mask] | N
     off = np.abs(order - nearest)
     inside = (frequency > 2.5 * width) & (frequency < 0.49 * window.rate)
     between = inside & (off * f0 > max(_BETWEEN * f0, 3.0 * width))
-    harmonic = inside & (off * f0 < max(_AT * f0, 2.5 * width)) & (nearest <= _HARMONICS)
+    harmonic = inside & ~between & (nearest <= _HARMONICS)
     for _ in range(8):
         level = np.median(power[between]) / np.log(2.0) if between.any() else 0.0
         high = np.flatnonzero(between & (power > _LINE * level) & (frequency > 2.5 * f0))

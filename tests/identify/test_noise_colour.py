@@ -2,7 +2,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from releases import drawn
+from releases import drawn, ready
 from scipy import stats
 
 from identify.diagnosis.diagnose import diagnose
@@ -11,6 +11,7 @@ from identify.fitting.fit import fit
 from identify.fitting.noise_colour import noise_colours
 from identify.model.model import base_model
 from identify.preprocessing.noise_colour import COLOURED, SHAPES, STRENGTHS, best, colour_at_rest, white_part
+from mocks.generate import draw
 from mocks.imperfections import HUM, ONE_OVER_F, RANDOM_WALK, one_over_f
 
 N, RATE = 192, 256.0
@@ -130,3 +131,17 @@ def test_shapes_are_one_at_the_reference():
     for shape in SHAPES:
         density = sum(p.spectrum(np.array([1.0 / 64.0]), 1.0)[0] for p in shape.processes)
         assert density == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("imperfections", "effect", "expected"), [((HUM,), None, 2), ((), "harmonic_forcing", 0)]
+)
+def test_without_a_rest_hum_in_both_channels_is_told_from_a_force_by_the_motion_that_it_is_not(
+    imperfections, effect, expected
+):
+    sample = draw(effect, 0.01 if effect else 0.0, 1001, imperfections=imperfections)
+    late = round(1.7 * sample.rate)
+    prepared = ready(sample.rate, sample.displacement[late:], sample.acceleration[late:])
+    found = fit_baseline((prepared,), base_model())
+    assert len(found.floors[0].colours) == expected
+    assert found.at_floor == (expected == 2)
