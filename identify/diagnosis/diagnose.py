@@ -171,7 +171,7 @@ def diagnose(
     verdict = judgement.verdict
     if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
-    findings = tuple(f for f in faults if f.significant)
+    findings = tuple(f for f in faults if f.significant or f.remarked)
     together, shape, confirmation = judgement.together, judgement.shape, judgement.confirmation
     return Diagnosis(
         baseline=baseline,
@@ -271,12 +271,12 @@ def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[Correcte
     """Return a fault that every fit corrects as a suspect: what the model would leave with this one named in it."""
     others = [f for f in faults if f is not fault]
     chi_square = baseline.fit.chi_square + sum(f.drop for f in others)
-    p_value = float(np.exp(-0.5 * max(fault.drop - 4.0, 0.0)))
+    p_value = float(np.exp(-0.5 * max(fault.surplus - 4.0, 0.0)))
     return Suspect(
         effect=fault.term.effect,
         term=fault.term,
         error_after=chi_square / max(baseline.fit.degrees + sum(f.readings for f in others), 1),
-        evidence=0.5 * fault.drop,
+        evidence=0.5 * fault.surplus,
         p_value=p_value,
         claimed=p_value < alpha(baseline),
         parameters=fault.parameters,
@@ -307,7 +307,7 @@ def _held_out_error(found: Fit, windows: tuple[FitWindow, ...]) -> float:
     total = 0.0
     for i, window in enumerate(held):
         for channel in window.channels:
-            used = window.used[channel]
-            off = (window.readings[channel] - refit.predicted[i][channel])[used] / window.sigma[channel]
+            off = window.in_noise(channel, window.readings[channel] - refit.predicted[i][channel])
+            off = off[window.used[channel]]
             total += float(off @ off)
     return total

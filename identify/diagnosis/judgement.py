@@ -127,8 +127,7 @@ def _dispersion(baseline: Baseline, tried: tuple[Candidate, ...]) -> float:
     lengths = []
     for i, window in enumerate(best.windows):
         for channel in window.channels:
-            residual = np.where(window.used[channel], best.residual(channel, i), 0.0)
-            lengths.append(_correlation_length(residual))
+            lengths.append(_correlation_length(best.in_noise(channel, i)))
     return max(1.0, best.reduced * float(np.mean(lengths)))
 
 
