@@ -14,7 +14,7 @@ from station.workbench.chart_parts import (
 from station.workbench.theme import Theme
 
 SYMBOLS = ("circle", "rect", "triangle", "diamond")
-LINE_OF_KEYS = 56
+LINE_OF_KEYS = 62
 KEY = 5
 
 
