@@ -15,7 +15,7 @@ from identify.diagnosis.rest_evidence import at_rest
 from identify.diagnosis.search import Pair, pairs
 from identify.diagnosis.suspects import Candidate
 from identify.effects.effect import Effect
-from identify.fitting.baseline import Baseline, force_along_motion
+from identify.fitting.baseline import ADEQUATE, Baseline, force_along_motion
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
 
@@ -176,7 +176,8 @@ def _if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | Non
     best = alone.ranked[0].candidate
     if found is None or not found.has_law(best.name) or found.usual.typical("motion") < WORTH:
         return replace(alone, confirmation=found)
-    if best.name in found.mentioned:  # and the free run has chosen among those that foretell
+    reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
+    if best.name in found.mentioned or (reaches_it and not found.effects):
         return replace(alone, confirmation=found)
     return _by_curves(baseline, alone.ranked, found, best.fit)
 
