@@ -118,23 +118,38 @@ def _column_drops(
 ) -> Array:
     problem = Problem(base.model.plus(term), base.windows, base.frequency)
     before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
-    best = np.zeros(noise.shape[1])
+    blocks: list[list[Array]] = []
     for start in term_starts(term, scales, fine=True):
         block = [problem.residuals(theta) - before for theta in _probes(decays, base, problem, term, start)]
-        block = [column for column in block if np.isfinite(column).all() and np.linalg.norm(column) > 1e-9]
-        if not block:
-            continue
-        columns = np.column_stack(block)
-        columns = columns - tangent @ (tangent.T @ columns)
-        basis, weights, _ = np.linalg.svd(
-            columns / np.linalg.norm(columns, axis=0).max(), full_matrices=False
-        )
-        basis = basis[:, weights > 1e-6]
-        amount = basis.T @ noise
-        if basis.shape[1] == 1 and term.effect.one_sided:
-            amount = np.maximum(amount, 0.0)
-        best = np.maximum(best, np.sum(amount**2, axis=0))
+        blocks.append([c for c in block if np.isfinite(c).all() and np.linalg.norm(c) > 1e-9])
+    best = np.zeros(noise.shape[1])
+    if not any(blocks):
+        return best
+    columns = np.column_stack([column for block in blocks for column in block])
+    columns = columns - tangent @ (tangent.T @ columns)
+    size = np.sqrt(np.maximum(np.sum(columns**2, axis=0), 1e-300))
+    together, along = columns.T @ columns / np.outer(size, size), (columns.T @ noise) / size[:, None]
+    first = 0
+    for block in blocks:
+        own = slice(first, first + len(block))
+        first += len(block)
+        best = np.maximum(best, _drops(together[own, own], along[own], one_sided=term.effect.one_sided))
     return best
+
+
+def _drops(together: Array, along: Array, *, one_sided: bool) -> Array:
+    """Return the drop of chi-square by some columns together, (draws,).
+
+    `together` (columns, columns) are their products, `along` (columns, draws) what of each draw lies along them.
+    """
+    if not len(together):
+        return np.zeros(along.shape[1])
+    values, vectors = np.linalg.eigh(together)
+    kept = values > 1e-12 * values[-1]
+    amount = (vectors[:, kept] / np.sqrt(values[kept])).T @ along
+    if len(amount) == 1 and one_sided:
+        amount = np.maximum(amount * np.sign(vectors[0, -1]), 0.0)
+    return np.asarray(np.sum(amount**2, axis=0))
 
 
 def _fault_drops(base: Fit, term: Term, scales: Scales, tangent: Array, noise: Array) -> Array:
@@ -167,26 +182,30 @@ def _amounts(
 
     Columns (readings,) are those of one release, less what the fit's parameters follow in all of them.
     """
+    if not columns:
+        return []
+    design = np.column_stack(columns)
+    own = tangent.T @ design
+    together = design.T @ design - own.T @ own
+    along = design.T @ noise - own.T @ followed
+    size = np.diag(together)
+    kept = [j for j in range(len(columns)) if size[j] > 1e-18 + 1e-12 * float(columns[j] @ columns[j])]
+    scale = np.sqrt(size[kept])
+    together = together[np.ix_(kept, kept)] / np.outer(scale, scale)
+    along = along[kept] / scale[:, None]
     found: list[tuple[Array, Array]] = []
-    basis: list[tuple[Array, Array]] = []
-    for column in columns:
-        own = tangent.T @ column
-        size = float(column @ column - own @ own)
-        if not size > 1e-18 + 1e-12 * float(column @ column):
-            continue
-        column, own = column / np.sqrt(size), own / np.sqrt(size)
-        left, left_own = column, own
-        for other, other_own in basis:
-            share = float(left @ other - left_own @ other_own)
-            left, left_own = left - share * other, left_own - share * other_own
-        length = float(np.sqrt(max(float(left @ left - left_own @ left_own), 0.0)))
+    basis: list[Array] = []
+    for j in range(len(kept)):
+        left = np.zeros(len(kept))
+        left[j] = 1.0
+        for other in basis:
+            left = left - float(left @ together @ other) * other
+        length = float(np.sqrt(max(float(left @ together @ left), 0.0)))
+        free = np.zeros(noise.shape[1])
         if length > 1e-4:
-            left, left_own = left / length, left_own / length
-            basis.append((left, left_own))
-            free = left @ noise - left_own @ followed
-        else:
-            free = np.zeros(noise.shape[1])
-        found.append((column @ noise - own @ followed, free))
+            basis.append(left / length)
+            free = basis[-1] @ along
+        found.append((along[j], free))
     return found
 
 
