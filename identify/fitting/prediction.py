@@ -14,6 +14,7 @@ from identify.fitting.problem import Problem
 from identify.fitting.segments import segments_of
 from identify.free_decay import FreeDecay
 from identify.model.model import Model
+from identify.model.simulate import Response
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.oscillation import running_amplitude
@@ -65,7 +66,7 @@ class _Problem(Problem):
     priors: tuple[_Prior, ...] = ()
     weight = 1.0
 
-    def read(self, theta: Array, i: int, response):  # type: ignore[no-untyped-def]
+    def read(self, theta: Array, i: int, response: Response) -> dict[str, Array]:
         predicted = super().read(theta, i, response)
         if i == 0 and self.priors:
             off = [(theta[prior.at] - prior.mean) / prior.std for prior in self.priors]
@@ -138,7 +139,7 @@ def predict_windows(
 
 def _faults(model: Model, known: Mapping[str, float], count: int) -> dict[str, float]:
     """Return where faults of sensors, which every release has of its own, begin."""
-    start = {}
+    start: dict[str, float] = {}
     for term in model.faults:
         for parameter in term.free:
             id = term.parameter(parameter.name)
@@ -188,7 +189,7 @@ def _priors(problem: _Problem, model: Model, held: Mapping[str, float]) -> tuple
 
 
 def _loss(window: FitWindow, frequency: float) -> float:
-    """Return the mean loss of a window as an equivalent viscous damping, 1/s: -2 d(ln A)/dt from its first to its last cycle."""
+    """Return the mean loss of a window as an equivalent viscous damping, 1/s: -2 d(ln A)/dt over all cycles."""
     channel = window.channels[0]
     used, values = window.used[channel], window.readings[channel]
     period = max(round(2.0 * np.pi / frequency * window.rate), 2)
@@ -198,7 +199,7 @@ def _loss(window: FitWindow, frequency: float) -> float:
     first, last = running[period], running[-period - 1]
     if not (first > 0.0 and last > 0.0):
         return 0.0
-    return float(max(2.0 * np.log(first / last), 0.0) / (len(values) - 2 * period) * window.rate)
+    return max(2.0 * float(np.log(first / last)), 0.0) * window.rate / (len(values) - 2 * period)
 
 
 def _scatter(problem: Problem, theta: Array) -> float:
@@ -216,7 +217,9 @@ def _scatter(problem: Problem, theta: Array) -> float:
 
 def _residuals(problem: Problem, theta: Array) -> Sequence[Array]:
     windows = range(len(problem.windows))
-    return [Problem.residual_of(problem, i, problem.read(theta, i, problem.respond(theta, i))) for i in windows]
+    return [
+        Problem.residual_of(problem, i, problem.read(theta, i, problem.respond(theta, i))) for i in windows
+    ]
 
 
 def _errors(problem: Problem, theta: Array, free: int) -> tuple[float, float]:

@@ -29,7 +29,7 @@ ALIKE = 0.02
 BASIS: dict[UsualFrom, str] = {
     "the_same_releases": "the usual model was fitted to what the model was fitted to",
     "the_other_releases": "the usual model has the medians of what it finds on each of the other releases",
-    "the_release_itself": "the usual model was fitted to this very release, and foretells nothing: the comparison favours it",
+    "the_release_itself": "the usual model was fitted to this very release and foretells nothing, which favours it",
 }
 
 
@@ -120,7 +120,12 @@ class Validation(Summarised):
             for one in self.releases
         ]
         head = ("release", "usual, % of motion", "model, % of motion", "usual chi-square", "model chi-square")
-        return Summary(" + ".join(self.model.names), (self.sentence, f"{BASIS[self.usual_from]}."), head, rows)
+        return Summary(
+            " + ".join(self.model.names),
+            (self.sentence, f"{BASIS[self.usual_from].capitalize()}."),
+            head,
+            rows,
+        )
 
 
 def validate(
@@ -188,5 +193,7 @@ def _from_to(before: float, after: float) -> str:
     """Return two errors of prediction, the usual model's first."""
     if np.isfinite([before, after]).all():
         return f"{three_figures(before)} to {three_figures(after)} % of the motion"
-    first, second = (f"{three_figures(e)} %" if np.isfinite(e) else "a run that diverges" for e in (before, after))
+    first, second = (
+        f"{three_figures(e)} %" if np.isfinite(e) else "a run that diverges" for e in (before, after)
+    )
     return f"from {first} to {second}"

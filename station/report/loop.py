@@ -4,7 +4,13 @@ from station.report import diagnosis_figures as draw
 from station.report.content import Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
 from station.results.diagnosis_document import DiagnosisDocument, FindingDocument, SuspectDocument
-from station.text.diagnosis_text import headline, not_told_apart, shown_suspects
+from station.text.diagnosis_text import (
+    confirmed_by,
+    foretells,
+    headline,
+    not_told_apart,
+    shown_suspects,
+)
 from station.text.ladder_text import step
 from station.text.layout import sentence
 from station.text.numbers import (
@@ -19,6 +25,8 @@ from station.text.numbers import (
 
 SUSPECTS = "Suspects: which effect is missing"
 LADDER = "The ladder: the error, rung by rung"
+FORETOLD = ("motion_percent", "phase_percent", "envelope_percent")
+MODELS = ("as it was", "with it")
 APART = "What could not be told apart, and the next recording"
 
 
@@ -30,19 +38,23 @@ def suspects(found: Findings) -> Section:
     parts: list[Part] = [Paragraph(typeset(document.explanation), label=headline(document), strong=True)]
     if len(document.sessions) > 1:
         parts.append(Paragraph(", ".join(document.sessions), label="Diagnosed together"))
+    parts += _foretold(document)
     if document.suspects:
         rows = tuple(
             (
                 suspect.effect,
                 suspect.title,
+                typeset_figures(suspect.motion_percent),
                 typeset_figures(suspect.error_after),
-                evidence(suspect.evidence),
-                probability(suspect.p_value),
+                *_reasons(document, suspect),
                 _parameters(suspect),
             )
             for suspect in shown_suspects(document)
         )
-        head = ("effect", "what it is", "chi² with it", "evidence (nats)", "p by chance", "parameters")
+        reasons = (
+            ("evidence (nats)", "p by chance") if document.confirmation is None else ("foretells better",)
+        )
+        head = ("effect", "what it is", "motion left [%]", "chi² with it", *reasons, "parameters")
         parts.append(Table("Suspects in order", head, rows, texts=2, wordy=True))
         picture = draw.errors(document)
         if picture is not None:
@@ -59,6 +71,43 @@ def suspects(found: Findings) -> Section:
         parts.append(Paragraph(f"The pictures of forces are left out: {found.left_out['force_maps']}."))
     parts += _findings(document)
     return Section("suspects", SUSPECTS, tuple(parts))
+
+
+def _reasons(document: DiagnosisDocument, suspect: SuspectDocument) -> tuple[str, ...]:
+    """Return why a suspect is one: by what it foretells where that was asked, else by its odds."""
+    if document.confirmation is not None:
+        return (foretells(document, suspect),)
+    return evidence(suspect.evidence), probability(suspect.p_value)
+
+
+def _foretold(document: DiagnosisDocument) -> list[Part]:
+    """Show how well each release, or half of one, was foretold from the others."""
+    found = document.confirmation
+    if found is None:
+        return []
+    parts: list[Part] = []
+    words = confirmed_by(document)
+    if words:
+        parts.append(Paragraph(sentence(words), label="Confirmed"))
+    whole = [("median", found.usual, found.found)]
+    each = [(u.part, u, f) for u, f in zip(found.usual.by_part, found.found.by_part, strict=True)]
+    rows = tuple(
+        (
+            name,
+            *(typeset_figures(getattr(errors, kind)) for kind in FORETOLD for errors in (usual, with_named)),
+        )
+        for name, usual, with_named in (*each, *whole)
+    )
+    head = (
+        "left out",
+        *(f"{kind.removesuffix('_percent')}, {model}" for kind in FORETOLD for model in MODELS),
+    )
+    caption = (
+        "Error of the prediction of what was not fitted, in % of the motion: by the model that was asked about, and with "
+        "what is confirmed"
+    )
+    parts.append(Table(caption, head, rows))
+    return parts
 
 
 def _parameters(suspect: SuspectDocument | FindingDocument) -> str:

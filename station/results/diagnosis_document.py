@@ -16,7 +16,7 @@ from identify.effects.effect import Kind
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.leave_one_out import LeftOut
-from identify.fitting.model_error import errors_of
+from identify.fitting.model_error import errors_of, motion_percent
 from identify.model.model import Model
 from station.results.confirmation_document import ConfirmationDocument, confirmation_document
 from station.results.documents import (
@@ -71,7 +71,8 @@ class SuspectDocument(Part):
     """One effect that the model may lack; `model` is the whole model with it, None where it is not fitted with it.
 
     `confirmed` says whether it foretells what it was not fitted to, None where that was not asked or curves cannot show
-    it; `rivals` are effects that explain the record, or foretell, as well.
+    it; `rivals` are effects that explain the record, or foretell, as well. `motion_percent` is what the model refitted
+    with it leaves of the motion, `error_after` the same as chi2.
     """
 
     effect: str
@@ -88,7 +89,8 @@ class SuspectDocument(Part):
     claimed: bool
     model: ModelFile | None
     confirmed: bool | None = None
-    rivals: list[str] = []
+    rivals: list[str] = Field(default_factory=list)
+    motion_percent: Number = None
 
 
 class FindingDocument(Part):
@@ -162,7 +164,7 @@ class DiagnosisDocument(Document):
     next_experiment: str
     fitted: ModelFile | None
     differences: list[DifferenceDocument] | None = None
-    confirmed: list[str] = []
+    confirmed: list[str] = Field(default_factory=list)
     confirmation: ConfirmationDocument | None = None
     fitted_with_named: ModelFile | None = None
 
@@ -282,6 +284,7 @@ def _suspect(
         "model": model_file(suspect.fit, expressions) if is_fitted else None,
         "confirmed": suspect.confirmed is not None if asked else None,
         "rivals": suspect.rivals,
+        "motion_percent": motion_percent(suspect.fit) if is_fitted else None,
     }
 
 
