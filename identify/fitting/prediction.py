@@ -1,5 +1,6 @@
 """Prediction: what physics that is held foretells of a release that it was not fitted to."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -192,14 +193,14 @@ def _loss(window: FitWindow, frequency: float) -> float:
     """Return the mean loss of a window as an equivalent viscous damping, 1/s: -2 d(ln A)/dt over all cycles."""
     channel = window.channels[0]
     used, values = window.used[channel], window.readings[channel]
-    period = max(round(2.0 * np.pi / frequency * window.rate), 2)
+    period = max(int(2.0 * np.pi / frequency * window.rate), 2)
     if len(values) <= 3 * period or not used.any():
         return 0.0
     running = running_amplitude(np.where(used, values, np.mean(values[used])), period)
-    first, last = running[period], running[-period - 1]
-    if not (first > 0.0 and last > 0.0):
+    first, last = float(running[period]), float(running[-period - 1])
+    if not 0.0 < last < first:
         return 0.0
-    return max(2.0 * float(np.log(first / last)), 0.0) * window.rate / (len(values) - 2 * period)
+    return 2.0 * math.log(first / last) * window.rate / (len(values) - 2 * period)
 
 
 def _scatter(problem: Problem, theta: Array) -> float:
@@ -207,12 +208,11 @@ def _scatter(problem: Problem, theta: Array) -> float:
 
     1 where the model is right; what it leaves beyond the noise repeats in every reading of a half-cycle.
     """
-    readings = [problem.windows[i] for i in range(len(problem.windows))]
     off = np.concatenate(_residuals(problem, theta))
     if not np.isfinite(off).all():
         return 1.0
-    half_cycle = np.pi / problem.frequency * readings[0].rate
-    return float(1.0 + max(np.mean(off**2) - 1.0, 0.0) * half_cycle)
+    half_cycle = np.pi / problem.frequency * problem.windows[0].rate
+    return 1.0 + max(float(np.mean(off**2)) - 1.0, 0.0) * half_cycle
 
 
 def _residuals(problem: Problem, theta: Array) -> Sequence[Array]:
