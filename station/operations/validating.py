@@ -16,6 +16,7 @@ from station.operations.session_set import whole_library
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.ladder import read_ladder
 from station.results.models import KnownModel, ModelFile, known_model, read_model_file
+from station.results.session_names import find_session
 from station.results.sessions import open_session
 from station.results.validation_document import (
     ValidationDocument,
@@ -86,6 +87,10 @@ def open_model(argument: str, settings: Settings, library: tuple[Effect, ...]) -
         file = read_model_file(path)
         known = known_model(file, f"the model {path}", library)
         return GivenModel(argument, file, known, _session_of(path))
+    if not path.is_dir() and find_session(argument, settings.sessions) is None:
+        raise UsageProblem(
+            f"{argument}: there is no such model file or session (sessions are looked for in {settings.sessions.resolve()})"
+        )
     session = open_session(argument, settings.sessions)
     file, fitted_to = _kept_model(session)
     known = known_model(file, f"the model of {session.folder.name}", library)

@@ -56,7 +56,9 @@ def test_the_true_values_foretell_to_the_noise_with_nothing_but_the_start_refitt
     assert {name: seen.values[name] for name in truth()} == truth()
 
 
-def test_the_right_effect_foretells_the_next_release_and_a_wrong_pair_that_fitted_as_well_does_not(large, small):
+def test_the_right_effect_foretells_the_next_release_and_a_wrong_pair_that_fitted_as_well_does_not(
+    large, small
+):
     usual = identify.predict(identify.base_model(), fitted((), large)[1].parameters, small)
     right_model, right = fitted(RIGHT, large)
     wrong_model, wrong = fitted(WRONG, large)
