@@ -1,6 +1,7 @@
 """A port in, a sealed session out: acquisition, sessions, replay and import.
 
-In a notebook, `daq.read_recording("release.csv")` reads a file of another board: CSV as people have it, MATLAB, UFF58.
+In a notebook, `daq.read_recording("release.csv")` reads a file of another board: CSV as people have it, JSON,
+MATLAB, UFF58; `daq.read_recordings` returns every run of a file that holds several.
 """
 
 from importlib import import_module
@@ -10,15 +11,17 @@ if TYPE_CHECKING:
     from daq.importing.errors import ImportProblem
     from daq.importing.options import ImportOptions
     from daq.importing.reading import read_file as read_recording
+    from daq.importing.reading import read_runs as read_recordings
     from daq.recording import Recording
 
-__all__ = ["ImportOptions", "ImportProblem", "Recording", "read_recording"]
+__all__ = ["ImportOptions", "ImportProblem", "Recording", "read_recording", "read_recordings"]
 
 _HOMES = {
     "ImportOptions": ("daq.importing.options", "ImportOptions"),
     "ImportProblem": ("daq.importing.errors", "ImportProblem"),
     "Recording": ("daq.recording", "Recording"),
     "read_recording": ("daq.importing.reading", "read_file"),
+    "read_recordings": ("daq.importing.reading", "read_runs"),
 }
 
 

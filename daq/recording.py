@@ -49,7 +49,7 @@ class Recording:
 
     `rate_std` is the standard error of the rate in Hz (None when unknown), `trigger` the sample at which
     the station saw the release during the capture (None for imports), `notes` what was understood or
-    guessed on the way in, a sentence each.
+    guessed on the way in, a sentence each, `run` the name of the run in a file that holds several.
     """
 
     rate: float
@@ -60,6 +60,7 @@ class Recording:
     rate_std: float | None = None
     trigger: int | None = None
     notes: tuple[str, ...] = ()
+    run: str = ""
 
     def __post_init__(self) -> None:
         samples = np.array(self.samples, dtype=np.float64)

@@ -2,6 +2,6 @@
 
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
-from daq.importing.reading import read_file
+from daq.importing.reading import read_file, read_runs
 
-__all__ = ["ImportOptions", "ImportProblem", "read_file"]
+__all__ = ["ImportOptions", "ImportProblem", "read_file", "read_runs"]

@@ -2,10 +2,13 @@
 
 import numpy as np
 
+from daq.importing.accelerometer import has_gravity
 from daq.importing.choose import LARGEST, Choice, choose_columns, left_out
+from daq.importing.cutting import cut
 from daq.importing.derived import find_derivation
 from daq.importing.errors import problem
 from daq.importing.options import NONE, ImportOptions, ask
+from daq.importing.quantisation import rounding
 from daq.importing.resampling import find_gaps, place
 from daq.importing.table import Table
 from daq.importing.timebase import EVEN, Timebase, from_rate, from_stamps, guess_time_unit
@@ -35,7 +38,7 @@ def assemble(table: Table, options: ImportOptions) -> Recording:
     clock = _clock(table, choices, options, values, notes)
     values = values[:, clock.rows]
     if not options.keep_derived:
-        quantities, values = _without_derived(choices, quantities, values, clock, notes)
+        quantities, values = _without_derived(choices, units, quantities, values, clock, notes)
     if len(clock.rows) < MIN_SAMPLES:
         raise problem(
             table.path, f"has {len(clock.rows)} samples", f"a recording needs at least {MIN_SAMPLES}"
@@ -58,8 +61,50 @@ def assemble(table: Table, options: ImportOptions) -> Recording:
             f"its rate would be {clock.rate:.4g} Hz",
             "give the unit of the time with --unit time=..., or --rate in Hz",
         )
+    if not options.keep_offset:
+        samples = _without_gravity(choices, units, quantities, samples, notes)
     channels = tuple(Channel(choices[q].column.label or q, q, units[q].si) for q in quantities)
-    return Recording(clock.rate, channels, samples, valid, gaps, clock.rate_std, None, tuple(notes))
+    made = Recording(
+        clock.rate, channels, samples, valid, gaps, clock.rate_std, None, tuple(notes), table.run
+    )
+    return _between(table, made, clock, options)
+
+
+def _without_gravity(
+    choices: dict[str, Choice],
+    units: dict[str, Unit],
+    quantities: list[str],
+    samples: Array,
+    notes: list[str],
+) -> Array:
+    """Take out of an acceleration the offset that gravity makes in it: the median of the record."""
+    made = samples.copy()
+    for row, quantity in enumerate(quantities):
+        if quantity != "acceleration" or units[quantity].si != "m/s^2":
+            continue
+        if choices[quantity].column.gravity or has_gravity(samples[row]):
+            offset = float(np.nanmedian(samples[row]))
+            made[row] -= offset
+            notes.append(
+                f"{choices[quantity].column.place} has gravity in it: its median, {offset:.4g} m/s^2, "
+                "was taken out as an offset (--keep-offset keeps it)"
+            )
+    return made
+
+
+def _between(table: Table, recording: Recording, clock: Timebase, options: ImportOptions) -> Recording:
+    """Return the part of a recording between the times that the operator gave, in the time of the file."""
+    if options.start is None and options.stop is None:
+        return recording
+    count = recording.samples.shape[1]
+    first, last = clock.origin, clock.origin + (count - 1) / clock.rate
+    start = 0 if options.start is None else max(0, round((options.start - first) * clock.rate))
+    stop = count if options.stop is None else min(count, round((options.stop - first) * clock.rate) + 1)
+    if stop - start < MIN_SAMPLES or not recording.valid[start:stop].any():
+        raise problem(
+            table.path, "holds nothing between these times", f"its own go from {first:.6g} s to {last:.6g} s"
+        )
+    return cut(recording, start, stop)
 
 
 def _unit(table: Table, choice: Choice, options: ImportOptions, angular: bool, notes: list[str]) -> Unit:
@@ -189,6 +234,7 @@ def _clock(
                 table.path,
                 "has no time column and names no rate",
                 "name the time with --column time=... or give --rate in Hz",
+                options=("--rate HZ",),
             )
         return from_rate(rate, rows, f"rate {rate:.6g} Hz, from {source}")
     _converted(table, time, SI_LINEAR["time"])
@@ -207,18 +253,29 @@ def _clock(
 
 
 def _without_derived(
-    choices: dict[str, Choice], quantities: list[str], values: Array, clock: Timebase, notes: list[str]
+    choices: dict[str, Choice],
+    units: dict[str, Unit],
+    quantities: list[str],
+    values: Array,
+    clock: Timebase,
+    notes: list[str],
 ) -> tuple[list[str], Array]:
     """Leave out the velocity or acceleration that the logger computed from another channel of the file."""
     uneven = clock.stamps is not None and clock.stray_rms * clock.rate > EVEN
-    stamps = clock.stamps if uneven else None
+    stamps = clock.stamps if uneven and not clock.coarse else None
+    steps = {q: rounding(choices[q].column.values)[clock.rows] * units[q].scale for q in quantities}
     drop: set[str] = set()
     for source, target, order in DERIVATIVES:
         if source not in quantities or target not in quantities or target in drop:
             continue
         said = f"{choices[target].column.place} was left out: "
         found = find_derivation(
-            values[quantities.index(source)], values[quantities.index(target)], clock.rate, order, stamps
+            values[quantities.index(source)],
+            values[quantities.index(target)],
+            clock.rate,
+            order,
+            stamps,
+            (steps[source], steps[target]),
         )
         origin = choices[source].column.place
         if found:
@@ -263,7 +320,7 @@ def _say_invalid(
 
 def _strays(clock: Timebase, samples: Array, valid: Mask) -> tuple[str, ...]:
     """Return the clock's sentences, with the stray as a share of the motion's period where one can be seen."""
-    if clock.stray_rms * clock.rate <= EVEN or not clock.notes:
+    if clock.stray_rms * clock.rate <= EVEN or clock.coarse or not clock.notes:
         return clock.notes
     filled = np.where(valid, samples, np.nan)
     filled = np.nan_to_num(filled - np.nanmean(filled))

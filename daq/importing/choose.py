@@ -5,9 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from daq.importing.columns import INDEX, Meaning, meaning, words
+from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import ImportProblem, problem
+from daq.importing.narrow import narrowed
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
+from daq.importing.still import oscillation
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 
@@ -46,7 +48,7 @@ def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> di
         if quantity in options.columns:
             continue
         free = [c for c in table.columns if c.number not in taken]
-        found = _found(table, quantity, free, meanings, beside=motion_asked)
+        found = _found(table, quantity, free, meanings, notes, beside=motion_asked)
         if found is not None:
             choices[quantity] = found
             taken.add(found.column.number)
@@ -63,9 +65,25 @@ def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> di
             notes.append(
                 f"{clock.place} has no name that says so, but its numbers rise evenly: it was taken as time"
             )
+    if not any(quantity in (*choices, *options.columns) for quantity in MOTIONS):
+        lone = [c for c in table.columns if c.number not in taken and _is_signal(meanings[c.number])]
+        if len(lone) == 1:
+            choices["displacement"] = _as_choice(
+                "displacement", lone[0], meanings[lone[0].number], asked=False
+            )
+            taken.add(lone[0].number)
+            notes.append(
+                f"{lone[0].place} is the only signal beside the time: it was taken as the displacement"
+            )
     if not any(quantity in choices for quantity in MOTIONS):
-        raise _no_motion(table, taken)
+        known = "time" in choices or options.rate is not None or table.rate is not None
+        raise _no_motion(table, taken, rate_known=known)
     return choices
+
+
+def _is_signal(said: Meaning) -> bool:
+    """Return whether a column has a unit that could be any sensor's: counts, volts, pixels."""
+    return said.unit is not None and said.unit.si in ("count", "V", "px") and not said.other
 
 
 def _refuse_twice(table: Table, choices: dict[str, Choice]) -> None:
@@ -141,7 +159,13 @@ def _asked(table: Table, quantity: str, wanted: str | int, meanings: dict[int, M
 
 
 def _found(
-    table: Table, quantity: str, free: Sequence[SourceColumn], meanings: dict[int, Meaning], *, beside: bool
+    table: Table,
+    quantity: str,
+    free: Sequence[SourceColumn],
+    meanings: dict[int, Meaning],
+    notes: list[str],
+    *,
+    beside: bool,
 ) -> Choice | None:
     """Return the one column whose header says this quantity best; `beside` a motion that was asked for, only one
     that says so clearly.
@@ -158,15 +182,29 @@ def _found(
         top = [c for c in top if not set(words(c.label)) & INDEX] or top
     if not top:
         return None
+    if len(top) > 1 and quantity != "time":
+        top, why = narrowed(top, meanings, quantity)
+        notes.extend(why)
     if len(top) > 1 and not _same_numbers(top):
         if beside and quantity != "time":
             return None
         leave = f", or leave it out with {ask(quantity, NONE)}" if quantity != "time" else ""
         raise problem(
             table.path, f"{len(top)} {top[0].noun}s could be the {quantity}: {_listed(top)}",
-            f"choose one, as in {ask(quantity, _name(top[0]))}{leave}",
+            f"choose one, as in {ask(quantity, _name(_likely(top)))}{leave}{_or_runs(top)}",
+            options=(ask(quantity, _name(_likely(top))),),
         )  # fmt: skip
     return _as_choice(quantity, top[0], meanings[top[0].number], asked=False)
+
+
+def _or_runs(columns: Sequence[SourceColumn]) -> str:
+    names = {split_unit(c.label)[0].rstrip("0123456789 _") for c in columns}
+    return "; if they are releases of one rig, --run all" if len(names) == 1 and "" not in names else ""
+
+
+def _likely(columns: Sequence[SourceColumn]) -> SourceColumn:
+    """Return the column that oscillates most."""
+    return max(columns, key=lambda c: (oscillation(c.values), -c.number))
 
 
 def _same_numbers(columns: Sequence[SourceColumn]) -> bool:
@@ -178,7 +216,11 @@ def _rising_first(table: Table, taken: set[int]) -> SourceColumn | None:
     if not table.columns or table.columns[0].number in taken or table.columns[0].bad is not None:
         return None
     column = table.columns[0]
-    if words(column.label) and not set(words(column.label)) <= INDEX:
+    if (
+        words(column.label)
+        and not set(words(column.label)) <= INDEX
+        and words(column.label) != ("x", "value")
+    ):
         return None
     values = column.values
     if set(words(column.label)) & INDEX or len(table.columns) < 2 or len(values) < 3:
@@ -206,7 +248,7 @@ def _listed(columns: Sequence[SourceColumn]) -> str:
     return shown + (f" and {len(columns) - 8} more" if len(columns) > 8 else "")
 
 
-def _no_motion(table: Table, taken: set[int]) -> ImportProblem:
+def _no_motion(table: Table, taken: set[int], *, rate_known: bool) -> ImportProblem:
     rest = [c for c in table.columns if c.number not in taken]
     if not rest:
         return problem(
@@ -214,7 +256,8 @@ def _no_motion(table: Table, taken: set[int]) -> ImportProblem:
             "holds no column beside the time",
             "name a file with a displacement, velocity or acceleration",
         )
+    asked = (ask("displacement", _name(_likely(rest))), "--unit displacement=mm")
     return problem(
         table.path, f"nothing says which {_noun(table)} is a displacement, velocity or acceleration among {_listed(rest)}",
-        f"say it, as in {ask('displacement', _name(rest[-1]))} --unit displacement=mm",
+        f"say it, as in {' '.join(asked)}", options=asked if rate_known else (*asked, "--rate HZ"),
     )  # fmt: skip

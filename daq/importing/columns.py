@@ -49,7 +49,7 @@ WORDS: tuple[tuple[str, tuple[str, ...]], ...] = (
 OTHERS = frozenset({
     "fft", "spectrum", "spektrum", "psd", "asd", "frequenz", "frequency", "freq", "hz", "temperature", "temperatur",
     "temp", "sollwert", "soll", "target", "setpoint", "reference", "command", "std", "stdev", "error", "fehler", "err",
-    "residual", "fit", "status", "flag", "quality", "humidity", "pressure", "battery", "envelope", "magnitude",
+    "residual", "fit", "tg", "status", "flag", "quality", "humidity", "pressure", "battery", "envelope", "magnitude",
 })  # fmt: skip
 DERIVED = (
     "ableitung",
@@ -88,7 +88,7 @@ _LETTERS = {
     "a": "acceleration",
     "f": "force",
 }
-_LETTER = re.compile(r"(?:([va])[xyz]|([tuaxyz])\d{1,2}|([xyz])dd|([xyz])d)")
+_LETTER = re.compile(r"(?:([va])[xyz]|([tuaxyz]|phi|theta|psi|alpha)\d{1,2}|([xyz])dd|([xyz])d)")
 _UNIT_FORMS = (
     re.compile(r"(.*)\[([^\[\]]{0,24})\]\s*$", re.S),
     re.compile(r"(.*)\(([^()]{0,20}(?:\([^()]{0,10}\))?)\)\s*$", re.S),

@@ -2,26 +2,21 @@
 
 import csv
 import math
-import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, is_comment, split
+from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, split
 from daq.importing.errors import problem
+from daq.importing.header_lines import Setting, headers, motion_unit, rate_above, settings_above
 from daq.importing.numbers import Parsed, parse_column, parse_number
 from daq.importing.options import ImportOptions
 from daq.importing.table import SourceColumn, Table
-from daq.importing.units import parse_unit
 from daq.recording import Array
 
 MAX_COLUMNS = 2000
-_RATE_WORDS = re.compile(
-    r"(?:sampl\w*[\s_-]*(?:rate|freq\w*)|samplerate|abtastrate|abtastfrequenz|fr[eé]quence\s+d.[eé]chantillonnage|"
-    r"frecuencia\s+de\s+muestreo|frequenza\s+di\s+campionamento|\bfs\b)\W*?([-+]?\d[\d.]*(?:[,.]\d+)?(?:[eE][-+]?\d+)?)\s*(k?Hz)?",
-    re.I,
-)
 
 
 def read_csv(path: Path, data: bytes, options: ImportOptions) -> Table:
@@ -42,25 +37,38 @@ def read_csv(path: Path, data: bytes, options: ImportOptions) -> Table:
     rows = [i for i in range(dialect.start, len(lines)) if lines[i] and not lines[i].isspace()]
     notes = [said] if said else []
     parsed, rows = _numbers(path, lines, rows, dialect, notes)
-    headers, units = _headers(lines, dialect, options.skip_rows, len(parsed))
-    if headers and not headers[-1] and headers[0] and _counts(parsed[0]):
-        headers = ["row", *headers[:-1]]
+    names, units = headers(lines, dialect, options.skip_rows, len(parsed))
+    if names and not names[-1] and names[0] and _counts(parsed[0]):
+        names = ["row", *names[:-1]]
     columns = []
     for i, column in enumerate(parsed):
-        if not headers[i] and not units[i] and column.bad is None and not np.isfinite(column.values).any():
+        if not names[i] and not units[i] and column.bad is None and not np.isfinite(column.values).any():
             continue
         bad = None
         if column.bad is not None:
             row = rows[column.bad]
             cells = split(lines[row], dialect.delimiter)
             bad = (row + 1, cells[i].strip()[:30] if i < len(cells) else "")
-        columns.append(SourceColumn(i + 1, headers[i], column.values, units[i], bad=bad, clock=column.clock))
+        columns.append(SourceColumn(i + 1, names[i], column.values, units[i], bad=bad, clock=column.clock))
     sign = "decimal comma" if dialect.decimal == "," else "decimal point"
     name = NAMES.get(dialect.delimiter, f"'{dialect.delimiter}'")
     layout = f"{len(rows)} rows from line {rows[0] + 1}, {len(columns)} columns" if rows else "no rows"
     notes.insert(0, f"text table: {layout}, delimiter {name}, {sign}")
-    rate, source = _rate_above(lines, dialect)
+    rate, source = rate_above(lines, dialect)
+    columns = _by_settings(columns, settings_above(lines, dialect), notes)
     return Table(path, tuple(columns), np.array(rows, dtype=np.int64) + 1, rate, source, tuple(notes))
+
+
+def _by_settings(
+    columns: list[SourceColumn], settings: Sequence[Setting], notes: list[str]
+) -> list[SourceColumn]:
+    """Give a single column without a name the quantity and the unit that the settings above it name."""
+    said = motion_unit(settings)
+    if said is None or len(columns) != 1 or columns[0].label or columns[0].unit:
+        return columns
+    quantity, unit, line = said
+    notes.append(f"column 1 has no name; line {line - 1} names {unit}: it was taken as {quantity} in {unit}")
+    return [replace(columns[0], quantity=quantity, unit=unit)]
 
 
 def _numbers(
@@ -170,66 +178,3 @@ def _has_number(cells: Sequence[str], decimal: str) -> bool:
         if ":" in cell and any(c.isdigit() for c in cell):
             return True
     return False
-
-
-def _headers(lines: Sequence[str], dialect: Dialect, skip: int, width: int) -> tuple[list[str], list[str]]:
-    """Return the header and the unit of each column from the lines above the numbers, "" where there is none."""
-    above = []
-    for line in lines[max(skip, dialect.start - 60) : dialect.start]:
-        if not line.strip():
-            continue
-        if is_comment(line):
-            line = line.lstrip().lstrip("".join(COMMENTS)).strip()
-        above.append([c.strip().strip('"').strip() for c in _header_cells(line, dialect.delimiter, width)])
-    fitting = [cells for cells in above if _fits(cells, width)]
-    if not fitting:
-        return [""] * width, [""] * width
-    units = [""] * width
-    header = fitting.pop()
-    if _is_unit_row(header):
-        units = _padded(header, width)
-        if not fitting:
-            return units, [""] * width
-        header = fitting.pop()
-    return _padded(header, width), units
-
-
-def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
-    """Cut a header line; between blanks `Time (s)` is one cell."""
-    if delimiter != BLANK or len(split(line, delimiter)) == width:
-        return split(line, delimiter)
-    for form in (r"\s{2,}|\t", r"\s+(?![\[(/])"):
-        cells = re.split(form, line.strip())
-        if len(cells) == width:
-            return cells
-    return split(line, delimiter)
-
-
-def _fits(cells: Sequence[str], width: int) -> bool:
-    named = [i for i, cell in enumerate(cells) if cell]
-    if not named or named[-1] >= width:
-        return False
-    return len(cells) >= width - 1 or len(named) == width
-
-
-def _padded(cells: Sequence[str], width: int) -> list[str]:
-    return [*cells, *[""] * width][:width]
-
-
-def _is_unit_row(cells: Sequence[str]) -> bool:
-    """Return whether every cell is a unit, in brackets or bare, and at least one is."""
-    bare = [cell.strip("()[] ") for cell in cells]
-    known = [parse_unit(cell) is not None for cell in bare if cell not in ("", "-", "1")]
-    bracketed = all(cell[0] in "([" and cell[-1] in ")]" for cell in cells if cell)
-    return bool(known) and (all(known) or (bracketed and any(known)))
-
-
-def _rate_above(lines: Sequence[str], dialect: Dialect) -> tuple[float | None, str]:
-    """Return the sampling rate that the lines above the table name, and the line, or None."""
-    for i, line in enumerate(lines[: min(dialect.start, 200)]):
-        match = _RATE_WORDS.search(line[:300])
-        if match:
-            number = parse_number(match[1], "," if dialect.decimal == "," else ".")
-            if number is not None and 0.0 < number < 1e9:
-                return number * (1e3 if (match[2] or "").lower() == "khz" else 1.0), f"line {i + 1}"
-    return None, ""

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from daq.importing.quantisation import quantum
+from daq.importing.quantisation import rounding
 from daq.recording import Array, Mask, runs
 
 REACH = 6
+STRAYS = 0.01  # of the samples: corrected by hand, or at the ends of a piece
 MIN_ROWS = 40
 MAX_ROWS = 40_000
 NOISE_ORDER = 6
@@ -37,12 +38,19 @@ class Derivation:
 
 
 def find_derivation(
-    source: Array, channel: Array, rate: float, order: int, stamps: Array | None = None
+    source: Array,
+    channel: Array,
+    rate: float,
+    order: int,
+    stamps: Array | None = None,
+    steps: tuple[Array, Array] | None = None,
 ) -> Derivation | None:
     """Return how `channel` was computed as the derivative of that `order` of `source`, or None if it was not.
 
     All have shape (n,) and SI units; `stamps` (s) serve where they stray from the even clock of `rate` Hz, since
-    a logger divides by its own time steps. None also when there are too few samples to decide.
+    a logger divides by its own time steps. `steps`, of shape (n,) each, are the steps to which the numbers of source
+    and channel were rounded in the file, in SI units (found from the numbers where they are not given). None also when
+    there are too few samples to decide.
     """
     stretch = _longest(np.isfinite(source) & np.isfinite(channel))
     if stretch.stop - stretch.start < MIN_ROWS:
@@ -50,14 +58,14 @@ def find_derivation(
     x, y = source[stretch], channel[stretch]
     if not (np.ptp(x) > 0.0 and np.ptp(y) > 0.0 and max(np.max(np.abs(x)), np.max(np.abs(y))) < 1e100):
         return None
-    steps = (quantum(x), quantum(y))
+    dx, dy = (step[stretch] for step in steps) if steps is not None else (rounding(x), rounding(y))
     for local in _local_steps(stamps[stretch], rate) if stamps is not None else (1.0,):
         scaled = y * local**order
         for kernel in FIRST:
-            found = _by_kernel(x, scaled, _power(kernel, order) * rate**order, steps, order, rate)
+            found = _by_kernel(x, scaled, _power(kernel, order) * rate**order, (dx, dy), order, rate)
             if found:
                 return found
-        found = _by_regression(x, scaled, steps, order, rate)
+        found = _by_regression(x, scaled, (_rms(dx), _rms(dy)), order, rate)
         if found:
             return found
     return None
@@ -82,32 +90,34 @@ def _power(kernel: tuple[float, ...], order: int) -> Array:
 
 
 def _by_kernel(
-    x: Array, y: Array, kernel: Array, steps: tuple[float, float], order: int, rate: float
+    x: Array, y: Array, kernel: Array, steps: tuple[Array, Array], order: int, rate: float
 ) -> Derivation | None:
-    """Try one known difference: no sample may be further off than rounding can put it, the gain must be 1, and
+    """Try one known difference: hardly a sample may be further off than rounding can put it, the gain must be 1, and
     either it explains the channel's noise or it shows the very droop and delay of this difference.
     """
     reach = len(kernel) // 2
     target = y[reach : len(y) - reach]
     made = np.convolve(x, kernel[::-1], "valid")
     residual = target - made
-    limit = 0.5 * (steps[0] * float(np.abs(kernel).sum()) + steps[1])
-    allowed = np.hypot(steps[0] * float(np.linalg.norm(kernel)), steps[1]) / np.sqrt(12.0)
-    left, power = _rms(residual), float(target @ target)
-    if (
-        left > 1.15 * allowed + 1e-12 * _rms(target)
-        or np.mean(np.abs(residual) > 1.01 * limit) > 1e-3
-        or power == 0.0
-    ):
+    own = steps[1][reach : len(y) - reach]
+    limit = 0.5 * (np.convolve(steps[0], np.abs(kernel), "valid") + own)
+    allowed = float(np.sqrt(np.mean(np.convolve(steps[0] ** 2, kernel**2, "valid") + own**2) / 12.0))
+    step = _rms(own)
+    inside = np.abs(residual) <= 1.01 * limit + 1e-12 * np.abs(target)
+    power = float(target @ target)
+    if power == 0.0 or np.mean(~inside) > STRAYS:
+        return None
+    left = _rms(residual[inside])
+    if left > 1.15 * allowed + 1e-12 * _rms(target):
         return None
     gain_error = abs(float(target @ residual) / power)
     gain_std = left / np.sqrt(power)
     if gain_error > 5.0 * gain_std + 1e-3:
         return None
     noise = _noise(target)
-    explains = _is_noisy(target, steps[1]) and _noise(residual) < 0.6 * noise
+    explains = _is_noisy(target, step) and _noise(residual) < 0.6 * noise
     droops = gain_error < 5.0 * gain_std and _departure(target, kernel, order, rate) > 12.0 * gain_std
-    return Derivation(left, _rms(target)) if explains or (droops and _is_resolved(target, steps[1])) else None
+    return Derivation(left, _rms(target)) if explains or (droops and _is_resolved(target, step)) else None
 
 
 def _departure(values: Array, kernel: Array, order: int, rate: float) -> float:

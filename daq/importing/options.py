@@ -26,6 +26,9 @@ class ImportOptions:
     `delimiter` (one character, or "blank", "tab"), `decimal` ("." or ","), `encoding` and `skip_rows`
     (lines to ignore at the top) are for text. `resample` puts samples with uneven time stamps on an even
     clock by a spline; `keep_derived` keeps a channel that was computed from another one.
+    `run` is the run to read of a file that holds several. `angle_from` names the columns of x and y from which an
+    angle is to be taken, its zero hanging down. `start` and `stop` (s, as the file counts its time) cut the
+    recording. `keep_offset` leaves gravity in an acceleration.
 
     Raises ImportProblem when an option contradicts itself.
     """
@@ -39,6 +42,11 @@ class ImportOptions:
     skip_rows: int = 0
     resample: bool = False
     keep_derived: bool = False
+    run: str | int | None = None
+    angle_from: tuple[str, str] | None = None
+    start: float | None = None
+    stop: float | None = None
+    keep_offset: bool = False
 
     def __post_init__(self) -> None:
         for name, mapping in (("columns", self.columns), ("units", self.units)):
@@ -60,6 +68,10 @@ class ImportOptions:
         if delimiter is not None and delimiter == self.decimal:
             raise ImportProblem(f"'{delimiter}' cannot be both the delimiter and the decimal sign")
         object.__setattr__(self, "delimiter", delimiter)
+        if self.start is not None and self.stop is not None and not self.start < self.stop:
+            raise ImportProblem(f"the recording cannot end at {self.stop:g} s and begin at {self.start:g} s")
+        if self.angle_from is not None and "displacement" in self.columns:
+            raise ImportProblem("an angle from two columns and a column of displacement were both asked for")
 
 
 def ask(quantity: str, column: object) -> str:

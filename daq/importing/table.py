@@ -15,7 +15,7 @@ class SourceColumn:
     `number` counts from 1; `label` is the header as it stands, without a unit row's unit, which is in
     `unit`. `quantity` is set where the format itself says it (UFF). `bad` is the first cell that is
     neither a number nor empty, as (line, text). `clock` is True for dates and times of day (then in s).
-    `noun` is what the format calls a column.
+    `noun` is what the format calls a column. `gravity` is True for an accelerometer's axis with gravity in it.
     """
 
     number: int
@@ -27,6 +27,7 @@ class SourceColumn:
     clock: bool = False
     noun: str = "column"
     rate: float | None = None
+    gravity: bool = False
 
     def __post_init__(self) -> None:
         values = np.asarray(self.values, dtype=np.float64)
@@ -42,7 +43,9 @@ class SourceColumn:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The columns of one file, all of one length, with the line each row came from where there are lines."""
+    """The columns of one file, or of one run in it, all of one length, with the line each row came from where there
+    are lines. `run` is what the file calls the run, "" where it holds one recording.
+    """
 
     path: Path
     columns: tuple[SourceColumn, ...]
@@ -50,6 +53,7 @@ class Table:
     rate: float | None = None
     rate_source: str = ""
     notes: tuple[str, ...] = ()
+    run: str = ""
 
     def line(self, row: int) -> int | None:
         """Return the 1-based line of a row, or None where the format has no lines."""

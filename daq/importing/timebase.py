@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.importing.errors import problem
-from daq.importing.quantisation import quantum
+from daq.importing.quantisation import quantum, rounding
+from daq.importing.rounded_stamps import nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import SECOND, Unit
 from daq.recording import Array
@@ -27,7 +28,8 @@ class Timebase:
     """An even clock for the rows of a table.
 
     `rows` (m,) are the rows to keep and `index` (m,) the sample each becomes, out of `count`; `stamps` (m,)
-    are their times in s from sample 0 (None without stamps). `stray_rms` is in s.
+    are their times in s from sample 0 (None without stamps). `stray_rms` is in s, `origin` the file's own time of
+    sample 0 (s). `coarse` is True where the stamps stray by no more than their rounding.
     """
 
     rate: float
@@ -38,6 +40,8 @@ class Timebase:
     stamps: Array | None = None
     stray_rms: float = 0.0
     notes: tuple[str, ...] = ()
+    origin: float = 0.0
+    coarse: bool = False
 
 
 def from_rate(rate: float, rows: int, note: str) -> Timebase:
@@ -75,6 +79,62 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     Raises ImportProblem when the stamps make no clock.
     """
     notes: list[str] = []
+    time, rows = _stamps(table, column, unit, notes)
+    time, rows = _in_order(table, column, time, rows, values, notes)
+    period = float(np.median(np.diff(time)))
+    if not period > 0.0:
+        period = float(time[-1] - time[0]) / (len(time) - 1)
+    if not period > SHORTEST_PERIOD:
+        raise problem(
+            table.path, "the time stamps do not advance",
+            USE_RATE,
+            line=table.line(int(rows[0])), column=column.number,
+        )  # fmt: skip
+    index = _number_samples(table, column, time, rows, period)
+    slope, start, stray, rate_std = _line(index, time)
+    coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
+    uneven = stray > EVEN * slope
+    if stray > TOO_IRREGULAR * slope and not resample and not coarse:
+        worst = int(np.argmax(np.abs(time - start - slope * index)))
+        raise problem(
+            table.path,
+            f"the time stamps stray by {_milli(stray)} rms from an even clock of {1 / slope:.6g} Hz, "
+            f"{100 * stray / slope:.0f} % of a sampling interval",
+            f"put the samples on an even clock with --resample; or {USE_RATE}", options=("--resample",),
+            line=table.line(int(rows[worst])), column=column.number,
+        )  # fmt: skip
+    if coarse and uneven and not column.clock:
+        steps = rounding(column.values)[rows] * unit.scale
+        exact = rate_within_rounding(index.astype(np.float64), time, steps)
+        if exact is not None:
+            slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
+        nominal = nominal_rate(1.0 / slope, rate_std) if stray > TOO_IRREGULAR * slope else None
+        if nominal is not None:
+            slope, start = 1.0 / nominal, float(np.mean(time) - np.mean(index) / nominal)
+    notes.extend(_holes(table, index, time, rows))
+    if coarse and uneven:
+        notes.append(
+            f"the time stamps stray by {_milli(stray)} rms from an even clock, that is no more than the rounding of the "
+            f"stamps to {_milli(quantum(time))}: even times were rebuilt at {1 / slope:.6g} +- {rate_std:.1g} Hz"
+        )
+    else:
+        notes.extend(_evenness(slope, stray, resample))
+    return Timebase(
+        rate=float(f"{1.0 / slope:.13g}"),
+        rate_std=rate_std,
+        rows=rows,
+        index=index,
+        count=int(index[-1]) + 1,
+        stamps=None if coarse and uneven else time - start,
+        stray_rms=stray,
+        notes=tuple(notes),
+        origin=float(column.values[np.isfinite(column.values)][0]) * unit.scale + start,
+        coarse=coarse and uneven,
+    )
+
+
+def _stamps(table: Table, column: SourceColumn, unit: Unit, notes: list[str]) -> tuple[Array, Index]:
+    """Return the stamps in s from the first one, and the rows that have one."""
     rows = np.flatnonzero(np.isfinite(column.values))
     start = float(column.values[rows[0]]) if len(rows) else 0.0
     stamps = (column.values - start) * unit.scale
@@ -89,44 +149,21 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         notes.append(f"{len(stamps) - len(rows)} rows without a time stamp were left out")
     if len(rows) < 2:
         raise problem(table.path, "has fewer than two samples", "record again or name another file")
-    time = stamps[rows]
-    if column.clock:
-        time = _over_midnight(time, notes)
-    time, rows = _in_order(table, column, time, rows, values, notes)
-    period = float(np.median(np.diff(time)))
-    if not period > 0.0:
-        period = float(time[-1] - time[0]) / (len(time) - 1)
-    if not period > SHORTEST_PERIOD:
-        raise problem(
-            table.path, "the time stamps do not advance",
-            USE_RATE,
-            line=table.line(int(rows[0])), column=column.number,
-        )  # fmt: skip
-    index = _number_samples(table, column, time, rows, period)
-    slope, start, stray, rate_std = _line(index, time)
-    coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
-    if stray > TOO_IRREGULAR * slope and not resample and not coarse:
-        raise problem(
-            table.path,
-            f"the time stamps stray by {_milli(stray)} rms from an even clock of {1 / slope:.6g} Hz, "
-            f"{100 * stray / slope:.0f} % of a sampling interval",
-            f"put the samples on an even clock with --resample; or {USE_RATE}",
-            line=table.line(int(rows[int(np.argmax(np.abs(time - start - slope * index)))])), column=column.number,
-        )  # fmt: skip
+    return (_over_midnight(stamps[rows], notes) if column.clock else stamps[rows]), rows
+
+
+def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, ...]:
+    """Return a sentence on the samples that are missing by their stamps, if any are."""
     lost = int(index[-1]) + 1 - len(index)
-    if lost:
-        first = int(np.flatnonzero(np.diff(index) > 1)[0])
-        line = table.line(int(rows[first + 1]))
-        where = f" (line {line})" if line else ""
-        notes.append(
-            f"{lost} samples are missing by their time stamps, "
-            f"the first before t = {time[first + 1] - time[0]:.6g} s{where}; they are marked as lost"
-        )
-    rate = float(f"{1.0 / slope:.13g}")
-    notes.extend(_evenness(slope, stray, resample))
-    if coarse and stray > EVEN * slope:
-        notes.append(f"that is no more than the rounding of the stamps to {_milli(quantum(time))}")
-    return Timebase(rate, rate_std, rows, index, int(index[-1]) + 1, time - start, stray, tuple(notes))
+    if not lost:
+        return ()
+    first = int(np.flatnonzero(np.diff(index) > 1)[0])
+    line = table.line(int(rows[first + 1]))
+    where = f" (line {line})" if line else ""
+    return (
+        f"{lost} samples are missing by their time stamps, "
+        f"the first before t = {time[first + 1] - time[0]:.6g} s{where}; they are marked as lost",
+    )
 
 
 def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:

@@ -31,7 +31,7 @@ from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
 from identify.fitting.misfit_errors import with_misfit_errors
-from identify.fitting.segments import prepared_of, segments_of
+from identify.fitting.segments import prepared_of, segments_of, what_was_used
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
@@ -129,7 +129,11 @@ class Diagnosis(Summarised):
         named = f": {' and '.join(self.named)}" if self.named else ""
         return Summary(
             f"{HEADLINES[self.verdict]}{named}",
-            (self.explanation, f"Record next: {self.next_experiment}"),
+            (
+                self.explanation,
+                what_was_used(self.baseline.decays),
+                f"Record next: {self.next_experiment}",
+            ),
             ("suspect", "chi-square after", "evidence (nats)", "p", "claimed"),
             rows,
         )

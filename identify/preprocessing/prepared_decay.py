@@ -10,6 +10,7 @@ from identify.formatting import scaled
 from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.alignment import Alignment
+from identify.preprocessing.averaged_decay import FEW, averaged
 from identify.preprocessing.equation_error import moving, regress
 from identify.preprocessing.fit_window import CHANNELS, FitWindow, PreReleaseMotion
 from identify.preprocessing.motion import Motion, reconstruct
@@ -23,10 +24,10 @@ _SHORTEST_REST = 24
 _PRELUDE_SAMPLES = 4
 _PRELUDE_MARGIN = 16
 _REVERSAL_MARGIN = 0.02
-_DENSEST = 24.0
-"""Samples a cycle to which a long record is thinned; short ones keep every sample."""
+"""Share of the interval between two samples by which the time of a reversal is uncertain."""
 
-_LONG = 4096
+_REVERSAL_IN_BLOCK = 0.5
+"""The same where a reading is the mean of a block: a reversal anywhere in it has put both sides of the jump into it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +46,8 @@ class PreparedDecay(Summarised):
     it, on the acceleration's clock; `frequency` is the angular frequency (rad/s); `alignment` is None with one
     channel. `zero` is the displacement reading at the spring's zero, `noise` what was known of the noise before any
     fit, and `lost` marks the readings of each channel that its sensor repeated or lost. `rest` is None where none was
-    recorded.
+    recorded. `block` is how many readings of the record each one here is the mean of, and `share` the share of its
+    motion that is fitted where this is one of several pieces of a long release.
     """
 
     window: FitWindow
@@ -56,6 +58,8 @@ class PreparedDecay(Summarised):
     noise: dict[str, Noise]
     lost: dict[str, Mask]
     rest: Rest | None = None
+    block: int = 1
+    share: float = 1.0
 
     def brief(self) -> Summary:
         """Return what will be fitted."""
@@ -64,6 +68,7 @@ class PreparedDecay(Summarised):
         sentence = (
             f"{cycles:.1f} cycles at {self.frequency / (2.0 * np.pi):.4g} Hz from {scaled(self.amplitude, window.unit)}, "
             f"{', '.join(window.channels)}."
+            + (f" Each reading is the mean of {self.block}." if self.block > 1 else "")
         )
         rows = [(name, scaled(noise.std, ""), noise.source) for name, noise in self.noise.items()]
         return Summary("Prepared decay", (sentence,), ("channel", "noise (SI)", "read from"), rows)
@@ -93,7 +98,7 @@ def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -
     on, it is taken into account, and the mass is estimated unless it is known. Raises NotIdentifiable when fewer than
     four cycles remain.
     """
-    aligned = decay if isinstance(decay, AlignedDecay) else locate_and_align(decay)
+    aligned, block = averaged(decay if isinstance(decay, AlignedDecay) else locate_and_align(decay))
     record, corrected, noise = aligned.recorded, aligned.decay, aligned.noise
     release = _most_active(record, aligned.release) if record.driven else aligned.release
     motion = reconstruct(corrected.with_(release=release.settle))
@@ -121,28 +126,28 @@ def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -
     window = _window(
         record, release, motion, frequency, sigma, aligned.alignment, lost, gain_uncertainty
     ).with_(force=None if force is None else force[:length], force_known=record.mass is not None)
-    window = _without_reversals(window, motion, max(mu_0, 0.0))
-    every = slice(None, None, _thinning(len(window), record.rate, frequency))
+    window = _without_reversals(window, motion, max(mu_0, 0.0), averaged=block > 1)
     return PreparedDecay(
-        window.part(every).with_(pre_release=_pre_release(corrected, release, zero)),
-        motion.part(every),
+        window.with_(pre_release=_pre_release(corrected, release, zero)),
+        motion,
         frequency,
         aligned.alignment,
         zero,
         noise,
-        {name: mask[every] for name, mask in lost.items()},
+        lost,
         _rest_of(record, release),
+        block,
     )
 
 
 def _most_active(decay: FreeDecay, release: Release) -> Release:
     """Return the stretch of the largest motion in a driven record, which has no decay to be followed from its start."""
     reading = next(r for c in CHANNELS if (r := getattr(decay, c)) is not None)
-    if len(reading) <= _LONG:
+    if len(reading) <= FEW:
         return release
     power = np.cumsum(np.square(reading - np.mean(reading)))
-    first = int(np.argmax(power[_LONG:] - power[:-_LONG]))
-    return replace(release, settle=first, end=first + _LONG)
+    first = int(np.argmax(power[FEW:] - power[:-FEW]))
+    return replace(release, settle=first, end=first + FEW)
 
 
 def _force(decay: FreeDecay, release: Release, motion: Motion) -> Array | None:
@@ -167,13 +172,9 @@ def _rest_of(decay: FreeDecay, release: Release) -> Rest | None:
     )
 
 
-def _thinning(samples: int, rate: float, frequency: float) -> int:
-    if samples <= _LONG:
-        return 1
-    return max(1, min(int(2.0 * np.pi * rate / frequency / _DENSEST), samples // (_LONG // 2)))
-
-
-def _without_reversals(window: FitWindow, motion: Motion, friction: float) -> FitWindow:
+def _without_reversals(
+    window: FitWindow, motion: Motion, friction: float, *, averaged: bool = False
+) -> FitWindow:
     """Leave out acceleration readings of which it is left to chance on which side of dry friction's jump they lie.
 
     `friction` is Coulomb's, per unit mass: the velocity between samples is wrong by up to a quarter of its jump times
@@ -181,7 +182,8 @@ def _without_reversals(window: FitWindow, motion: Motion, friction: float) -> Fi
     """
     if "acceleration" not in window.used:
         return window
-    timing = np.abs(motion.acceleration) * _REVERSAL_MARGIN / motion.rate
+    share = _REVERSAL_MARGIN + (_REVERSAL_IN_BLOCK if averaged else 0.0)
+    timing = np.abs(motion.acceleration) * share / motion.rate
     margin = timing + 4.0 * (motion.noise_velocity or 0.0) + 0.5 * friction / motion.rate
     clear = np.abs(motion.velocity) >= margin
     return window.with_(used=window.used | {"acceleration": window.used["acceleration"] & clear})

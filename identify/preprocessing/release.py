@@ -23,6 +23,12 @@ LEAD_S = 0.015
 UNFREE_SHARE = 0.35
 """A force beyond the springs' of this share of theirs is a hand: friction and damping are far smaller."""
 
+SUDDEN_SHARE = 0.01
+"""A release is sudden where a switch from held to free describes it to this share of its size: in a fifth of a period."""
+
+SUDDEN_WAIT = 0.25
+"""Share of a period after which a sudden release is over."""
+
 POINTS_PER_PERIOD = 48
 """The coarse search looks at block means of about this many samples a period."""
 
@@ -226,13 +232,27 @@ def _release(
     onset = _most_trusted(found)[1]
     time_s = onset.place / rate
     index = int(np.ceil(onset.place - 1e-9))
-    letting_go = min(max(HAND_S * rate, 0.05 * period), period) + (
-        2.0 * onset.std if onset.std > 1.0 else 0.0
-    )
+    letting_go = _letting_go(rate, period, *onsets[0]) + (2.0 * onset.std if onset.std > 1.0 else 0.0)
     settle = min(index + max(1, int(np.ceil(letting_go))), n - 1)
     rest = _rest(channels, found, rate, period, onset.place, earliest)
     kind: ReleaseKind = "displaced" if abs(found[0][1].displaced) >= abs(found[0][1].impulse) else "impulse"
     return Release(time_s, onset.std / rate, index, settle, max(end, settle), kind, rest)
+
+
+def _letting_go(rate: float, period: float, channel: _Channel, onset: Onset | None) -> float:
+    """Return how many samples after the onset the motion is surely free.
+
+    A hand takes 20 ms at most at any frequency, so 30 ms; 5 % of a period where that is longer, one period at most.
+    Where 30 ms is more than half a period, a hand would show: a release that a switch describes, as a magnet or a
+    hammer makes it, is over sooner, and the first cycle, the largest, is kept. `onset` is that of the lowest channel,
+    in which a jump of the force is no jump.
+    """
+    hand = min(max(HAND_S * rate, 0.05 * period), period)
+    if onset is None or onset.misfit == 0.0 or hand <= 0.5 * period:
+        return hand
+    size = max(abs(onset.displaced), abs(onset.impulse))
+    sudden = onset.misfit - channel.noise**2 < (SUDDEN_SHARE * size) ** 2
+    return SUDDEN_WAIT * period if sudden else hand
 
 
 def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earliest: int) -> Onset | None:

@@ -3,7 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import BSpline
+from scipy.linalg import solveh_banded
 
 from identify.arrays import Array, Mask
 from identify.signal.kinematics import AVERAGES
@@ -11,6 +13,9 @@ from identify.signal.kinematics import AVERAGES
 DEGREE = 3
 """Degree of the splines: what twice-integrated noise asks for, and little freedom at the ends."""
 
+
+_RIDGE = 1e-11
+"""Added to the normal equations, whose diagonal is one, so that stretches without samples can be solved for."""
 
 POINTS_PER_PERIOD = 48
 """The slow part of a faster recording is found from about this many samples a period."""
@@ -40,7 +45,8 @@ def slow_part(values: Array, rate: float, frequency: float, weights: Mask) -> Sl
 
     Least squares of `values` on splines of one knot in two periods, together with the same splines times cosine
     and sine. The oscillation has its own terms, so neither its start nor its decay leaks into the slow part:
-    a filter would do most harm at the release, where the amplitude is largest.
+    a filter would do most harm at the release, where the amplitude is largest. Each sample sees only the splines over
+    it, so the normal equations are banded: time and memory grow with the length, not with its square.
     """
     time = np.arange(len(values)) / rate
     end = float(time[-1])
@@ -48,9 +54,39 @@ def slow_part(values: Array, rate: float, frequency: float, weights: Mask) -> Sl
     knots = np.concatenate([[0.0] * DEGREE, np.linspace(0.0, end, spans + 1), [end] * DEGREE])
     step = max(1, int(rate / (POINTS_PER_PERIOD * frequency)))
     rows = np.flatnonzero(weights)[::step]
-    splines = BSpline.design_matrix(np.clip(time[rows], 0.0, end), knots, DEGREE).toarray()
+    splines = BSpline.design_matrix(np.clip(time[rows], 0.0, end), knots, DEGREE)
+    columns = len(knots) - DEGREE - 1
+    over = splines.indices.reshape(len(rows), DEGREE + 1)
+    weight = splines.data.reshape(len(rows), DEGREE + 1)
     phase = 2.0 * np.pi * frequency * time[rows]
-    design = np.hstack([splines, splines * np.cos(phase)[:, None], splines * np.sin(phase)[:, None]])
-    coefficients = np.linalg.lstsq(design, values[rows], rcond=1e-10)[0][: splines.shape[1]]
-    spline = BSpline(knots, coefficients, DEGREE)
+    waves = np.stack([np.ones_like(phase), np.cos(phase), np.sin(phase)], axis=1)
+    # the three columns of a spline stand side by side
+    design = (weight[:, :, None] * waves[:, None, :]).reshape(len(rows), -1)
+    place = (3 * over[:, :, None] + np.arange(3)).reshape(len(rows), -1)
+    found = _banded_least_squares(design, place, values[rows], 3 * columns)
+    spline = BSpline(knots, found[::3], DEGREE)
     return Slow(spline(time), spline.derivative(1)(time), spline.derivative(2)(time))
+
+
+def _banded_least_squares(design: Array, place: NDArray[np.int_], values: Array, columns: int) -> Array:
+    """Return the least squares solution (columns,) of rows that touch a few neighbouring columns each.
+
+    `design` (n, m) holds the entries of a row, `place` (n, m) their columns, ascending and without a gap. Columns that
+    no row touches come out zero. The normal equations square the condition; a second pass on what the first one
+    left makes up for it.
+    """
+    size = np.sqrt(np.bincount(place.ravel(), (design**2).ravel(), columns))
+    size[size == 0.0] = 1.0
+    design = design / size[place]
+    width = design.shape[1]
+    band = np.zeros((width, columns))
+    for offset in range(width):
+        products = (design[:, offset:] * design[:, : width - offset]).ravel()
+        band[offset] = np.bincount(place[:, : width - offset].ravel(), products, columns)
+    band[0] += _RIDGE
+    found, left = np.zeros(columns), values
+    for _ in range(2):
+        right = np.bincount(place.ravel(), (design * left[:, None]).ravel(), columns)
+        found += solveh_banded(band, right, lower=True, check_finite=False)
+        left = values - np.sum(design * found[place], axis=1)
+    return np.asarray(found / size)

@@ -22,7 +22,7 @@ from identify.wavelet.envelope import (
     fit_phase,
     solve_integrated,
 )
-from identify.wavelet.stick_slip import Decay, simulate_decay
+from identify.wavelet.stick_slip import Decay, RunsAway, simulate_decay
 
 WIDTH_CYCLES = 1.0  # standard deviation of the window: the third harmonic is 12 of its bandwidths away
 POINTS_PER_CYCLE = 8
@@ -139,7 +139,7 @@ def parameters_of(
 def exact_decay(
     observed: Observed, envelope_fit: EnvelopeFit, phase_fit: PhaseFit, orders: tuple[int, ...]
 ) -> Decay:
-    """Integrate the fitted model over the window from the fitted first amplitude and phase."""
+    """Integrate the fitted model over the window from the fitted first amplitude and phase; it may raise RunsAway."""
     stiffness, damping = parameters_of(envelope_fit, phase_fit, orders)
     amplitude, phase = envelope_fit.parameters[0], phase_fit.parameters[0]
     loss = -np.polynomial.polynomial.polyval(amplitude, envelope_fit.parameters[1:])
@@ -178,10 +178,18 @@ def other_backbone(observed: Observed, fit: RidgeFit, orders: tuple[int, ...]) -
 def free_of_bias(observed: Observed, fit: RidgeFit, rounds: int = 6) -> RidgeFit:
     """Take the transform's own bias off, as the model `fit` shows it, and fit again, until nothing changes.
 
-    "Nothing" is a twentieth of the envelope's noise; at most `rounds` times.
+    "Nothing" is a twentieth of the envelope's noise; at most `rounds` times. Where a round leads to a motion that runs
+    away, the one before it is the last; RunsAway where the first does.
     """
-    for _ in range(rounds):
-        decay = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
+    sound = fit
+    for at in range(rounds):
+        try:
+            decay = exact_decay(observed, fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
+        except RunsAway:
+            if not at:
+                raise
+            return sound
+        sound = fit
         seen, phase, _ = envelope_and_phase(observed, channel_of(decay, observed.derivatives))
         bias_envelope = seen - fit.envelope_fit.fit
         bias_phase = phase - fit.phase_fit.fit

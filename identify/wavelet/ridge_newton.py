@@ -26,7 +26,10 @@ _SETTLED = 1e-4  # of a parameter's own size
 
 
 def settle(observed: Observed, fit: RidgeFit) -> RidgeFit:
-    """Return `fit` freed of bias: in plain rounds, and by Newton's method where these do not settle."""
+    """Return `fit` freed of bias: in plain rounds, and by Newton's method where these do not settle.
+
+    Raises RunsAway where the orders of `fit` describe no motion that decays.
+    """
     plain = free_of_bias(observed, fit)
     return plain if plain.settled else _newton(observed, plain)
 

@@ -7,8 +7,22 @@ import numba
 import numpy as np
 
 from identify.arrays import Array
+from identify.errors import NotIdentifiable
 
 _STEPS_PER_CYCLE = 100  # the frequency of a fourth-order step is then off by some 1e-8
+
+
+_RUN_AWAY = 100.0  # times the first amplitude: no free decay grows so far
+
+
+class RunsAway(NotIdentifiable):
+    """The coefficients describe no free decay: the motion grows without end, or is no number at all."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "the stiffness and the damping that the envelope shows would let the motion run away; "
+            "release from a smaller amplitude, or try lower orders"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,11 +41,18 @@ def simulate_decay(
 
     `stiffness` holds k_1, k_2, ... (per unit mass, one entry for every order from 1), `damping` mu_0, mu_1, ....
     Each stretch between two reversals is smooth and integrated as such; the reversal is located; the mass sticks
-    where the spring cannot overcome mu_0.
+    where the spring cannot overcome mu_0. Raises RunsAway where a coefficient is no finite number, k_1 lets the mass
+    turn more than once between two samples, or the motion grows to a hundred times its start.
     """
-    cycle = 2 * pi / sqrt(max(abs(stiffness[0]), 1e-300))
-    substeps = max(1, ceil(_STEPS_PER_CYCLE * step / cycle))
+    turn = step * sqrt(max(abs(stiffness[0]), 1e-300))
+    given = np.concatenate([[displacement, velocity], stiffness, damping])
+    if not np.isfinite(given).all() or turn > 2 * pi:
+        raise RunsAway
+    substeps = max(1, ceil(_STEPS_PER_CYCLE * turn / (2 * pi)))
     rows = _integrate(displacement, velocity, stiffness, damping, step, count, substeps)
+    start = max(abs(displacement), abs(velocity) * step / turn)
+    if not np.abs(rows[0]).max(initial=0.0) <= _RUN_AWAY * start:
+        raise RunsAway
     return Decay(rows[0], rows[1], rows[2])
 
 

@@ -37,6 +37,7 @@ from identify.wavelet.ridge_spread import (
     spreads_of,
 )
 from identify.wavelet.ridge_window import observe_window
+from identify.wavelet.stick_slip import RunsAway
 
 STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _CHANGES_OF_MODEL = 3  # the orders may be chosen again once the chosen model's bias has been taken off
@@ -103,19 +104,37 @@ def identify_wavelet(decay: FreeDecay | AlignedDecay, max_order: int = 3) -> Wav
     decay, begins = block_averaged(aligned(decay))
     start, observed = observe_window(decay)
     fit = settle(observed, first_fit(observed, min(1, max_order), (1,)))
+    fit, misfits, reasons = _with_orders(observed, fit, max_order, STIFFNESS_ORDERS)
+    begins += start / decay.rate
+    return _result(decay, begins, observed, fit, misfits, reasons)
+
+
+def _with_orders(
+    observed: Observed, begun: RidgeFit, max_order: int, tried: tuple[tuple[int, ...], ...]
+) -> tuple[RidgeFit, tuple[float, ...], tuple[str, str]]:
+    """Return the fit with the orders that it asks for, the misfit of every damping order, and why they were chosen.
+
+    Orders with which the motion would run away are not tried again: first those of stiffness, then those of damping.
+    """
+    fit, refused = begun, "" if tried == STIFFNESS_ORDERS else ": with one the motion would run away"
     for _ in range(_CHANGES_OF_MODEL):
         trials = [other_order(observed, fit, order) for order in range(max_order + 1)]
-        backbones = [other_backbone(observed, fit, orders) for orders in STIFFNESS_ORDERS]
+        backbones = [other_backbone(observed, fit, orders) for orders in tried]
         order, reason = _choose_damping(observed, fit, trials)
         best, stiffness_reason = _choose_stiffness(observed, fit, backbones)
-        orders = STIFFNESS_ORDERS[best]
-        if order == fit.order and orders == fit.stiffness_orders:
+        if order == fit.order and tried[best] == fit.stiffness_orders:
             break
-        fit = replace(fit, envelope_fit=trials[order], phase_fit=backbones[best], stiffness_orders=orders)
-        fit = settle(observed, fit)
-    misfits = tuple(trial.mse_percent for trial in trials)
-    begins += start / decay.rate
-    return _result(decay, begins, observed, fit, misfits, (reason, stiffness_reason))
+        changed = replace(
+            fit, envelope_fit=trials[order], phase_fit=backbones[best], stiffness_orders=tried[best]
+        )
+        try:
+            fit = settle(observed, changed)
+        except RunsAway:
+            if not best and not order:
+                raise
+            fewer = (max_order, tried[:best]) if best else (order - 1, tried)
+            return _with_orders(observed, begun, *fewer)
+    return fit, tuple(trial.mse_percent for trial in trials), (reason, stiffness_reason + refused)
 
 
 def _choose_damping(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> tuple[int, str]:
@@ -130,7 +149,9 @@ def _choose_stiffness(observed: Observed, fit: RidgeFit, trials: list[PhaseFit])
     misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
     clear = clearances_of_phases(observed, fit, trials)
     noise = float(np.mean(observed.variance * observed.weight**2))
-    order, reason = choose_order((1, 3, 5), misfits, clear, _worth(misfits, noise), "stiffness")
+    order, reason = choose_order(
+        (1, 3, 5)[: len(trials)], misfits, clear, _worth(misfits, noise), "stiffness"
+    )
     return (order - 1) // 2, reason
 
 

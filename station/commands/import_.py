@@ -48,6 +48,19 @@ if TYPE_CHECKING:
 )
 @click.option("--resample", is_flag=True, help="Put uneven time stamps on an even clock.")
 @click.option("--keep-derived", is_flag=True, help="Keep channels that were computed from another one.")
+@click.option(
+    "--run", metavar="N", help="One run of a file that holds several (default: all, a session each)."
+)
+@click.option(
+    "--angle-from",
+    metavar="X,Y",
+    help="Angle of a pendulum from the columns x and y (up) of its bob, from the pivot.",
+)
+@click.option(
+    "--from", "start", type=float, metavar="S", help="Leave out what is before this time of the file."
+)
+@click.option("--to", "stop", type=float, metavar="S", help="Leave out what is after this time of the file.")
+@click.option("--keep-offset", is_flag=True, help="Leave gravity in an acceleration.")
 @click.option("--specimen", help="What was tested.")
 @click.option("--operator", help="Who tested it.")
 @CONDITIONS
@@ -62,26 +75,34 @@ def command(
     mass_std: float | None,
     columns: tuple[str, ...],
     units: tuple[str, ...],
+    angle_from: str | None,
     specimen: str | None,
     operator: str | None,
     conditions: tuple[str, ...],
     as_json: bool,
-    **text: Any,
+    **others: Any,
 ) -> None:
-    """Turn FILE (CSV, MATLAB .mat, UFF58) into sessions, one for each release.
+    """Turn FILE (CSV, JSON, MATLAB .mat, UFF58) into sessions, one for each release.
 
     Prints what was understood and what was guessed; nothing is overwritten.
     """
+    from daq.importing.errors import ImportProblem
     from daq.importing.options import ImportOptions
     from station.operations.new_session import session_info
+    from station.results.import_command import explained
     from station.results.sessions import import_file
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     chosen = {name: _number(value) for name, value in _pairs("--column", columns).items()}
-    options = ImportOptions(columns=chosen, units=_pairs("--unit", units), **text)
+    options = ImportOptions(
+        columns=chosen, units=_pairs("--unit", units), angle_from=_two("--angle-from", angle_from), **others
+    )
     info = session_info(settings, mass, mass_std, specimen, operator, conditions)
-    imported = import_file(file, folder, settings.sessions, options, info)
+    try:
+        imported = import_file(file, folder, settings.sessions, options, info)
+    except ImportProblem as refusal:
+        raise explained(file, options, refusal) from refusal
     if as_json:
         print_json(_document(file, imported))
     else:
@@ -98,18 +119,28 @@ def _pairs(option: str, given: tuple[str, ...]) -> dict[str, str]:
     return pairs
 
 
+def _two(option: str, given: str | None) -> tuple[str, str] | None:
+    if given is None:
+        return None
+    x, separator, y = (part.strip() for part in given.partition(","))
+    if not separator or not x or not y:
+        raise UsageProblem(f"{option} {given}: write two columns, as x,y or 2,3")
+    return x, y
+
+
 def _number(value: str) -> str | int:
     return int(value) if value.isdigit() else value
 
 
 def _document(file: Path, imported: "Imported") -> dict[str, Any]:
-    recording = imported.recording
+    recording = imported.recordings[0]
     return {
         "file": str(file),
         "sessions": [str(session.folder) for session in imported.sessions],
+        "runs": [recording.run for recording in imported.recordings],
         "rate_hz": recording.rate,
-        "samples": int(recording.samples.shape[1]),
-        "lost_samples": int((~recording.valid).sum()),
+        "samples": sum(int(one.samples.shape[1]) for one in imported.recordings),
+        "lost_samples": sum(int((~one.valid).sum()) for one in imported.recordings),
         "channels": [
             {"name": channel.name, "quantity": channel.quantity, "unit": channel.unit}
             for channel in recording.channels
@@ -119,12 +150,14 @@ def _document(file: Path, imported: "Imported") -> dict[str, Any]:
 
 
 def _say(file: Path, imported: "Imported") -> None:
-    console, recording = screen(), imported.recording
-    samples = recording.samples.shape[1]
-    names = ", ".join(f"{channel.quantity} [{channel.unit}]" for channel in recording.channels)
-    console.print(
-        f"{file.name}: {samples} samples at {recording.rate:.6g} Hz ({samples / recording.rate:.4g} s)"
-    )
+    console = screen()
+    for recording in imported.recordings:
+        samples = recording.samples.shape[1]
+        run = f", run {recording.run}" if recording.run else ""
+        console.print(
+            f"{file.name}{run}: {samples} samples at {recording.rate:.6g} Hz ({samples / recording.rate:.4g} s)"
+        )
+    names = ", ".join(f"{c.quantity} [{c.unit}]" for c in imported.recordings[0].channels)
     console.print(f"  channels: {names}", markup=False)
     for note in imported.notes:
         console.print(f"  - {note}", markup=False)

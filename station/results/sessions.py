@@ -1,32 +1,38 @@
 """Sessions as the operator names them: a folder, or a data file that becomes one on the way."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
 from daq.errors import UnreadableFile
-from daq.importing import read_file
+from daq.importing import read_runs
+from daq.importing.cutting import cut
 from daq.importing.options import ImportOptions
-from daq.recording import Gap, Recording
+from daq.recording import Recording
 from daq.session import Session
 from daq.session_info import SessionInfo
 from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
 from identify.preprocessing.release import Release, find_releases
 from station.exits import UsageProblem
 from station.output import progress
+from station.results.import_command import typed
 from station.results.session_names import find_session
+from station.story.free_part import free_from
 from station.story.preparation import Options, free_decay
 
 MOST_RELEASES = 100
+FEWEST_SAMPLES = 32
 
 
 @dataclass(frozen=True, eq=False)
 class Imported:
-    """What an import made: the sessions, one for each release, and what was understood and guessed."""
+    """What an import made: the sessions, one for each release, their recordings, and what was understood and guessed."""
 
     sessions: tuple[Session, ...]
-    recording: Recording
+    recordings: tuple[Recording, ...]
     notes: tuple[str, ...]
 
 
@@ -57,7 +63,8 @@ def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session
     try:
         imported = import_file(file, None, sessions, ImportOptions(), info)
     except UnreadableFile as error:
-        raise UsageProblem(f"{error} (options as these belong to `station import {file}`)") from error
+        command = typed(file, ImportOptions(), getattr(error, "options", ()))
+        raise UsageProblem(f"{error} (options as these belong to `{command}`)") from error
     for note in imported.notes:
         progress(f"{file.name}: {note}")
     first, *others = imported.sessions
@@ -72,26 +79,53 @@ def import_file(
 ) -> Imported:
     """Read a file and make a session of each release in it.
 
-    With one release the session is `folder`, or the file's name within `sessions`; with several, a number
-    is added. Nothing is overwritten.
+    With one release the session is `folder`, or the file's name within `sessions`; where the file holds several runs
+    `_run` and the name of the run are added, and a number where one holds several releases. Nothing is overwritten.
     """
     if not file.is_file():
         raise UsageProblem(f"{file}: there is no such file")
-    recording = read_file(file, options)
-    parts, notes = split(recording)
-    first = folder or sessions / _free_name(file, sessions, len(parts))
+    pieces, notes = _pieces(
+        read_runs(file, options), whole=options.start is not None or options.stop is not None
+    )
+    first = folder or sessions / _free_name(file, sessions, [name for name, _ in pieces])
     made = []
-    for number, part in enumerate(parts, start=1):
-        where = first if len(parts) == 1 else first.with_name(f"{first.name}_{number}")
+    for name, part in pieces:
+        where = first.with_name(f"{first.name}{name}")
         known = info.model_copy(update={"name": where.name})
         made.append(Session.create_imported(where, part, file, known))
-    return Imported(tuple(made), recording, (*recording.notes, *notes))
+    return Imported(tuple(made), tuple(part for _, part in pieces), notes)
 
 
-def _free_name(file: Path, sessions: Path, parts: int) -> str:
+def _pieces(runs: Sequence[Recording], *, whole: bool) -> tuple[list[tuple[str, Recording]], tuple[str, ...]]:
+    """Return the recording of each release with what is added to its session's name, and what was understood."""
+    pieces = []
+    notes = list(runs[0].notes)
+    for run in runs:
+        parts, said = split(run, whole=whole)
+        name = f"_run{run.run}" if len(runs) > 1 else ""
+        pieces += [
+            (name if len(parts) == 1 else f"{name}_{number}", part)
+            for number, part in enumerate(parts, start=1)
+        ]
+        alike = {_form(note) for note in notes}
+        own = [note for note in (*run.notes, *said) if _form(note) not in alike]
+        notes += [f"run {run.run}: {note}" if name and run is not runs[0] else note for note in own]
+    if len(runs) > 1:
+        notes.append(
+            f"{len(runs)} runs in the file: each becomes a session; what is not said of a run is as in the first"
+        )
+    return pieces, tuple(notes)
+
+
+def _form(note: str) -> str:
+    """Return a note without its numbers."""
+    return re.sub(r"[-+]?\d[\d.,]*", "#", note.split(": ", 1)[1] if re.match(r"run \S+: ", note) else note)
+
+
+def _free_name(file: Path, sessions: Path, names: Sequence[str]) -> str:
     stem = _stem(file)
     name, number = stem, 1
-    while (sessions / name).exists() or (parts > 1 and (sessions / f"{name}_1").exists()):
+    while (sessions / name).exists() or any((sessions / f"{name}{added}").exists() for added in names):
         number += 1
         name = f"{stem}-{number}"
     return name
@@ -113,8 +147,11 @@ def _stem(file: Path) -> str:
     return re.sub(r"[^\w.-]+", "_", file.stem).strip("._") or "recording"
 
 
-def split(recording: Recording) -> tuple[list[Recording], tuple[str, ...]]:
-    """Cut a recording into one for each release; the notes say what was found."""
+def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording], tuple[str, ...]]:
+    """Cut a recording into one for each release; the notes say what was found.
+
+    A push or a drive before a single release is left out, unless the operator chose what to read (`whole`).
+    """
     decay = free_decay(recording, Options())
     if decay.driven:
         return [recording], ("a force drives the motion to the end: no free decay, and so one session",)
@@ -125,7 +162,7 @@ def split(recording: Recording) -> tuple[list[Recording], tuple[str, ...]]:
     except NotIdentifiable as refusal:
         return [recording], (f"no release found: {refusal}",)
     if len(releases) < 2:
-        return [recording], ()
+        return ([recording], ()) if whole else _from_release(recording, decay, releases[0])
     if len(releases) > MOST_RELEASES:
         return [recording], (
             f"{len(releases)} beginnings of a motion found, too many to be releases: one session",
@@ -136,27 +173,23 @@ def split(recording: Recording) -> tuple[list[Recording], tuple[str, ...]]:
     return [cut(recording, start, stop) for start, stop in zip(starts, stops, strict=True)], (note,)
 
 
+def _from_release(
+    recording: Recording, decay: FreeDecay, release: Release
+) -> tuple[list[Recording], tuple[str, ...]]:
+    """Leave out a push or a drive before the decay, where the release itself leaves no sharp mark."""
+    found = free_from(decay) if release.kind == "in_motion" and release.index == 0 else None
+    if found is None or recording.samples.shape[1] - found[0] < FEWEST_SAMPLES:
+        return [recording], ()
+    start, what = found
+    note = (
+        f"{what} was found before the decay: the first {start / recording.rate:.4g} s were left out "
+        "(--from and --to choose the part to read)"
+    )
+    return [cut(recording, start, recording.samples.shape[1])], (note,)
+
+
 def _begin(before: Release, after: Release) -> int:
     """Return where the record of a release begins: with its rest, after the motion before it."""
     if after.rest[1] > after.rest[0]:
         return max(after.rest[0], min(before.end, after.rest[1] - 1))
     return max(before.end, before.index + 1)
-
-
-def cut(recording: Recording, start: int, stop: int) -> Recording:
-    """Return samples `start` to `stop` - 1 as a recording of its own."""
-    gaps = []
-    for gap in recording.gaps:
-        first, last = max(gap.first, start), min(gap.first + gap.count, stop)
-        if last > first:
-            gaps.append(Gap(first - start, last - first, gap.reason))
-    return Recording(
-        recording.rate,
-        recording.channels,
-        recording.samples[:, start:stop],
-        recording.valid[start:stop],
-        tuple(gaps),
-        recording.rate_std,
-        None,
-        (*recording.notes, f"samples {start} to {stop - 1} of the file"),
-    )

@@ -1,6 +1,7 @@
 """Whatever the bytes: a recording or one sentence; no traceback, no runaway memory."""
 
 import io
+import json
 import os
 import tracemalloc
 from pathlib import Path
@@ -182,3 +183,54 @@ def test_a_mangled_universal_file_does_no_harm(
 )
 def test_odd_shapes_do_no_harm(tmp_path: Path, content: bytes) -> None:
     assert attempt(tmp_path, content) is None
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers(-(10**400), 10**400) | st.floats() | st.text(max_size=6),
+    lambda inner: st.lists(inner, max_size=12) | st.dictionaries(st.text(max_size=6), inner, max_size=6),
+    max_leaves=60,
+)
+
+
+@FUZZ
+@given(document=VALUES, key=st.sampled_from(["data", "t", "dt", "fs", "units", "x units"]))
+def test_any_json_is_read_or_refused_in_a_sentence(tmp_path: Path, document: object, key: str) -> None:
+    rows = [[0.01 * i, 0.02 * (-1) ** i] for i in range(20)]
+    attempt(tmp_path, json.dumps(document).encode())
+    attempt(tmp_path, json.dumps({"columns": ["t", "x"], "signal": rows, key: document}).encode())
+
+
+NAMES = st.sampled_from(
+    [
+        "t",
+        "t1",
+        "t2",
+        "x",
+        "x1",
+        "x2",
+        "Run 1: t",
+        "Run 2: x",
+        "ax",
+        "ay",
+        "az",
+        "dt",
+        "",
+        "run",
+        "theta",
+        "y",
+    ]
+)
+
+
+@FUZZ
+@given(data=st.data())
+def test_any_names_over_any_columns_do_no_harm(tmp_path: Path, data: st.DataObject) -> None:
+    width = data.draw(st.integers(1, 7))
+    names = [data.draw(NAMES) for _ in range(width)]
+    kinds = [data.draw(st.sampled_from(["time", "motion", "still", "count", "holes"])) for _ in range(width)]
+    made = {"time": T, "motion": U, "still": np.full(60, 9.8), "count": np.repeat([1.0, 2.0], 30), "holes": U}
+    rows = [
+        ";".join("" if kind == "holes" and i > 40 else f"{made[kind][i]:.9g}" for kind in kinds)
+        for i in range(60)
+    ]
+    attempt(tmp_path, "\n".join([";".join(names), *rows]).encode())

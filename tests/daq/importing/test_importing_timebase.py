@@ -135,8 +135,10 @@ def test_a_few_rows_out_of_order_are_sorted(tmp_path: Path) -> None:
     assert "out of order" in said(recording)
 
 
-def test_a_clock_that_starts_anew_is_refused_with_its_line(tmp_path: Path) -> None:
-    message = refusal(tmp_path, table(HEADER, np.concatenate((T[:200], T[:200])), U))
+def test_a_clock_that_jumps_back_into_the_record_is_refused_with_its_line(tmp_path: Path) -> None:
+    message = refusal(
+        tmp_path, table(HEADER, np.concatenate((T[:200], T[40:240])), U)
+    )  # into the record, not to its start
     assert "line 202, column 1" in message
     assert "jumps back" in message
 

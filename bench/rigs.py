@@ -1,0 +1,131 @@
+"""Real rigs with a known effect: what is named on each, singly and over several releases, and what that foretells."""
+
+import os
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: one thread is the fastest here
+
+TITLE = "Real rigs with a known effect"
+DATA = Path(os.environ.get("STATION_DATA", Path(__file__).resolve().parents[1] / ".." / "shared" / "data"))
+ROLL = {"columns": {"displacement": "phi"}}
+HARDENING = {"cubic_stiffness", "quintic_stiffness", "signed_quadratic_stiffness"}
+GROWING = {"quadratic_damping", "cubic_damping", "position_dependent_damping"}
+
+
+@dataclass(frozen=True)
+class Rig:
+    """Recordings of one rig: files, what is there (any one of each set must be named), and what else may be named."""
+
+    title: str
+    files: tuple[str, ...]
+    there: tuple[set[str], ...] = ()
+    also: frozenset[str] = frozenset()
+    options: tuple[tuple[str, object], ...] = ()
+
+
+SOFTENING = frozenset({"cubic_stiffness", "pendulum_stiffness", "hysteresis", "signed_quadratic_stiffness"})
+RIGS = (
+    Rig("pendulum in air", ("labelled/pendulum_in_air.csv",), (), frozenset({"pendulum_stiffness", "quadratic_damping"})),
+    Rig("pendulum in water", ("labelled/pendulum_in_water.csv",), (GROWING,), frozenset({"pendulum_stiffness"})),
+    Rig("pendulum from 1.6 rad", ("labelled/pendulum_large_angle.csv",), ({"pendulum_stiffness"},), frozenset({"quadratic_damping"})),
+    Rig("pendulum, encoder", tuple(f"rigs/pendulum_encoder_{i}.txt" for i in (1, 2, 3)), ({"pendulum_stiffness"},)),
+    Rig("pendulum, filmed", ("rigs/pendulum_filmed.txt",), (GROWING, {"pendulum_stiffness", "cubic_stiffness"})),
+    Rig("coil shorted", ("labelled/magnet_coil_shorted.csv",)),
+    Rig("coil open", ("labelled/magnet_coil_10kohm.csv",)),
+    Rig("tower alone", ("labelled/tower_alone.txt",), (), SOFTENING),
+    Rig("tower, pendulum locked", ("labelled/tower_pendulum_locked.txt",), (), SOFTENING),
+    Rig("tower, pendulum free", ("labelled/tower_pendulum_free.txt",), ({"second_mass"},), SOFTENING),
+    Rig("gauge without sphere", ("labelled/water_gauge_without_damper.txt",)),
+    Rig("gauge with sphere", ("labelled/water_gauge_with_damper.txt",), (GROWING,)),
+    Rig("wheel driven", ("labelled/wheel_driven_200mA.csv",), ({"harmonic_forcing"},)),
+    Rig("beam", tuple(f"rigs/beam_hammer_{i}.txt" for i in (1, 2, 3)), (HARDENING,), frozenset(GROWING)),
+    Rig("beam with magnets", tuple(f"rigs/beam_magnet_hammer_{i}.txt" for i in (1, 2)), (), frozenset(HARDENING | GROWING)),
+    Rig("torsion", ("rigs/torsion_ten_runs.csv",)),
+    Rig("torsion with magnets", ("rigs/torsion_magnet_free.csv",)),
+    Rig("second wheel", tuple(f"rigs/wheel2_{i:03d}mA.txt" for i in (0, 100, 200, 400)), (), frozenset({"cubic_stiffness", "hysteresis"})),
+    Rig("second wheel, 10 g", ("rigs/wheel2_10g.txt",), (), frozenset({"quadratic_stiffness", "bilinear_stiffness", "cubic_stiffness", "pendulum_stiffness"})),
+    Rig("wheel", tuple(f"pohl_wheel/brake_{i:03d}mA.csv" for i in (0, 100, 200, 400)), (), frozenset({"cubic_stiffness", "hysteresis"})),
+    Rig("ship", tuple(f"ship_roll/model_test_{i}.csv" for i in (21337, 21338)), (GROWING, HARDENING), options=(("columns", {"displacement": "phi"}),)),
+    Rig("ship at 15 knots", ("rigs/ship_15_knots.csv",), options=(("columns", {"displacement": "phi"}),)),
+    Rig("disc", tuple(f"spring_disc/release_{i}.csv" for i in (1, 2)), (GROWING,), frozenset({"hysteresis"})),
+    Rig("disc, small", ("spring_disc/release_4_small.csv",)),
+)  # fmt: skip
+
+
+def outcome(rig: Rig, named: set[str]) -> str:
+    """Return "right", "missed" (an effect that is there is not named) or "wrong" (a name that is not there)."""
+    allowed = set(rig.also).union(*rig.there)
+    if not named <= allowed:
+        return "wrong"
+    return "right" if all(named & group for group in rig.there) else "missed"
+
+
+def sessions_of(rig: Rig, folder: Path) -> list[str]:
+    """Import the files of a rig as published and return the folders of their sessions."""
+    from daq.importing.options import ImportOptions
+    from daq.session_info import SessionInfo
+    from station.results.sessions import import_file
+
+    found = []
+    for name in rig.files:
+        stem = name.replace("/", "_").replace(".", "_")
+        imported = import_file(
+            DATA / name, folder / stem, folder, ImportOptions(**dict(rig.options)), SessionInfo()
+        )
+        found += [str(session.folder) for session in imported.sessions]
+    return found
+
+
+def _said(names: list[str]) -> tuple[str, set[str], str, str, float]:
+    from identify.errors import NotIdentifiable
+    from station.operations.diagnosing import diagnose_sessions
+    from station.operations.session_set import open_sessions
+    from station.settings import Settings
+
+    began = time.perf_counter()
+    try:
+        found, _ = diagnose_sessions(open_sessions(tuple(names), Settings()))
+    except (NotIdentifiable, ValueError) as refusal:
+        return "refused", set(), "", str(refusal)[:80], time.perf_counter() - began
+    told = found.confirmation
+    foretold = ""
+    if told is not None:
+        foretold = f"{told.usual.typical('motion'):.3g} → {told.found.typical('motion'):.3g}"
+        foretold += f" ({told.better}/{told.parts})" if told.effects else ""
+    left = f"{found.baseline.fit.reduced:.3g} → {found.final.reduced:.3g}"
+    return found.verdict, set(found.named), foretold, left, time.perf_counter() - began
+
+
+def run(quick: bool) -> str:
+    """Return the table as markdown; says so where the recordings are not there."""
+    if not DATA.is_dir():
+        return "The recordings are not here (`../shared/data`, or the folder named by `STATION_DATA`)."
+    only = os.environ.get("RIGS", "")
+    rows, counts = [], {"right": 0, "missed": 0, "wrong": 0}
+    with tempfile.TemporaryDirectory() as made:
+        for rig in RIGS:
+            if only and not any(word in rig.title for word in only.split(",")):
+                continue
+            names = sessions_of(rig, Path(made))
+            sets = [names] if quick or len(names) == 1 else [names, *([name] for name in names)]
+            for place, chosen in enumerate(sets):
+                verdict, named, foretold, left, seconds = _said(chosen)
+                result = outcome(rig, named) if verdict != "refused" else "missed"
+                counts[result] += 1
+                which = "all" if len(chosen) > 1 else f"{place or 1}"
+                rows.append(
+                    f"| {rig.title} | {which} of {len(names)} | {verdict} | {' + '.join(sorted(named))} | {result} "
+                    f"| {foretold} | {left} | {seconds:.1f} |"
+                )
+                print(rows[-1], flush=True)
+    total = sum(counts.values())
+    head = "| rig | releases | verdict | named | | prediction error, % of the motion | chi-square | s |\n|---|---|---|---|---|---|---|---|"
+    return (
+        f"{head}\n"
+        + "\n".join(rows)
+        + f"\n\nOf {total} diagnoses {counts['right']} name what is there and nothing else, "
+        f"{counts['missed']} miss something that is there, {counts['wrong']} name what is not."
+    )

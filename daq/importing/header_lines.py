@@ -1,0 +1,172 @@
+"""The lines above the numbers of a text table: names, units, and what they say of the rate and of the unit."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from daq.importing.columns import meaning, split_unit
+from daq.importing.dialect import BLANK, COMMENTS, Dialect, is_comment, split
+from daq.importing.numbers import parse_number
+from daq.importing.units import parse_unit
+
+_NUMBER = r"([-+]?\d[\d.]*(?:[,.]\d+)?(?:[eE][-+]?\d+)?)"
+_RATE_NAMES = (
+    r"sampl\w*[\s_-]*(?:rate|freq\w*)|samplerate|abtastrate|abtastfrequenz|fr[eé]quence\s+d.[eé]chantillonnage|"
+    r"frecuencia\s+de\s+muestreo|frequenza\s+di\s+campionamento|frame[\s_-]*rate|bildrate|\bfps\b|\bfs\b"
+)
+_STEP_NAMES = (
+    r"sampl\w*[\s_-]*(?:interval|period|time|step)|abtastintervall|abtastzeit|time[\s_-]*step|zeitschritt|"
+    r"\bdt\b|\bts\b|\bdelta[\s_-]?t\b"
+)
+_RATE = re.compile(rf"(?:{_RATE_NAMES})\W*?{_NUMBER}\s*(k?Hz)?", re.I)
+_BARE_RATE = re.compile(rf"(?<![a-z])(?:rate|freq\w*)\W*?{_NUMBER}\s*(k?Hz|S/s|samples/s|fps)", re.I)
+_FRAMES = re.compile(rf"{_NUMBER}\s*(?:fps|frames\s*(?:/|per)\s*s(?:ec\w*)?)(?![a-z])", re.I)
+_STEP = re.compile(rf"(?:{_STEP_NAMES})\W*?{_NUMBER}\s*\(?\s*(s|sec\w*|ms|us|µs)?(?![a-z])", re.I)
+_SETTING_RATE = re.compile(rf"(?:{_RATE_NAMES}|rate|rate[\s_-]*hz)(?:[\s_-]*k?hz)?", re.I)
+_SETTING_STEP = re.compile(rf"(?:{_STEP_NAMES})(?:[\s_-]*(?:s|ms|us|sec))?", re.I)
+_ALONE = re.compile(rf"\W*{_NUMBER}\s*(k?Hz|S/s|sps)\W*", re.I)
+REMARKS = ("comment", "comments", "remark", "remarks", "notes", "kommentar")
+LONGEST_STEP = 10.0  # s; a larger number is a date, or the hour of the day
+_STEP_SCALE = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6}
+_SEPARATORS = re.compile(r"[;,\t|]\s*|\s{2,}")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A number that the lines above a table give a name: `sample_rate`, 1000, in line 2."""
+
+    name: str
+    value: float
+    line: int
+
+
+def headers(lines: Sequence[str], dialect: Dialect, skip: int, width: int) -> tuple[list[str], list[str]]:
+    """Return the header and the unit of each column from the lines above the numbers, "" where there is none.
+
+    Of several lines that could be the header, that one is taken whose cells say most; the nearest of equals.
+    """
+    above = []
+    settings = {s.line for s in settings_above(lines, dialect)}
+    for number in range(max(skip, dialect.start - 60), dialect.start):
+        line = lines[number]
+        if not line.strip() or {number + 1, number + 2} & settings:
+            continue
+        if width == 1 and _rate_in(line[:300], dialect.decimal) is not None:
+            continue
+        if is_comment(line):
+            line = line.lstrip().lstrip("".join(COMMENTS)).strip()
+        above.append([c.strip().strip('"').strip() for c in _header_cells(line, dialect.delimiter, width)])
+    fitting = [cells for cells in above if _fits(cells, width)]
+    if not fitting:
+        return [""] * width, [""] * width
+    units = [""] * width
+    if _is_unit_row(fitting[-1]):
+        units = _padded(fitting.pop(), width)
+        if not fitting:
+            return units, [""] * width
+    best = max(range(len(fitting)), key=lambda k: (_says(fitting[k], units) if width > 1 else 0, k))
+    return _padded(fitting[best], width), units
+
+
+def _says(cells: Sequence[str], units: Sequence[str]) -> int:
+    """Return how many cells of a line name a quantity."""
+    return sum(meaning(cell, unit).quantity is not None for cell, unit in zip(cells, units, strict=False))
+
+
+def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
+    """Cut a header line; between blanks `Time (s)` is one cell."""
+    if delimiter != BLANK or len(split(line, delimiter)) == width:
+        return split(line, delimiter)
+    for form in (r"\s{2,}|\t", r"\s+(?![\[(/])"):
+        cells = re.split(form, line.strip())
+        if len(cells) == width:
+            return cells
+    return split(line, delimiter)
+
+
+def _fits(cells: Sequence[str], width: int) -> bool:
+    named = [i for i, cell in enumerate(cells) if cell and cell.lower() not in REMARKS]
+    if not named or named[-1] >= width:
+        return False
+    return len(cells) >= width - 1 or len(named) == width
+
+
+def _padded(cells: Sequence[str], width: int) -> list[str]:
+    return [*cells, *[""] * width][:width]
+
+
+def _is_unit_row(cells: Sequence[str]) -> bool:
+    """Return whether every cell is a unit, in brackets or bare, and at least one is."""
+    bare = [cell.strip("()[] ") for cell in cells]
+    known = [parse_unit(cell) is not None for cell in bare if cell not in ("", "-", "1")]
+    bracketed = all(cell[0] in "([" and cell[-1] in ")]" for cell in cells if cell)
+    return bool(known) and (all(known) or (bracketed and any(known)))
+
+
+def settings_above(lines: Sequence[str], dialect: Dialect) -> tuple[Setting, ...]:
+    """Return the settings that stand as a line of names over a line of as many numbers, above the table."""
+    found = []
+    for i in range(min(dialect.start, 200) - 1):
+        names, numbers = _cells(lines[i]), _cells(lines[i + 1])
+        values = [parse_number(cell, dialect.decimal) for cell in numbers]
+        if len(names) != len(numbers) or not names[0] or len(names) < 2:
+            continue
+        if any(parse_number(name, dialect.decimal) is not None for name in names):
+            continue
+        if all(value is not None and value == value for value in values):
+            found += [Setting(n, v, i + 2) for n, v in zip(names, values, strict=True) if v is not None]
+    return tuple(found)
+
+
+def _cells(line: str) -> list[str]:
+    text = line.strip().lstrip("".join(COMMENTS)).strip().rstrip(",;|").strip()
+    return [cell.strip().strip('"') for cell in _SEPARATORS.split(text)]
+
+
+def rate_above(lines: Sequence[str], dialect: Dialect) -> tuple[float | None, str]:
+    """Return the sampling rate that the lines above the table name, and the line, or None."""
+    for setting in settings_above(lines, dialect):
+        if not 0.0 < setting.value < 1e9:
+            continue
+        if _SETTING_RATE.fullmatch(setting.name):
+            kilo = setting.name.lower().endswith("khz")
+            return setting.value * (1e3 if kilo else 1.0), f"line {setting.line}"
+        if _SETTING_STEP.fullmatch(setting.name):
+            return 1.0 / (setting.value * _step_scale(setting.name)), f"line {setting.line}"
+    for i, line in enumerate(lines[: min(dialect.start, 200)]):
+        rate = _rate_in(line[:300], dialect.decimal)
+        if rate is not None:
+            return rate, f"line {i + 1}"
+    return None, ""
+
+
+def _step_scale(name: str) -> float:
+    return next(
+        (scale for unit, scale in _STEP_SCALE.items() if re.search(rf"(?<![a-z]){unit}$", name, re.I)), 1.0
+    )
+
+
+def _rate_in(line: str, decimal: str) -> float | None:
+    for form in (_RATE, _BARE_RATE, _FRAMES, _STEP, _ALONE):
+        match = form.fullmatch(line) if form is _ALONE else form.search(line)
+        number = parse_number(match[1], "," if decimal == "," else ".") if match else None
+        if match is None or number is None or not 0.0 < number < 1e9:
+            continue
+        unit = (match[2] or "").lower() if form is not _FRAMES else ""
+        if form is _STEP:
+            step = number * _STEP_SCALE.get(unit, 1.0)
+            if step > LONGEST_STEP or line[match.end(1) : match.end(1) + 1] in (":", "-", "/"):
+                continue
+            return 1.0 / step
+        return number * (1e3 if unit == "khz" else 1.0)
+    return None
+
+
+def motion_unit(settings: Sequence[Setting]) -> tuple[str, str, int] | None:
+    """Return quantity, unit and line of the one kind of motion that the settings name, as `trigger_start_deg` does."""
+    found = {}
+    for setting in settings:
+        _, text, unit = split_unit(setting.name)
+        if unit is not None and unit.quantity in ("displacement", "velocity", "acceleration"):
+            found[(unit.quantity, text)] = setting.line
+    return next(((q, text, line) for (q, text), line in found.items()), None) if len(found) == 1 else None

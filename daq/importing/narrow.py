@@ -1,0 +1,91 @@
+"""Of several columns that could be one quantity: those that stand still, or only repeat another, are not meant."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from daq.importing.columns import Meaning, split_unit, words
+from daq.importing.quantisation import quantum
+from daq.importing.still import moving
+from daq.importing.table import SourceColumn
+from daq.recording import Array
+
+TOTALS = frozenset({"absolute", "abs", "total", "norm", "resultant", "modulus", "betrag", "absolut"})
+DRIVES = frozenset({
+    "actuator", "applied", "input", "excitation", "drive", "driving", "exciter", "shaker", "erreger", "anregung", "hammer",
+})  # fmt: skip
+FEWEST = 8
+
+
+def narrowed(
+    columns: Sequence[SourceColumn], said: Mapping[int, Meaning], quantity: str
+) -> tuple[list[SourceColumn], list[str]]:
+    """Return those of several columns that could be meant, and a sentence on each reason to leave others out."""
+    notes: list[str] = []
+    left = _kept(
+        columns, [not set(words(c.label)) & TOTALS for c in columns], "{} is the size of a vector", notes
+    )
+    left = _kept(left, _moving(left, said), "{} stands still beside the others", notes)
+    left = _kept(left, _own(left, said), "{} repeats another column in another unit", notes)
+    if quantity == "force":
+        drives = [bool(set(words(c.label)) & DRIVES) for c in left]
+        if sum(drives) == 1 and len(left) > 1:
+            left = _kept(left, drives, "{} is not the force that drives", notes)
+    return left, notes
+
+
+def _kept(
+    columns: Sequence[SourceColumn], keep: Sequence[bool], why: str, notes: list[str]
+) -> list[SourceColumn]:
+    kept = [c for c, good in zip(columns, keep, strict=True) if good]
+    if not kept:
+        return list(columns)
+    notes += [why.format(c.place) + ": left out" for c, good in zip(columns, keep, strict=True) if not good]
+    return kept
+
+
+def _moving(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> list[bool]:
+    """Compare the channels of one kind: of the same name but for a number or a letter, in the same unit."""
+    kinds = [(_kind(c), said[c.number].unit_text) for c in columns]
+    keep: dict[int, bool] = {}
+    for kind in set(kinds):
+        alike = [c for c, own in zip(columns, kinds, strict=True) if own == kind]
+        keep |= dict(zip((c.number for c in alike), moving([c.values for c in alike]), strict=True))
+    return [keep[c.number] for c in columns]
+
+
+def _kind(column: SourceColumn) -> tuple[str, ...]:
+    bare = [word.rstrip("0123456789") for word in words(split_unit(column.label)[0])]
+    return tuple(w for w in bare if len(w) > 1) or tuple(w for w in bare if w)
+
+
+def _own(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> list[bool]:
+    """Return which columns are not, to within the rounding of their numbers, an earlier one of another unit times a
+    constant.
+    """
+
+    def repeats(column: SourceColumn, other: SourceColumn) -> bool:
+        units = {said[c.number].unit_text for c in (column, other)}
+        return len(units) == 2 and _repeats(column.values, other.values)
+
+    return [not any(repeats(c, b) for b in columns[:k]) for k, c in enumerate(columns)]
+
+
+def _repeats(values: Array, other: Array) -> bool:
+    there = np.isfinite(values) & np.isfinite(other)
+    if np.count_nonzero(there) < FEWEST or np.count_nonzero(there) < 0.9 * np.count_nonzero(
+        np.isfinite(values)
+    ):
+        return False
+    y, x = values[there], other[there]
+    power = float(x @ x) if np.max(np.abs(x)) < 1e100 and np.max(np.abs(y)) < 1e100 else 0.0
+    if power == 0.0 or np.ptp(x) == 0.0:
+        return False
+    factor = float(x @ y) / power
+    rounding = 0.5 * (_step(y) + abs(factor) * _step(x))
+    return factor != 0.0 and bool(np.mean(np.abs(y - factor * x) <= 1.1 * rounding) > 0.98)
+
+
+def _step(values: Array) -> float:
+    """Return the step of the large numbers: some programs write small ones with more decimals."""
+    return quantum(values[np.abs(values) >= 0.05 * np.max(np.abs(values))])

@@ -1,0 +1,240 @@
+"""Several releases side by side in one table: the columns of each, told by their names."""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from daq.importing.columns import meaning, split_unit, words
+from daq.importing.options import ImportOptions
+from daq.importing.still import moving
+from daq.importing.table import SourceColumn, Table
+
+Named = tuple[str, str]
+MOTIONS = ("displacement", "velocity", "acceleration")
+FEWEST_ROWS = 8
+FEWEST_IN_A_PIECE = 50
+_WORDS = (
+    "run|trial|test|messung|versuch|lauf|durchgang|release|take|repeat|repetition|series|serie|reihe|essai|mesure|"
+    "prova|ensayo|meting|data ?set|recording|decay"
+)
+_BY_WORD = re.compile(
+    rf"[\s,_:;./-]*(?<![a-z])(?:{_WORDS})[\s_]*(?:nr|no)?[\s._#:-]*(\d{{1,4}}|(?-i:[A-H]))(?![a-z0-9])[\s,:;_-]*",
+    re.I,
+)
+_LATEST = re.compile(r"(latest)\s*:\s*", re.I)
+_BY_NUMBER = re.compile(r"(.*[^\d\W_])[\s._#-]*(\d{1,3})")
+_BY_LETTER = re.compile(r"(.*\S)[\s_]([A-H])")
+_COPY = re.compile(r"(.*\S)\.\d{1,3}")
+_COLUMN = re.compile(rf"(?:{_WORDS})[\s_]*(?:id|nr|no|number|index|#)?\.?", re.I)
+
+
+def find_runs(table: Table, options: ImportOptions) -> list[Table]:
+    """Return the table of each run, in the order of the file, or the table itself when it holds one recording.
+
+    Runs are found by a word and a number in the names (`Angle (rad) Run #3`), by numbers or capital letters at their
+    end (`t1 theta1 t2 theta2`, `Time A`, `Time B`), by names that repeat, by columns of time without any name, by a
+    column that numbers the runs row by row, or by a time that begins again. Where runs stand side by side, each has a
+    time of its own, or all share one (for bare numbers only where the operator asks for a run: `x1` and `x2` may be two
+    masses).
+    """
+    if _names_its_time(table, options):
+        return [table]
+    shared = options.run is not None
+    found = (
+        _by_names(table, _word, shared=True)
+        or _by_names(table, _number, shared=shared)
+        or _by_names(table, _letter, shared=shared)
+        or _by_repetition(table)
+        or _by_rising(table)
+        or _by_row(table)
+        or _by_restart(table)
+    )
+    return _asked_for(found, options) if found else [table]
+
+
+def without_still(runs: Sequence[Table]) -> tuple[list[Table], tuple[str, ...]]:
+    """Leave out the runs in which nothing moves beside the others; the notes say which."""
+    still = []
+    for table in runs:
+        motions = [(c.label, c) for c in table.columns if meaning(c.label, c.unit).quantity in MOTIONS]
+        alike = [[c.values for r in runs for c in r.columns if c.label == label] for label, _ in motions]
+        rests = [
+            not moving([column.values, *others])[0]
+            for (_, column), others in zip(motions, alike, strict=True)
+        ]
+        still.append(bool(rests) and all(rests))
+    notes = tuple(
+        f"run {table.run} was left out: {_listed(table)} stand still"
+        for table, rests in zip(runs, still, strict=True)
+        if rests
+    )
+    return [table for table, rests in zip(runs, still, strict=True) if not rests], notes
+
+
+def _listed(table: Table) -> str:
+    return ", ".join(c.place for c in table.columns if not _is_time(c))
+
+
+def _names_its_time(table: Table, options: ImportOptions) -> bool:
+    """Return whether the operator chose the time column himself, so that nothing is left to be found."""
+    wanted = str(options.columns.get("time", "")).strip()
+    return bool(wanted) and any(wanted in (c.label, str(c.number)) for c in table.columns)
+
+
+def _word(column: SourceColumn) -> Named | None:
+    match = _BY_WORD.search(column.label) or _LATEST.match(column.label)
+    if match is None:
+        return None
+    rest = f"{column.label[: match.start()]} {column.label[match.end() :]}".strip(" ,:;_-")
+    return rest, match[1]
+
+
+def _number(column: SourceColumn) -> Named | None:
+    return _at_the_end(column, _BY_NUMBER)
+
+
+def _letter(column: SourceColumn) -> Named | None:
+    match = _BY_LETTER.fullmatch(column.label.strip())  # before units: the A of `Time A` is no ampere
+    return (match[1], match[2]) if match else _at_the_end(column, _BY_LETTER)
+
+
+def _at_the_end(column: SourceColumn, form: re.Pattern[str]) -> Named | None:
+    name, unit, _ = split_unit(column.label)
+    match = form.fullmatch(name)
+    if match is None:
+        return None
+    return (f"{match[1].strip()} ({unit})" if unit else match[1].strip()), match[2].lstrip("0") or "0"
+
+
+def _by_names(table: Table, name_of: Callable[[SourceColumn], Named | None], *, shared: bool) -> list[Table]:
+    groups: dict[str, list[SourceColumn]] = {}
+    rest = []
+    for column in table.columns:
+        named = name_of(column)
+        if named is None:
+            rest.append(column)
+        else:
+            groups.setdefault(named[1], []).append(_called(column, named[0]))
+    times = [c for c in rest if _is_time(c)]
+    if times and (not shared or any(_is_time(c) for columns in groups.values() for c in columns)):
+        return []
+    return _accepted(table, groups, times)
+
+
+def _called(column: SourceColumn, name: str) -> SourceColumn:
+    """Return a column under its name in the run; one that is only called `run 2` is the displacement."""
+    if name or column.unit:
+        return replace(column, label=name)
+    return replace(column, label="", quantity=column.quantity or "displacement")
+
+
+def _by_repetition(table: Table) -> list[Table]:
+    seen: dict[str, int] = {}
+    groups: dict[str, list[SourceColumn]] = {}
+    for column in table.columns:
+        match = _COPY.fullmatch(column.label)
+        label = match[1] if match else column.label
+        key = f"{' '.join(words(label)) or label} {column.unit}"
+        seen[key] = seen.get(key, 0) + 1
+        groups.setdefault(str(seen[key]), []).append(replace(column, label=label))
+    return _accepted(table, groups, [])
+
+
+def _by_rising(table: Table) -> list[Table]:
+    """Cut a table without names at its columns of time."""
+    if any(words(c.label) for c in table.columns):
+        return []
+    groups: dict[str, list[SourceColumn]] = {}
+    for column in table.columns:
+        if rises_evenly(column):
+            groups[str(len(groups) + 1)] = [replace(column, label="time", quantity="time")]
+        elif groups:
+            groups[str(len(groups))].append(column)
+        else:
+            return []
+    return _accepted(table, groups, [])
+
+
+def rises_evenly(column: SourceColumn) -> bool:
+    """Return whether the numbers that are there rise all the way in steps that are nearly alike."""
+    values = column.values[np.isfinite(column.values)]
+    if column.bad is not None or len(values) < FEWEST_ROWS or not np.max(np.abs(values)) < 1e100:
+        return False
+    steps = np.diff(values)
+    return bool(np.all(steps > 0.0) and np.max(steps) < 20.0 * np.median(steps))
+
+
+def _by_row(table: Table) -> list[Table]:
+    """Cut the rows of a table at a column that numbers its runs."""
+    column = next((c for c in table.columns if _COLUMN.fullmatch(c.label.strip())), None)
+    if column is None or column.bad is not None or len(table.columns) < 2:
+        return []
+    numbers = column.values
+    if not np.isfinite(numbers).all() or np.any(numbers != np.rint(numbers)):
+        return []
+    edges = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), len(numbers)]
+    pieces = list(pairwise(edges))
+    if not 2 <= len(pieces) <= 1000 or min(b - a for a, b in pieces) < FEWEST_ROWS:
+        return []
+    rest = [c for c in table.columns if c is not column]
+    return [_part(table, f"{numbers[a]:.0f}", rest, np.arange(a, b)) for a, b in pieces]
+
+
+def _by_restart(table: Table) -> list[Table]:
+    """Cut the rows of a table where its time begins again."""
+    times = [c for c in table.columns if _is_time(c) and not c.clock]
+    if len(times) != 1 or times[0].bad is not None or not np.isfinite(times[0].values).all():
+        return []
+    time = times[0].values
+    steps = np.diff(time)
+    starts = [0, *(np.flatnonzero(steps < 0.0) + 1).tolist()]
+    pieces = list(pairwise([*starts, len(time)]))
+    typical = float(np.median(np.abs(steps))) if len(steps) else 0.0
+    alike = all(abs(time[a] - time[0]) <= 2.0 * typical for a, _ in pieces)
+    if not 2 <= len(pieces) <= 1000 or min(b - a for a, b in pieces) < FEWEST_IN_A_PIECE or not alike:
+        return []
+    return [_part(table, str(k), table.columns, np.arange(a, b)) for k, (a, b) in enumerate(pieces, start=1)]
+
+
+def _accepted(table: Table, groups: dict[str, list[SourceColumn]], shared: list[SourceColumn]) -> list[Table]:
+    """Return the runs if there are several, and each has one time and something beside it."""
+    parts = []
+    for run, columns in groups.items():
+        own = [c for c in columns if _is_time(c)]
+        times = own or shared
+        if len(times) != 1 or len(columns) == len(own):
+            return []
+        beside = [c for c in columns if c not in own]
+        there = np.isfinite(times[0].values) & np.any([np.isfinite(c.values) for c in beside], axis=0)
+        rows = np.flatnonzero(there)
+        if len(rows) < FEWEST_ROWS:
+            continue
+        kept = [c for c in [*times, *beside] if c.bad is not None or np.isfinite(c.values).any()]
+        parts.append(_part(table, run, kept, np.arange(rows[0], rows[-1] + 1)))
+    return parts if len(groups) > 1 else []
+
+
+def _is_time(column: SourceColumn) -> bool:
+    return column.clock or (column.quantity or meaning(column.label, column.unit).quantity) == "time"
+
+
+def _part(table: Table, run: str, columns: Sequence[SourceColumn], rows: NDArray[np.int64]) -> Table:
+    cut = tuple(replace(c, values=c.values[rows]) for c in columns)
+    lines = None if table.lines is None else table.lines[rows]
+    numbers = ", ".join(str(c.number) for c in columns)
+    note = f"run {run} of the file: columns {numbers}, {len(rows)} rows"
+    return replace(table, columns=cut, lines=lines, run=run, notes=(*table.notes, note))
+
+
+def _asked_for(runs: list[Table], options: ImportOptions) -> list[Table]:
+    """Return the runs that hold the columns which the operator chose by number, if he did."""
+    numbers = {str(wanted).strip() for wanted in options.columns.values()}
+    numbers = {text for text in numbers if text.isdigit()}
+    if not numbers:
+        return runs
+    holding = [t for t in runs if numbers <= {str(c.number) for c in t.columns}]
+    return holding or runs

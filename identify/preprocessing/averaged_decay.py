@@ -1,0 +1,109 @@
+"""The averaged decay: a record far faster than its motion, averaged to what a fit needs; no reading is thrown away.
+
+A block's mean lags behind nothing and loses little: with 64 blocks a cycle it is 4e-4 smaller than the motion in its
+middle, alike in every channel, so that only the amplitude is read so much too small; a third harmonic loses 3.6e-3 of
+itself. Both lie below the noise of a thousand readings. White noise falls with the root of the block's length.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from identify.arrays import Array, Mask
+from identify.free_decay import FreeDecay
+from identify.preprocessing.aligned_decay import AlignedDecay
+from identify.preprocessing.decimation import average_blocks, flat_frequency
+from identify.preprocessing.noise import Noise, noise_of
+from identify.preprocessing.release import Release
+from identify.preprocessing.usable import CHANNELS, valid_samples
+from identify.signal.fractional_delay import bridge
+
+BLOCKS_A_CYCLE = 64
+"""Blocks a cycle that a fit needs at least; the simulator takes twice as many steps."""
+
+FEW = 4096
+"""Samples of motion that are fitted as they are, however fast; an average leaves half as many at least."""
+
+_HELD = 0.5
+"""Share of a block's readings that must be there; the others are bridged."""
+
+_DISAGREE = 4.0
+"""Standard errors by which the noise of the blocks may differ from what white noise leaves."""
+
+
+def averaged(aligned: AlignedDecay) -> tuple[AlignedDecay, int]:
+    """Return an aligned decay with 64 to 128 samples a cycle, and how many readings make one; unchanged where few.
+
+    Blocks begin at the release. Lost readings are bridged unless they are half of their block, which is then lost.
+    The noise of the blocks is that of the readings over the root of their number, unless the blocks say otherwise:
+    noise that is not white falls less.
+    """
+    record = aligned.recorded
+    block = _block(record)
+    if block < 2:
+        return aligned, 1
+    recorded, begins = _average(record, aligned.lost, block)
+    decay, _ = _average(aligned.decay, {}, block)
+    noise = _noise(aligned.noise, recorded, block)
+    std = {f"noise_{name}": max(found.std, 1e-300) for name, found in noise.items()}
+    skipped = record.start % block
+    lost = {name: _lost(mask, skipped, block, len(recorded)) for name, mask in aligned.lost.items()}
+    return replace(
+        aligned,
+        recorded=recorded.with_(**std),
+        release=_release(aligned.release, recorded, begins, skipped, block),
+        noise=noise,
+        lost=lost,
+        decay=decay.with_(**std),
+    ), block
+
+
+def _block(record: FreeDecay) -> int:
+    reading = next(r for c in CHANNELS if (r := getattr(record, c)) is not None)[record.start :]
+    most = len(reading) // (FEW // 2)
+    frequency = flat_frequency(reading, record.rate) if len(reading) > FEW else 0.0
+    return min(int(record.rate / frequency / BLOCKS_A_CYCLE), most) if frequency > 0.0 else 1
+
+
+def _average(decay: FreeDecay, lost: dict[str, Mask], block: int) -> tuple[FreeDecay, float]:
+    """Return the averaged decay, lost readings bridged, and the time of its first sample, s."""
+    there = valid_samples(decay)
+    whole = {
+        name: bridge(values, there & ~lost.get(name, np.zeros(len(decay), dtype=np.bool_)))
+        for name in CHANNELS
+        if (values := getattr(decay, name)) is not None
+    }
+    found, begins = average_blocks(decay.with_(**whole, valid=None), block)
+    held = _share(there, decay.start % block, block, len(found)) > _HELD
+    return found.with_(valid=None if held.all() else held), begins
+
+
+def _share(mask: Mask, skipped: int, block: int, count: int) -> Array:
+    return np.asarray(mask[skipped:][: count * block].reshape(count, block).mean(axis=1))
+
+
+def _lost(mask: Mask, skipped: int, block: int, count: int) -> Mask:
+    return np.asarray(_share(mask, skipped, block, count) >= 1.0 - _HELD)
+
+
+def _noise(before: dict[str, Noise], recorded: FreeDecay, block: int) -> dict[str, Noise]:
+    measured = noise_of(recorded)
+    result = {}
+    for name, raw in before.items():
+        root = float(np.sqrt(block))
+        white = Noise(raw.std / root, raw.uncertainty / root, raw.source)
+        apart = abs(measured[name].std - white.std)
+        doubt = float(np.hypot(measured[name].uncertainty, white.uncertainty))
+        result[name] = measured[name] if apart > _DISAGREE * doubt else white
+    return result
+
+
+def _release(release: Release, recorded: FreeDecay, begins: float, skipped: int, block: int) -> Release:
+    return replace(
+        release,
+        time_s=release.time_s - begins,
+        index=recorded.start,
+        settle=-(-(release.settle - skipped) // block),
+        end=min(max((release.end - skipped) // block, 0), len(recorded)),
+        rest=recorded.rest,
+    )

@@ -1,0 +1,68 @@
+"""The part of a record in which the mass swings freely, after a push or a drive that stops."""
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+from identify.arrays import Array
+from identify.free_decay import FreeDecay
+from identify.signal.oscillation import dominant_frequency
+
+GROWN = 0.6
+"""A motion that was once below this share of its largest amplitude, earlier, has been pushed or driven."""
+
+STEADY = 3.0
+"""A plateau that lasts this many times as long as the decay takes to fall by as much again was driven."""
+
+DECAYED = 0.6
+LEFT = 0.1
+"""A motion that ends above the first share of its largest amplitude, or holds a level above the second one over the
+last third of its record, is still being driven, or too short to tell."""
+
+FEWEST_PERIODS = 4.0
+
+
+def free_from(decay: FreeDecay) -> tuple[int, str] | None:
+    """Return the sample from which the mass swings freely and what came before it, or None where the motion decays from
+    the beginning, or does not decay.
+
+    The amplitude is half the span of one period. A motion that grows was pushed; one whose amplitude stays within 10 %
+    for three times as long as it then takes to lose the next 10 % was driven, which no damping law does.
+    """
+    values = next(v for v in (decay.displacement, decay.velocity, decay.acceleration) if v is not None)
+    known = np.isfinite(values) & decay.valid
+    if np.count_nonzero(known) < 8:
+        return None
+    filled = np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])
+    frequency = dominant_frequency(filled, decay.rate, 0 if decay.displacement is not None else 1)
+    if frequency <= 0.0 or len(filled) * frequency / decay.rate < FEWEST_PERIODS:
+        return None
+    period = max(2, round(decay.rate / frequency))
+    amplitude = _amplitude(filled, period)
+    largest = float(amplitude.max())
+    if largest <= 0.0 or _goes_on(amplitude[period // 2 : -(period // 2) or None], largest):
+        return None
+    high = np.flatnonzero(amplitude >= 0.9 * largest)
+    fallen = np.flatnonzero(amplitude[high[-1] :] < 0.8 * largest)
+    if not len(fallen):
+        return None
+    steady = int(high[-1] - high[0]) > STEADY * max(int(fallen[0]), period)
+    if steady:
+        top = int(np.flatnonzero(amplitude >= 0.95 * largest)[-1])
+        return min(top + period // 2, len(values) - 1), "a drive that stops"
+    top = int(np.argmax(amplitude))
+    if top > period and float(amplitude[:top].min()) < GROWN * largest:
+        return min(top + period // 2, len(values) - 1), "a push"
+    return None
+
+
+def _goes_on(amplitude: Array, largest: float) -> bool:
+    """Return whether the motion does not die away."""
+    if not len(amplitude):
+        return True
+    end, before = float(amplitude[-1]), float(amplitude[2 * len(amplitude) // 3])
+    return end > DECAYED * largest or (end > LEFT * largest and end > 0.9 * before)
+
+
+def _amplitude(values: Array, period: int) -> Array:
+    span: Array = 0.5 * (maximum_filter1d(values, period) - minimum_filter1d(values, period))
+    return span

@@ -1,0 +1,252 @@
+"""Phones, cameras and loggers: axes with gravity, x and y of a bob, time steps, settings above the numbers, JSON."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from import_files import OMEGA, RATE, load, refusal, said, swing, table, write
+
+from daq.importing import read_runs
+from daq.recording import Array
+
+GRAVITY = 9.80665
+
+
+def phone(n: int = 300, moving: int = 0) -> tuple[Array, list[Array]]:
+    """Return the moving acceleration and the three axes of a phone that stands nearly upright."""
+    noise = np.random.default_rng(7)
+    _, _, _, a = swing(n)
+    axes = [offset + 0.01 * noise.standard_normal(n) for offset in (0.39, 0.26, 9.74)]
+    axes[moving] = axes[moving] + 4.0 * a
+    return 4.0 * a, axes
+
+
+STEPS = np.array([0.0, *np.tile([20.0, 20.0, 20.0, 21.0], 80)])
+
+
+@pytest.mark.parametrize("moving", [0, 1, 2])
+@pytest.mark.parametrize("separator", [" ", "   ", "\t", ";"])
+def test_a_phone_without_names_gives_the_axis_that_moves(tmp_path: Path, moving: int, separator: str) -> None:
+    motion, axes = phone(moving=moving)
+    recording = load(tmp_path, table("", *axes, STEPS[:300], delimiter=separator) + "\n\n# Completed @Wed\n")
+    assert recording.rate == pytest.approx(1000 / 20.25, rel=1e-3)
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("acceleration", "m/s^2")]
+    assert np.std(recording.samples[0] - motion) < 0.05
+    assert abs(np.median(recording.samples[0])) < 1e-9
+    assert "their mean vector is gravity" in said(recording)
+    assert "steps of about 20 ms" in said(recording)
+
+
+def test_the_names_of_a_phone_are_found_among_its_remarks(tmp_path: Path) -> None:
+    _, axes = phone()
+    above = "# so we have 4 columns\n# X Y Z time_from_previous_sample(ms)\n\n# gravity NOT filtered out"
+    recording = load(tmp_path, table(above, *axes, STEPS[:300], delimiter=" "))
+    assert recording.channels[0].name == "X"
+    assert recording.channels[0].quantity == "acceleration"
+
+
+@pytest.mark.parametrize(
+    "header",
+    ["time,ax,ay,az", "Time (s),Acceleration x (m/s^2),Acceleration y (m/s^2),Acceleration z (m/s^2)"],
+)
+def test_axes_with_names_are_chosen_and_their_offset_goes(tmp_path: Path, header: str) -> None:
+    motion, axes = phone(moving=1)
+    text = table(header, np.arange(300) / RATE, *axes)
+    recording = load(tmp_path, text)
+    assert np.std(recording.samples[0] - motion) < 0.05
+    kept = load(tmp_path, text, keep_offset=True)
+    assert np.median(kept.samples[0]) == pytest.approx(0.26, abs=0.2)
+    third = load(tmp_path, text, columns={"acceleration": 4})
+    assert abs(np.median(third.samples[0])) < 1e-9
+
+
+def test_axes_in_g_are_axes_too(tmp_path: Path) -> None:
+    motion, axes = phone(moving=2)
+    recording = load(
+        tmp_path, table("t (s),ax (g),ay (g),az (g)", np.arange(300) / RATE, *(a / GRAVITY for a in axes))
+    )
+    assert np.std(recording.samples[0] - motion) < 0.05
+
+
+def test_axes_called_g_are_in_g(tmp_path: Path) -> None:
+    motion, axes = phone(moving=2)
+    total = np.sqrt(sum(a**2 for a in axes))
+    text = table("time,gFx,gFy,gFz,TgF", np.arange(300) / RATE, *(a / GRAVITY for a in (*axes, total)))
+    recording = load(tmp_path, text)
+    assert [c.name for c in recording.channels] == ["gFz"]
+    assert np.std(recording.samples[0] - motion) < 0.05
+
+
+def test_of_a_gyroscope_the_axis_that_turns_is_taken(tmp_path: Path) -> None:
+    t, _, v, _ = swing()
+    names = ",".join(f"Gyroscope {axis} (rad/s)" for axis in "xyz")
+    recording = load(tmp_path, table(f"Time (s),{names},Absolute (rad/s)", t, 0.1 * v, v, 0.0 * v, np.abs(v)))
+    assert [(c.name, c.quantity) for c in recording.channels] == [("Gyroscope y (rad/s)", "velocity")]
+
+
+def test_counts_beside_a_time_are_a_displacement_in_counts(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    recording = load(tmp_path, table("millis,counts", 1e3 * t, np.round(5e4 * x), form="%.0f"))
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "count")]
+    assert recording.rate == pytest.approx(RATE)
+
+
+def test_a_line_with_a_rate_is_no_name_of_a_column(tmp_path: Path) -> None:
+    _, x, _, _ = swing()
+    recording = load(tmp_path, table("# x in mm\n# 100 Hz", 1e3 * x))
+    assert (recording.rate, recording.channels[0].unit) == (100.0, "m")
+    message = refusal(tmp_path, table("Sampling frequency = 100 Hz", 1e3 * x))
+    assert "--column displacement=1 " in message
+
+
+def test_the_value_over_x_of_a_labview_file_is_a_time(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    above = "LabVIEW Measurement\nSeparator\tTab\n***End_of_Header***\nX_Value\tPosition (mm)\tComment"
+    recording = load(tmp_path, table(above, t, 1e3 * x, delimiter="\t"), "a.lvm")
+    assert recording.rate == pytest.approx(RATE)
+
+
+def test_axes_that_move_alike_are_not_guessed(tmp_path: Path) -> None:
+    _, axes = phone()
+    axes[1] = axes[1] + (axes[0] - 0.39)
+    assert "--column acceleration=" in refusal(tmp_path, table("t,ax,ay,az", np.arange(300) / RATE, *axes))
+
+
+def test_one_axis_with_gravity_loses_it_and_one_without_keeps_its_mean(tmp_path: Path) -> None:
+    t, _, _, a = swing(260)  # two periods and more
+    held = load(tmp_path, table("Time (s),Ay (m/s²)", t, a + 9.79))
+    assert np.median(held.samples[0]) == pytest.approx(0.0, abs=1e-9)
+    assert "gravity" in said(held)
+    free = load(tmp_path, table("Time (s),Ay (m/s²)", t, a + 3.0))
+    np.testing.assert_allclose(free.samples[0], a + 3.0, rtol=1e-8)
+
+
+def angle(n: int = 400) -> tuple[Array, Array]:
+    """Return the time and the angle of a swing of 0.5 rad, 30 frames a second."""
+    t = np.arange(n) / 30.0
+    return t, 0.5 * np.exp(-0.02 * t) * np.cos(OMEGA / 3 * t)
+
+
+@pytest.mark.parametrize("header", ["", "t,x,y", "frame time (s),x (m),y (m)"])
+def test_x_and_y_of_a_bob_become_its_angle(tmp_path: Path, header: str) -> None:
+    t, phi = angle()
+    recording = load(tmp_path, table(header, t, 1.18 * np.sin(phi), -1.18 * np.cos(phi)))
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "rad")]
+    np.testing.assert_allclose(recording.samples[0], phi, atol=1e-7)
+    assert "atan2(x, -y)" in said(recording)
+
+
+def test_a_picture_whose_y_counts_downwards_gives_the_same_angle(tmp_path: Path) -> None:
+    t, phi = angle()
+    recording = load(tmp_path, table("t,x,y", t, 300 * np.sin(phi), 300 * np.cos(phi)))
+    np.testing.assert_allclose(recording.samples[0], phi, atol=1e-6)
+
+
+def test_the_pivot_is_found_where_the_origin_is_elsewhere_and_the_columns_are_named(tmp_path: Path) -> None:
+    t, phi = angle()
+    text = table("t,x,y", t, 4.0 + 1.2 * np.sin(phi), 2.0 - 1.2 * np.cos(phi))
+    recording = load(tmp_path, text, angle_from=("x", "y"))
+    np.testing.assert_allclose(recording.samples[0], phi, atol=1e-5)
+    assert "pivot at x = 4, y = 2" in said(recording)
+    numbered = load(tmp_path, text, angle_from=("2", "3"))
+    np.testing.assert_array_equal(numbered.samples, recording.samples)
+    assert "could be the displacement" in refusal(tmp_path, text)
+
+
+def test_x_and_y_that_lie_on_no_arc_are_not_an_angle(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    text = table("t,x,y", t, x, 0.3 * np.roll(x, 40))
+    assert "could be the displacement" in refusal(tmp_path, text)
+    assert "do not lie on an arc" in refusal(tmp_path, text, angle_from=("x", "y"))
+
+
+@pytest.mark.parametrize(
+    "header", ["trigger_start_deg, sample_rate, duration_sec\n45, 100, 2 ", "rate;start_deg;n\n100;45;200"]
+)
+def test_settings_above_a_single_column_give_its_rate_and_unit(tmp_path: Path, header: str) -> None:
+    _, x, _, _ = swing()
+    recording = load(tmp_path, table(header, 1e3 * x, form="%.4f"))
+    assert recording.rate == 100.0
+    np.testing.assert_allclose(recording.samples[0], np.radians(1e3 * x), atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Sampling rate: 100 Hz", "# dt = 0.01 s", "Sample interval: 10 ms", "Abtastrate 0.1 kHz", "fps: 100",
+     "100 frames per second", "Rate: 100 Hz"],
+)  # fmt: skip
+def test_the_rate_is_read_from_a_line_above(tmp_path: Path, line: str) -> None:
+    _, x, _, _ = swing()
+    assert load(tmp_path, table(f"{line}\nx (mm)", 1e3 * x)).rate == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize("name", ["dt (s)", "Delta_t [s]", "time since last (s)", "diff (s)"])
+def test_a_column_of_time_steps_with_a_name_is_summed_up(tmp_path: Path, name: str) -> None:
+    _, x, _, _ = swing()
+    recording = load(tmp_path, table(f"x (m),{name}", x, np.full(200, 0.01)))
+    assert recording.rate == pytest.approx(100.0)
+
+
+def test_a_velocity_is_enough(tmp_path: Path) -> None:
+    t, _, v, _ = swing()
+    above = (
+        "Source File Name:\tt3\nSignal:\tTime - Vib Velocity - Samples\n\nTime\tTime Signal\n[ s ]\t[ m/s ]"
+    )
+    recording = load(tmp_path, table(above, t, v, delimiter="\t"))
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("velocity", "m/s")]
+
+
+T, X, V, A = swing()
+ROWS = np.column_stack([T, 1e3 * X]).tolist()
+JSON = {
+    "rows with names": {"columns": ["t (s)", "x (mm)"], "data": ROWS},
+    "rows with a header": [["t (s)", "x (mm)"], *ROWS],
+    "records": [{"t (s)": t, "x (mm)": x} for t, x in ROWS],
+    "columns": {"t (s)": T.tolist(), "x (mm)": (1e3 * X).tolist(), "rig": "spring"},
+    "columns and a rate": {"meta": {"sample rate": 100}, "signals": {"x (mm)": (1e3 * X).tolist()}},
+    "columns and a step": {"dt": 0.01, "x": (1e3 * X).tolist(), "units": {"x": "mm"}},
+    "rows after stated units": {"data": ROWS, "displacement units": "mm", "time units": "s"},
+}
+
+
+@pytest.mark.parametrize("form", JSON)
+def test_json_is_a_table_too(tmp_path: Path, form: str) -> None:
+    recording = load(tmp_path, json.dumps(JSON[form]), "a.json")
+    assert recording.rate == pytest.approx(100.0)
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "m")]
+    np.testing.assert_allclose(recording.samples[0], X, rtol=1e-9, atol=1e-12)
+
+
+RUNS = {
+    "a list": {"runs": [{"t": T.tolist(), "x": X.tolist()}, {"t": T[:90].tolist(), "x": V[:90].tolist()}]},
+    "keys": {
+        "run4": {"t": T.tolist(), "x": X.tolist()},
+        "run7": {"t": T[:90].tolist(), "x": V[:90].tolist()},
+    },
+}
+
+
+@pytest.mark.parametrize(("form", "names"), [("a list", ["1", "2"]), ("keys", ["4", "7"])])
+def test_runs_in_json_are_runs(tmp_path: Path, form: str, names: list[str]) -> None:
+    runs = read_runs(write(tmp_path, json.dumps(RUNS[form]), "a.json"))
+    assert [r.run for r in runs] == names
+    np.testing.assert_array_equal(runs[0].samples[0], X)
+    np.testing.assert_array_equal(runs[1].samples[0], V[:90])
+
+
+def test_json_of_a_record_a_line_and_of_channels_is_read(tmp_path: Path) -> None:
+    lines = "\n".join(json.dumps({"t (s)": t, "x (mm)": x}) for t, x in ROWS)
+    np.testing.assert_allclose(load(tmp_path, lines, "a.jsonl").samples[0], X, rtol=1e-9, atol=1e-12)
+    channels = {"fs": 100, "channels": [{"name": "pos", "unit": "mm", "values": (1e3 * X).tolist()}]}
+    np.testing.assert_allclose(
+        load(tmp_path, json.dumps(channels), "a.json").samples[0], X, rtol=1e-9, atol=1e-12
+    )
+
+
+def test_json_with_null_loses_a_sample_and_json_without_numbers_is_refused(tmp_path: Path) -> None:
+    rows = [[t, None if i == 7 else x] for i, (t, x) in enumerate(ROWS)]
+    recording = load(tmp_path, json.dumps({"columns": ["t", "x"], "data": rows}), "a.json")
+    assert np.flatnonzero(~recording.valid).tolist() == [7]
+    assert "holds no table of numbers" in refusal(tmp_path, '{"a": [1, 2], "b": "text"}', "a.json")
+    assert "cannot be read" in refusal(tmp_path, '{"a": [1, 2', "a.json")

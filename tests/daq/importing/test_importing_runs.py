@@ -1,0 +1,224 @@
+"""Several releases in one file become a recording each, however the file names them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from import_files import OMEGA, RATE, load, refusal, said, swing, write
+
+import daq
+from daq.importing import ImportOptions, read_file, read_runs
+from daq.recording import Array
+
+
+def wide(
+    header: str, columns: Sequence[Array], delimiter: str = ";", comma: bool = False, form: str = "%.9g"
+) -> str:
+    """Return a table whose columns may end before the others."""
+    rows = max(len(c) for c in columns)
+    cells = [[form % c[i] if i < len(c) else "" for c in columns] for i in range(rows)]
+    text = "\n".join(delimiter.join(row) for row in cells)
+    return f"{header}\n{text.replace('.', ',') if comma else text}\n"
+
+
+def releases(lengths: Sequence[int]) -> list[tuple[Array, Array]]:
+    """Return time and displacement of releases from 20 mm and ever less."""
+    return [(t, x * (1.0 - 0.07 * i)) for i, n in enumerate(lengths) for t, x, _, _ in [swing(n)]]
+
+
+LENGTHS = (200, 170, 185)
+FORMS = {
+    "numbers": ("t1;x1;t2;x2;t3;x3", ["1", "2", "3"]),
+    "numbers with units": ("t_1 (s);x_1 (m);t_2 (s);x_2 (m);t_3 (s);x_3 (m)", ["1", "2", "3"]),
+    "a word": ("Time (s) Run #1;Position (m) Run #1;Time (s) Run #2;Position (m) Run #2;Time (s) Run #3;Position (m) Run #3",
+               ["1", "2", "3"]),
+    "a word in front": ("Run 1: Time (s);Run 1: Position (m);Run 2: Time (s);Run 2: Position (m);Run 3: Time (s);"
+                        "Run 3: Position (m)", ["1", "2", "3"]),
+    "a German word": ("Zeit Messung 4 / s;Weg Messung 4 / m;Zeit Messung 5 / s;Weg Messung 5 / m;Zeit Messung 6 / s;"
+                      "Weg Messung 6 / m", ["4", "5", "6"]),
+    "letters": ("Time A;Pos A;Time B;Pos B;Time C;Pos C", ["A", "B", "C"]),
+    "repeated names": ("t;x;t;x;t;x", ["1", "2", "3"]),
+    "names as pandas repeats them": ("t;x;t.1;x.1;t.2;x.2", ["1", "2", "3"]),
+    "no names": ("", ["1", "2", "3"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize(("delimiter", "comma"), [(";", True), ("\t", False), (",", False)])
+def test_each_run_has_its_own_time_and_length(tmp_path: Path, form: str, delimiter: str, comma: bool) -> None:
+    header, names = FORMS[form]
+    made = releases(LENGTHS)
+    text = wide(header.replace(";", delimiter), [c for pair in made for c in pair], delimiter, comma)
+    options = {"columns": {"displacement": "none"}} if not header else {}
+    if options:  # nothing says what a nameless column is: each run is refused alike
+        assert "--column displacement=" in refusal(tmp_path, text)
+        return
+    runs = read_runs(write(tmp_path, text))
+    assert [r.run for r in runs] == names
+    for recording, (t, x) in zip(runs, made, strict=True):
+        assert recording.rate == pytest.approx(RATE, rel=1e-9)
+        assert recording.samples.shape == (1, len(t))
+        np.testing.assert_allclose(recording.samples[0], x, rtol=1e-8, atol=1e-12)
+
+
+def test_columns_of_a_run_may_stand_in_any_order(tmp_path: Path) -> None:
+    (t, x), (_, y) = releases((200, 200))
+    text = wide("x2 [mm];x1 [mm];t1 [s];t2 [s]", [1e3 * y, 1e3 * x, t, t])
+    first, second = read_runs(write(tmp_path, text))
+    assert (first.run, second.run) == ("2", "1")
+    np.testing.assert_allclose(first.samples[0], y, rtol=1e-8, atol=1e-12)
+    np.testing.assert_allclose(second.samples[0], x, rtol=1e-8, atol=1e-12)
+
+
+def test_twelve_runs_keep_their_numbers_and_one_is_chosen(tmp_path: Path) -> None:
+    made = releases([150 + 5 * (i % 4) for i in range(12)])
+    header = "\t".join(f'"Time (ms) Run #{i}"\t"Displacement (mm) Run #{i}"' for i in range(1, 13))
+    columns = [c for t, x in made for c in (1e3 * t, 1e3 * x)]
+    path = write(tmp_path, wide(header, columns, "\t"))
+    assert [r.run for r in read_runs(path)] == [str(i) for i in range(1, 13)]
+    eleventh = read_file(path, run=11)
+    np.testing.assert_allclose(eleventh.samples[0], made[10][1], rtol=1e-8, atol=1e-12)
+    assert refusal(tmp_path, path.read_bytes(), run="13").startswith("a.csv: has no run '13'")
+    assert "name one, as in --run 1" in refusal(tmp_path, path.read_bytes())
+
+
+def test_missing_values_within_a_run_are_lost_and_those_after_it_are_not(tmp_path: Path) -> None:
+    (t, x), (u, y) = releases((200, 120))
+    x = x.copy()
+    x[50] = np.nan
+    first, second = read_runs(write(tmp_path, wide("t1,x1,t2,x2", [t, x, u, y], ",").replace("nan", "")))
+    assert np.flatnonzero(~first.valid).tolist() == [50]
+    assert second.valid.all()
+    assert second.samples.shape == (1, 120)
+
+
+def test_one_time_serves_all_runs_where_a_word_says_that_they_are_runs(tmp_path: Path) -> None:
+    (t, x), (_, y) = releases((200, 200))
+    runs = read_runs(write(tmp_path, wide("Time (s);Angle Run 1 (deg);Angle Run 2 (deg)", [t, x, y])))
+    assert [r.run for r in runs] == ["1", "2"]
+    np.testing.assert_allclose(runs[1].samples[0], np.radians(y), rtol=1e-8, atol=1e-12)
+
+
+def test_two_masses_are_no_runs_unless_the_operator_says_so(tmp_path: Path) -> None:
+    (t, x), (_, y) = releases((200, 200))
+    text = wide("t;x1;x2", [t, x, y])
+    assert "2 columns could be the displacement" in refusal(tmp_path, text)
+    assert read_file(write(tmp_path, text), run=2).samples[0] == pytest.approx(y, rel=1e-8, abs=1e-12)
+
+
+def test_a_column_may_number_the_runs_row_by_row(tmp_path: Path) -> None:
+    made = releases(LENGTHS)
+    t, x = (np.concatenate(parts) for parts in zip(*made, strict=True))
+    number = np.repeat([1.0, 2.0, 3.0], LENGTHS)
+    runs = read_runs(write(tmp_path, wide("run,t (s),x (m)", [number, t, x], ",")))
+    assert [(r.run, r.samples.shape[1]) for r in runs] == [("1", 200), ("2", 170), ("3", 185)]
+    np.testing.assert_allclose(runs[2].samples[0], made[2][1], rtol=1e-8, atol=1e-12)
+
+
+def test_a_time_that_begins_again_begins_a_run(tmp_path: Path) -> None:
+    made = releases(LENGTHS)
+    t, x = (np.concatenate(parts) for parts in zip(*made, strict=True))
+    runs = read_runs(write(tmp_path, wide("t (s),x (m)", [t, x], ",")))
+    assert [(r.run, r.samples.shape[1]) for r in runs] == [("1", 200), ("2", 170), ("3", 185)]
+    np.testing.assert_allclose(runs[1].samples[0], made[1][1], rtol=1e-8, atol=1e-12)
+
+
+def test_the_latest_run_of_a_logger_has_no_number(tmp_path: Path) -> None:
+    (t, x), (u, y) = releases((200, 150))
+    header = "Latest: Time (s),Latest: Position (m),Run 1: Time (s),Run 1: Position (m)"
+    runs = read_runs(write(tmp_path, wide(header, [t, x, u, y], ",")))
+    assert [r.run for r in runs] == ["Latest", "1"]
+    assert [r.samples.shape[1] for r in runs] == [200, 150]
+
+
+def test_columns_that_are_only_called_runs_are_displacements_over_one_time(tmp_path: Path) -> None:
+    (t, x), (_, y) = releases((200, 200))
+    runs = read_runs(write(tmp_path, wide("t;run1;run2", [t, x, y])))
+    np.testing.assert_allclose(runs[1].samples[0], y, rtol=1e-8, atol=1e-12)
+
+
+def test_a_run_in_which_nothing_moves_is_left_out(tmp_path: Path) -> None:
+    (t, x), _ = releases((200, 200))
+    still = 504.0 + np.tile([0.0, 1.0, 0.0, -1.0], 50)
+    text = wide("Time A;Pos A;Time B;Pos B\n[s];[au];[s];[au]", [t, still, t, np.round(x * 2e4)])
+    recording = load(tmp_path, text)
+    assert recording.run == "B"
+    assert recording.channels[0].unit == "count"
+    assert "run A was left out" in said(recording)
+
+
+def test_a_channel_that_stands_still_or_repeats_another_is_not_taken(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    still = np.tile([0.0, 0.017], 100)
+    names = "t (s);Angle, Ch 3+4 (rad);Angle, Ch 1+2 (rad);Position, Ch 1+2 (m)"
+    recording = load(tmp_path, wide(names, [t, still, 50 * x, 1.2 * x], form="%.6f"))
+    assert [c.name for c in recording.channels] == ["Angle, Ch 1+2 (rad)"]
+    assert "stands still" in said(recording)
+    assert "repeats another column" in said(recording)
+
+
+def test_a_small_oscillation_beside_a_large_drift_is_not_taken_for_standing_still(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    message = refusal(tmp_path, wide("time,x,phi", [t, 30.0 * t, x], ","))
+    assert "--column displacement=phi" in message
+
+
+def test_angles_without_a_unit_are_degrees_in_all_runs_if_one_swings_far(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    first, second = read_runs(write(tmp_path, wide("t1;theta1;t2;theta2", [t, 700 * x, t, 100 * x])))
+    assert np.max(np.abs(first.samples)) == pytest.approx(np.radians(14.0))
+    assert np.max(np.abs(second.samples)) == pytest.approx(np.radians(2.0))
+    assert "degrees were assumed" in said(second)
+    kept = ImportOptions(units={"displacement": "rad"})
+    assert np.max(
+        np.abs(read_file(write(tmp_path, wide("t;theta", [t, 700 * x])), kept).samples)
+    ) == pytest.approx(14.0)
+
+
+def test_a_heading_that_jumps_by_a_turn_is_in_radians(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    psi = np.where(x > 0.0, 6.28, 0.01)
+    recording = load(tmp_path, wide("t;psi", [t, psi]))
+    assert "degrees" not in said(recording)
+
+
+def test_the_python_face_reads_one_run_or_all(tmp_path: Path) -> None:
+    (t, x), (u, y) = releases((200, 120))
+    path = write(tmp_path, wide("t1,x1,t2,x2", [t, x, u, y], ","))
+    assert [r.samples.shape[1] for r in daq.read_recordings(path)] == [200, 120]
+    assert daq.read_recording(str(path), run=2).samples.shape == (1, 120)
+
+
+def test_stamps_coarser_than_the_sampling_give_even_times_at_the_true_rate(tmp_path: Path) -> None:
+    n, rate = 1500, 29.97
+    t = np.arange(n) / rate
+    theta = 14.0 * np.exp(-0.02 * t) * np.cos(OMEGA / 2 * t)
+    omega = np.gradient(theta, 1 / rate)
+    omega[0] = 0.0
+    recording = load(tmp_path, wide("t1;theta1;omega1", [t, theta, omega], form="%.2E"))
+    assert abs(recording.rate - rate) < 4 * (recording.rate_std or 0.0) < 0.02
+    assert recording.valid.all()
+    assert "rounding of the stamps to 100 ms" in said(recording)
+    assert [c.quantity for c in recording.channels] == [
+        "displacement"
+    ]  # the velocity is its finite difference
+
+
+@pytest.mark.parametrize("rate", [25.0, 30.0, 60.0, 33.37])
+def test_repeating_stamps_are_at_the_rate_that_was_set_if_it_is_a_round_one(
+    tmp_path: Path, rate: float
+) -> None:
+    t = np.arange(1365) / rate
+    x = 14.0 * np.exp(-0.02 * t) * np.cos(OMEGA / 2 * t)
+    recording = load(tmp_path, wide("t;x (deg)", [t, x], form="%.2E"))
+    assert abs(recording.rate - rate) <= (1e-9 if rate == round(rate) else 4 * (recording.rate_std or 0.0))
+
+
+def test_a_part_is_read_by_the_times_of_the_file(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    recording = load(tmp_path, wide("t (s);x (m)", [t + 33.692, x]), start=34.192, stop=35.0)
+    np.testing.assert_allclose(recording.samples[0], x[50:132], rtol=1e-8, atol=1e-12)
+    assert "its own go from 33.692 s to 35.682 s" in refusal(
+        tmp_path, wide("t (s);x (m)", [t + 33.692, x]), start=0.0, stop=1.0
+    )

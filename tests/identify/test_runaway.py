@@ -1,0 +1,62 @@
+"""Coefficients with which a motion runs away: refused in one sentence, or given up for lower orders."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from identify.errors import NotIdentifiable
+from identify.free_decay import FreeDecay
+from identify.wavelet.stick_slip import simulate_decay
+from identify.wavelet.wavelet import identify_wavelet
+
+DATA = Path(os.environ.get("STATION_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
+
+
+def pendulum(amplitude: float, damping: float, rate: float = 50.0, seconds: float = 60.0) -> FreeDecay:
+    """u'' + 37.2 sin u + damping u' = 0, let go at rest; an encoder's noise of 1 mrad."""
+
+    def rates(_, state):
+        return state[1], -37.2 * np.sin(state[0]) - damping * state[1]
+
+    time = np.arange(int(rate * seconds)) / rate
+    run = solve_ivp(rates, (0.0, time[-1]), (amplitude, 0.0), t_eval=time, rtol=1e-8, atol=1e-10)
+    noise = np.random.default_rng(0).normal(0.0, 1e-3, len(time))
+    return FreeDecay(rate, run.y[0] + noise, unit="rad")
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "damping"),
+    [((np.nan,), (0.1, 0.2)), ((600.0,), (0.1, np.inf)), ((600.0, 0.0, -1e7), (0.0, 0.0)), ((1e30,), (0.0,))],
+)
+def test_coefficients_that_describe_no_decay_are_refused_in_a_sentence(stiffness, damping):
+    with pytest.raises(NotIdentifiable, match="run away"):
+        simulate_decay(0.02, 0.0, np.array(stiffness), np.array(damping), 1 / 256, 2048)
+
+
+def test_a_softening_spring_within_its_well_is_no_runaway():
+    # the well of 600 u - 1e5 u^3 ends at 0.077
+    decay = simulate_decay(0.02, 0.0, np.array([600.0, 0.0, -1e5]), np.array([0.0, 0.2]), 1 / 256, 2048)
+    assert np.max(np.abs(decay.displacement)) == pytest.approx(0.02, rel=1e-9)  # it starts at its largest
+
+
+@pytest.mark.filterwarnings("error")
+def test_orders_with_which_a_pendulum_would_run_away_are_given_up():
+    # at 2 rad a polynomial of fifth order may tip over where the sine does not; the first order is always sound
+    found = identify_wavelet(pendulum(2.0, 0.02))
+    assert all(np.isfinite(value.value) for value in found.stiffness_by_order.values())
+    assert "run away" in found.stiffness_reason
+
+
+@pytest.mark.slow
+def test_a_pendulum_recorded_at_large_angles_shows_the_sine():
+    path = DATA / "labelled" / "pendulum_large_angle.csv"
+    if not path.exists():
+        pytest.skip(f"the real recordings are not at {DATA} (set STATION_DATA)")
+    time, angle = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)[:2]
+    found = identify_wavelet(FreeDecay(1.0 / float(np.median(np.diff(time))), angle, unit="rad"))
+    linear, cubic = (found.stiffness_by_order[order] for order in (1, 3))
+    # sin u = u - u^3/6 + ...: within three of the stated standard errors, and not by being unknown
+    assert abs(cubic.value + linear.value / 6.0) < 3.0 * cubic.std < 0.3 * linear.value
