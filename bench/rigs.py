@@ -124,8 +124,6 @@ def run(quick: bool) -> str:
     total = sum(counts.values())
     head = "| rig | releases | verdict | named | | prediction error, % of the motion | chi-square | s |\n|---|---|---|---|---|---|---|---|"
     return (
-        f"{head}\n"
-        + "\n".join(rows)
-        + f"\n\nOf {total} diagnoses {counts['right']} name what is there and nothing else, "
+        f"{head}\n" + "\n".join(rows) + f"\n\nOf {total} diagnoses {counts['right']} name what is there and nothing else, "
         f"{counts['missed']} miss something that is there, {counts['wrong']} name what is not."
     )
