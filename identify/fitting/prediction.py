@@ -40,7 +40,8 @@ class Prediction:
 
     `motion_percent` is the misfit of the free run in % of the rms of the displacement (or the first channel there is),
     `chi_square` reduced, in units of the noise; both inf where the run diverges. `values` has what was used, by
-    unknown's name; `varied` by how much the linear spring and damper differ from what was given, in % of it, by name.
+    unknown's name; `varied` by how much the linear spring and damper differ from what was given, by name, in % of the
+    squared frequency and of the mean loss of the release.
     """
 
     motion_percent: float
@@ -51,11 +52,12 @@ class Prediction:
 
 @dataclass(frozen=True, eq=False)
 class _Prior:
-    """Where an unknown is expected, and its standard deviation."""
+    """Where an unknown is expected, what it is compared with as a whole, and the share of that by which it varies."""
 
     at: int
     mean: float
-    std: float
+    whole: float
+    share: float
 
 
 class _Problem(Problem):
@@ -70,7 +72,7 @@ class _Problem(Problem):
     def read(self, theta: Array, i: int, response: Response) -> dict[str, Array]:
         predicted = super().read(theta, i, response)
         if i == 0 and self.priors:
-            off = [(theta[prior.at] - prior.mean) / prior.std for prior in self.priors]
+            off = [(theta[prior.at] - prior.mean) / (prior.share * prior.whole) for prior in self.priors]
             predicted[_PRIOR] = self.weight * np.array(off)
         return predicted
 
@@ -92,8 +94,16 @@ def predict(
     is refitted: the state at its start, zero, lag, gain and offsets, faults of its sensors. The linear spring and the
     viscous damping may differ, as rigs do, within priors of 1 % and of 100 % of the mean loss, unless `hold`. A prior
     counts in units of what the model leaves, not of the noise, so that a wrong model cannot bend them at will. Raises
-    NotIdentifiable when the release holds too little.
+    NotIdentifiable when the release holds too little, ValueError where a force has no value.
     """
+    missing = [
+        str(t.parameter(p.name))
+        for t in model.forces
+        for p in t.free
+        if str(t.parameter(p.name)) not in values
+    ]
+    if missing:
+        raise ValueError(f"no value is given for {', '.join(missing)}")
     pieces = segments_of(decay)
     known = {name: v.value if isinstance(v, Estimate) else float(v) for name, v in values.items()}
     start = known | initial_values(pieces, model, known) | known | _faults(model, known, len(pieces))
@@ -130,9 +140,8 @@ def predict_windows(
     free = int((~still).sum()) - len(priors)
     motion, chi_square = _errors(problem, theta, free)
     varied = {
-        problem.unknowns[prior.at].name: 100.0 * float(theta[prior.at] / prior.mean - 1.0)
+        problem.unknowns[prior.at].name: 100.0 * float(theta[prior.at] - prior.mean) / prior.whole
         for prior in priors
-        if prior.mean != 0.0
     }
     named = {u.name: float(value) for u, value in zip(problem.unknowns, theta, strict=True)}
     return Prediction(motion, chi_square, named, varied)
@@ -177,15 +186,15 @@ def _grown(
 def _priors(problem: _Problem, model: Model, held: Mapping[str, float]) -> tuple[_Prior, ...]:
     """Return where the linear spring and damper are expected."""
     loss = np.mean([_loss(window, problem.frequency) for window in problem.windows])
-    widths = (
-        (LinearPart.STIFFNESS, STIFFNESS_VARIES * problem.frequency**2),
-        (LinearPart.DAMPING, DAMPING_VARIES * float(loss)),
+    wholes = (
+        (LinearPart.STIFFNESS, problem.frequency**2, STIFFNESS_VARIES),
+        (LinearPart.DAMPING, float(loss), DAMPING_VARIES),
     )
     found = []
-    for part, std in widths:
+    for part, whole, share in wholes:
         name = model.linear_strength(part)
-        if name is not None and str(name) in held and std > 0.0:
-            found.append(_Prior(problem.index[str(name)], held[str(name)], std))
+        if name is not None and str(name) in held and whole > 0.0:
+            found.append(_Prior(problem.index[str(name)], held[str(name)], whole, share))
     return tuple(found)
 
 

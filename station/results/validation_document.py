@@ -12,7 +12,8 @@ NAME = "validation.json"
 class PredictionDocument(Part):
     """What a model with held physics leaves of a session; null where the free run diverges.
 
-    `varied_percent` says by how much linear spring and damper were refitted, in % of what the model has, by parameter.
+    `varied_percent` says by how much linear spring and damper were refitted, by parameter, in % of the squared frequency
+    and of the mean loss of the session.
     """
 
     motion_percent: Number

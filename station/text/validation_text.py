@@ -68,17 +68,18 @@ def _refitted(document: ValidationDocument) -> str:
     if document.held:
         return "Start, zero, lag, gain and offsets of each session; all physics was held."
     return (
-        "Start, zero, lag, gain and offsets of each session, and the linear spring and viscous part within 1 % and "
-        f"100 %: {_most(document, [one.model for one in document.sessions])}."
+        "Start, zero, lag, gain and offsets of each session; linear spring and viscous part with priors of 1 % and of "
+        f"100 % of the mean loss{_most([one.model for one in document.sessions])}."
     )
 
 
-def _most(document: ValidationDocument, found: list[PredictionDocument]) -> str:
+def _most(found: list[PredictionDocument]) -> str:
+    """Return by how much the model's own were changed at most."""
     parts = []
     for name in dict.fromkeys(name for one in found for name in one.varied_percent):
-        moved = [abs(one.varied_percent.get(name) or 0.0) for one in found]
-        parts.append(f"{name} by {max(moved):.2g} %")
-    return f"the model's {' and '.join(parts)} at most" if parts else "the model has neither"
+        moved = max(abs(one.varied_percent.get(name) or 0.0) for one in found)
+        parts.append(f"{name} by {moved:.2g} %")
+    return f" (changed at most: {', '.join(parts)})" if parts else ""
 
 
 def _left(value: float | None) -> str:

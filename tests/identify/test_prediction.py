@@ -138,3 +138,10 @@ def test_a_run_that_diverges_is_said_in_words(small):
 def test_an_effect_without_a_meaning_in_the_unit_is_refused(small):
     with pytest.raises(ValueError, match="pendulum_stiffness has no meaning for a displacement in m"):
         identify.validate(model_of("pendulum_stiffness"), {}, small)
+
+
+def test_a_model_without_all_of_its_values_foretells_nothing(small):
+    with pytest.raises(ValueError, match=r"no value is given for cubic_stiffness\.k3"):
+        identify.predict(
+            model_of(*RIGHT), {n: v for n, v in truth().items() if not n.startswith("cubic")}, small
+        )
