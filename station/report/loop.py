@@ -168,11 +168,12 @@ def apart(found: Findings) -> Section:
         if document.rivals:
             parts.append(Paragraph(sentence(not_told_apart(document)), label="Not told apart"))
         elif document.named:
-            parts.append(
-                Paragraph(
-                    "every other suspect leaves clearly more than the one that was named.", label="Told apart"
-                )
+            others = (
+                "no other effect foretells it nearly as well."
+                if document.confirmed
+                else "every other suspect leaves clearly more than the one that was named."
             )
+            parts.append(Paragraph(others, label="Told apart"))
         known = document.suspects[0].confusable_with if document.named and document.suspects else []
         if known:
             parts.append(

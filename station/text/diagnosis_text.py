@@ -6,6 +6,7 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.diagnosis.judgement import HEADLINES
+from station.results.confirmation_document import ConfirmationDocument
 from station.results.diagnosis_document import (
     DiagnosisDocument,
     HeldOutDocument,
@@ -90,7 +91,9 @@ def foretells(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
     effect = next((e for e in found.effects if e.name == suspect.effect), None)
     if effect is not None:
         return f"{effect.better} of {effect.parts}"
-    return "nearly" if any(suspect.effect in e.rivals for e in found.effects) else "no"
+    if any(suspect.effect in e.rivals for e in found.effects):
+        return "nearly"
+    return "undecided" if any(suspect.effect in names for names in found.undecided.values()) else "no"
 
 
 def confirmed_by(document: DiagnosisDocument) -> str:
@@ -116,7 +119,19 @@ def foretold_parts(document: DiagnosisDocument) -> str:
         change = f" to {three_figures(after.motion_percent)}" if found.effects else ""
         parts.append(f"{before.part} {three_figures(before.motion_percent)}{change} %")
     what = "each half from the other" if found.one_record else "each release from the others"
-    return f"{what}, error in % of the motion: {', '.join(parts)}"
+    return f"{what}, error in % of the motion: {', '.join(parts)} ({_medians(found)})"
+
+
+def _medians(found: ConfirmationDocument) -> str:
+    """Return the medians of the errors of phase and envelope."""
+    parts = []
+    for name, before, after in (
+        ("phase", found.usual.phase_percent, found.found.phase_percent),
+        ("envelope", found.usual.envelope_percent, found.found.envelope_percent),
+    ):
+        change = f" to {three_figures(after)}" if found.effects else ""
+        parts.append(f"{name} {three_figures(before)}{change} %")
+    return f"median: {', '.join(parts)}"
 
 
 def shown_suspects(document: DiagnosisDocument) -> list[SuspectDocument]:

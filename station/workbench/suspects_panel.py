@@ -16,6 +16,7 @@ from station.workbench.theme import Theme
 FORETELLS = {
     "no": "foretells no better than the model does",
     "nearly": "foretells nearly as well as the one named",
+    "undecided": "foretells it, and so do others: not told apart",
 }
 
 
