@@ -16,6 +16,7 @@ SECTIONS = (
     "alignment",
     "identification",
     "diagnosis",
+    "regimes",
     "bounds",
     "peers",
     "recordings",

@@ -21,6 +21,9 @@ from mocks.forces import OUTSIDE_THE_LIBRARY
 from mocks.generate import PHYSICS, draw
 from mocks.sensor_faults import SENSOR_FAULTS
 
+GAIN_UNCERTAINTY = 2e-4
+"""The double's sensors are calibrated to this; were it not stated, a gain 1 % off would be a remark and no fault."""
+
 TITLE = "Naming the hidden effect"
 BASE = ("linear_stiffness", "coulomb_friction", "viscous_damping")
 EFFECTS = tuple(name for name in PHYSICS if name not in BASE)
@@ -66,7 +69,8 @@ class Outcome:
 def setting_of(case: Case) -> tuple[PreparedDecay, dict[str, Any]]:
     """Draw a case and make it ready as the station would, and return its truth beside it."""
     sample = draw(case.hidden, case.strength, case.seed)
-    return prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration)), sample.truth
+    decay = FreeDecay(sample.rate, sample.displacement, sample.acceleration)
+    return prepare(decay, gain_uncertainty=GAIN_UNCERTAINTY), sample.truth
 
 
 def judge(case: Case) -> Outcome:

@@ -35,6 +35,7 @@ class BenchParameters:
     bits: int = 16
     range_displacement: float = 0.05
     range_acceleration: float = 50.0
+    imperfections: tuple[str, ...] = ()
 
     @property
     def bench(self) -> Bench:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from mocks import sensor_faults
+from mocks import imperfections, sensor_faults
 from mocks.bench_parameters import BenchParameters, draw_parameters
 from mocks.effect_scaling import add_effects
 from mocks.forces import BETWEEN_THE_NAMES, OUTSIDE_THE_LIBRARY, PARAMETERS
@@ -157,12 +157,27 @@ def _record(
 ) -> tuple[np.ndarray, np.ndarray, Found]:
     signal, found = find_faults(bench, drawn, faults, seed, pinned)
     noise = np.random.default_rng([seed, 3])
+    if drawn.imperfections:
+        signal = _with_imperfections(bench, drawn, signal, seed)
     seen = {c: drawn.sensors[c].convert(signal[c] / drawn.sensors[c].gain, noise) for c in CHANNELS}
     if "dropouts" in faults:
         found["dropouts"] = _drop(signal, seen, drawn, faults["dropouts"], seed, pinned.get("dropouts", {}))
     for array in seen.values():
         array.setflags(write=False)
     return seen["displacement"], seen["acceleration"], found
+
+
+def _with_imperfections(
+    bench: Bench, drawn: BenchParameters, signal: Mapping[str, np.ndarray], seed: int
+) -> dict[str, np.ndarray]:
+    names, fine = drawn.imperfections, {}
+    n = len(signal["displacement"])
+    if imperfections.BANDWIDTH in names:
+        since = np.arange(n) / drawn.rate - drawn.released_at
+        fine["displacement"] = _fine(bench, drawn, since, drawn.lag, "displacement")
+    seen = imperfections.distorted(names, signal, fine, OVERSAMPLING)
+    white = {"displacement": drawn.noise_displacement, "acceleration": drawn.noise_acceleration}
+    return {c: seen[c] + white[c] * imperfections.noise_of(names, c, n, seed, CHANNELS) for c in CHANNELS}
 
 
 def find_dropouts(

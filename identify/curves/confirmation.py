@@ -112,6 +112,16 @@ class Confirmation:
         return name in self.laws
 
     @property
+    def beats(self) -> bool:
+        """Whether the amplitude of some release beats."""
+        return any(curve.beats for curve in self.curves)
+
+    @property
+    def driven(self) -> bool:
+        """Whether some release does not die away."""
+        return any(curve.driven for curve in self.curves)
+
+    @property
     def mentioned(self) -> set[str]:
         """The names of all effects that explain something: confirmed ones, their rivals, and what is undecided."""
         named = {name for effect in self.effects for name in (effect.name, *effect.rivals)}

@@ -7,13 +7,19 @@ import numpy as np
 
 from identify.arrays import Array
 
+_ABOVE = 0.1
+_COMES_BACK = 1.25
+_LAST = 0.6
+_STEADY = 0.1
+_LONG_ENOUGH = 8
+
 
 @dataclass(frozen=True, eq=False)
 class DecayCurve:
     """Amplitude (m or rad), phase (rad) and centre of the oscillation (m or rad) at `time` s since the release, (n,) each.
 
-    `per_unit` is the angular frequency to the power by which readings of a velocity (1) or an acceleration (2) were
-    divided; their centre says nothing about the displacement's, and `has_centre` is False. `misfit` is the rms of what
+    Readings of a velocity or an acceleration are divided by the frequency or its square; their centre says nothing about
+    the displacement's, and `has_centre` is False. `misfit` is the rms of what
     the window's harmonic motion leaves of the reading, in units of the amplitude, (n,).
     """
 
@@ -56,6 +62,22 @@ class DecayCurve:
     def range(self) -> float:
         """Largest amplitude over the smallest."""
         return float(self.amplitude.max() / self.amplitude.min())
+
+    @property
+    def beats(self) -> bool:
+        """Whether the amplitude comes back by a quarter after it had fallen, which one mode left alone never does."""
+        high = self.amplitude[self.amplitude > _ABOVE * self.amplitude.max()]
+        later = np.maximum.accumulate(high[::-1])[::-1]
+        return bool(np.max(later / high) > _COMES_BACK)
+
+    @property
+    def driven(self) -> bool:
+        """Whether the amplitude, after other values, keeps one of its own to the end: no free motion does."""
+        first = round(_LAST * len(self))
+        level = float(np.mean(self.amplitude[first:]))
+        steady = np.ptp(self.amplitude[first:]) < _STEADY * level and len(self) - first >= _LONG_ENOUGH
+        before = self.amplitude[:first]
+        return bool(steady and np.ptp(before) > 2.0 * _STEADY * level and before.min() < level)
 
     def part(self, first: int, last: int) -> Self:
         """Return the points from `first` to before `last`."""

@@ -17,20 +17,30 @@ _FEWEST = 3
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Errors of some laws: `foretold` one for each part that was left out, `fitted` one for each that was fitted."""
+    """Errors of some laws: `foretold` one for each part that was left out, `fitted` one for each that was fitted.
+
+    Of `one_record` cut in two the means count the small amplitudes, foretold from the large ones: the way back asks
+    small amplitudes for what they hardly show.
+    """
 
     strengths: Strengths
     foretold: tuple[MotionError, ...]
     fitted: tuple[MotionError, ...]
+    one_record: bool
+
+    @property
+    def counted(self) -> tuple[MotionError, ...]:
+        """The errors of prediction that means are taken of."""
+        return self.foretold[-1:] if self.one_record else self.foretold
 
     def mean(self, channel: str, *, fitted: bool = False) -> float:
         """Return the rms over parts of one kind of error ("envelope", "phase", "centre", "motion"), % of the motion."""
-        errors = self.fitted if fitted else self.foretold
+        errors = self.fitted if fitted else self.counted
         return float(np.sqrt(np.mean([getattr(error, channel) ** 2 for error in errors])))
 
     def typical(self, channel: str) -> float:
         """Return the median over the parts that were left out, % of the motion."""
-        return float(np.median([getattr(error, channel) for error in self.foretold]))
+        return float(np.median([getattr(error, channel) for error in self.counted]))
 
     def better(self, other: "HeldOut", channel: str) -> int:
         """Return on how many parts the prediction is better than another's."""
@@ -62,4 +72,4 @@ def hold_out(
         foretold.append(regression.error(found.shared, columns, left, rows[left]))
     whole = regression.solve(columns, everything, rows, one_record=one_record)
     fitted = tuple(regression.error(whole.of(i), columns, i, rows[i]) for i in everything)
-    return HeldOut(whole, tuple(foretold), fitted)
+    return HeldOut(whole, tuple(foretold), fitted, one_record)

@@ -108,6 +108,8 @@ class Diagnosis(Summarised):
             return "something is missing that the library does not name; see the free form"
         if self.verdict == "unconfirmed":
             return "something is left that no effect of the library foretells"
+        if self.verdict == "driven":
+            return "the motion is driven: a free decay is needed to name a force"
         if self.verdict == "not_enough_data":
             return "the record is too short to tell more effects apart"
         if rungs > _MOST_RUNGS:
@@ -169,7 +171,7 @@ def diagnose(
     verdict = judgement.verdict
     if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
-    findings = tuple(f for f in faults if f.significant)
+    findings = tuple(f for f in faults if f.significant or f.remarked)
     together, shape, confirmation = judgement.together, judgement.shape, judgement.confirmation
     return Diagnosis(
         baseline=baseline,
@@ -189,13 +191,20 @@ def diagnose(
 def _worth_a_fit(
     baseline: Baseline, library: tuple[Effect, ...], foretell: Callable[[], Confirmation | None]
 ) -> tuple[Effect, ...]:
-    """Return the effects to fit by free run: all, or, far above a floor that is a guess, what the curves leave open."""
-    if baseline.floor_is_sure or baseline.fit.reduced < _FAR_OFF:
+    """Return the effects to fit by free run: all, or, where the floor is a guess, what the curves leave open.
+
+    So it is far above that floor, and on long records, where every free run is dear.
+
+    Where they confirm something, that is what they mention; otherwise also what they cannot show.
+    """
+    long = any(window.segment for window in baseline.fit.windows)
+    if baseline.floor_is_sure or (baseline.fit.reduced < _FAR_OFF and not long):
         return library
     found = foretell()
     if found is None:
         return library
-    return tuple(e for e in library if not found.has_law(e.name) or e.name in found.mentioned)
+    unseen = not found.effects
+    return tuple(e for e in library if e.name in found.mentioned or (unseen and not found.has_law(e.name)))
 
 
 def foretold(
@@ -262,12 +271,12 @@ def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[Correcte
     """Return a fault that every fit corrects as a suspect: what the model would leave with this one named in it."""
     others = [f for f in faults if f is not fault]
     chi_square = baseline.fit.chi_square + sum(f.drop for f in others)
-    p_value = float(np.exp(-0.5 * max(fault.drop - 4.0, 0.0)))
+    p_value = float(np.exp(-0.5 * max(fault.surplus - 4.0, 0.0)))
     return Suspect(
         effect=fault.term.effect,
         term=fault.term,
         error_after=chi_square / max(baseline.fit.degrees + sum(f.readings for f in others), 1),
-        evidence=0.5 * fault.drop,
+        evidence=0.5 * fault.surplus,
         p_value=p_value,
         claimed=p_value < alpha(baseline),
         parameters=fault.parameters,
@@ -298,7 +307,7 @@ def _held_out_error(found: Fit, windows: tuple[FitWindow, ...]) -> float:
     total = 0.0
     for i, window in enumerate(held):
         for channel in window.channels:
-            used = window.used[channel]
-            off = (window.readings[channel] - refit.predicted[i][channel])[used] / window.sigma[channel]
+            off = window.in_noise(channel, window.readings[channel] - refit.predicted[i][channel])
+            off = off[window.used[channel]]
             total += float(off @ off)
     return total

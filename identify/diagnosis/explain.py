@@ -3,7 +3,11 @@
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.explain_prediction import explain_confirmed, explain_unconfirmed
+from identify.diagnosis.explain_prediction import (
+    explain_confirmed,
+    explain_driven,
+    explain_unconfirmed,
+)
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.suspect import Suspect
 from identify.fitting.baseline import Baseline
@@ -30,6 +34,8 @@ def explain(
             "Release from a larger amplitude, or record for longer."
         )
     top = suspects[0] if suspects else None
+    if verdict == "driven" and confirmation is not None:
+        return explain_driven(confirmation)
     if verdict == "unconfirmed" and confirmation is not None:
         return explain_unconfirmed(confirmation)
     if top is not None and top.confirmed is not None and confirmation is not None:

@@ -38,6 +38,17 @@ def explain_unconfirmed(found: Confirmation) -> str:
     return " ".join(words)
 
 
+def explain_driven(found: Confirmation) -> str:
+    """Return that the motion does not die away, and at which frequency it goes on."""
+    curve = next(curve for curve in found.curves if curve.driven)
+    frequency = float(np.median(curve.frequency[len(curve) // 2 :])) / (2.0 * np.pi)
+    return (
+        f"The motion does not die away: its amplitude stays the same over the last two fifths of the record, at "
+        f"{three_figures(frequency)} Hz. Something drives it; a free decay is needed to name a force. Stop the drive and "
+        "release the mass, or record the driving force as a channel of its own."
+    )
+
+
 def _prediction(found: Confirmation) -> str:
     """Return on how many parts the prediction is confirmed, and the error before and after."""
     before, after = found.usual.typical("motion"), found.found.typical("motion")

@@ -20,7 +20,13 @@ from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
 
 Verdict = Literal[
-    "missing_effect", "sensor_fault", "nothing_missing", "unknown_effect", "unconfirmed", "not_enough_data"
+    "missing_effect",
+    "sensor_fault",
+    "nothing_missing",
+    "unknown_effect",
+    "unconfirmed",
+    "driven",
+    "not_enough_data",
 ]
 
 HEADLINES: dict[Verdict, str] = {
@@ -29,6 +35,7 @@ HEADLINES: dict[Verdict, str] = {
     "nothing_missing": "Nothing is missing",
     "unknown_effect": "Something is missing that has no name here",
     "unconfirmed": "A misfit that no effect here foretells",
+    "driven": "The motion is driven",
     "not_enough_data": "Not enough data",
 }
 
@@ -40,6 +47,9 @@ ALPHA_GUESSED = 2e-4
 
 RIVALS_WITHIN = 4.6
 """Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
+
+_LINE_LEAVES = 0.5
+"""Share of chi-square that a second line may leave where the amplitude beats."""
 
 _DECISIVE = 12.0
 """Nats of evidence below which a force is not claimed while a sensor is known to be faulty: mend that first."""
@@ -117,8 +127,7 @@ def _dispersion(baseline: Baseline, tried: tuple[Candidate, ...]) -> float:
     lengths = []
     for i, window in enumerate(best.windows):
         for channel in window.channels:
-            residual = np.where(window.used[channel], best.residual(channel, i), 0.0)
-            lengths.append(_correlation_length(residual))
+            lengths.append(_correlation_length(best.in_noise(channel, i)))
     return max(1.0, best.reduced * float(np.mean(lengths)))
 
 
@@ -207,6 +216,11 @@ def _beyond_one(
 def _by_curves(baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None) -> Judgement:
     """Return the judgement of a misfit above the floor: what the curves confirm, however much of it that explains."""
     whole = None if found is None or not found.effects else fit_confirmed(baseline, found)
+    if found is not None and found.driven:
+        return Judgement("driven", ranked, baseline.fit, confirmation=found)
+    second = _by_beats(baseline, ranked, found) if whole is None else None
+    if second is not None:
+        return second
     if found is None or whole is None:
         best = ranked[0].candidate.fit if ranked and ranked[0].claimed else baseline.fit
         verdict: Verdict = "unknown_effect" if found is None or baseline.floor_is_sure else "unconfirmed"
@@ -231,6 +245,26 @@ def _by_curves(baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmati
         _free_form(baseline, whole),
         confirmation=found,
     )
+
+
+def _by_beats(baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None) -> Judgement | None:
+    """Return the judgement of a line beside the motion's own, where the amplitude beats and no other effect does better."""
+    if found is None or not found.beats or not ranked:
+        return None
+    best = min((entry for entry in ranked if entry.candidate.plausible), key=_misfit, default=None)
+    if best is None or found.has_law(best.candidate.name) or best.candidate.term.effect.kind != "physics":
+        return None
+    if best.candidate.fit.chi_square > _LINE_LEAVES * baseline.fit.chi_square:
+        return None
+    rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
+    final = best.candidate.fit
+    first = replace(best, claimed=True)
+    shape = _free_form(baseline, final)
+    return Judgement("missing_effect", (first, *rest), final, shape=shape, confirmation=found)
+
+
+def _misfit(entry: Ranked) -> float:
+    return entry.candidate.fit.chi_square
 
 
 def _of_pair(ranked: tuple[Ranked, ...], pair: Pair, shape: NonparametricForce | None) -> Judgement:

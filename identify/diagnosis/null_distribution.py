@@ -3,7 +3,8 @@
 Under the present model the readings differ from the prediction by noise alone. A suspect of small strength changes the
 prediction along one direction (its column) for each value of its inner parameters; what the fit's own parameters can
 follow is projected out. For drawn noise, the best drop of chi-square over the suspect's columns is a draw from its null
-distribution, and the smallest tail probability over the whole library one from that of the search.
+distribution, and the smallest tail probability over the whole library one from that of the search. A force is one for
+all releases; a sensor's fault has parameters in each, whose drops add up.
 """
 
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
+from identify.diagnosis.null_lines import line_drops, rows_of
 from identify.diagnosis.suspects import states_of_term, with_fault
 from identify.effects.effect import Scales
 from identify.fitting.fit import Fit
@@ -60,20 +62,46 @@ def null_distribution(
     theta = base.theta
     problem = Problem(base.model, base.windows, base.frequency)
     _, jacobian = linearise(problem, theta)
-    size = np.linalg.norm(jacobian, axis=0)
-    tangent = np.linalg.qr(jacobian / np.where(size > 0.0, size, 1.0))[0]
-    noise = random.standard_normal((len(jacobian), draws))
+    noise = np.concatenate(
+        [window.draw_noise(channel, random, draws) for window in base.windows for channel in window.channels]
+    )
+    low, high = theta <= problem.low, theta >= problem.high
+    tangent = _directions(jacobian[:, ~(low | high)])
+    for column, side in [*((j, 1.0) for j in jacobian.T[low]), *((j, -1.0) for j in jacobian.T[high])]:
+        noise = _pressed(noise, side * column, tangent)
     scales = scales_of(decays[0], dict.fromkeys(base.windows[0].channels, ()))
     drops: dict[str, Array] = {}
     for term in terms:
         name = term.effect.name
         if term.effect.line:
-            best = _line_drops(base, term, noise)
-        else:
+            best = line_drops(base, term, noise)
+        elif term.is_force:
             best = _column_drops(decays, base, term, scales, tangent, noise)
+        else:
+            best = _fault_drops(base, term, scales, tangent, noise)
         drops[name] = np.maximum(drops[name], best) if name in drops else best
     search = np.max([_surprise(np.sort(d), d) for d in drops.values()], axis=0)
     return NullDistribution({name: np.sort(d) for name, d in drops.items()}, np.sort(search))
+
+
+def _directions(jacobian: Array) -> Array:
+    """Return an orthonormal basis of what the fit's own parameters can follow, (readings, parameters)."""
+    size = np.linalg.norm(jacobian, axis=0)
+    return np.asarray(np.linalg.qr(jacobian / np.where(size > 0.0, size, 1.0))[0])
+
+
+def _pressed(noise: Array, column: Array, tangent: Array) -> Array:
+    """Return the draws under which a parameter at its bound would stay there: those that lift it are mirrored.
+
+    `column` is how the misfit changes as the parameter moves into its range.
+    """
+    free = column - tangent @ (tangent.T @ column)
+    size = float(np.linalg.norm(free))
+    if not size > 1e-9 * float(np.linalg.norm(column)):
+        return noise
+    direction = free / size
+    lifted = np.minimum(direction @ noise, 0.0)
+    return noise - 2.0 * np.outer(direction, lifted)
 
 
 def _surprise(draws: Array, values: Array, slope: float = 0.5) -> Array:
@@ -109,12 +137,63 @@ def _column_drops(
     return best
 
 
+def _fault_drops(base: Fit, term: Term, scales: Scales, tangent: Array, noise: Array) -> Array:
+    """Sum over the releases of the best drop by a fault that each has with parameters of its own."""
+    problem = Problem(base.model.plus(term), base.windows, base.frequency)
+    before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
+    changes = [
+        problem.residuals(problem.theta(with_fault(base, term, start))) - before
+        for start in term_starts(term, scales, fine=True)
+    ]
+    changes = [change for change in changes if np.isfinite(change).all()]
+    followed = tangent.T @ noise
+    total = np.zeros(noise.shape[1])
+    for rows in rows_of(base.windows):
+        amounts = _amounts([change[rows] for change in changes], tangent[rows], noise[rows], followed)
+        if not amounts:
+            continue
+        if term.fault.held_at_first:
+            one_sided = term.effect.strength.low >= 0.0
+            total += np.max([np.maximum(a, 0.0) ** 2 if one_sided else a**2 for a, _ in amounts], axis=0)
+        else:  # the starts are directions, all of which are free
+            total += np.sum([free**2 for _, free in amounts], axis=0)
+    return total
+
+
+def _amounts(
+    columns: list[Array], tangent: Array, noise: Array, followed: Array
+) -> list[tuple[Array, Array]]:
+    """Return how much of each draw lies along each column, (draws,) each, and along what earlier columns leave of it.
+
+    Columns (readings,) are those of one release, less what the fit's parameters follow in all of them.
+    """
+    found: list[tuple[Array, Array]] = []
+    basis: list[tuple[Array, Array]] = []
+    for column in columns:
+        own = tangent.T @ column
+        size = float(column @ column - own @ own)
+        if not size > 1e-18 + 1e-12 * float(column @ column):
+            continue
+        column, own = column / np.sqrt(size), own / np.sqrt(size)
+        left, left_own = column, own
+        for other, other_own in basis:
+            share = float(left @ other - left_own @ other_own)
+            left, left_own = left - share * other, left_own - share * other_own
+        length = float(np.sqrt(max(float(left @ left - left_own @ left_own), 0.0)))
+        if length > 1e-4:
+            left, left_own = left / length, left_own / length
+            basis.append((left, left_own))
+            free = left @ noise - left_own @ followed
+        else:
+            free = np.zeros(noise.shape[1])
+        found.append((column @ noise - own @ followed, free))
+    return found
+
+
 def _probes(
     decays: tuple[PreparedDecay, ...], base: Fit, problem: Problem, term: Term, start: dict[str, float]
 ) -> list[Array]:
     """Return points near the base at which the term is weakly present, one for each of its linear freedoms."""
-    if not term.is_force:
-        return [problem.theta(with_fault(base, term, start))]
     largest = max(decays, key=lambda prepared: prepared.amplitude)
     begun = term.by_name(start)
     inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
@@ -135,33 +214,3 @@ def _probes(
             if name in states:
                 points.append(point | {name: states[name] + 0.5 * sizes[j]})
     return [problem.theta(p) for p in points]
-
-
-def _line_drops(base: Fit, term: Term, noise: Array) -> Array:
-    """Best line by chance: the largest peak of the periodogram of the noise, over all frequencies."""
-    best = np.zeros(noise.shape[1])
-    first = 0
-    for window in base.windows:
-        spectra = {}
-        for channel in window.channels:
-            used = window.used[channel]
-            padded = np.zeros((len(window), noise.shape[1]))
-            padded[used] = noise[first : first + int(used.sum())]
-            first += int(used.sum())
-            spectra[channel] = np.fft.rfft(padded, 2 * len(window), axis=0) / np.sqrt(
-                max(int(used.sum()), 1) / 2.0
-            )
-        if not term.is_force:
-            if term.channel in spectra:
-                best = np.maximum(best, np.max(np.abs(spectra[term.channel][2:-2]) ** 2, axis=0))
-            continue
-        omega = 2.0 * np.pi * np.fft.rfftfreq(2 * len(window), 1.0 / window.rate)
-        weight = {"displacement": np.ones_like(omega), "velocity": omega * 1j, "acceleration": -(omega**2)}
-        sizes = {c: np.abs(weight[c]) / window.sigma[c] for c in spectra}
-        total = np.sqrt(sum(s**2 for s in sizes.values()))
-        together = sum(
-            spectra[c] * np.conj(weight[c] / window.sigma[c] / np.maximum(total, 1e-300))[:, None]
-            for c in spectra
-        )
-        best = np.maximum(best, np.max(np.abs(together[2:-2]) ** 2, axis=0))
-    return best

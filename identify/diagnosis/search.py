@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from identify.diagnosis.null_distribution import NullDistribution, null_distribution
+from identify.diagnosis.rest_evidence import at_rest, denied
 from identify.diagnosis.screening import promising_pairs
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect
@@ -63,6 +64,7 @@ def pairs(
         for first, terms in stage(baseline, tried, library):
             polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
             seconds = try_terms(baseline.decays, first.fit, terms, polished=polished)
+            seconds = _after_rest(baseline, seconds)
             if seconds:
                 found.append(Pair(first, seconds[0]))
             if baseline.floor_is_sure and _reached(baseline, found):
@@ -70,6 +72,12 @@ def pairs(
         if _reached(baseline, found):
             break
     return tuple(sorted(found, key=lambda pair: (not pair.plausible, pair.second.score)))
+
+
+def _after_rest(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+    """Return the candidates that the rest before the release allows, in the order of what it adds to their scores."""
+    allowed = (c for c in tried if not denied(baseline.decays, c))
+    return tuple(sorted(allowed, key=lambda c: c.score - 2.0 * at_rest(baseline.decays, c)))
 
 
 def _reached(baseline: Baseline, found: list[Pair]) -> bool:

@@ -65,6 +65,7 @@ def _signed_quadratic(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 
 SIGNED_QUADRATIC_STIFFNESS = ForceEffect(
+    rarity=1,
     name="signed_quadratic_stiffness",
     title="spring that hardens in proportion to its deflection",
     equation="k2a u |u|",

@@ -9,6 +9,7 @@ from identify.fitting.corrected_faults import FEWEST_LOST, allowance
 from identify.fitting.fit import Fit, fit
 from identify.fitting.floor import Floor, refine_floor
 from identify.fitting.initial_values import initial_values, regress_model
+from identify.fitting.noise_colour import noise_colours
 from identify.model.model import Model
 from identify.preprocessing.lost_readings import stale
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -95,7 +96,8 @@ def _without_stale(prepared: PreparedDecay, found: Fit, i: int) -> PreparedDecay
 
 def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
     """Return a fit measured against the floor that its own residual shows."""
-    floors = refine_floor(found, tuple(prepared.noise for prepared in decays))
+    known = tuple(prepared.noise for prepared in decays)
+    floors = refine_floor(found, known, noise_colours(decays, found))
     windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))
     return Baseline(decays, fit(found.model, windows, found.point, found.frequency), floors)
 

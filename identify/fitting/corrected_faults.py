@@ -3,36 +3,52 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import median_filter
 
+from identify.arrays import Array
 from identify.effects.library import fault_allowed_as
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
-UNSTATED_GAIN_UNCERTAINTY = 2e-4
-"""Relative uncertainty allowed to a pair of channels whose calibration says nothing."""
+UNSTATED_GAIN_UNCERTAINTY = 0.03
+"""Relative uncertainty allowed to a pair of channels whose calibration says nothing: ordinary sensors are 1 to 5 % off."""
 
 FEWEST_LOST = 3
 _SIGNIFICANT_DROP = 12.0
+_NEAR = 9
+_WORTH_A_REMARK = 0.002
+"""Relative error of the gain from which on it is remarked on where the calibration would allow it."""
 
 
 @dataclass(frozen=True, eq=False)
 class CorrectedFault:
     """A sensor's fault that is corrected in every fit: what it would add to chi-square if it were not allowed for.
 
-    `drop` is that chi-square, in units of the noise; `parameters` what was found; `term` names it in a model.
+    `drop` is that chi-square, in units of the noise, of so many `readings` (0 where it is one number's); `parameters`
+    what was found; `term` names it in a model. `remarked` tells that the fault is there, though no more than its
+    calibration leaves open: worth a remark, and no verdict.
     """
 
     term: Term
     drop: float
     readings: int
     parameters: dict[str, Estimate]
+    remarked: bool = False
+
+    @property
+    def surplus(self) -> float:
+        """The drop that would be as improbable by chance, had it one degree of freedom (Chernoff's bound for more)."""
+        degrees = max(self.readings, 1)
+        if degrees == 1:
+            return self.drop
+        return max(self.drop - degrees - degrees * float(np.log(max(self.drop / degrees, 1.0))), 0.0)
 
     @property
     def significant(self) -> bool:
-        """Whether it is worth a report."""
-        return self.drop > _SIGNIFICANT_DROP
+        """Whether it is a fault, by more than chance and the calibration leave open."""
+        return self.surplus > _SIGNIFICANT_DROP
 
 
 def corrected_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[CorrectedFault, ...]:
@@ -48,24 +64,31 @@ def allowance(decays: tuple[PreparedDecay, ...], fit: Fit, model: Model) -> tupl
 
 
 def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
-    drop, weights, values = 0.0, [], []
+    """Weigh the mean gain of all releases: one pair of sensors has one calibration, whose error all of them share."""
+    errors, variances, allowed = [], [], []
     for i, prepared in enumerate(decays):
         gain = fit.nuisance("gain", i)
-        if gain is None or not np.isfinite(gain.std):
+        if gain is None or not np.isfinite(gain.std) or not gain.std > 0.0:
             continue
-        allowed = prepared.window.gain_uncertainty or UNSTATED_GAIN_UNCERTAINTY
-        inflated = gain.std**2 * max(fit.reduced, 1.0) + allowed**2
-        if not np.isfinite(inflated):  # the motion ran away
+        variance = gain.std**2 * max(fit.reduced, 1.0)
+        if not np.isfinite(variance):  # the motion ran away
             continue
-        drop += (gain.value - 1.0) ** 2 / inflated
-        weights.append(1.0 / inflated)
-        values.append(gain.value - 1.0)
-    if not values or not np.isfinite(drop):
+        errors.append(gain.value - 1.0)
+        variances.append(variance)
+        allowed.append(prepared.window.gain_uncertainty or UNSTATED_GAIN_UNCERTAINTY)
+    if not errors:
         return None
-    mean = float(np.average(values, weights=weights))
-    error = Estimate(mean, float(np.sum(weights) ** -0.5), "1")
+    weights = 1.0 / np.array(variances)
+    mean = float(np.average(errors, weights=weights))
+    own = float(weights.sum() ** -0.5)
+    variance = own**2 + float(np.mean(allowed)) ** 2
+    drop = mean**2 / variance
+    if not np.isfinite(drop):
+        return None
+    error = Estimate(mean, float(np.sqrt(variance)), "1")
     fault = fault_allowed_as("gain")
-    return CorrectedFault(Term(fault), drop, 0, {fault.strength.name: error})
+    remarked = abs(mean) > max(_WORTH_A_REMARK, _SIGNIFICANT_DROP**0.5 * own)
+    return CorrectedFault(Term(fault), drop, 0, {fault.strength.name: error}, remarked)
 
 
 def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
@@ -76,7 +99,7 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
             lost = prepared.lost.get(channel)
             if lost is None or channel not in window.readings:
                 continue
-            off = fit.residual(channel, i)[lost[: len(window)]] / window.sigma[channel]
+            off = _off(fit, channel, i)[lost[: len(window)]] / window.sigma[channel]
             off = off[np.isfinite(off)]
             drop += float(np.sum(off**2))
             count += len(off)
@@ -86,3 +109,15 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
             term = Term(fault, {"channel": channel})
             faults.append(CorrectedFault(term, drop, count, {fault.strength.name: share}))
     return faults
+
+
+def _off(fit: Fit, channel: str, i: int) -> Array:
+    """Return the residual (n,); where the noise is coloured, less its median over the used readings near by."""
+    window, residual = fit.windows[i], fit.residual(channel, i)
+    if channel not in window.colour:
+        return residual
+    used = np.flatnonzero(window.used[channel])
+    if len(used) < _NEAR:
+        return residual
+    slow = median_filter(residual[used], _NEAR, mode="nearest")
+    return np.asarray(residual - np.interp(np.arange(len(residual)), used, slow))

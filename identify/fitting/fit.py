@@ -96,6 +96,11 @@ class Fit:
         """Return reading less prediction, SI, shape (n,), of one channel of window i."""
         return self.windows[i].readings[channel] - self.predicted[i][channel]
 
+    def in_noise(self, channel: str, i: int = 0) -> Array:
+        """Return the residual of one channel of window i in units of its noise, whitened, 0 where not used, shape (n,)."""
+        window = self.windows[i]
+        return np.where(window.used[channel], window.in_noise(channel, self.residual(channel, i)), 0.0)
+
     def correlation(self, first: str, second: str) -> float:
         """Return the correlation of two unknowns' errors."""
         i, j = self.names.index(first), self.names.index(second)

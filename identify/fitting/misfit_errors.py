@@ -33,7 +33,7 @@ def _density(found: Fit) -> float:
     power, count = 0.0, 0
     for i, window in enumerate(found.windows):
         for channel in window.channels:
-            residual = np.where(window.used[channel], found.residual(channel, i), 0.0) / window.sigma[channel]
+            residual = found.in_noise(channel, i)
             spectrum = np.abs(np.fft.rfft(residual)) ** 2 / max(int(window.used[channel].sum()), 1)
             ratio = np.fft.rfftfreq(len(window), 1.0 / window.rate) * 2.0 * np.pi / found.frequency
             near = (ratio > _BAND[0]) & (ratio < _BAND[1])

@@ -127,11 +127,14 @@ class Problem:
         return predicted
 
     def residual_of(self, i: int, predicted: dict[str, Array]) -> Array:
-        """Return the misfit of window i in units of the noise, unused readings left out."""
+        """Return the misfit of window i in units of the noise, coloured noise whitened, unused readings left out."""
         window = self.windows[i]
         parts = []
         for channel in window.channels:
             used = window.used[channel]
+            if channel in window.colour:
+                parts.append(window.in_noise(channel, window.readings[channel] - predicted[channel])[used])
+                continue
             parts.append((window.readings[channel][used] - predicted[channel][used]) / window.sigma[channel])
         return np.concatenate(parts)
 

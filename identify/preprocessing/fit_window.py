@@ -1,13 +1,19 @@
 """The fit window: the part of a free decay that is fitted, and the noise that each reading has."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 
 from identify.arrays import Array, Mask
+from identify.signal.coloured_noise import Colour, Whitening
 
 CHANNELS = ("displacement", "velocity", "acceleration")
+
+
+_NORMAL = (-1.534, -0.887, -0.489, -0.157, 0.157, 0.489, 0.887, 1.534)
+"""Normal quantiles in the middle of eight equal shares."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +38,7 @@ class FitWindow:
     calibration certificates leave open, and enters as a prior when the gain is judged. `pre_release` is None where the rest
     before the release was not seen. `force` is an external force per unit mass (m/s^2), None where none acts;
     where the mass was only estimated, `force_known` is False and its scale is fitted. A `segment` is one of several
-    pieces of a long release.
+    pieces of a long release. `colour` holds what the noise of a channel has beside its white part, in units of `sigma`.
     """
 
     rate: float
@@ -49,6 +55,7 @@ class FitWindow:
     force_known: bool = True
     segment: bool = False
     unit: str = "m"
+    colour: dict[str, Colour] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(next(iter(self.readings.values())))
@@ -72,6 +79,30 @@ class FitWindow:
     def clock(self) -> Array:
         """Time since the release of each sample, s."""
         return self.time + np.arange(len(self)) / self.rate
+
+    @cached_property
+    def _whitening(self) -> dict[str, Whitening]:
+        return {c: Whitening(colour.components, self.rate, self.used[c]) for c, colour in self.colour.items()}
+
+    def in_noise(self, channel: str, misfit: Array) -> Array:
+        """Return a misfit (n,) of one channel, SI, in units of its noise, whitened; of readings not used it says nothing."""
+        scaled = misfit / self.sigma[channel]
+        whitening = self._whitening.get(channel)
+        return scaled if whitening is None else whitening(scaled)
+
+    def draw_noise(self, channel: str, random: np.random.Generator, draws: int) -> Array:
+        """Return noise of the used readings of a channel as a fit with this window would see it, (used, draws).
+
+        White, but where the strength of its colour is uncertain: so much stronger or weaker than what is whitened.
+        """
+        used = self.used[channel]
+        if channel not in self.colour:
+            return random.standard_normal((int(used.sum()), draws))
+        colour, parts = self.colour[channel], []
+        for size, share in zip(_NORMAL, np.array_split(np.arange(draws), len(_NORMAL)), strict=True):
+            other = Whitening(colour.stronger(float(np.exp(size * colour.uncertainty))), self.rate, used)
+            parts.append(self._whitening[channel](other.draw(random, len(share)))[used])
+        return np.concatenate(parts, axis=1)
 
     def with_(self, **changes: object) -> Self:
         """Return a copy with some fields replaced."""

@@ -1,6 +1,6 @@
 """The noise floor: the white noise of each channel, from the rest before the release or from the band above the motion."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import comb
 
 import numpy as np
@@ -10,6 +10,15 @@ from identify.free_decay import FreeDecay
 
 DIFFERENCE_ORDER = 6
 SHORTEST_REST = 24
+DITHERED = 0.5
+"""Noise at rest, in steps of the converter, from which on it carries the readings over the steps and shows their error."""
+
+_STILL, _UNSURE_STILL, _UNSURE = 0.1, 0.1, 0.2
+"""A rest that moves by less than so many steps stands still; relative errors of the noise by such a rest and by others."""
+
+LEAST = 1e-9
+"""Least noise, as a share of the range of the readings: no converter or simulation is better."""
+
 CLIP, LEFT_INSIDE = 3.0, 0.97334
 """Outliers lie beyond so many standard deviations; the share of a normal variable's variance that lies within."""
 
@@ -44,10 +53,25 @@ def noise_of(decay: FreeDecay) -> dict[str, Noise]:
         first, last = decay.rest
         rest = values[first:last][valid[first:last]]
         if len(rest) >= SHORTEST_REST:
-            result[name] = floor_at_rest(rest)
+            found = with_steps(floor_at_rest(rest), converter_step(values[valid]))
         else:
-            result[name] = floor_above_motion(values[decay.start :], valid[decay.start :])
+            found = floor_above_motion(values[decay.start :], valid[decay.start :])
+        least = LEAST * float(np.ptp(values[valid])) if valid.any() else 0.0
+        result[name] = found if found.std >= least else replace(found, std=least, uncertainty=0.5 * least)
     return result
+
+
+def with_steps(at_rest: Noise, step: float) -> Noise:
+    """Return the noise along the motion of a converter with this step, from the noise at rest.
+
+    Noise of half a step or more carries a resting reading over the steps, and shows their error. Less of it does not: the
+    error of the steps, their size over the square root of twelve along any motion (Bennett 1948), is not in the rest.
+    """
+    if at_rest.std >= DITHERED * step:
+        return at_rest
+    std = float(np.hypot(at_rest.std, step / np.sqrt(12.0)))
+    share = _UNSURE_STILL if at_rest.std < _STILL * step else _UNSURE
+    return Noise(std, share * std, f"{at_rest.source}, and the converter's steps")
 
 
 def floor_at_rest(rest: Array) -> Noise:
@@ -62,9 +86,8 @@ def floor_at_rest(rest: Array) -> Noise:
     for _ in range(5):
         quiet = power < 6.0 * floor
         floor = float(np.mean(power[quiet])) / 0.9851 if quiet.any() else floor
-    step = _converter_step(rest)
-    std = max(np.sqrt(floor), step / np.sqrt(12.0))
-    return Noise(float(std), float(std / np.sqrt(2.3 * max(len(power), 1))), "rest before the release")
+    std = float(np.sqrt(floor))
+    return Noise(std, float(std / np.sqrt(2.3 * max(len(power), 1))), "rest before the release")
 
 
 def floor_above_motion(values: Array, valid: Mask | None = None) -> Noise:
@@ -80,11 +103,12 @@ def floor_above_motion(values: Array, valid: Mask | None = None) -> Noise:
     for _ in range(6):
         inside = size[size < CLIP * spread]
         spread = float(np.sqrt(np.mean(inside**2) / LEFT_INSIDE)) if len(inside) > len(size) // 2 else spread
-    std = max(spread / np.sqrt(comb(2 * order, order)), _converter_step(values) / np.sqrt(12.0))
+    std = max(spread / np.sqrt(comb(2 * order, order)), converter_step(values) / np.sqrt(12.0))
     return Noise(std, std * 1.6 / np.sqrt(len(size)), "band above the motion")
 
 
-def _converter_step(values: Array) -> float:
+def converter_step(values: Array) -> float:
+    """Return the smallest difference between two readings that is not rounding: a converter's step; 0 where none differ."""
     steps = np.diff(np.unique(values))
     steps = steps[steps > 1e-9 * np.ptp(values)] if len(steps) else steps
     return float(steps.min()) if len(steps) else 0.0

@@ -1,6 +1,7 @@
 """The setting of a fit: the span that is compared, and the motion that it shows."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from identify.preprocessing.equation_error import moving, regress
 from identify.preprocessing.fit_window import CHANNELS, FitWindow, PreReleaseMotion
 from identify.preprocessing.motion import Motion, reconstruct
 from identify.preprocessing.noise import Noise
+from identify.preprocessing.noise_colour import RestColour, colour_at_rest
 from identify.preprocessing.release import Release
 from identify.summary import Summarised, Summary
 
@@ -83,6 +85,15 @@ class PreparedDecay(Summarised):
         """Measured restoring force per unit mass along the motion: the external force, if any, less inertia's, (n,)."""
         external = 0.0 if self.window.force is None else self.window.force
         return np.asarray(external - self.motion.acceleration)
+
+    @cached_property
+    def rest_colour(self) -> dict[str, RestColour]:
+        """What the rest says of the colour of each channel's noise."""
+        if self.rest is None:
+            return {}
+        rate = (len(self.rest.time) - 1) / float(self.rest.time[-1] - self.rest.time[0])
+        found = {c: colour_at_rest(readings, rate) for c, readings in self.rest.readings.items()}
+        return {channel: colour for channel, colour in found.items() if colour is not None}
 
     @property
     def amplitude(self) -> float:

@@ -57,9 +57,10 @@ def caution(compared: Compared) -> str:
     seen = compared.comparison
     if seen.chi_square <= 1.0 + FAR * seen.chi_square_std:
         return ""
+    motion, chi_square = typeset_figures(seen.motion_error), typeset_figures(seen.chi_square)
     return (
-        f"This model leaves {typeset_figures(seen.motion_error)} % of the motion, {typeset_figures(seen.chi_square)} times "
-        "what noise explains. The standard errors are those of noise alone; what the model lacks may have moved its parameters by more."
+        f"This model leaves {motion} % of the motion, {chi_square} times what noise explains. The standard errors are those "
+        "of noise alone; what the model lacks may have moved its parameters by more."
     )
 
 

@@ -10,14 +10,18 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from mocks.generate import draw
 
+CALIBRATED = 2e-4
+"""Relative uncertainty of the gain between the double's sensors, where a test takes them for calibrated ones."""
+
 HIDDEN = Path(__file__).resolve().parents[1] / "data" / "hidden"
 
 
 def drawn(
-    effect: str | None, strength: float, seed: int, **fixed: Any
+    effect: str | None, strength: float, seed: int, *, gain_uncertainty: float = 0.0, **fixed: Any
 ) -> tuple[PreparedDecay, dict[str, Any]]:
     sample = draw(effect, strength, seed, **fixed)
-    return ready(sample.rate, sample.displacement, sample.acceleration), sample.truth
+    decay = FreeDecay(sample.rate, sample.displacement, sample.acceleration)
+    return prepare(decay, gain_uncertainty=gain_uncertainty), sample.truth
 
 
 def ready(rate: float, displacement: np.ndarray, acceleration: np.ndarray | None) -> PreparedDecay:

@@ -2,12 +2,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from releases import drawn
 from scipy import stats
 from test_fit import fitted
 
 from identify.diagnosis.null_distribution import NullDistribution, null_distribution
 from identify.effects.library import find_effect
-from identify.model.model import Term
+from identify.fitting.baseline import fit_baseline
+from identify.model.model import Term, base_model
 
 TERMS = tuple(Term(find_effect(n)) for n in ("cubic_damping", "cubic_stiffness", "quadratic_stiffness"))
 
@@ -61,3 +63,29 @@ def test_the_same_seed_gives_the_same_draws():
 
 def test_an_effect_that_was_not_looked_at_is_no_surprise():
     assert drawn_chance().surprise("freeplay", 100.0) == 0.0
+
+
+@cache
+def chance_of_three():
+    decays = tuple(drawn(None, 0.0, seed)[0] for seed in (310, 311, 312))
+    found = fit_baseline(decays, base_model()).fit
+    terms = [Term(find_effect("cubic_stiffness"))]
+    for name, channel in (("offset_drift", "displacement"), ("mains_hum", "displacement")):
+        terms.append(Term(find_effect(name), {"channel": channel}))
+    terms.append(Term(find_effect("harmonic_forcing")))
+    return null_distribution(decays, found, tuple(terms))
+
+
+def test_a_force_of_three_releases_has_one_strength_and_a_sensors_drift_three():
+    drops = chance_of_three().drops
+    assert stats.kstest(drops["cubic_stiffness"], stats.chi2(1).cdf).pvalue > 1e-3  # 1 in 1000 runs
+    assert stats.kstest(drops["offset_drift"], stats.chi2(3).cdf).pvalue > 1e-3  # of either sign in each
+
+
+def test_lines_of_a_sensor_add_up_over_releases_and_that_of_a_force_is_one():
+    # The largest of m exponential powers of mean 2 lies near 2 ln m; between the bins some 1.5 times as many are seen.
+    window = fitted()[0].window
+    one = 2.0 * np.log(1.5 * len(window) / 2.0) + 2.0 * 0.5772
+    drops = chance_of_three().drops
+    assert np.mean(drops["mains_hum"]) == pytest.approx(3.0 * one, rel=0.06)
+    assert np.mean(drops["harmonic_forcing"]) == pytest.approx(one, rel=0.12)

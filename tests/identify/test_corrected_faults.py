@@ -2,13 +2,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from releases import drawn
+from releases import CALIBRATED, drawn
+from scipy import stats
 from test_fit import fitted
 
 from identify.effects.library import find_effect
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.corrected_faults import UNSTATED_GAIN_UNCERTAINTY, allowance, corrected_faults
+from identify.fitting.corrected_faults import (
+    UNSTATED_GAIN_UNCERTAINTY,
+    CorrectedFault,
+    allowance,
+    corrected_faults,
+)
 from identify.model.model import Term
 
 
@@ -17,7 +23,8 @@ def with_gain(found, value, std):
 
 
 def gain_fault(prepared, found):
-    return next(f for f in corrected_faults((prepared,), found) if f.term.effect.name == "channel_gain")
+    decays = prepared if isinstance(prepared, tuple) else (prepared,)
+    return next(f for f in corrected_faults(decays, found) if f.term.effect.name == "channel_gain")
 
 
 def test_a_gain_is_weighed_against_its_error_and_what_the_calibration_promises():
@@ -31,11 +38,43 @@ def test_a_gain_is_weighed_against_its_error_and_what_the_calibration_promises()
     assert fault.parameters["error"].std == pytest.approx(np.sqrt(variance))
 
 
-def test_a_calibration_that_says_nothing_still_leaves_a_little_open():
+def test_a_calibration_that_says_nothing_leaves_open_what_ordinary_sensors_are_off():
     prepared, _, found = fitted()
     prepared = replace(prepared, window=prepared.window.with_(gain_uncertainty=0.0))
     fault = gain_fault(prepared, with_gain(found, 1.0 + 3.0 * UNSTATED_GAIN_UNCERTAINTY, 1e-9))
     assert fault.drop == pytest.approx(9.0, rel=1e-3)
+
+
+def test_an_ordinary_gain_error_is_remarked_on_and_no_fault():
+    prepared, truth = drawn("channel_gain", 0.01, 7200)
+    fault = gain_fault(prepared, fit_baseline((prepared,), fitted()[2].model).fit)
+    assert abs(truth["parameters"]["error"]) == pytest.approx(0.01, rel=0.01)
+    assert fault.remarked
+    assert not fault.significant
+
+
+def test_releases_of_one_pair_of_sensors_share_its_calibration():
+    prepared, _, found = fitted()
+    prepared = replace(prepared, window=prepared.window.with_(gain_uncertainty=0.01))
+    one = with_gain(found, 1.03, 0.004)
+    three = replace(
+        found,
+        windows=found.windows * 3,
+        predicted=found.predicted * 3,
+        values={f"gain[{i}]": Estimate(1.03, 0.004, "1") for i in range(3)},
+    )
+    single, joint = gain_fault(prepared, one), gain_fault((prepared,) * 3, three)
+    own = 0.004**2 * max(found.reduced, 1.0)
+    assert joint.drop == pytest.approx(0.03**2 / (own / 3 + 0.01**2))  # and not three times one's
+    assert single.drop < joint.drop < 1.2 * single.drop
+
+
+def test_lost_readings_that_lie_where_noise_would_put_them_are_no_fault():
+    fault = CorrectedFault(Term(find_effect("dropouts")), 16.0, 3, {})
+    # the tail of three degrees at 16 is 1.1e-3, that of one degree at 12 is 5e-4: less improbable than a fault must be
+    assert stats.chi2.sf(16.0, 3) > stats.chi2.sf(12.0, 1)
+    assert not fault.significant
+    assert replace(fault, drop=1000.0).significant
 
 
 def test_a_gain_that_the_record_does_not_determine_is_no_fault():
@@ -44,7 +83,7 @@ def test_a_gain_that_the_record_does_not_determine_is_no_fault():
 
 
 def test_the_doubles_gain_error_is_found():
-    prepared, truth = drawn("channel_gain", 0.01, 7200)
+    prepared, truth = drawn("channel_gain", 0.01, 7200, gain_uncertainty=CALIBRATED)
     found = fit_baseline((prepared,), fitted()[2].model).fit
     fault = gain_fault(prepared, found)
     channel = truth["parameters"]["channel"]

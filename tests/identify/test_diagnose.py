@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from releases import drawn, hidden
+from releases import CALIBRATED, drawn, hidden
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_rung, remove_effect
@@ -40,7 +40,7 @@ def test_an_effect_hidden_in_the_double_is_named_first(effect):
 
 @pytest.mark.parametrize("fault", ["clipping", "mains_hum", "dropouts", "channel_gain"])
 def test_a_faulty_sensor_is_not_called_physics(fault):
-    prepared, _ = drawn(fault, 0.01, seed=42)
+    prepared, _ = drawn(fault, 0.01, seed=42, gain_uncertainty=CALIBRATED)
     found = diagnose((prepared,))
     assert found.verdict == "sensor_fault"
     assert found.named[0] == fault

@@ -3,7 +3,13 @@ import pytest
 from decays_in_closed_form import coulomb, exponential
 
 from identify.free_decay import FreeDecay
-from identify.preprocessing.noise import estimate_noise, floor_above_motion, floor_at_rest, noise_of
+from identify.preprocessing.noise import (
+    estimate_noise,
+    floor_above_motion,
+    floor_at_rest,
+    noise_of,
+    with_steps,
+)
 
 
 def test_the_floor_at_rest_is_the_white_noise_with_its_stated_error() -> None:
@@ -54,3 +60,28 @@ def test_lost_samples_do_not_count() -> None:
 def test_a_converter_that_shows_nothing_but_steps_has_the_noise_of_a_step() -> None:
     steps = np.round(np.linspace(0.0, 20.0, 400))
     assert floor_above_motion(steps).std >= 1 / np.sqrt(12.0) - 1e-12
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.05])
+def test_a_rest_that_stands_on_one_step_hides_an_error_that_the_motion_shows(noise: float) -> None:
+    # Bennett: along a motion over many steps their error is uniform, of variance step^2 / 12.
+    step = 2.5e-5
+    u, _, _ = exponential(np.arange(1500) / 256, 3.944)
+    u = np.concatenate([np.full(200, u[0]), u]) + 0.3 * step
+    u = step * np.round((u + noise * step * np.random.default_rng(8).standard_normal(1700)) / step)
+    found = noise_of(FreeDecay(256.0, displacement=u, release=200, rest=(0, 200)))["displacement"]
+    assert abs(found.std - step * np.hypot(noise, 12**-0.5)) < 2.0 * found.uncertainty
+    assert found.source == "rest before the release, and the converter's steps"
+
+
+def test_noise_that_carries_the_rest_over_the_steps_has_shown_their_error_already() -> None:
+    step = 1.0
+    rest = np.round(0.8 * np.random.default_rng(9).standard_normal(4000))
+    found = with_steps(floor_at_rest(rest), step)
+    assert found.std == pytest.approx(np.hypot(0.8, 12**-0.5), rel=0.05)  # 4000 samples know it within 1.1 %
+
+
+def test_a_record_without_any_noise_still_has_a_noise_to_divide_by() -> None:
+    u, _, _ = exponential(np.arange(1000) / 256, 3.944)
+    u = np.concatenate([np.full(100, u[0]), u])
+    assert noise_of(FreeDecay(256.0, displacement=u, release=100, rest=(0, 100)))["displacement"].std > 0.0

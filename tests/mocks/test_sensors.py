@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mocks import sensor_faults
+from mocks.imperfections import BANDWIDTH, BEND, BENT, SLOW, distorted, noise_of, one_over_f
 from mocks.sensors import Sensor, high_pass, hold_samples, quantise
 
 
@@ -85,3 +86,34 @@ def test_a_fault_of_one_instant_has_the_strength_asked_for(name):
 def test_a_fault_that_needs_memory_is_refused_as_one_of_an_instant():
     with pytest.raises(ValueError, match="not a fault of one instant"):
         sensor_faults.error("dropouts", {}, np.zeros(3), np.zeros(3))
+
+
+def test_noise_that_falls_as_one_over_f_has_unit_size_and_a_tenth_of_the_power_at_ten_times_the_frequency() -> (
+    None
+):
+    noise = np.array([one_over_f(2048, np.random.default_rng(seed)) for seed in range(200)])
+    assert np.mean(noise**2) == pytest.approx(1.0, rel=0.1)  # its slowest part varies most: 5 % by chance
+    power = np.mean(np.abs(np.fft.rfft(noise * np.hanning(2048), axis=1)) ** 2, axis=0)
+    assert np.mean(power[38:42]) / np.mean(power[380:420]) == pytest.approx(10.0, rel=0.15)
+
+
+def test_an_imperfection_that_is_not_known_is_refused() -> None:
+    with pytest.raises(ValueError, match="no imperfection is called ripple; there are: one_over_f"):
+        noise_of(("ripple",), "displacement", 10, 0, ("displacement",))
+
+
+def test_a_bent_sensor_is_wrong_by_its_share_at_the_peak() -> None:
+    a = 10.0 * np.sin(np.linspace(0.0, 30.0, 4001))
+    bent = distorted((BEND,), {"acceleration": a}, {}, 16)["acceleration"]
+    assert np.max(np.abs(bent - a)) == pytest.approx(BENT * np.max(np.abs(a)), rel=1e-3)
+
+
+def test_a_slow_sensor_lags_and_weakens_as_a_first_order_low_pass() -> None:
+    f, over = 0.05, 16  # cycles a reading
+    fine = np.sin(2.0 * np.pi * f * np.arange(16000) / over)
+    slow = distorted((BANDWIDTH,), {"displacement": fine[::over]}, {"displacement": fine}, over)[
+        "displacement"
+    ]
+    clock = np.arange(200, 1000)
+    wave = 2.0 * np.mean(slow[clock] * np.exp(-2j * np.pi * f * clock)) * 1j
+    assert wave == pytest.approx(1.0 / (1.0 + 1j * f / SLOW), abs=0.01)  # half a fine step: 2 pi 0.05 / 32

@@ -1,0 +1,27 @@
+from dataclasses import replace
+
+from releases import drawn
+
+from identify.diagnosis.rest_evidence import at_rest, denied
+from identify.diagnosis.suspects import try_terms
+from identify.effects.library import find_effect
+from identify.estimate import Estimate
+from identify.fitting.baseline import fit_baseline
+from identify.model.model import Term, base_model
+from mocks.imperfections import ALIASED_LINE
+
+
+def candidate(prepared, name, frequency):
+    term = Term(find_effect(name), {"channel": "displacement"} if name == "mains_hum" else {})
+    base = fit_baseline((prepared,), base_model()).fit
+    found = try_terms((prepared,), base, (term,), polished=1)[0]
+    values = found.fit.values | {str(term.parameter("f")): Estimate(frequency, 0.01, "Hz")}
+    return replace(found, fit=replace(found.fit, values=values))
+
+
+def test_a_line_that_a_sensor_shows_while_the_mass_is_held_is_no_forces():
+    prepared, _ = drawn(None, 0.0, 1000, imperfections=(ALIASED_LINE,))
+    lines = [line for colour in prepared.rest_colour.values() for line in colour.lines]
+    strongest = max(lines, key=lambda line: line.power)
+    assert denied((prepared,), candidate(prepared, "harmonic_forcing", strongest.frequency))
+    assert at_rest((prepared,), candidate(prepared, "harmonic_forcing", strongest.frequency + 5.0)) == 0.0
