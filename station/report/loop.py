@@ -83,13 +83,13 @@ def _reasons(document: DiagnosisDocument, suspect: SuspectDocument) -> tuple[str
 def _foretold(document: DiagnosisDocument) -> list[Part]:
     """Show how well each release, or half of one, was foretold from the others."""
     found = document.confirmation
-    if found is None:
+    if found is None or found.driven:
         return []
     parts: list[Part] = []
     words = confirmed_by(document)
     if words:
         parts.append(Paragraph(sentence(words), label="Confirmed"))
-    whole = [("median", found.usual, found.found)]
+    whole = [] if found.one_record else [("median", found.usual, found.found)]
     each = [(u.part, u, f) for u, f in zip(found.usual.by_part, found.found.by_part, strict=True)]
     rows = tuple(
         (

@@ -24,7 +24,7 @@ class PartErrors(PredictionErrors):
 
 
 class ForetoldErrors(PredictionErrors):
-    """The medians over all parts, and each part."""
+    """The medians over all releases, or the small amplitudes of one record; and each part."""
 
     by_part: list[PartErrors]
 
@@ -49,10 +49,12 @@ class ConfirmationDocument(Part):
     """What was confirmed; `usual` and `found` are the errors of the model that was asked about and with the effects.
 
     In `one_record` the parts are its large and its small amplitudes. `undecided` names by "frequency" or "loss" laws
-    that explain it and that are not told apart.
+    that explain it and that are not told apart. The amplitude of some release `beats`, or does not die away (`driven`).
     """
 
     one_record: bool
+    beats: bool
+    driven: bool
     parts: int
     better: int
     usual: ForetoldErrors
@@ -66,6 +68,8 @@ def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> Con
     names = _names(found, sessions)
     return ConfirmationDocument(
         one_record=found.one_record,
+        beats=found.beats,
+        driven=found.driven,
         parts=found.parts,
         better=found.better,
         usual=_errors(found.usual, names),

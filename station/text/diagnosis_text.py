@@ -102,9 +102,10 @@ def confirmed_by(document: DiagnosisDocument) -> str:
     if found is None or not document.confirmed:
         return ""
     where = "halves of the record, each foretold from the other" if found.one_record else "other releases"
+    what = "the small amplitudes" if found.one_record else "the prediction"
     before, after = found.usual.motion_percent, found.found.motion_percent
     return (
-        f"confirmed on {found.better} of {found.parts} {where}: error of the prediction {three_figures(before)} to "
+        f"confirmed on {found.better} of {found.parts} {where}: error of {what} {three_figures(before)} to "
         f"{three_figures(after)} % of the motion"
     )
 
@@ -112,7 +113,7 @@ def confirmed_by(document: DiagnosisDocument) -> str:
 def foretold_parts(document: DiagnosisDocument) -> str:
     """Return the error of the prediction on each part that was left out, in % of the motion; "" where it was not asked."""
     found = document.confirmation
-    if found is None:
+    if found is None or found.driven:
         return ""
     parts = []
     for before, after in zip(found.usual.by_part, found.found.by_part, strict=True):
@@ -123,7 +124,7 @@ def foretold_parts(document: DiagnosisDocument) -> str:
 
 
 def _medians(found: ConfirmationDocument) -> str:
-    """Return the medians of the errors of phase and envelope."""
+    """Return the errors of phase and envelope: their medians, or those of the small amplitudes of one record."""
     parts = []
     for name, before, after in (
         ("phase", found.usual.phase_percent, found.found.phase_percent),
@@ -131,7 +132,7 @@ def _medians(found: ConfirmationDocument) -> str:
     ):
         change = f" to {three_figures(after)}" if found.effects else ""
         parts.append(f"{name} {three_figures(before)}{change} %")
-    return f"median: {', '.join(parts)}"
+    return f"{'small amplitudes' if found.one_record else 'median'}: {', '.join(parts)}"
 
 
 def shown_suspects(document: DiagnosisDocument) -> list[SuspectDocument]:
@@ -149,8 +150,9 @@ def _parameters(suspect: SuspectDocument, most: int | None) -> str:
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     facts = []
-    if document.confirmation is not None:
-        facts.append(("foretold", foretold_parts(document)))
+    foretold = foretold_parts(document)
+    if foretold:
+        facts.append(("foretold", foretold))
     if document.rivals:
         facts.append(("the same", not_told_apart(document)))
     for finding in document.findings:

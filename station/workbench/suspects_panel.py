@@ -89,8 +89,9 @@ class SuspectsPanel:
         with ui.element("div").classes(f"verdict {'good' if good else 'bad'}"):
             widgets.label(_plain(headline(document)), "strong wrap")
             widgets.label(typeset(document.explanation), "small wrap")
-            if document.confirmation is not None:
-                widgets.label(_plain(sentence(foretold_parts(document))), "small wrap")
+            foretold = foretold_parts(document)
+            if foretold:
+                widgets.label(_plain(sentence(foretold)), "small wrap")
             if document.rivals:
                 widgets.label(_plain(sentence(not_told_apart(document))), "small wrap strong")
             for finding in document.findings:

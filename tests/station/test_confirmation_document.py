@@ -21,17 +21,18 @@ NAMES = ("first", "second", "third")
 NONE = Strengths((), np.zeros(0), {})
 
 
-def held(*errors: tuple[float, float]) -> HeldOut:
+def held(*errors: tuple[float, float], one_record: bool = False) -> HeldOut:
     """Return errors of the envelope and of the phase, a pair a part."""
     parts = tuple(MotionError(envelope, phase, 0.0) for envelope, phase in errors)
-    return HeldOut(NONE, parts, parts)
+    return HeldOut(NONE, parts, parts, one_record)
 
 
 def confirmation(*, one_record: bool = False, effects: bool = True) -> Confirmation:
     usual = held((3.0, 4.0), (0.0, 6.0), (8.0, 6.0))
     found = held((0.0, 1.0), (0.0, 9.0), (0.0, 2.0)) if effects else usual
     if one_record:
-        usual, found = held((3.0, 4.0), (0.0, 6.0)), held((0.0, 1.0), (0.0, 2.0))
+        usual = held((3.0, 4.0), (0.0, 6.0), one_record=True)
+        found = held((0.0, 1.0), (0.0, 2.0), one_record=True)
     drag = ConfirmedEffect(
         Term(find_effect("quadratic_damping")), 0.3, {}, "loss", 6.0, 2.0, 2, 3, ("cubic_damping",)
     )
@@ -127,6 +128,7 @@ def test_it_is_said_on_how_many_other_releases_and_in_percent_of_the_motion():
     assert parts.endswith("(median: phase 6.00 to 2.00 %, envelope 3.00 to 0.00 %)")
     halves = document(confirmation(one_record=True), ("first",))
     assert "2 of 2 halves of the record" in confirmed_by(halves)
+    assert confirmed_by(halves).endswith("error of the small amplitudes 6.00 to 2.00 % of the motion")
 
 
 def test_the_terminal_says_percent_of_the_motion_before_chi_square_and_what_each_suspect_foretells():

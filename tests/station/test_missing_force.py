@@ -22,6 +22,7 @@ VERDICTS = (
     "nothing_missing",
     "unknown_effect",
     "unconfirmed",
+    "driven",
     "not_enough_data",
 )
 
