@@ -26,6 +26,9 @@ MOST_RELEASES = 0.66
 ALIKE = 0.02
 """Relative difference of two errors of prediction up to which they count as one."""
 
+STRANGE = 50.0
+"""Error of the prediction, in % of the motion, from which on neither model seems to be of this bench."""
+
 BASIS: dict[UsualFrom, str] = {
     "the_same_releases": "the usual model was fitted to what the model was fitted to",
     "the_other_releases": "the usual model has the medians of what it finds on each of the other releases",
@@ -100,12 +103,17 @@ class Validation(Summarised):
         count = len(self.releases)
         usual, own = self.usual_motion_percent, self.motion_percent
         median = " (median)" if count > 1 else ""
+        bench = (
+            " Both miss more than half of the motion: is this another bench?"
+            if min(usual, own) > STRANGE
+            else ""
+        )
         if self.verdict == "no_better":
             how = f"better on {self.better} of {count} releases, worse on {self.worse}"
-            return f"Predicts no better than the usual model: {how}; {_from_to(usual, own)}{median}."
+            return f"Predicts no better than the usual model: {how}; {_from_to(usual, own)}{median}.{bench}"
         word, on = ("better", self.better) if self.verdict == "predicts_better" else ("worse", self.worse)
         where = f" on {on} of {count} releases" if count > 1 else ""
-        return f"Predicts {word} than the usual model{where}: {_from_to(usual, own)}{median}."
+        return f"Predicts {word} than the usual model{where}: {_from_to(usual, own)}{median}.{bench}"
 
     def brief(self) -> Summary:
         """Return the verdict, and both errors on each release."""

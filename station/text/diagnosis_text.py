@@ -132,7 +132,7 @@ def _medians(found: ConfirmationDocument) -> str:
     ):
         change = f" to {three_figures(after)}" if found.effects else ""
         parts.append(f"{name} {three_figures(before)}{change} %")
-    return f"{'small amplitudes' if found.one_record else 'median'}: {', '.join(parts)}"
+    return f"{'of these' if found.one_record else 'median'}: {', '.join(parts)}"
 
 
 def shown_suspects(document: DiagnosisDocument) -> list[SuspectDocument]:

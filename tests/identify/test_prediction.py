@@ -145,3 +145,9 @@ def test_a_model_without_all_of_its_values_foretells_nothing(small):
         identify.predict(
             model_of(*RIGHT), {n: v for n, v in truth().items() if not n.startswith("cubic")}, small
         )
+
+
+def test_a_release_of_another_bench_is_said_to_look_like_one(large):
+    other = prepared(7, 0.012, stiffness=1.5 * 613.6)
+    found = identify.validate(model_of(*RIGHT), truth(), other, fitted_to=[large])
+    assert found.sentence.endswith("Both miss more than half of the motion: is this another bench?")
