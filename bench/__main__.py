@@ -20,6 +20,7 @@ SECTIONS = (
     "bounds",
     "peers",
     "recordings",
+    "rigs",
     "station",
     "campaign",
     "storage",

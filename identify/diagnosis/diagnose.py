@@ -39,9 +39,6 @@ from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.summary import Summarised, Summary
 
-_FAR_OFF = 30.0
-"""Reduced chi-square above which a model fits so badly that free runs from it are dear and say little."""
-
 _FEWEST_CYCLES = 5.0
 _HELD_OUT = 3
 _MOST_RUNGS = 5
@@ -191,14 +188,13 @@ def diagnose(
 def _worth_a_fit(
     baseline: Baseline, library: tuple[Effect, ...], foretell: Callable[[], Confirmation | None]
 ) -> tuple[Effect, ...]:
-    """Return the effects to fit by free run: all, or, where the floor is a guess, what the curves leave open.
+    """Return the effects to fit by free run: all, or, on long records with a guessed floor, what the curves leave open.
 
-    So it is far above that floor, and on long records, where every free run is dear.
+    There every free run is dear, and the floor is not reached.
 
     Where they confirm something, that is what they mention; otherwise also what they cannot show.
     """
-    long = any(window.segment for window in baseline.fit.windows)
-    if baseline.floor_is_sure or (baseline.fit.reduced < _FAR_OFF and not long):
+    if baseline.floor_is_sure or not any(window.segment for window in baseline.fit.windows):
         return library
     found = foretell()
     if found is None:

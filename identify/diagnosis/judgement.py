@@ -15,7 +15,7 @@ from identify.diagnosis.rest_evidence import at_rest
 from identify.diagnosis.search import Pair, pairs
 from identify.diagnosis.suspects import Candidate
 from identify.effects.effect import Effect
-from identify.fitting.baseline import Baseline, force_along_motion
+from identify.fitting.baseline import ADEQUATE, Baseline, force_along_motion
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
 
@@ -176,9 +176,10 @@ def _if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | Non
     best = alone.ranked[0].candidate
     if found is None or not found.has_law(best.name) or found.usual.typical("motion") < WORTH:
         return replace(alone, confirmation=found)
-    if best.name in found.names or any(best.name in effect.rivals for effect in found.effects):
+    reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
+    if best.name in found.mentioned or (reaches_it and not found.effects):
         return replace(alone, confirmation=found)
-    return _by_curves(baseline, alone.ranked, found)
+    return _by_curves(baseline, alone.ranked, found, best.fit)
 
 
 def _without_claim(
@@ -188,7 +189,7 @@ def _without_claim(
     foretell: Callable[[], Confirmation | None],
 ) -> Judgement:
     if not baseline.adequate(baseline.fit):
-        return _by_curves(baseline, ranked, foretell())
+        return _by_curves(baseline, ranked, foretell(), baseline.fit)
     if faulty:
         return Judgement("sensor_fault", ranked, baseline.fit, corrected=True)
     return Judgement("nothing_missing", ranked, baseline.fit)
@@ -202,6 +203,7 @@ def _beyond_one(
 ) -> Judgement:
     """Judge where no single effect reaches the floor: two together that do, or what the curves foretell."""
     best = ranked[0].candidate
+    final = best.fit
     found = None if baseline.floor_is_sure else foretell()
     if found is None:
         two = pairs(baseline, tuple(entry.candidate for entry in ranked), library)
@@ -209,12 +211,18 @@ def _beyond_one(
         together = two[0] if better else None
         if together is not None and baseline.adequate(together.second.fit):
             return _of_pair(ranked, together, None)
+        final = best.fit if together is None else together.second.fit
         found = foretell()
-    return _by_curves(baseline, ranked, found)
+    return _by_curves(baseline, ranked, found, final)
 
 
-def _by_curves(baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None) -> Judgement:
-    """Return the judgement of a misfit above the floor: what the curves confirm, however much of it that explains."""
+def _by_curves(
+    baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None, best: Fit
+) -> Judgement:
+    """Return the judgement of a misfit above the floor: what the curves confirm, however much of it that explains.
+
+    `best` is the fit that comes closest, named or not.
+    """
     whole = None if found is None or not found.effects else fit_confirmed(baseline, found)
     if found is not None and found.driven:
         return Judgement("driven", ranked, baseline.fit, confirmation=found)
@@ -222,9 +230,11 @@ def _by_curves(baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmati
     if second is not None:
         return second
     if found is None or whole is None:
-        best = ranked[0].candidate.fit if ranked and ranked[0].claimed else baseline.fit
-        verdict: Verdict = "unknown_effect" if found is None or baseline.floor_is_sure else "unconfirmed"
-        return Judgement(verdict, ranked, baseline.fit, shape=_free_form(baseline, best), confirmation=found)
+        if found is None or baseline.floor_is_sure:
+            shape = _free_form(baseline, ranked[0].candidate.fit if best is not baseline.fit else best)
+            return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)
+        shape = _free_form(baseline, baseline.fit)
+        return Judgement("unconfirmed", ranked, baseline.fit, shape=shape, confirmation=found)
     points = sum(len(curve) for curve in found.curves)
     evidence = float(points * np.log(baseline.fit.chi_square / whole.chi_square))
     first = tuple(

@@ -44,5 +44,5 @@ def test_a_pair_counts_only_where_it_is_better_than_the_best_single_effect(bette
     assert not baseline.adequate(best.fit)
     pair = Pair(best, replace(other, plausible=True, score=best.score + (-100.0 if better else 100.0)))
     monkeypatch.setattr(judgement, "pairs", lambda *given: (replace(pair),))
-    judged = judge(baseline, ranked, (), LIBRARY)
+    judged = judge(baseline, ranked, (), LIBRARY, lambda: None)
     assert judged.final is (other.fit if better else best.fit)

@@ -1,0 +1,169 @@
+"""Curves of one mode: against closed forms, through the same windows, and what they foretell."""
+
+import numpy as np
+import pytest
+
+from identify.curves.averaged_law import law_of
+from identify.curves.confirmation import confirm
+from identify.curves.curve_regression import CurveRegression
+from identify.curves.decay_curve import DecayCurve
+from identify.curves.held_out import cut_in_two
+from identify.curves.isolated_mode import IsolatedMode
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.suspects import candidate_terms
+from identify.effects.library import LIBRARY
+from identify.errors import NotIdentifiable
+from identify.fitting.initial_values import scales_of
+from identify.free_decay import FreeDecay
+from identify.model.model import base_model
+from identify.preprocessing.prepared_decay import prepare
+from mocks.generate import draw
+
+W = 2.0 * np.pi * 1.3
+RATE = 40.0
+
+
+def displacement_only(name, strength, seed, **setting):
+    """Return a release of the double without its second channel: its floor can only be guessed."""
+    sample = draw(name, strength, seed, **setting)
+    return prepare(FreeDecay(sample.rate, displacement=sample.displacement))
+
+
+def confirmed(decays):
+    terms = candidate_terms(base_model(), LIBRARY, decays[0].window)
+    return confirm(decays, base_model(), {}, terms, scales_of(decays[0], {}))
+
+
+def decaying(seconds=40.0, loss=0.08, noise=0.0, seed=1):
+    time = np.arange(int(seconds * RATE)) / RATE
+    clean = 0.1 * np.exp(-0.5 * loss * time) * np.cos(W * time + 0.4) + 0.02
+    return clean + noise * np.random.default_rng(seed).standard_normal(len(time))
+
+
+def window_of(values, rate=RATE):
+    return prepare(FreeDecay(rate, displacement=values)).window
+
+
+def test_a_viscous_decay_has_flat_curves_at_its_loss_and_frequency():
+    window = window_of(decaying())
+    mode = IsolatedMode.of(window)
+    curve = mode.curve(np.asarray(window.readings["displacement"]))
+    assert curve.loss == pytest.approx(
+        0.08, rel=1e-3
+    )  # the window's polynomial in time against e^(-loss t/2)
+    assert curve.frequency == pytest.approx(W, rel=1e-5)
+    assert curve.amplitude == pytest.approx(0.1 * np.exp(-0.04 * curve.time), rel=1e-3)
+    assert curve.centre == pytest.approx(0.02, abs=1e-5)
+
+
+def test_the_curve_is_linear_in_the_reading_so_that_a_prediction_passes_the_same_windows():
+    window = window_of(decaying(noise=1e-4))
+    mode = IsolatedMode.of(window)
+    reading = np.asarray(window.readings["displacement"])
+    once, twice = mode.curve(reading), mode.curve(2.0 * reading)
+    assert twice.amplitude == pytest.approx(2.0 * once.amplitude, rel=1e-12)
+    assert np.diff(twice.phase) == pytest.approx(np.diff(once.phase), abs=1e-12)
+
+
+def test_acceleration_gives_the_curve_of_the_displacement():
+    values = decaying() - 0.02
+    window = window_of(values)
+    curve = IsolatedMode.of(window).curve(np.asarray(window.readings["displacement"]))
+    time = np.arange(len(values)) / RATE
+    # u'' of A e^{-ct} cos(wt + p), in closed form
+    c = 0.04
+    second = (
+        0.1
+        * np.exp(-c * time)
+        * ((c * c - W * W) * np.cos(W * time + 0.4) + 2 * c * W * np.sin(W * time + 0.4))
+    )
+    other = prepare(FreeDecay(RATE, acceleration=second)).window
+    seen = IsolatedMode.of(other).curve(np.asarray(other.readings["acceleration"]))
+    assert not seen.has_centre
+    size = np.interp(seen.time, curve.time, curve.amplitude)
+    inside = (seen.time > curve.time[0]) & (seen.time < curve.time[-1])
+    assert seen.amplitude[inside] == pytest.approx(size[inside], rel=5e-3)
+
+
+def test_a_record_of_two_cycles_has_no_curve():
+    window = window_of(decaying())
+    with pytest.raises(NotIdentifiable):
+        IsolatedMode.of(window.until(int(2 * RATE / 1.3)))
+
+
+def test_beats_and_a_drive_are_seen_and_a_decay_is_neither():
+    time = np.arange(40.0)
+    level = np.zeros(40)
+
+    def curve(amplitude):
+        return DecayCurve(time, amplitude, 8.0 * time, level, level)
+
+    decay = curve(np.exp(-0.05 * time))
+    beating = curve(np.exp(-0.05 * time) * (1.0 + 0.6 * np.cos(0.5 * time)))
+    driven = curve(1.0 - 0.6 * np.exp(-0.4 * time))
+    assert (decay.beats, decay.driven) == (False, False)
+    assert beating.beats
+    assert driven.driven
+
+
+def test_a_record_is_cut_at_the_geometric_mean_of_its_amplitudes():
+    time = np.arange(60.0)
+    whole = DecayCurve(time, np.exp(-0.05 * time), 8.0 * time, 0 * time, 0 * time)
+    large, small = cut_in_two(whole)
+    assert large.amplitude[-1] == small.amplitude[0] == pytest.approx(np.exp(-0.05 * 59 / 2), rel=0.03)
+
+
+@pytest.mark.parametrize("name", ["cubic_stiffness", "quadratic_damping"])
+def test_an_effect_foretells_the_small_amplitudes_and_is_named(name):
+    found = confirmed((displacement_only(name, 0.03, 11, amplitude=0.02, mu_0=0.01),))
+    assert found.one_record
+    assert name in found.mentioned
+    if name == "quadratic_damping":
+        assert found.names[0] == name
+        assert found.found.typical("motion") < 0.3 * found.usual.typical("motion")
+    else:  # one release does not part a cubic spring from a stiffness that drifts
+        assert found.undecided["frequency"][0] == "cubic_stiffness"
+
+
+def test_nothing_hidden_confirms_nothing():
+    found = confirmed((displacement_only(None, 0.0, 3, amplitude=0.02),))
+    assert found.names == ()
+    assert found.usual.typical("motion") < 0.5
+
+
+def test_what_three_releases_share_foretells_the_one_left_out():
+    k3 = {"cubic_stiffness": {"k3": 1.2e5}}
+    decays = tuple(
+        displacement_only("cubic_stiffness", 0.03, 20 + i, amplitude=a, mu_0=0.02, parameters=k3)
+        for i, a in enumerate((0.02, -0.015, 0.01))
+    )
+    found = confirmed(decays)
+    assert not found.one_record
+    assert found.parts == 3
+    assert found.names[0] == "cubic_stiffness"
+    assert found.effects[0].strength == pytest.approx(1.2e5, rel=0.05)
+
+
+def test_strengths_keep_their_bounds():
+    """Loss that falls with the amplitude asks for negative drag: it gets none, and friction instead."""
+    time = np.arange(0.0, 40.0)
+    curve = DecayCurve(time, 0.1 - 0.002 * time, 8.0 * time, 0 * time, 0 * time)
+    decay = displacement_only(None, 0.0, 5, amplitude=0.02)
+    terms = [
+        t
+        for t in candidate_terms(base_model(), LIBRARY, decay.window)
+        if t.effect.name == "quadratic_damping"
+    ]
+    grid = np.geomspace(0.01, 0.12, 14)
+    laws = [law_of(t, {}, 8.0, grid, 40.0) for t in (*base_model().forces, *terms)]
+    regression = CurveRegression((curve,), laws, 8.0)
+    found = regression.solve((0, 1, 2, 3), [0], regression.measured)
+    assert found.shared[3] == 0.0
+    assert min(found.shared[1:]) >= 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["cubic_stiffness", "quadratic_damping", "stribeck_friction", "end_stop"])
+def test_a_guessed_floor_that_is_reached_keeps_its_name(name):
+    found = diagnose(displacement_only(name, 0.03, 31, amplitude=0.02, mu_0=0.02))
+    assert found.named == (name,)
