@@ -219,11 +219,11 @@ def _outside(outcomes: list[Outcome]) -> str:
             lines.append(
                 f"| {effect} | {100 * strength:g} % | {', '.join(f'{v} x{n}' for v, n in said.items())} |"
             )
-    unknown = sum(o.verdict == "unknown_effect" for o in outcomes) / len(outcomes)
+    unknown = sum(o.verdict in ("unknown_effect", "unconfirmed") for o in outcomes) / len(outcomes)
     clean = sum(o.verdict == "nothing_missing" for o in outcomes) / len(outcomes)
     return (
         "\n".join(lines)
-        + f"\n\nunknown_effect in {100 * unknown:.0f} %, a clean bill in {100 * clean:.0f} %."
+        + f"\n\nunknown_effect or unconfirmed in {100 * unknown:.0f} %, a clean bill in {100 * clean:.0f} %."
     )
 
 

@@ -99,7 +99,7 @@ def _right(hidden: str | None, verdict: str, named: set[str]) -> bool:
         return verdict == "nothing_missing"
     wanted = set(hidden.replace(" ", "").replace(",", "+").split("+"))
     if not wanted <= {effect.name for effect in LIBRARY}:
-        return verdict == "unknown_effect"
+        return verdict in ("unknown_effect", "unconfirmed")
     return named == wanted
 
 

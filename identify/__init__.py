@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from identify.effects.user.definition import own_effect, parse_effect
     from identify.errors import NotIdentifiable
     from identify.estimate import Estimate
+    from identify.fitting.prediction import Prediction, predict
+    from identify.fitting.validation import Validation, validate
     from identify.free_decay import FreeDecay
     from identify.model.model import Model, Term, base_model
     from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
@@ -51,11 +53,13 @@ __all__ = [
     "Model",
     "NotIdentifiable",
     "Parameter",
+    "Prediction",
     "PreparedDecay",
     "RestoringForceResult",
     "Rung",
     "Suspect",
     "Term",
+    "Validation",
     "WaveletResult",
     "add_effect",
     "base_model",
@@ -70,9 +74,11 @@ __all__ = [
     "locate_and_align",
     "own_effect",
     "parse_effect",
+    "predict",
     "prepare",
     "refine",
     "remove_effect",
+    "validate",
 ]
 
 _HOMES = {
@@ -88,6 +94,8 @@ _HOMES = {
     "effects.user.definition": ("own_effect", "parse_effect"),
     "errors": ("NotIdentifiable",),
     "estimate": ("Estimate",),
+    "fitting.prediction": ("Prediction", "predict"),
+    "fitting.validation": ("Validation", "validate"),
     "free_decay": ("FreeDecay",),
     "model.model": ("Model", "Term", "base_model"),
     "preprocessing.aligned_decay": ("AlignedDecay", "locate_and_align"),

@@ -3,12 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from identify.errors import NotIdentifiable
-from identify.fitting.fit import Fit, fit, fit_at
-from identify.fitting.levenberg_marquardt import minimise_fully
-from identify.fitting.problem import Problem
+from identify.fitting.fit import Fit, fit
+from identify.fitting.prediction import predict_windows
 
 
 @dataclass(frozen=True)
@@ -40,22 +37,11 @@ def _without(found: Fit, index: int, left: list[int]) -> LeftOut:
     kept = [i for i in range(len(found.windows)) if i not in left]
     windows = tuple(found.windows[i] for i in kept)
     others = fit(found.model, windows, _values_of(found, kept), found.frequency)
-    problem = Problem(found.model, tuple(found.windows[i] for i in left), found.frequency)
-    shared = np.array([unknown.window < 0 for unknown in problem.unknowns])
-    theta = np.where(shared, problem.theta(others.point), problem.theta(_values_of(found, left)))
-    theta = minimise_fully(problem, theta, held=shared).theta
-    alone = fit_at(problem, theta)
-    used = [alone.windows[i].used[alone.windows[i].channels[0]] for i in range(len(left))]
-    channels = [window.channels[0] for window in alone.windows]
-    misfit = np.concatenate([alone.residual(c, i)[used[i]] for i, c in enumerate(channels)])
-    reading = np.concatenate([alone.windows[i].readings[c][used[i]] for i, c in enumerate(channels)])
-    readings = int(sum(window.used[c].sum() for window in alone.windows for c in window.channels))
-    degrees = max(readings - int((~shared).sum()), 1)
-    return LeftOut(
-        index,
-        alone.chi_square / degrees,
-        float(100.0 * np.sqrt(np.mean(misfit**2)) / np.std(reading)),
-    )
+    left_windows = tuple(found.windows[i] for i in left)
+    own = _values_of(found, left)
+    physics = {unknown.name: others.point[unknown.name] for unknown in others.unknowns if unknown.window < 0}
+    seen = predict_windows(found.model, physics, left_windows, own, found.frequency)
+    return LeftOut(index, seen.chi_square, seen.motion_percent)
 
 
 def _values_of(found: Fit, kept: list[int]) -> dict[str, float]:

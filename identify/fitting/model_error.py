@@ -46,20 +46,25 @@ def force_mse_percent(prepared: PreparedDecay, measured: Array, residual: Array)
     return float(100.0 * np.mean(residual[used] ** 2) / np.var(measured[used]))
 
 
-def errors_of(start: Baseline) -> ModelError:
-    """Return the errors of a fitted model, over all its releases."""
-    force, motion, horizon = [], [], 0.0
-    for i, (prepared, window) in enumerate(zip(start.decays, start.fit.windows, strict=True)):
-        force.append(force_mse_percent(prepared, *force_misfit(prepared, start.fit, i)))
+def motion_percent(fit: Fit) -> float:
+    """Return the free-run misfit of the displacement (or the first channel there is) in % of its rms, over all releases."""
+    shares = []
+    for i, window in enumerate(fit.windows):
         channel = window.channels[0]
         kept = window.used[channel]
-        reading = window.readings[channel][kept]
-        misfit = start.fit.residual(channel, i)[kept]
-        motion.append(100.0 * float(np.sqrt(np.mean(misfit**2)) / np.std(reading)))
+        shares.append(np.mean(fit.residual(channel, i)[kept] ** 2) / np.var(window.readings[channel][kept]))
+    return 100.0 * float(np.sqrt(np.mean(shares)))
+
+
+def errors_of(start: Baseline) -> ModelError:
+    """Return the errors of a fitted model, over all its releases."""
+    force, horizon = [], 0.0
+    for i, (prepared, window) in enumerate(zip(start.decays, start.fit.windows, strict=True)):
+        force.append(force_mse_percent(prepared, *force_misfit(prepared, start.fit, i)))
         horizon = max(horizon, len(window) / window.rate)
     return ModelError(
         float(np.mean(force)),
-        float(np.sqrt(np.mean(np.square(motion)))),
+        motion_percent(start.fit),
         horizon,
         start.reduced(start.fit),
         start.spread,

@@ -11,7 +11,7 @@ from station.report.failure import errors, places
 from station.report.findings import Findings
 from station.results.models import parameters_of
 from station.story.compared import Compared
-from station.text.numbers import SPACE, typeset, typeset_error, typeset_symbol, typeset_unit
+from station.text.numbers import SPACE, typeset, typeset_error, typeset_figures, typeset_symbol, typeset_unit
 
 TITLE = "The equation of motion"
 FAR = 4.0
@@ -57,9 +57,10 @@ def caution(compared: Compared) -> str:
     seen = compared.comparison
     if seen.chi_square <= 1.0 + FAR * seen.chi_square_std:
         return ""
+    motion, chi_square = typeset_figures(seen.motion_error), typeset_figures(seen.chi_square)
     return (
-        f"This model leaves {seen.chi_square:.3g} times what noise explains. The standard errors are those of noise "
-        "alone; what the model lacks may have moved its parameters by more."
+        f"This model leaves {motion} % of the motion, {chi_square} times what noise explains. The standard errors are those "
+        "of noise alone; what the model lacks may have moved its parameters by more."
     )
 
 

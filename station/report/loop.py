@@ -5,7 +5,13 @@ from station.report.content import Figure, Paragraph, Part, Section, Table, left
 from station.report.findings import Findings
 from station.results.diagnosis_document import DiagnosisDocument, FindingDocument, SuspectDocument
 from station.text.curves_text import curves_caption
-from station.text.diagnosis_text import headline, not_told_apart, shown_suspects
+from station.text.diagnosis_text import (
+    confirmed_by,
+    foretells,
+    headline,
+    not_told_apart,
+    shown_suspects,
+)
 from station.text.ladder_text import step
 from station.text.layout import sentence
 from station.text.numbers import (
@@ -20,6 +26,8 @@ from station.text.numbers import (
 
 SUSPECTS = "Suspects: which effect is missing"
 LADDER = "The ladder: the error, rung by rung"
+FORETOLD = ("motion_percent", "phase_percent", "envelope_percent")
+MODELS = ("as it was", "with it")
 APART = "What could not be told apart, and the next recording"
 
 
@@ -31,19 +39,23 @@ def suspects(found: Findings) -> Section:
     parts: list[Part] = [Paragraph(typeset(document.explanation), label=headline(document), strong=True)]
     if len(document.sessions) > 1:
         parts.append(Paragraph(", ".join(document.sessions), label="Diagnosed together"))
+    parts += _foretold(document)
     if document.suspects:
         rows = tuple(
             (
                 suspect.effect,
                 suspect.title,
+                typeset_figures(suspect.motion_percent),
                 typeset_figures(suspect.error_after),
-                evidence(suspect.evidence),
-                probability(suspect.p_value),
+                *_reasons(document, suspect),
                 _parameters(suspect),
             )
             for suspect in shown_suspects(document)
         )
-        head = ("effect", "what it is", "chi² with it", "evidence (nats)", "p by chance", "parameters")
+        reasons = (
+            ("evidence (nats)", "p by chance") if document.confirmation is None else ("foretells better",)
+        )
+        head = ("effect", "what it is", "motion left [%]", "chi² with it", *reasons, "parameters")
         parts.append(Table("Suspects in order", head, rows, texts=2, wordy=True))
         picture = draw.errors(document)
         if picture is not None:
@@ -63,6 +75,43 @@ def suspects(found: Findings) -> Section:
         parts.append(Figure(words, draw.curves(found.curves)))
     parts += _findings(document)
     return Section("suspects", SUSPECTS, tuple(parts))
+
+
+def _reasons(document: DiagnosisDocument, suspect: SuspectDocument) -> tuple[str, ...]:
+    """Return why a suspect is one: by what it foretells where that was asked, else by its odds."""
+    if document.confirmation is not None:
+        return (foretells(document, suspect),)
+    return evidence(suspect.evidence), probability(suspect.p_value)
+
+
+def _foretold(document: DiagnosisDocument) -> list[Part]:
+    """Show how well each release, or half of one, was foretold from the others."""
+    found = document.confirmation
+    if found is None or found.driven:
+        return []
+    parts: list[Part] = []
+    words = confirmed_by(document)
+    if words:
+        parts.append(Paragraph(sentence(words), label="Confirmed"))
+    whole = [] if found.one_record else [("median", found.usual, found.found)]
+    each = [(u.part, u, f) for u, f in zip(found.usual.by_part, found.found.by_part, strict=True)]
+    rows = tuple(
+        (
+            name,
+            *(typeset_figures(getattr(errors, kind)) for kind in FORETOLD for errors in (usual, with_named)),
+        )
+        for name, usual, with_named in (*each, *whole)
+    )
+    head = (
+        "left out",
+        *(f"{kind.removesuffix('_percent')}, {model}" for kind in FORETOLD for model in MODELS),
+    )
+    caption = (
+        "Error of the prediction of what was not fitted, in % of the motion: by the model that was asked about, and with "
+        "what is confirmed"
+    )
+    parts.append(Table(caption, head, rows))
+    return parts
 
 
 def _parameters(suspect: SuspectDocument | FindingDocument) -> str:
@@ -123,11 +172,12 @@ def apart(found: Findings) -> Section:
         if document.rivals:
             parts.append(Paragraph(sentence(not_told_apart(document)), label="Not told apart"))
         elif document.named:
-            parts.append(
-                Paragraph(
-                    "every other suspect leaves clearly more than the one that was named.", label="Told apart"
-                )
+            others = (
+                "no other effect foretells it nearly as well."
+                if document.confirmed
+                else "every other suspect leaves clearly more than the one that was named."
             )
+            parts.append(Paragraph(others, label="Told apart"))
         known = document.suspects[0].confusable_with if document.named and document.suspects else []
         if known:
             parts.append(

@@ -3,7 +3,8 @@
 from station.report.equation import caution
 from station.report.findings import Findings
 from station.story.compared import Compared
-from station.text.diagnosis_text import headline
+from station.text.diagnosis_text import confirmed_by, headline
+from station.text.layout import sentence
 from station.text.numbers import SPACE, typeset_error, typeset_figures, typeset_symbol, typeset_unit
 
 
@@ -26,6 +27,9 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
         rows.append(("usual model", f"leaves {_left(found.compared)}"))
     if found.diagnosis is not None:
         rows.append(("diagnosis", headline(found.diagnosis).replace("_", " ")))
+        confirmed = confirmed_by(found.diagnosis)
+        if confirmed:
+            rows.append(("prediction", sentence(confirmed)))
     if found.refined is not None and found.refined.ladder.present > 0:
         compared = found.refined.compared
         names = " + ".join(compared.baseline.fit.model.names)

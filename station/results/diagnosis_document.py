@@ -7,6 +7,7 @@ from pydantic import AliasChoices, Field
 
 from daq.session import Session
 from identify.comparison.shared_physics import SharedPhysics
+from identify.curves.confirmation import Confirmation
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.judgement import Verdict
 from identify.diagnosis.nonparametric_force import NonparametricForce
@@ -15,8 +16,9 @@ from identify.effects.effect import Kind
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.leave_one_out import LeftOut
-from identify.fitting.model_error import errors_of
+from identify.fitting.model_error import errors_of, motion_percent
 from identify.model.model import Model
+from station.results.confirmation_document import ConfirmationDocument, confirmation_document
 from station.results.documents import (
     ChannelNoise,
     Document,
@@ -66,7 +68,12 @@ class NoiseFloorDocument(Part):
 
 
 class SuspectDocument(Part):
-    """One effect that the model may lack; `model` is the whole model with it, None where it is not fitted with it."""
+    """One effect that the model may lack; `model` is the whole model with it, None where it is not fitted with it.
+
+    `confirmed` says whether it foretells what it was not fitted to, None where that was not asked or curves cannot show
+    it; `rivals` are effects that explain the record, or foretell, as well. `motion_percent` is what the model refitted
+    with it leaves of the motion, `error_after` the same as chi2.
+    """
 
     effect: str
     title: str
@@ -81,6 +88,9 @@ class SuspectDocument(Part):
     plausible: bool
     claimed: bool
     model: ModelFile | None
+    confirmed: bool | None = None
+    rivals: list[str] = Field(default_factory=list)
+    motion_percent: Number = None
 
 
 class FindingDocument(Part):
@@ -132,7 +142,9 @@ class DifferenceDocument(Part):
 class DiagnosisDocument(Document):
     """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named.
 
-    `fitted` is the model that was diagnosed, `final` the one with all that is named; None where nothing is.
+    `confirmed` are those named effects that foretell what they were not fitted to, `confirmation` how well, None where
+    it was not asked. `fitted` is the model that was asked about, `final` the one with all that is named; None where nothing
+    is.
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
     """
 
@@ -154,6 +166,8 @@ class DiagnosisDocument(Document):
     fitted: ModelFile | None
     final: ModelFile | None = None
     differences: list[DifferenceDocument] | None = None
+    confirmed: list[str] = Field(default_factory=list)
+    confirmation: ConfirmationDocument | None = None
 
 
 def diagnosis_document(
@@ -167,7 +181,7 @@ def diagnosis_document(
     `expressions` are the user's own effects; `left_out` are the errors of physics fitted to the other sessions, None
     with one session.
     """
-    baseline = found.baseline
+    baseline, confirmation = found.baseline, found.confirmation
     fitted = model_file(baseline.fit, expressions)
     return DiagnosisDocument.model_validate(
         {
@@ -179,7 +193,9 @@ def diagnosis_document(
             "verdict": found.verdict,
             "named": found.named,
             "rivals": found.suspects[0].rivals if found.named else (),
-            "suspects": [_suspect(suspect, expressions) for suspect in found.suspects],
+            "confirmed": [] if confirmation is None else [n for n in found.named if n in confirmation.names],
+            "confirmation": None if confirmation is None else confirmation_document(confirmation, names),
+            "suspects": [_suspect(suspect, expressions, confirmation) for suspect in found.suspects],
             "together": found.together,
             "findings": [_finding(fault) for fault in found.findings],
             "error_with_named": errors_of(replace(baseline, fit=found.final)),
@@ -247,10 +263,14 @@ def _noise_floor(baseline: Baseline) -> dict[str, Any]:
     return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels}
 
 
-def _suspect(suspect: Suspect, expressions: tuple[str, ...]) -> dict[str, Any]:
-    is_fitted = suspect.effect.name in suspect.fit.model
+def _suspect(
+    suspect: Suspect, expressions: tuple[str, ...], confirmation: Confirmation | None
+) -> dict[str, Any]:
+    name = suspect.effect.name
+    is_fitted = name in suspect.fit.model
+    asked = confirmation is not None and confirmation.has_law(name)
     return {
-        "effect": suspect.effect.name,
+        "effect": name,
         "title": suspect.effect.title,
         "kind": suspect.kind,
         "channel": suspect.term.channel or None,
@@ -263,6 +283,9 @@ def _suspect(suspect: Suspect, expressions: tuple[str, ...]) -> dict[str, Any]:
         "plausible": suspect.plausible,
         "claimed": suspect.claimed,
         "model": model_file(suspect.fit, expressions) if is_fitted else None,
+        "confirmed": suspect.confirmed is not None if asked else None,
+        "rivals": suspect.rivals,
+        "motion_percent": motion_percent(suspect.fit) if is_fitted else None,
     }
 
 

@@ -115,6 +115,11 @@ def read_model(
     file: Path, library: tuple[Effect, ...] = LIBRARY, parse: ParseEffect | None = None
 ) -> KnownModel:
     """Read and check a model file; UsageProblem that names the file and the entry that is wrong."""
+    return known_model(read_model_file(file), f"the model {file}", library, parse)
+
+
+def read_model_file(file: Path) -> ModelFile:
+    """Read a model file as it stands, its effects not looked up yet; UsageProblem as `read_model`."""
     try:
         with file.open("rb") as stream:
             content = stream.read(LARGEST + 1)
@@ -123,10 +128,9 @@ def read_model(
     if len(content) > LARGEST:
         raise UsageProblem(f"the model {file} is larger than any model is; give the file that refine wrote")
     try:
-        model = ModelFile.model_validate_json(content)
+        return ModelFile.model_validate_json(content)
     except ValidationError as error:
         raise UsageProblem(f"the model {file}: {first_fault(error)}") from error
-    return known_model(model, f"the model {file}", library, parse)
 
 
 def first_fault(error: ValidationError) -> str:

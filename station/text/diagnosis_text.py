@@ -6,9 +6,15 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.diagnosis.judgement import HEADLINES
-from station.results.diagnosis_document import DiagnosisDocument, NoiseFloorDocument, SuspectDocument
+from station.results.confirmation_document import ConfirmationDocument
+from station.results.diagnosis_document import (
+    DiagnosisDocument,
+    HeldOutDocument,
+    NoiseFloorDocument,
+    SuspectDocument,
+)
 from station.text.layout import labelled
-from station.text.numbers import evidence, probability, three_figures, with_unit
+from station.text.numbers import DASH, evidence, probability, three_figures, with_unit
 
 STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
 MOST_SUSPECTS = 6
@@ -39,32 +45,94 @@ def show_diagnosis(console: Console, document: DiagnosisDocument) -> None:
 
 
 def _errors(document: DiagnosisDocument, floor: NoiseFloorDocument) -> Text:
-    error = document.error
-    return Text(
+    error, named = document.error, document.error_with_named
+    text = (
         f"model: {' + '.join(document.model.effects)}\n"
-        f"leaves {three_figures(error.force_mse_percent)} % of the force, {three_figures(error.motion_percent)} % of "
-        f"the motion over {error.horizon_s or 0.0:.1f} s,\n"
+        f"leaves {three_figures(error.motion_percent)} % of the motion over {error.horizon_s or 0.0:.1f} s, "
+        f"{three_figures(error.force_mse_percent)} % of the force,\n"
         f"and {three_figures(error.chi2)} times what noise explains (chi2; floor 1.00 ± {floor.chi2_std:.2f})"
     )
+    if document.named and named is not None:
+        text += (
+            f";\nwith {' and '.join(document.named)}: {three_figures(named.motion_percent)} % of the motion, "
+            f"{three_figures(named.chi2)} times"
+        )
+    return Text(text)
 
 
 def _suspects(document: DiagnosisDocument) -> Table:
+    """Return the table of suspects: where curves were asked, what each foretells stands in place of its odds."""
+    foretold = document.confirmation is not None
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column("suspect", no_wrap=True)
+    table.add_column("motion\nleft %", justify="right")
     table.add_column("chi2\nafter", justify="right")
-    table.add_column("evidence", justify="right", no_wrap=True)
-    table.add_column("p", justify="right", no_wrap=True)
+    for head in ("foretells",) if foretold else ("evidence", "p"):
+        table.add_column(head, justify="right", no_wrap=True)
     table.add_column("with", overflow="fold")
     for rank, suspect in enumerate(shown_suspects(document)):
-        style = "" if suspect.claimed else "dim"
-        table.add_row(
-            Text(suspect.effect, style=style),
-            Text(three_figures(suspect.error_after), style=style),
-            Text(evidence(suspect.evidence), style=style),
-            Text(probability(suspect.p_value), style=style),
-            Text(_parameters(suspect, None if rank == 0 else 1), style=style),
+        odds = (evidence(suspect.evidence), probability(suspect.p_value))
+        cells = (
+            suspect.effect,
+            three_figures(suspect.motion_percent),
+            three_figures(suspect.error_after),
+            *((foretells(document, suspect),) if foretold else odds),
+            _parameters(suspect, None if rank == 0 else 1),
         )
+        table.add_row(*(Text(cell, style="" if suspect.claimed else "dim") for cell in cells))
     return table
+
+
+def foretells(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
+    """Return on how many of the parts that were left out a suspect foretells better, in a word or two; "-" if not asked."""
+    found = document.confirmation
+    if found is None or suspect.confirmed is None:
+        return DASH
+    effect = next((e for e in found.effects if e.name == suspect.effect), None)
+    if effect is not None:
+        return f"{effect.better} of {effect.parts}"
+    if any(suspect.effect in e.rivals for e in found.effects):
+        return "nearly"
+    return "undecided" if any(suspect.effect in names for names in found.undecided.values()) else "no"
+
+
+def confirmed_by(document: DiagnosisDocument) -> str:
+    """Return on how many other releases, or halves of the record, what is named is confirmed, and its error; "" if none."""
+    found = document.confirmation
+    if found is None or not document.confirmed:
+        return ""
+    where = "halves of the record, each foretold from the other" if found.one_record else "other releases"
+    what = "the small amplitudes" if found.one_record else "the prediction"
+    before, after = found.usual.motion_percent, found.found.motion_percent
+    return (
+        f"confirmed on {found.better} of {found.parts} {where}: error of {what} {three_figures(before)} to "
+        f"{three_figures(after)} % of the motion"
+    )
+
+
+def foretold_parts(document: DiagnosisDocument) -> str:
+    """Return the error of the prediction on each part that was left out, in % of the motion; "" where it was not asked."""
+    found = document.confirmation
+    if found is None or found.driven:
+        return ""
+    parts = []
+    for before, after in zip(found.usual.by_part, found.found.by_part, strict=True):
+        change = f" to {three_figures(after.motion_percent)}" if found.effects else ""
+        parts.append(f"{before.part} {three_figures(before.motion_percent)}{change} %")
+    what = "each half from the other" if found.one_record else "each release from the others"
+    return f"{what}, error in % of the motion: {', '.join(parts)} ({_medians(found)})"
+
+
+def _medians(found: ConfirmationDocument) -> str:
+    """Return the errors of phase and envelope: their medians, or those of the small amplitudes of one record."""
+    parts = []
+    for name, before, after in (
+        ("phase", found.usual.phase_percent, found.found.phase_percent),
+        ("envelope", found.usual.envelope_percent, found.found.envelope_percent),
+    ):
+        change = f" to {three_figures(after)}" if found.effects else ""
+        parts.append(f"{name} {three_figures(before)}{change} %")
+    return f"{'of these' if found.one_record else 'median'}: {', '.join(parts)}"
 
 
 def shown_suspects(document: DiagnosisDocument) -> list[SuspectDocument]:
@@ -82,6 +150,9 @@ def _parameters(suspect: SuspectDocument, most: int | None) -> str:
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     facts = []
+    foretold = foretold_parts(document)
+    if foretold:
+        facts.append(("foretold", foretold))
     if document.rivals:
         facts.append(("the same", not_told_apart(document)))
     for finding in document.findings:
@@ -95,16 +166,19 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
             ("shape", f"a free-form force over {over} explains {100 * shape.explained:.0f} % of the rest")
         )
     if document.held_out:
-        parts = [f"{one.session} {_left(one.chi2)}" for one in document.held_out]
-        facts.append(("left out", f"physics of the others on each session, chi2: {', '.join(parts)}"))
+        parts = [f"{one.session} {_left(one)}" for one in document.held_out]
+        facts.append(("left out", f"physics of the others leaves of each one's motion {', '.join(parts)}"))
     facts.append(("record next", document.next_experiment))
     return facts
 
 
 def not_told_apart(document: DiagnosisDocument) -> str:
     """Return which suspects explain the record as well as the one that is named."""
-    return f"this record does not tell {document.named[0]} from {', '.join(document.rivals)}"
+    records = "this record does" if len(document.sessions) < 2 else "these records do"
+    return f"{records} not tell {document.named[0]} from {', '.join(document.rivals)}"
 
 
-def _left(chi_square: float | None) -> str:
-    return "diverges" if chi_square is None else three_figures(chi_square)
+def _left(one: HeldOutDocument) -> str:
+    if one.chi2 is None:
+        return "a run that diverges"
+    return f"{three_figures(one.motion_percent)} % (chi2 {three_figures(one.chi2)})"

@@ -5,13 +5,19 @@ from functools import partial
 from nicegui import ui
 
 from station.results.diagnosis_document import DiagnosisDocument, SuspectDocument
-from station.text.diagnosis_text import headline, not_told_apart, shown_suspects
+from station.text.diagnosis_text import foretells, foretold_parts, headline, not_told_apart, shown_suspects
 from station.text.layout import sentence
 from station.text.numbers import evidence, probability, three_figures, typeset, with_unit
 from station.workbench import view_models, widgets
 from station.workbench.session_state import SessionState
 from station.workbench.small_pictures import disc, reach_of
 from station.workbench.theme import Theme
+
+FORETELLS = {
+    "no": "foretells no better than the model does",
+    "nearly": "foretells nearly as well as the one named",
+    "undecided": "foretells it, and so do others: not told apart",
+}
 
 
 class SuspectsPanel:
@@ -83,6 +89,9 @@ class SuspectsPanel:
         with ui.element("div").classes(f"verdict {'good' if good else 'bad'}"):
             widgets.label(_plain(headline(document)), "strong wrap")
             widgets.label(typeset(document.explanation), "small wrap")
+            foretold = foretold_parts(document)
+            if foretold:
+                widgets.label(_plain(sentence(foretold)), "small wrap")
             if document.rivals:
                 widgets.label(_plain(sentence(not_told_apart(document))), "small wrap strong")
             for finding in document.findings:
@@ -108,10 +117,11 @@ class SuspectsPanel:
                         "small faint",
                     )
         for suspect in shown_suspects(document):
-            self._suspect(suspect, view, force_maps.get(suspect.effect), reach, colours)
+            self._suspect(document, suspect, view, force_maps.get(suspect.effect), reach, colours)
 
     def _suspect(
         self,
+        document: DiagnosisDocument,
         suspect: SuspectDocument,
         view: view_models.View,
         found: view_models.ForceMap | None,
@@ -131,7 +141,8 @@ class SuspectsPanel:
                 values = [f"{p} = {typeset(with_unit(value))}" for p, value in suspect.parameters.items()]
                 widgets.label(", ".join(values), "small wrap")
                 widgets.label(
-                    f"chi2 would be {three_figures(suspect.error_after)}; {_sure(suspect)}",
+                    f"would leave {three_figures(suspect.motion_percent)} % of the motion, chi2 "
+                    f"{three_figures(suspect.error_after)}; {_sure(document, suspect)}",
                     "small faint wrap",
                 )
                 if suspect.confusable_with:
@@ -147,8 +158,12 @@ class SuspectsPanel:
             widgets.label(document.next_experiment, "small wrap")
 
 
-def _sure(suspect: SuspectDocument) -> str:
+def _sure(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
     where = f"in the {suspect.channel}; " if suspect.channel else ""
+    if document.confirmation is not None and suspect.confirmed is not None:
+        return where + FORETELLS.get(
+            foretells(document, suspect), f"confirmed on {foretells(document, suspect)}"
+        )
     return f"{where}evidence {evidence(suspect.evidence)}; by chance: p = {probability(suspect.p_value)}"
 
 

@@ -16,7 +16,15 @@ from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
 from station.text.numbers import change, evidence, probability, three_figures
 
-VERDICTS = ("missing_effect", "sensor_fault", "nothing_missing", "unknown_effect", "not_enough_data")
+VERDICTS = (
+    "missing_effect",
+    "sensor_fault",
+    "nothing_missing",
+    "unknown_effect",
+    "unconfirmed",
+    "driven",
+    "not_enough_data",
+)
 
 
 @pytest.fixture(scope="module")

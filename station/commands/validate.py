@@ -1,0 +1,43 @@
+"""`station validate`: what a model foretells of sessions that it was not fitted to."""
+
+from pathlib import Path
+
+import click
+
+from station.commands.options import EFFECTS
+from station.output import json_option, print_json, progress, screen
+
+
+@click.command("validate")
+@click.argument("model")
+@click.argument("sessions", nargs=-1, required=True, metavar="SESSION...")
+@EFFECTS
+@click.option("--hold", is_flag=True, help="Hold the linear spring and the viscous part too.")
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    model: str,
+    sessions: tuple[str, ...],
+    effects_file: Path | None,
+    hold: bool,
+    as_json: bool,
+) -> None:
+    """Say how well a model foretells sessions that it was not fitted to.
+
+    MODEL is a model file, or a session that was refined or diagnosed. Its
+    physics is held; start, zero, lag, gain and offsets of each SESSION are
+    refitted, and the linear spring and viscous part within 1 % and 100 %.
+    The usual model foretells under the same rule.
+    """
+    from station.operations.validating import validate_sessions
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    document = validate_sessions(model, sessions, settings, effects_file, hold=hold, progress=progress)
+    if as_json:
+        print_json(document.plain())
+    else:
+        from station.text.validation_text import show_validation
+
+        show_validation(screen(), document)

@@ -1,0 +1,205 @@
+"""Validate a model: what it foretells of sessions that it was not fitted to, beside the usual model."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from daq.errors import StationError
+from daq.session import Session
+from identify.effects.effect import Effect
+from identify.errors import NotIdentifiable
+from identify.fitting.parameter_layout import in_unit
+from identify.fitting.validation import Validated, validate
+from identify.model.model import base_model
+from identify.preprocessing.prepared_decay import PreparedDecay
+from station.exits import UsageProblem
+from station.operations.session_set import whole_library
+from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
+from station.results.ladder import read_ladder
+from station.results.models import KnownModel, ModelFile, known_model, read_model_file
+from station.results.session_names import find_session
+from station.results.sessions import open_session
+from station.results.validation_document import (
+    ValidationDocument,
+    validation_document,
+    write_validation,
+)
+from station.settings import Settings
+from station.story.pipeline import Progress, silent
+from station.story.preparation import prepare_session
+from station.text.numbers import three_figures
+
+OWN = "the model was fitted to it"
+
+
+@dataclass(frozen=True, eq=False)
+class GivenModel:
+    """A model to be validated: what it is from, what it was fitted to, and its units by parameter."""
+
+    source: str
+    file: ModelFile
+    known: KnownModel
+    fitted_to: tuple[Session, ...]
+
+
+def validate_sessions(
+    model: str,
+    sessions: tuple[str, ...],
+    settings: Settings,
+    effects_file: Path | None = None,
+    *,
+    hold: bool = False,
+    progress: Progress = silent,
+) -> ValidationDocument:
+    """Foretell sessions by a model (a file, or a session that keeps one); keep the document in each of them.
+
+    Sessions that hold too little, and those that the model was fitted to, are skipped, which is said. Raises
+    NotIdentifiable where all hold too little, UsageProblem where the model does not suit a session.
+    """
+    given = open_model(model, settings, whole_library(effects_file))
+    opened = tuple(open_session(argument, settings.sessions) for argument in sessions)
+    folders = [session.folder.resolve() for session in opened]
+    if len(set(folders)) < len(folders):
+        raise UsageProblem("one session was given twice; each release counts once")
+    ready, skipped = _prepared(opened, given, settings, progress)
+    names = tuple(session.folder.name for session, _ in ready)
+    decays = tuple(decay for _, decay in ready)
+    own = _own_decays(given, settings)
+    progress(f"fitting the usual model, and foretelling {len(decays)} session{'s' * (len(decays) != 1)}")
+
+    def report(one: Validated) -> None:
+        progress(
+            f"{names[one.index]}: {_percent(one.usual.motion_percent)} of the motion by the usual model, "
+            f"{_percent(one.model.motion_percent)} by this one"
+        )
+
+    found = validate(given.known.model, given.known.values, decays, fitted_to=own, hold=hold, progress=report)
+    fitted_to = tuple(session.folder.name for session in given.fitted_to)
+    document = validation_document(given.source, fitted_to, given.file, found, names, skipped)
+    for session, _ in ready:
+        write_validation(session, document)
+    return document
+
+
+def open_model(argument: str, settings: Settings, library: tuple[Effect, ...]) -> GivenModel:
+    """Return the model in a file, or the one that a session keeps: that of its ladder, else that of its diagnosis."""
+    path = Path(argument)
+    if path.is_file():
+        file = read_model_file(path)
+        known = known_model(file, f"the model {path}", library)
+        return GivenModel(argument, file, known, _session_of(path))
+    if not path.is_dir() and find_session(argument, settings.sessions) is None:
+        raise UsageProblem(
+            f"{argument}: there is no such model file or session (sessions are looked for in {settings.sessions.resolve()})"
+        )
+    session = open_session(argument, settings.sessions)
+    file, fitted_to = _kept_model(session)
+    known = known_model(file, f"the model of {session.folder.name}", library)
+    return GivenModel(session.folder.name, file, known, fitted_to)
+
+
+def _session_of(file: Path) -> tuple[Session, ...]:
+    """Return the session in whose results a model file lies, if it does."""
+    folder = file.resolve().parent
+    if folder.name != "results":
+        return ()
+    try:
+        return (Session.open(folder.parent),)
+    except (StationError, OSError):
+        return ()
+
+
+def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:
+    """Return the model that a session keeps, and the sessions that it was fitted to."""
+    usual = set(base_model().names)
+    ladder = read_ladder(session)
+    if ladder is not None and set(ladder.top.effects) != usual:
+        return ladder.top.model, (session,)
+    diagnosis = read_diagnosis(session)
+    file = None if diagnosis is None else _found_by(diagnosis)
+    if diagnosis is None or file is None or set(file.names) == usual:
+        raise UsageProblem(
+            f"{session.folder.name} keeps no model but the usual one; `station diagnose` or `station refine` it first, "
+            "or give a model file"
+        )
+    return file, _diagnosed_together(session, diagnosis)
+
+
+def _found_by(diagnosis: DiagnosisDocument) -> ModelFile | None:
+    """Return the model with what a diagnosis named; that which was asked about where it named nothing."""
+    if diagnosis.final is not None:
+        return diagnosis.final
+    alone = diagnosis.named and not diagnosis.together
+    return diagnosis.suspects[0].model if alone and diagnosis.suspects else diagnosis.fitted
+
+
+def _diagnosed_together(session: Session, diagnosis: DiagnosisDocument) -> tuple[Session, ...]:
+    """Return a session with those beside it that were diagnosed together with it."""
+    found = [session]
+    for name in diagnosis.sessions:
+        folder = session.folder.parent / name
+        if name != session.folder.name and folder.is_dir():
+            found.append(Session.open(folder))
+    return tuple(found)
+
+
+def _prepared(
+    opened: tuple[Session, ...], given: GivenModel, settings: Settings, progress: Progress
+) -> tuple[list[tuple[Session, PreparedDecay]], dict[str, str]]:
+    """Return the sessions that can be foretold, prepared, and why others cannot."""
+    own = {session.folder.resolve() for session in given.fitted_to}
+    ready: list[tuple[Session, PreparedDecay]] = []
+    skipped: dict[str, str] = {}
+    for session in opened:
+        name = session.folder.name
+        if session.folder.resolve() in own:
+            skipped[name] = OWN
+        else:
+            try:
+                decay = prepare_session(session, settings)
+            except NotIdentifiable as refusal:
+                skipped[name] = str(refusal).removeprefix(f"{name}: ")
+            else:
+                _check_suits(given, name, decay)
+                ready.append((session, decay))
+                continue
+        progress(f"{name} is skipped: {skipped[name]}")
+    if not ready:
+        if set(skipped.values()) == {OWN}:
+            raise UsageProblem(f"{', '.join(skipped)}: {OWN}; give sessions that it has not seen")
+        raise NotIdentifiable(
+            f"no session can be foretold: {'; '.join(f'{n}: {r}' for n, r in skipped.items())}"
+        )
+    return ready, skipped
+
+
+def _check_suits(given: GivenModel, name: str, decay: PreparedDecay) -> None:
+    """Raise UsageProblem where a model is in other units than a session."""
+    unit = decay.window.unit
+    for entry, term in zip(given.file.effects, given.known.model.terms, strict=True):
+        if not term.effect.has_meaning_for(unit):
+            raise UsageProblem(
+                f"{name} has a displacement in {unit}, for which {entry.effect} of the model has no meaning"
+            )
+        units = {p.name: in_unit(p.unit, unit) for p in term.free} if term.is_force else {}
+        for parameter, value in entry.parameters.items():
+            expected = units.get(parameter)
+            if value.unit and expected is not None and value.unit != expected:
+                raise UsageProblem(
+                    f"{name} has a displacement in {unit}, the model another unit: {entry.effect}.{parameter} is in "
+                    f"{value.unit}, not in {expected}; validate it on sessions in the unit that it was fitted in"
+                )
+
+
+def _own_decays(given: GivenModel, settings: Settings) -> tuple[PreparedDecay, ...]:
+    """Return the releases that the model was fitted to, as far as they are known and still can be prepared."""
+    found = []
+    for session in given.fitted_to:
+        try:
+            found.append(prepare_session(session, settings))
+        except (NotIdentifiable, StationError):
+            continue
+    return tuple(found)
+
+
+def _percent(value: float) -> str:
+    return "a run that diverges, not any part" if value == float("inf") else f"{three_figures(value)} %"

@@ -1,0 +1,115 @@
+"""What curves confirm, as a document: the errors of prediction, part by part, and the effects that lower them."""
+
+from typing import Literal
+
+from identify.curves.confirmation import Confirmation
+from identify.curves.held_out import HeldOut
+from station.results.documents import Number, Part
+
+HALVES = ("large amplitudes", "small amplitudes")
+
+
+class PredictionErrors(Part):
+    """Errors of a prediction, in % of the motion: of the envelope, of the phase, and of both together."""
+
+    envelope_percent: Number
+    phase_percent: Number
+    motion_percent: Number
+
+
+class PartErrors(PredictionErrors):
+    """The same on one part that was left out: a session, or the large or small amplitudes of one."""
+
+    part: str
+
+
+class ForetoldErrors(PredictionErrors):
+    """The medians over all releases, or the small amplitudes of one record; and each part."""
+
+    by_part: list[PartErrors]
+
+
+class ConfirmedEffectDocument(Part):
+    """An effect that foretells: the error of what it explains, in % of the motion, without and with it.
+
+    It is better on so many of the `parts` that were left out; `rivals` foretell nearly as well.
+    """
+
+    name: str
+    title: str
+    explains: Literal["frequency", "loss"]
+    before_percent: Number
+    after_percent: Number
+    better: int
+    parts: int
+    rivals: list[str]
+
+
+class ConfirmationDocument(Part):
+    """What was confirmed; `usual` and `found` are the errors of the model that was asked about and with the effects.
+
+    In `one_record` the parts are its large and its small amplitudes. `undecided` names by "frequency" or "loss" laws
+    that explain it and that are not told apart. The amplitude of some release `beats`, or does not die away (`driven`).
+    """
+
+    one_record: bool
+    beats: bool
+    driven: bool
+    parts: int
+    better: int
+    usual: ForetoldErrors
+    found: ForetoldErrors
+    effects: list[ConfirmedEffectDocument]
+    undecided: dict[str, list[str]]
+
+
+def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> ConfirmationDocument:
+    """Return a confirmation on some sessions as it is kept."""
+    names = _names(found, sessions)
+    return ConfirmationDocument(
+        one_record=found.one_record,
+        beats=found.beats,
+        driven=found.driven,
+        parts=found.parts,
+        better=found.better,
+        usual=_errors(found.usual, names),
+        found=_errors(found.found, names),
+        effects=[
+            ConfirmedEffectDocument(
+                name=effect.name,
+                title=effect.term.effect.title,
+                explains="frequency" if effect.explains == "frequency" else "loss",
+                before_percent=effect.before,
+                after_percent=effect.after,
+                better=effect.better,
+                parts=effect.parts,
+                rivals=list(effect.rivals),
+            )
+            for effect in found.effects
+        ],
+        undecided={what: list(names) for what, names in found.undecided.items()},
+    )
+
+
+def _names(found: Confirmation, sessions: tuple[str, ...]) -> tuple[str, ...]:
+    """Return what the parts are called: by number where some session is too short to have a curve."""
+    if found.one_record:
+        return HALVES
+    if found.parts == len(sessions):
+        return sessions
+    return tuple(f"release {number}" for number in range(1, found.parts + 1))
+
+
+def _errors(held: HeldOut, names: tuple[str, ...]) -> ForetoldErrors:
+    by_part = [
+        PartErrors(
+            part=name, envelope_percent=one.envelope, phase_percent=one.phase, motion_percent=one.motion
+        )
+        for name, one in zip(names, held.foretold, strict=True)
+    ]
+    return ForetoldErrors(
+        envelope_percent=held.typical("envelope"),
+        phase_percent=held.typical("phase"),
+        motion_percent=held.typical("motion"),
+        by_part=by_part,
+    )

@@ -1,0 +1,114 @@
+"""A validation as a document: what `validate --json` prints and each session keeps as `results/validation.json`."""
+
+from daq.session import Session
+from identify.fitting.prediction import Prediction
+from identify.fitting.validation import UsualFrom, Validated, Validation, ValidationVerdict
+from station.results.documents import Document, Number, Part, read_document, write_document
+from station.results.models import ModelFile
+
+NAME = "validation.json"
+
+
+class PredictionDocument(Part):
+    """What a model with held physics leaves of a session; null where the free run diverges.
+
+    `varied_percent` says by how much linear spring and damper were refitted, by parameter, in % of the squared frequency
+    and of the mean loss of the session.
+    """
+
+    motion_percent: Number
+    chi2: Number
+    varied_percent: dict[str, Number]
+
+
+class ValidatedDocument(Part):
+    """One session: what the model and the usual one foretell of it, and whether the model's is clearly better or worse."""
+
+    session: str
+    model: PredictionDocument
+    usual: PredictionDocument
+    better: bool
+    worse: bool
+
+
+class SkippedDocument(Part):
+    """A session that was not foretold, and why."""
+
+    session: str
+    reason: str
+
+
+class ValidationDocument(Document):
+    """What a model foretells of sessions that it was not fitted to, beside the usual model.
+
+    `source` is the file or session that the model is from and `fitted_to` the sessions that it was fitted to, as far as
+    that is known; `usual_from` says where the usual model's values are from; `held` that linear spring and damper were
+    held too. The errors are the medians over all sessions.
+    """
+
+    source: str
+    fitted_to: list[str]
+    model: ModelFile
+    verdict: ValidationVerdict
+    sentence: str
+    usual_from: UsualFrom
+    held: bool
+    better: int
+    worse: int
+    motion_percent: Number
+    usual_motion_percent: Number
+    sessions: list[ValidatedDocument]
+    skipped: list[SkippedDocument]
+
+
+def validation_document(
+    source: str,
+    fitted_to: tuple[str, ...],
+    model: ModelFile,
+    found: Validation,
+    names: tuple[str, ...],
+    skipped: dict[str, str],
+) -> ValidationDocument:
+    """Return a validation as it is kept; `names` are those of the sessions foretold, `skipped` says why others were not."""
+    return ValidationDocument(
+        format=1,
+        source=source,
+        fitted_to=list(fitted_to),
+        model=model,
+        verdict=found.verdict,
+        sentence=found.sentence,
+        usual_from=found.usual_from,
+        held=found.held,
+        better=found.better,
+        worse=found.worse,
+        motion_percent=found.motion_percent,
+        usual_motion_percent=found.usual_motion_percent,
+        sessions=[_validated(names[one.index], one) for one in found.releases],
+        skipped=[SkippedDocument(session=name, reason=reason) for name, reason in skipped.items()],
+    )
+
+
+def read_validation(session: Session) -> ValidationDocument | None:
+    """Return the validation that a session keeps, None when it keeps none; UsageProblem when it was altered."""
+    return read_document(session, NAME, ValidationDocument, "validate again")
+
+
+def write_validation(session: Session, document: ValidationDocument) -> None:
+    """Write results/validation.json."""
+    write_document(session, NAME, document)
+
+
+def _validated(name: str, one: Validated) -> ValidatedDocument:
+    return ValidatedDocument(
+        session=name,
+        model=_prediction(one.model),
+        usual=_prediction(one.usual),
+        better=one.better,
+        worse=one.worse,
+    )
+
+
+def _prediction(found: Prediction) -> PredictionDocument:
+    return PredictionDocument(
+        motion_percent=found.motion_percent, chi2=found.chi_square, varied_percent=dict(found.varied)
+    )

@@ -1,0 +1,161 @@
+"""What is confirmed, as data and in words: on how many other releases, by how many percent of the motion."""
+
+import io
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from identify.curves.confirmation import Confirmation, ConfirmedEffect
+from identify.curves.curve_regression import MotionError, Strengths
+from identify.curves.held_out import HeldOut
+from identify.effects.library import find_effect
+from identify.model.model import Term, base_model
+from station.report.loop import suspects
+from station.results.confirmation_document import confirmation_document
+from station.results.diagnosis_document import DiagnosisDocument, refused_document
+from station.text.diagnosis_text import confirmed_by, foretold_parts, show_diagnosis
+
+NAMES = ("first", "second", "third")
+NONE = Strengths((), np.zeros(0), {})
+
+
+def held(*errors: tuple[float, float], one_record: bool = False) -> HeldOut:
+    """Return errors of the envelope and of the phase, a pair a part."""
+    parts = tuple(MotionError(envelope, phase, 0.0) for envelope, phase in errors)
+    return HeldOut(NONE, parts, parts, one_record)
+
+
+def confirmation(*, one_record: bool = False, effects: bool = True) -> Confirmation:
+    usual = held((3.0, 4.0), (0.0, 6.0), (8.0, 6.0))
+    found = held((0.0, 1.0), (0.0, 9.0), (0.0, 2.0)) if effects else usual
+    if one_record:
+        usual = held((3.0, 4.0), (0.0, 6.0), one_record=True)
+        found = held((0.0, 1.0), (0.0, 2.0), one_record=True)
+    drag = ConfirmedEffect(
+        Term(find_effect("quadratic_damping")), 0.3, {}, "loss", 6.0, 2.0, 2, 3, ("cubic_damping",)
+    )
+    undecided = {"frequency": ("cubic_stiffness", "time_varying_stiffness")}
+    return Confirmation((), (drag,) if effects else (), usual, found, one_record, undecided)
+
+
+def suspect(effect: str, confirmed: bool | None, **others: object) -> dict[str, object]:
+    numbers = {"error_after": 366.2, "motion_percent": 1.16, "evidence": 143.0, "p_value": 1e-9}
+    texts = {"title": effect, "kind": "physics", "channel": None, "model": None, "held_out_gain": None}
+    known = {"parameters": {"mu_2": {"value": 0.3, "std": 0.01, "unit": "1/m"}}, "confusable_with": []}
+    named = {"effect": effect, "confirmed": confirmed, "plausible": True, "claimed": bool(confirmed)}
+    return numbers | texts | known | named | others
+
+
+def document(found: Confirmation, sessions: tuple[str, ...] = NAMES) -> DiagnosisDocument:
+    """Return a diagnosis that names drag, confirmed so."""
+    error = {"force_mse_percent": 11.8, "motion_percent": 57.3, "chi2": 679236.0, "horizon_s": 4.8}
+    rivals = ["cubic_damping"] if found.effects else []
+    return DiagnosisDocument.model_validate(
+        refused_document(sessions, base_model(), "").plain()
+        | {"verdict": "missing_effect" if found.effects else "unconfirmed", "error": error}
+        | {"named": list(found.names), "confirmed": list(found.names), "rivals": rivals}
+        | {"confirmation": confirmation_document(found, sessions).plain()}
+        | {"noise_floor": {"chi2": 1.0, "chi2_std": 0.05, "channels": {}}}
+        | {"error_with_named": {"motion_percent": 1.16, "chi2": 366.0}}
+        | {
+            "suspects": [
+                suspect("quadratic_damping", bool(found.effects)),
+                suspect("offset_drift", None),
+                suspect("time_varying_stiffness", False),
+                suspect("cubic_damping", False),
+            ][: 4 if found.effects else 1]
+        }
+    )
+
+
+def printed(found: DiagnosisDocument) -> str:
+    out = io.StringIO()
+    show_diagnosis(Console(file=out, width=80), found)
+    return out.getvalue()
+
+
+def test_every_release_that_was_left_out_has_its_errors_under_its_name():
+    kept = confirmation_document(confirmation(), NAMES)
+    assert (kept.one_record, kept.parts, kept.better) == (False, 3, 2)
+    # 3 and 4 % in quadrature; the median of 5, 6 and 10.
+    assert [one.motion_percent for one in kept.usual.by_part] == pytest.approx([5.0, 6.0, 10.0])
+    assert kept.usual.motion_percent == pytest.approx(6.0)
+    assert [one.part for one in kept.found.by_part] == list(NAMES)
+    (effect,) = kept.effects
+    assert (effect.name, effect.explains, effect.before_percent, effect.after_percent) == (
+        "quadratic_damping",
+        "loss",
+        6.0,
+        2.0,
+    )
+    assert effect.rivals == ["cubic_damping"]
+    assert kept.undecided == {"frequency": ["cubic_stiffness", "time_varying_stiffness"]}
+
+
+def test_the_parts_of_one_record_are_its_large_and_its_small_amplitudes():
+    kept = confirmation_document(confirmation(one_record=True), ("first",))
+    assert [one.part for one in kept.found.by_part] == ["large amplitudes", "small amplitudes"]
+
+
+def test_releases_are_numbered_where_one_of_the_sessions_has_no_curve():
+    kept = confirmation_document(confirmation(), (*NAMES, "short"))
+    assert [one.part for one in kept.usual.by_part] == ["release 1", "release 2", "release 3"]
+
+
+def test_a_document_that_an_older_version_wrote_is_still_read():
+    old = document(confirmation()).plain()
+    for name in ("confirmed", "confirmation", "final"):
+        del old[name]
+    for entry in old["suspects"]:
+        for name in ("confirmed", "rivals", "motion_percent"):
+            del entry[name]
+    read = DiagnosisDocument.model_validate(old)
+    assert (read.confirmed, read.confirmation) == ([], None)
+    assert read.suspects[0].confirmed is None
+    assert (confirmed_by(read), foretold_parts(read)) == ("", "")
+    assert "decisive 143" in printed(read)
+
+
+def test_it_is_said_on_how_many_other_releases_and_in_percent_of_the_motion():
+    found = document(confirmation())
+    assert confirmed_by(found) == (
+        "confirmed on 2 of 3 other releases: error of the prediction 6.00 to 2.00 % of the motion"
+    )
+    parts = foretold_parts(found)
+    assert "first 5.00 to 1.00 %, second 6.00 to 9.00 %, third 10.0 to 2.00 %" in parts
+    assert parts.endswith("(median: phase 6.00 to 2.00 %, envelope 3.00 to 0.00 %)")
+    halves = document(confirmation(one_record=True), ("first",))
+    assert "2 of 2 halves of the record" in confirmed_by(halves)
+    assert confirmed_by(halves).endswith("error of the small amplitudes 6.00 to 2.00 % of the motion")
+
+
+def test_the_terminal_says_percent_of_the_motion_before_chi_square_and_what_each_suspect_foretells():
+    text = printed(document(confirmation()))
+    assert max(len(line.rstrip()) for line in text.splitlines()) <= 80
+    assert text.index("57.3 % of the motion") < text.index("679236 times")
+    assert "with quadratic_damping: 1.16 % of the motion, 366 times" in text
+    rows = {line.split()[0]: line for line in text.splitlines() if line.strip() and "1.16" in line}
+    assert "2 of 3" in rows["quadratic_damping"]
+    assert "nearly" in rows["cubic_damping"]
+    assert "undecided" in rows["time_varying_stiffness"]
+    assert " - " in rows["offset_drift"]
+
+
+def test_a_misfit_that_nothing_foretells_is_said_with_its_size_and_no_name():
+    found = document(confirmation(effects=False))
+    text = printed(found)
+    assert text.strip().startswith("A MISFIT THAT NO EFFECT HERE FORETELLS")
+    assert confirmed_by(found) == ""
+    assert "first 5.00 %, second 6.00 %, third 10.0 % (median: phase 6.00 %, " in foretold_parts(found)
+
+
+def test_the_report_has_a_table_of_what_was_foretold():
+    without_pictures = document(confirmation()).model_copy(update={"suspects": []})
+    section = suspects(SimpleNamespace(diagnosis=without_pictures, fits=None, left_out={}))
+    (table,) = [part for part in section.parts if part.kind == "table"]
+    assert table.rows[0] == ("first", "5.00", "1.00", "4.00", "1.00", "3.00", "0.00")
+    assert table.rows[-1][0] == "median"
+    labels = [part.label for part in section.parts if part.kind == "paragraph"]
+    assert "Confirmed" in labels
