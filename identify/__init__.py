@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from identify.comparison.compare import Comparison, compare
+    from identify.curves.laid_over import DecayCurves, decay_curves
     from identify.diagnosis.diagnose import Diagnosis, diagnose
+    from identify.diagnosis.found_laws import found_laws
     from identify.diagnosis.ladder import Ladder, Rung, add_effect, first_rung, remove_effect
     from identify.diagnosis.refine import refine
     from identify.diagnosis.suspect import Suspect
@@ -42,6 +44,7 @@ __all__ = [
     "AlignedDecay",
     "Alignment",
     "Comparison",
+    "DecayCurves",
     "Diagnosis",
     "Effect",
     "Estimate",
@@ -61,9 +64,11 @@ __all__ = [
     "add_effect",
     "base_model",
     "compare",
+    "decay_curves",
     "diagnose",
     "find_effect",
     "first_rung",
+    "found_laws",
     "identify_restoring_force",
     "identify_wavelet",
     "locate_and_align",
@@ -78,7 +83,9 @@ __all__ = [
 
 _HOMES = {
     "comparison.compare": ("Comparison", "compare"),
+    "curves.laid_over": ("DecayCurves", "decay_curves"),
     "diagnosis.diagnose": ("Diagnosis", "diagnose"),
+    "diagnosis.found_laws": ("found_laws",),
     "diagnosis.ladder": ("Ladder", "Rung", "add_effect", "first_rung", "remove_effect"),
     "diagnosis.refine": ("refine",),
     "diagnosis.suspect": ("Suspect",),

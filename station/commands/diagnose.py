@@ -67,8 +67,8 @@ def command(
     if not no_viewer:
         from station.operations.viewer_tabs import show_suspects
 
-        if show_suspects(opened.sessions[0], found, document):
-            progress("the viewer shows the suspects")
+        if show_suspects(opened, found, document):
+            progress("the viewer shows the suspects and the curves")
 
 
 def next_steps(opened: "SessionSet", found: "Diagnosis") -> list[str]:

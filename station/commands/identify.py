@@ -63,7 +63,7 @@ def command(
     if with_view:
         from station.commands.view import show_session
 
-        show_session(opened, result)
+        show_session(opened, result, settings)
 
 
 def _orders(text: str) -> tuple[int, ...]:

@@ -9,6 +9,7 @@ from station.output import json_option, print_json, progress
 
 if TYPE_CHECKING:
     from daq.session import Session
+    from station.settings import Settings
     from station.story.identification import Identification
 
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 def command(
     settings_file: str | None, session: str, screenshot: Path | None, no_viewer: bool, as_json: bool
 ) -> None:
-    """Open SESSION in the viewer: capture, alignment, both methods, results.
+    """Open SESSION in the viewer: capture, alignment, both methods, results, curves.
 
     Identifies it first, and keeps the recording in the session's results.
     """
@@ -38,9 +39,9 @@ def command(
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     result, _ = identify_session(opened, options_for(opened, settings))
-    from station.operations.viewer_tabs import story_tabs
+    from station.operations.viewer_tabs import viewed_tabs
 
-    file = write_view(opened, result, story_tabs(opened, settings))
+    file = write_view(opened, result, viewed_tabs(opened, settings))
     document: dict[str, Any] = {"session": str(opened.folder), "recording": str(file), "pictures": []}
     progress(f"recording: {file}")
     if screenshot is not None:
@@ -55,11 +56,14 @@ def command(
         print_json(document)
 
 
-def show_session(session: "Session", result: "Identification") -> None:
+def show_session(session: "Session", result: "Identification", settings: "Settings") -> None:
     """Write the recording of an identification that is at hand, and open it where there is a screen."""
     from station.operations.identifying import write_view
+    from station.operations.session_curves import curves_as_measured
+    from station.operations.viewer_tabs import curves_tab
 
-    file = write_view(session, result)
+    shown = curves_as_measured(session, settings)
+    file = write_view(session, result, () if shown is None else (curves_tab(shown),))
     progress(f"recording: {file}")
     open_if_possible(file)
 

@@ -126,8 +126,8 @@ def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:
 
 def _found_by(diagnosis: DiagnosisDocument) -> ModelFile | None:
     """Return the model with what a diagnosis named; that which was asked about where it named nothing."""
-    if diagnosis.fitted_with_named is not None:
-        return diagnosis.fitted_with_named
+    if diagnosis.final is not None:
+        return diagnosis.final
     alone = diagnosis.named and not diagnosis.together
     return diagnosis.suspects[0].model if alone and diagnosis.suspects else diagnosis.fitted
 

@@ -1,4 +1,4 @@
-"""The suspects and the ladder in figures for paper."""
+"""The suspects, the curves and the ladder in figures for paper."""
 
 from textwrap import fill
 
@@ -6,11 +6,13 @@ import numpy as np
 
 from identify.diagnosis.force_map import ForceMap
 from station.report.drawing import embedded, paper
+from station.results.curves import NamedCurves
 from station.results.diagnosis_document import CurveDocument, DiagnosisDocument
 from station.results.diagnosis_fits import DiagnosisFits
 from station.results.ladder import KeptLadder
 from station.text.ladder_text import step
 from station.views import plots
+from station.views.curve_panels import draw_panels
 from station.views.plots import PAPER, literal
 from station.views.suspects import MOST_BARS
 
@@ -55,6 +57,13 @@ def force_maps(fits: DiagnosisFits) -> str:
     axes[0].set_ylim(-1.5 * reach, 1.5 * reach)
     axes[0].set_ylabel(literal(f"force per unit\nmass [{fits.prepared.window.unit}/s^2]"))
     axes[0].legend(loc="upper right", fontsize=7)
+    return embedded(drawn)
+
+
+def curves(shown: NamedCurves) -> str:
+    """Draw frequency and damping of the releases against amplitude, with the laws laid over."""
+    drawn, axes = paper(3.4, 1, 2)
+    draw_panels(axes, shown.curves, shown.names, PAPER)
     return embedded(drawn)
 
 

@@ -13,8 +13,10 @@ from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import identify_session
 from station.operations.refining import Refinement, open_refinement, rung_again
+from station.operations.session_curves import kept_curves
 from station.operations.session_set import SessionSet
 from station.results import comparison_document, diagnosis_document
+from station.results.curves import NamedCurves
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.diagnosis_fits import DiagnosisFits, refitted
 from station.results.identification_document import IdentificationDocument
@@ -49,6 +51,7 @@ class Findings:
     compared: Compared | None = None
     diagnosis: DiagnosisDocument | None = None
     fits: DiagnosisFits | None = None
+    curves: NamedCurves | None = None
     refined: FittedLadder | None = None
     left_out: dict[str, str] = field(default_factory=dict)
 
@@ -67,7 +70,7 @@ def gather(
     if diagnose:
         _diagnose(found, settings, progress)
     refinement = _refinement(found, settings)
-    _read_diagnosis(found, refinement)
+    _read_diagnosis(found, refinement, settings)
     if refinement is not None:
         _refit(found, refinement)
     try:
@@ -125,15 +128,17 @@ def _refinement(found: Findings, settings: Settings) -> Refinement | None:
         return None
 
 
-def _read_diagnosis(found: Findings, refinement: Refinement | None) -> None:
+def _read_diagnosis(found: Findings, refinement: Refinement | None, settings: Settings) -> None:
     try:
         found.diagnosis = read_diagnosis(found.session)
     except UsageProblem as problem:
         found.left_out["suspects"] = str(problem)
     if found.diagnosis is None or refinement is None:
         return
+    prepared, library = refinement.prepared, refinement.library
     try:
-        found.fits = refitted(found.diagnosis, refinement.prepared, refinement.library)
+        found.fits = refitted(found.diagnosis, prepared, library)
+        found.curves = kept_curves(found.session, prepared, found.diagnosis, library, settings)
     except UsageProblem as problem:  # an effect of a file that is not at hand
         found.left_out["force_maps"] = str(problem)
 

@@ -4,6 +4,7 @@ from station.report import diagnosis_figures as draw
 from station.report.content import Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
 from station.results.diagnosis_document import DiagnosisDocument, FindingDocument, SuspectDocument
+from station.text.curves_text import curves_caption
 from station.text.diagnosis_text import (
     confirmed_by,
     foretells,
@@ -69,6 +70,9 @@ def suspects(found: Findings) -> Section:
         parts.append(Figure(caption, draw.force_maps(found.fits)))
     elif "force_maps" in found.left_out:
         parts.append(Paragraph(f"The pictures of forces are left out: {found.left_out['force_maps']}."))
+    if found.curves is not None:
+        words = curves_caption(found.curves.names, found.curves.curves)
+        parts.append(Figure(words, draw.curves(found.curves)))
     parts += _findings(document)
     return Section("suspects", SUSPECTS, tuple(parts))
 

@@ -143,7 +143,8 @@ class DiagnosisDocument(Document):
     """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named.
 
     `confirmed` are those named effects that foretell what they were not fitted to, `confirmation` how well, None where
-    it was not asked. `fitted` is the model that was asked about, `fitted_with_named` the one with what was found.
+    it was not asked.
+    `fitted` is the model that was diagnosed, `final` the one with all that is named; None where nothing is.
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
     """
 
@@ -163,10 +164,10 @@ class DiagnosisDocument(Document):
     explanation: str
     next_experiment: str
     fitted: ModelFile | None
+    final: ModelFile | None = None
     differences: list[DifferenceDocument] | None = None
     confirmed: list[str] = Field(default_factory=list)
     confirmation: ConfirmationDocument | None = None
-    fitted_with_named: ModelFile | None = None
 
 
 def diagnosis_document(
@@ -203,7 +204,7 @@ def diagnosis_document(
             "explanation": found.explanation,
             "next_experiment": found.next_experiment,
             "fitted": fitted,
-            "fitted_with_named": model_file(found.final, expressions),
+            "final": model_file(found.final, expressions) if found.named else None,
         }
     )
 

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from identify.comparison.compare import Comparison
+from identify.curves.laid_over import DecayCurves
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.force_map import ForceMap, force_added, force_left, force_map
 from identify.diagnosis.ladder import Ladder
@@ -17,6 +18,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.views import plots
+from station.views.curve_panels import draw_panels
 from station.views.plots import PAPER
 
 WIDTH = 7.5
@@ -40,6 +42,7 @@ def draw(
     | WaveletResult
     | RestoringForceResult
     | Comparison
+    | DecayCurves
     | Diagnosis
     | Ladder,
 ) -> Picture:
@@ -161,6 +164,13 @@ def _reach(panel: ForceMap) -> float:
     return float(np.nanmax(np.abs(panel.force))) if np.isfinite(panel.force).any() else 0.0
 
 
+def _curves(found: DecayCurves) -> Picture:
+    picture, axes = _axes(3.6, 1, 2)
+    names = [f"release {1 + n}" for n in range(1 + max(curve.release for curve in found.releases))]
+    draw_panels(axes, found, names, PAPER)
+    return picture
+
+
 def _ladder(found: Ladder) -> Picture:
     names = [
         f"+ {rung.added}" if rung.added else f"- {rung.removed}" if rung.removed else "model to begin with"
@@ -180,6 +190,7 @@ _DRAWINGS: tuple[tuple[type, Callable[[Any], Picture]], ...] = (
     (WaveletResult, _wavelet),
     (RestoringForceResult, _restoring_force),
     (Comparison, _comparison),
+    (DecayCurves, _curves),
     (Diagnosis, _diagnosis),
     (Ladder, _ladder),
 )

@@ -1,14 +1,21 @@
 """The charts of the middle as ECharts options: every axis with its unit, one colour for one thing."""
 
 import json
-from typing import Any
 
 from station.workbench import view_models
+from station.workbench.chart_parts import (
+    FONT,
+    Options,
+    base_options,
+    grid_of,
+    legend_of,
+    line_series,
+    pairs_of,
+    time_axis,
+    value_axis,
+    with_bars,
+)
 from station.workbench.theme import Theme, diverging
-
-Options = dict[str, Any]
-
-FONT = 11
 
 
 def overlay(picture: view_models.Picture, trace: view_models.Trace, colours: Theme) -> Options:
@@ -17,42 +24,42 @@ def overlay(picture: view_models.Picture, trace: view_models.Trace, colours: The
     low = [None if value is None else round(value - band, 7) for value in trace.model]
     width = [None if value is None else round(2 * band, 7) for value in trace.model]
     hidden: Options = {"type": "line", "symbol": "none", "silent": True, "lineStyle": {"opacity": 0}}
-    return _base(colours) | {
-        "grid": _grid(bottom=20),
-        "xAxis": _time_axis(picture, colours, labelled=False),
-        "yAxis": _value_axis(f"{trace.channel} [{trace.unit}]", colours) | {"scale": True},
+    return base_options(colours) | {
+        "grid": grid_of(bottom=20),
+        "xAxis": time_axis(picture, colours, labelled=False),
+        "yAxis": value_axis(f"{trace.channel} [{trace.unit}]", colours) | {"scale": True},
         "dataZoom": [_inside()],
         "series": [
-            hidden | {"data": _pairs(picture.time, low), "stack": "band", "stackStrategy": "all"},
+            hidden | {"data": pairs_of(picture.time, low), "stack": "band", "stackStrategy": "all"},
             hidden
             | {
                 "name": "noise (2 std)",
-                "data": _pairs(picture.time, width),
+                "data": pairs_of(picture.time, width),
                 "stack": "band",
                 "stackStrategy": "all",
                 "areaStyle": {"color": colours.noise, "opacity": 1},
                 "itemStyle": {"color": colours.floor},
             },
-            _line("measured", picture.time, trace.measured, colours.measured, 2.6),
-            _line("model, run freely", picture.time, trace.model, colours.model, 1.2),
+            line_series("measured", picture.time, trace.measured, colours.measured, 2.6),
+            line_series("model, run freely", picture.time, trace.model, colours.model, 1.2),
         ],
-        "legend": _legend(colours, ["measured", "model, run freely", "noise (2 std)"]),
+        "legend": legend_of(colours, ["measured", "model, run freely", "noise (2 std)"]),
     }
 
 
 def residual(picture: view_models.Picture, trace: view_models.Trace, colours: Theme) -> Options:
     """Return measurement less model over time, with the band of the noise."""
     band = 2.0 * trace.sigma
-    line = _line("measured less model", picture.time, trace.left, colours.left, 1.0)
+    line = line_series("measured less model", picture.time, trace.left, colours.left, 1.0)
     line["markArea"] = {
         "silent": True,
         "itemStyle": {"color": colours.noise},
         "data": [[{"yAxis": -band}, {"yAxis": band}]],
     }
-    return _base(colours) | {
-        "grid": _grid(bottom=52),
-        "xAxis": _time_axis(picture, colours, labelled=True),
-        "yAxis": _value_axis(f"left over [{trace.fine_unit}]", colours),
+    return base_options(colours) | {
+        "grid": grid_of(bottom=52),
+        "xAxis": time_axis(picture, colours, labelled=True),
+        "yAxis": value_axis(f"left over [{trace.fine_unit}]", colours),
         "dataZoom": [_inside(), _slider(colours)],
         "series": [line],
     }
@@ -66,11 +73,11 @@ def plane(picture: view_models.Picture, colours: Theme) -> Options:
         {"value": one, "itemStyle": {"color": diverging(one[4], reach, colours)}}
         for one in picture.plane.bins
     ]
-    path = _pairs(picture.displacement, picture.velocity)
-    return _base(colours) | {
-        "grid": _grid(left=58, bottom=34, right=64),
-        "xAxis": _value_axis(f"displacement [{picture.displacement_unit}]", colours, below=True),
-        "yAxis": _value_axis(f"velocity [{picture.velocity_unit}]", colours),
+    path = pairs_of(picture.displacement, picture.velocity)
+    return base_options(colours) | {
+        "grid": grid_of(left=58, bottom=34, right=64),
+        "xAxis": value_axis(f"displacement [{picture.displacement_unit}]", colours, below=True),
+        "yAxis": value_axis(f"velocity [{picture.velocity_unit}]", colours),
         "tooltip": {
             "trigger": "item",
             "renderMode": "richText",
@@ -145,15 +152,15 @@ def _section_chart(cuts: tuple[view_models.Section, ...], across: str, up: str, 
     tints = (colours.left, colours.other)
     series: list[Options] = []
     for cut, tint in zip(cuts, tints, strict=False):
-        series += _with_bars(cut.name, cut.position, cut.force, cut.std, tint)
-    legend = {"legend": _legend(colours, [cut.name for cut in cuts])} if len(cuts) > 1 else {}
+        series += with_bars(cut.name, cut.position, cut.force, cut.std, tint)
+    legend = {"legend": legend_of(colours, [cut.name for cut in cuts])} if len(cuts) > 1 else {}
     return (
-        _base(colours)
+        base_options(colours)
         | legend
         | {
-            "grid": _grid(left=58, bottom=34),
-            "xAxis": _value_axis(across, colours, below=True),
-            "yAxis": _value_axis(up, colours),
+            "grid": grid_of(left=58, bottom=34),
+            "xAxis": value_axis(across, colours, below=True),
+            "yAxis": value_axis(up, colours),
             "series": series,
         }
     )
@@ -179,132 +186,11 @@ def _cycle_chart(
     tint: str,
     colours: Theme,
 ) -> Options:
-    return _base(colours) | {
-        "grid": _grid(left=58, bottom=34),
-        "xAxis": _time_axis(picture, colours, labelled=True),
-        "yAxis": _value_axis(name, colours),
-        "series": _with_bars(name, picture.cycles.time, values, std, tint),
-    }
-
-
-def _with_bars(
-    name: str, across: view_models.Numbers, values: view_models.Numbers, std: view_models.Numbers, tint: str
-) -> list[Options]:
-    """Return points with bars of two standard errors."""
-    known = [(x, y, s) for x, y, s in zip(across, values, std, strict=True) if None not in (x, y, s)]
-    bars = [
-        [x, y - 2 * s, y + 2 * s] for x, y, s in known if x is not None and y is not None and s is not None
-    ]
-    return [
-        {
-            "type": "custom",
-            "data": bars,
-            "encode": {"x": 0, "y": [1, 2]},
-            "silent": True,
-            "itemStyle": {"color": tint},
-            ":renderItem": _BAR,
-        },
-        {
-            "type": "line",
-            "name": name,
-            "data": [[x, y] for x, y, _ in known],
-            "symbol": "circle",
-            "symbolSize": 5,
-            "lineStyle": {"width": 1, "opacity": 0.5, "color": tint},
-            "itemStyle": {"color": tint},
-            "silent": True,
-        },
-    ]
-
-
-_BAR = """(params, api) => {
-  const a = api.coord([api.value(0), api.value(1)]), b = api.coord([api.value(0), api.value(2)]);
-  return {type: 'line', shape: {x1: a[0], y1: a[1], x2: b[0], y2: b[1]},
-          style: {stroke: api.visual('color'), lineWidth: 1.5, opacity: 0.7}};
-}"""
-
-
-def _base(colours: Theme) -> Options:
-    return {
-        "animation": False,
-        "backgroundColor": "transparent",
-        "textStyle": {"color": colours.ink, "fontFamily": "inherit"},
-    }
-
-
-def _grid(left: int = 58, right: int = 14, top: int = 24, bottom: int = 26) -> Options:
-    return {"left": left, "right": right, "top": top, "bottom": bottom}
-
-
-def _axis(colours: Theme) -> Options:
-    return {
-        "type": "value",
-        "axisLine": {"show": True, "onZero": False, "lineStyle": {"color": colours.faint}},
-        "axisLabel": {"color": colours.faint, "fontSize": FONT, "hideOverlap": True},
-        "splitLine": {"lineStyle": {"color": colours.grid}},
-        "nameTextStyle": {"color": colours.ink, "fontSize": FONT},
-    }
-
-
-def _time_axis(picture: view_models.Picture, colours: Theme, labelled: bool) -> Options:
-    label = _axis(colours)["axisLabel"] | {"showMaxLabel": False}
-    known = [t for t in picture.time if t is not None] or [0.0, 1.0]
-    first, last = known[0], known[-1]
-    named = (
-        {"name": "time since the release [s]", "nameLocation": "middle", "nameGap": 20} if labelled else {}
-    )
-    return (
-        _axis(colours)
-        | named
-        | {
-            "min": 0 if first < 0.25 * (last - first) else round(first, 3),
-            "max": round(last, 3),
-            "axisLabel": label,
-        }
-    )
-
-
-def _value_axis(name: str, colours: Theme, below: bool = False) -> Options:
-    place: Options = (
-        {"nameLocation": "middle", "nameGap": 20} if below else {"nameLocation": "end", "nameGap": 8}
-    )
-    if not below:
-        place["nameTextStyle"] = {
-            "color": colours.ink,
-            "fontSize": FONT,
-            "align": "left",
-            "padding": [0, 0, 0, -44],
-        }
-    return _axis(colours) | {"name": name, "splitNumber": 4, "scale": below} | place
-
-
-def _line(
-    name: str, across: view_models.Numbers, values: view_models.Numbers, colour: str, width: float
-) -> Options:
-    return {
-        "name": name,
-        "type": "line",
-        "symbol": "none",
-        "silent": True,
-        "data": _pairs(across, values),
-        "lineStyle": {"width": width, "color": colour},
-        "itemStyle": {"color": colour},
-    }
-
-
-def _pairs(across: view_models.Numbers, values: view_models.Numbers) -> list[list[float | None]]:
-    return [[x, y] for x, y in zip(across, values, strict=True)]
-
-
-def _legend(colours: Theme, names: list[str]) -> Options:
-    return {
-        "data": names,
-        "right": 10,
-        "top": 0,
-        "icon": "roundRect",
-        "itemWidth": 16,
-        "itemHeight": 4,
-        "textStyle": {"color": colours.ink, "fontSize": FONT},
+    return base_options(colours) | {
+        "grid": grid_of(left=58, bottom=34),
+        "xAxis": time_axis(picture, colours, labelled=True),
+        "yAxis": value_axis(name, colours),
+        "series": with_bars(name, picture.cycles.time, values, std, tint),
     }
 
 

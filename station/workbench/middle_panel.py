@@ -5,10 +5,12 @@ import json
 from nicegui import ui
 
 from station.text.numbers import three_figures
-from station.workbench import charts, view_models, widgets
+from station.workbench import charts, curve_charts, view_models, widgets
+from station.workbench.chart_parts import Options
 from station.workbench.theme import Theme
 
 NOTICED = 0.15
+CURVES = ("curve-frequency", "curve-damping")
 HINT = "Move the pointer over a picture, or use the arrow keys in one: the same moment is marked in all."
 
 
@@ -18,6 +20,7 @@ class MiddlePanel:
     def __init__(self) -> None:
         self._channel = ""
         self._picture: view_models.Picture | None = None
+        self._curves: view_models.DecayCurves | None = None
         self._colours: Theme | None = None
         self._of_ladder: float | None = None
         self._charts: dict[str, ui.echart] = {}
@@ -34,9 +37,16 @@ class MiddlePanel:
                 self._choice = ui.element("div")
             self._frame = ui.element("div").classes("pictures")
 
-    def show(self, picture: view_models.Picture, colours: Theme, of_ladder: float | None) -> None:
-        """Draw a comparison in some colours; `of_ladder` is the chi-square that the present rung has."""
-        fresh = self._colours is not colours or not self._charts
+    def show(
+        self,
+        picture: view_models.Picture,
+        curves: view_models.DecayCurves | None,
+        colours: Theme,
+        of_ladder: float | None,
+    ) -> None:
+        """Draw a comparison, and the curves of a diagnosis; `of_ladder` is the chi-square that the present rung has."""
+        fresh = self._colours is not colours or (self._curves is None) != (curves is None) or not self._charts
+        self._curves = curves
         kinds = [trace.channel for trace in picture.traces]
         if self._picture is None or [t.channel for t in self._picture.traces] != kinds:
             self._channel = max(picture.traces, key=_misfit).channel
@@ -63,7 +73,7 @@ class MiddlePanel:
     def _switch(self, channel: str) -> None:
         self._channel = channel
         if self._picture is not None and self._colours is not None:
-            self.show(self._picture, self._colours, self._of_ladder)
+            self.show(self._picture, self._curves, self._colours, self._of_ladder)
 
     def _show_errors(self, picture: view_models.Picture) -> None:
         errors = picture.errors
@@ -84,14 +94,19 @@ class MiddlePanel:
         self._summary.text = picture.summary
         self._cause.text = f"{picture.cause} {_apart(errors['chi2'], self._of_ladder)}".strip()
 
-    def _options(self) -> dict[str, charts.Options]:
+    def _options(self) -> dict[str, Options]:
         picture, colours = self._picture, self._colours
         assert picture is not None
         assert colours is not None
         trace = next(t for t in picture.traces if t.channel == self._channel)
         at_middle, at_reversal = charts.sections(picture, colours)
         frequency, energy = charts.cycles(picture, colours)
-        return {
+        decay = (
+            {}
+            if self._curves is None
+            else dict(zip(CURVES, curve_charts.decay_curves(self._curves, colours), strict=True))
+        )
+        return decay | {
             "overlay": charts.overlay(picture, trace, colours),
             "residual": charts.residual(picture, trace, colours),
             "plane": charts.plane(picture, colours),
@@ -101,13 +116,16 @@ class MiddlePanel:
             "energy": energy,
         }
 
-    def _make(self, options: dict[str, charts.Options]) -> None:
+    def _make(self, options: dict[str, Options]) -> None:
         self._frame.clear()
         self._charts.clear()
         with self._frame:
             for name, (kind, classes, label) in _PLACES.items():
+                if name not in options:
+                    continue
                 chart = ui.echart(options[name]).classes(f"chart {classes}")
-                chart.props["data-kind"] = kind
+                if kind:
+                    chart.props["data-kind"] = kind
                 chart.props["data-name"] = name
                 chart.props["tabindex"] = "0"
                 chart.props["role"] = "img"
@@ -136,6 +154,8 @@ class MiddlePanel:
 _PLACES = {
     "overlay": ("time", "wide", "Measurement and model over time"),
     "residual": ("time", "wide flat", "Measurement less model over time, with the noise"),
+    CURVES[0]: ("", "tall", "Frequency of the decay against amplitude, measured and by the models"),
+    CURVES[1]: ("", "tall", "Damping of the decay against amplitude, measured and by the models"),
     "plane": ("plane", "tall", "Phase plane: the missing force over displacement and velocity"),
     "at-middle": ("at-middle", "tall", "The missing force against velocity at zero displacement"),
     "at-reversal": ("at-reversal", "tall", "The missing force against displacement at zero velocity"),

@@ -177,7 +177,8 @@ class Page:
         self._right.set_visibility(True)
         colours = theme(self._dark)
         if self._shown is not session.view.picture:
-            self._middle.show(session.view.picture, colours, session.view.ladder.top.error.chi2)
+            shown = session.view
+            self._middle.show(shown.picture, shown.curves, colours, shown.ladder.top.error.chi2)
             self._shown = session.view.picture
         loop = (session.view, session.force_maps, session.notice, self._dark)
         if self._loop is not None and loop != self._loop_shown:

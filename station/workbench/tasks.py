@@ -20,6 +20,7 @@ from station.story.pipeline import Progress
 from station.story.preparation import options_for
 from station.workbench import view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
+from station.workbench.decay_curves import curves_of
 from station.workbench.force_map import MOST, force_maps_of
 from station.workbench.session_thumbnails import thumbnail_of
 from station.workbench.warm_up import warm_up
@@ -65,8 +66,14 @@ def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> view_model
     session = opened.refinement.session
     model = _present_model(session)
     compared, _ = compare_session(session, settings, model, prepared=opened.refinement.prepared)
+    diagnosis = _diagnosis(session)
     return view_models.View(
-        ladder, picture_of(compared), _diagnosis(session), equations_of(ladder), results_stamp(session.folder)
+        ladder,
+        picture_of(compared),
+        diagnosis,
+        equations_of(ladder),
+        results_stamp(session.folder),
+        curves_of(settings, opened.refinement, diagnosis),
     )
 
 
@@ -184,14 +191,14 @@ def open_example(settings: Settings, progress: Progress, name: str) -> str:
 def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path) -> int:
     """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
     from station.operations.identifying import identify_session, write_view
-    from station.operations.viewer_tabs import story_tabs
+    from station.operations.viewer_tabs import viewed_tabs
     from station.views import web_viewer
 
     session = Session.open(folder)
     progress("identifying")
     result, _ = identify_session(session, options_for(session, settings))
     progress("writing the recording")
-    file = write_view(session, result, story_tabs(session, settings))
+    file = write_view(session, result, viewed_tabs(session, settings))
     if not (temporary / web_viewer.FILES[0]).is_file():
         web_viewer.unpack(temporary)
     return file.stat().st_mtime_ns

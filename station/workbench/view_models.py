@@ -85,15 +85,45 @@ class ForceMap:
     force: list[Numbers]
 
 
+@dataclass(frozen=True)
+class AmplitudeLine:
+    """Frequency (Hz) and damping ratio (%) against amplitude: of a release with standard errors, or of a model.
+
+    `role` is "measured", or what the model is to the diagnosis: "usual", "named" or "rival".
+    """
+
+    name: str
+    role: str
+    amplitude: Numbers
+    frequency: Numbers
+    frequency_std: Numbers
+    damping: Numbers
+    damping_std: Numbers
+
+
+@dataclass(frozen=True, eq=False)
+class DecayCurves:
+    """Curves of releases and models over the amplitude in `unit`; what each chart reaches over."""
+
+    unit: str
+    lines: tuple[AmplitudeLine, ...]
+    frequency_range: tuple[float, float]
+    damping_range: tuple[float, float]
+
+
 @dataclass(frozen=True, eq=False)
 class View:
-    """What the page shows of a session: ladder, comparison of the present model, last diagnosis, equations by effect."""
+    """What the page shows of a session: ladder, comparison of the present model, last diagnosis, equations by effect.
+
+    `curves` come with a diagnosis; None where the record is too short for them.
+    """
 
     ladder: KeptLadder
     picture: Picture
     diagnosis: DiagnosisDocument | None = None
     equations: dict[str, str] = field(default_factory=dict)
     stamp: tuple[int, ...] = ()
+    curves: DecayCurves | None = None
 
 
 @dataclass(frozen=True)

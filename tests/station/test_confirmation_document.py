@@ -106,7 +106,7 @@ def test_releases_are_numbered_where_one_of_the_sessions_has_no_curve():
 
 def test_a_document_that_an_older_version_wrote_is_still_read():
     old = document(confirmation()).plain()
-    for name in ("confirmed", "confirmation", "fitted_with_named"):
+    for name in ("confirmed", "confirmation", "final"):
         del old[name]
     for entry in old["suspects"]:
         for name in ("confirmed", "rivals", "motion_percent"):
@@ -153,7 +153,7 @@ def test_a_misfit_that_nothing_foretells_is_said_with_its_size_and_no_name():
 
 def test_the_report_has_a_table_of_what_was_foretold():
     without_pictures = document(confirmation()).model_copy(update={"suspects": []})
-    section = suspects(SimpleNamespace(diagnosis=without_pictures, fits=None, left_out={}))
+    section = suspects(SimpleNamespace(diagnosis=without_pictures, fits=None, curves=None, left_out={}))
     (table,) = [part for part in section.parts if part.kind == "table"]
     assert table.rows[0] == ("first", "5.00", "1.00", "4.00", "1.00", "3.00", "0.00")
     assert table.rows[-1][0] == "median"

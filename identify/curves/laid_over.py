@@ -1,0 +1,138 @@
+"""Curves of one or more releases, and the laws of models laid over them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.curves.amplitude_curve import AmplitudeCurve
+from identify.curves.decay_curve import DecayCurve
+from identify.curves.isolated_mode import IsolatedMode
+from identify.curves.simulated_curve import simulated_curve
+from identify.effects.force_effect import LinearPart
+from identify.errors import NotIdentifiable
+from identify.fitting.segments import prepared_of
+from identify.free_decay import FreeDecay
+from identify.model.model import Model
+from identify.preprocessing.prepared_decay import PreparedDecay
+
+Role = Literal["usual", "named", "rival"]
+
+_ROUNDS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """A model with the values of its parameters by unknown's name; `role` says what it is to a diagnosis."""
+
+    name: str
+    role: Role
+    model: Model
+    values: dict[str, float]
+
+    @classmethod
+    def of(cls, name: str, role: Role, model: Model, values: dict[str, float]) -> "Law":
+        """Return the law of a model's forces: what a sensor does to a reading is no law of the motion."""
+        forces = Model(model.forces)
+        known = {str(term.parameter(p.name)) for term in forces.terms for p in term.free}
+        return cls(name, role, forces, {key: value for key, value in values.items() if key in known})
+
+
+@dataclass(frozen=True, eq=False)
+class LaidOver:
+    """A law as it runs through the windows of each release; releases in which its motion runs away are left out."""
+
+    law: Law
+    curves: tuple[AmplitudeCurve, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class DecayCurves:
+    """Measured curves of some releases, and laws laid over them; `unit` is the amplitude's, m or rad."""
+
+    unit: str
+    releases: tuple[AmplitudeCurve, ...]
+    laws: tuple[LaidOver, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Isolated:
+    """One release with its windows and its measured curve; `place` among the releases that were given."""
+
+    place: int
+    decay: PreparedDecay
+    mode: IsolatedMode
+    curve: DecayCurve
+
+
+def isolated(decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay]) -> tuple[Isolated, ...]:
+    """Return the curves of those releases that hold enough cycles; NotIdentifiable where none does, or one is driven."""
+    found = []
+    reason: NotIdentifiable | None = None
+    for place, decay in enumerate(prepared_of(decays)):
+        if decay.window.force is not None:
+            raise NotIdentifiable("A driven motion has no curve of its decay.")
+        try:
+            mode = IsolatedMode.of(decay.window)
+        except NotIdentifiable as refusal:
+            reason = refusal
+            continue
+        found.append(
+            Isolated(place, decay, mode, mode.curve(np.asarray(decay.window.readings[mode.channel])))
+        )
+    if reason is not None and not found:
+        raise reason
+    return tuple(found)
+
+
+def decay_curves(
+    decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay], laws: Sequence[Law] = ()
+) -> DecayCurves:
+    """Return frequency and damping against amplitude of one release or several, with laws laid over.
+
+    A law is run freely from the start of each curve and seen through the same windows as the measurement. With several
+    releases its linear spring and damper are set to each release, whose clamping and air are its own; the rest is
+    shared. Releases that are too short are left out. Raises NotIdentifiable where all are, or where one is driven.
+    """
+    found = isolated(decays)
+    several = len(found) > 1
+    return DecayCurves(
+        found[0].decay.window.unit,
+        tuple(AmplitudeCurve.measured(one.curve, one.place) for one in found),
+        tuple(LaidOver(law, _runs(found, law, own_linear=several)) for law in laws),
+    )
+
+
+def _runs(found: tuple[Isolated, ...], law: Law, *, own_linear: bool) -> tuple[AmplitudeCurve, ...]:
+    curves = []
+    for one in found:
+        run = simulated_curve(one.decay, one.mode, law.model, law.values, one.curve)
+        for _ in range(_ROUNDS if own_linear and run is not None else 0):
+            own = _set_to(one.curve, run, law)
+            again = simulated_curve(one.decay, one.mode, law.model, own.values, one.curve)
+            if again is None:
+                break
+            law, run = own, again
+        if run is not None and np.isfinite(run.frequency).all():
+            curves.append(AmplitudeCurve.predicted(run, one.place).down_to(float(one.curve.amplitude.min())))
+    return tuple(curves)
+
+
+def _set_to(measured: DecayCurve, run: DecayCurve | None, law: Law) -> Law:
+    """Return a law whose linear spring and damper make up for what its run lacks of loss and w^2 on the whole."""
+    if run is None:
+        return law
+    values = dict(law.values)
+    weight = measured.between**2 / np.sum(measured.between**2)
+    lacks: tuple[tuple[LinearPart, Array], ...] = (
+        (LinearPart.STIFFNESS, measured.frequency**2 - run.frequency**2),
+        (LinearPart.DAMPING, measured.loss - run.loss),
+    )
+    for part, excess in lacks:
+        term = next((t for t in law.model.forces if t.force.linear_part == part), None)
+        if term is not None:
+            name = str(term.strength)
+            values[name] = max(values[name] + float(weight @ excess), term.effect.strength.low)
+    return replace(law, values=values)

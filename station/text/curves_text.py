@@ -1,0 +1,34 @@
+"""The curves in words: what the two panels show, for a caption."""
+
+from collections.abc import Sequence
+
+from identify.curves.laid_over import DecayCurves
+
+
+def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
+    """Return what points, bands and lines of the curves are; `names` are those of the releases that were given."""
+    many = len(found.releases) > 1
+    kept = [names[curve.release] for curve in found.releases]
+    whose = f"each of {len(kept)} releases ({', '.join(kept)})" if many else "this release"
+    words = [
+        f"How frequency and damping of {whose} change as the oscillation dies down. Each point is one stretch of the decay, "
+        "a cycle or more; its band is two standard errors, from the scatter of its neighbours. The damping ratio is that of "
+        "the viscous damper that would take as much: a cycle loses 4π times it of the energy. A linear spring with viscous "
+        "damping draws two level lines."
+    ]
+    laws = {laid.law.role: laid.law.name.replace("_", " ") for laid in found.laws if laid.curves}
+    if "usual" in laws:
+        words.append("Thin line: the usual model, as close as it comes to these curves.")
+    if "named" in laws:
+        words.append(f"Thick line: the model with {laws['named']}, run freely and seen in the same way.")
+    rivals = [
+        laid.law.name.replace("_", " ") for laid in found.laws if laid.law.role == "rival" and laid.curves
+    ]
+    if rivals:
+        words.append(f"Broken lines: what explains nearly as much, {' or '.join(rivals)}.")
+    if laws and many:
+        words.append("Every line has the linear stiffness and viscous damping of its own release.")
+    left = [name for place, name in enumerate(names) if place not in {c.release for c in found.releases}]
+    if left:
+        words.append(f"Too short for a curve: {', '.join(left)}.")
+    return " ".join(words)

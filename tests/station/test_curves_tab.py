@@ -1,0 +1,122 @@
+"""The curves of a session, from its results to the viewer's tab, the page and the report."""
+
+import base64
+import shutil
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import rerun as rr
+from hidden import DUFFING, TRUTH
+from rerun.chunk import RrdReader
+
+from daq.session import Session
+from station.operations import viewer_tabs
+from station.operations.refining import open_refinement
+from station.operations.session_curves import curves_as_measured, kept_curves
+from station.report import diagnosis_figures
+from station.report.loop import suspects
+from station.results.diagnosis_document import read_diagnosis
+from station.settings import Settings
+from station.views import curves
+from station.views.tab import Tab
+from station.workbench.decay_curves import plain_curves
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory, diagnosed):
+    """Return a session with a Duffing spring and its diagnosis, twice side by side, and its curves."""
+    settings = Settings(sessions=tmp_path_factory.mktemp("sessions"))
+    shutil.copytree(diagnosed, settings.sessions / "again")
+    session = Session.open(shutil.copytree(diagnosed, settings.sessions / DUFFING.stem))
+    refinement = open_refinement(session, settings)
+    document = read_diagnosis(session)
+    shown = kept_curves(session, refinement.prepared, document, refinement.library, settings)
+    return SimpleNamespace(
+        settings=settings, session=session, refinement=refinement, document=document, shown=shown
+    )
+
+
+def backbone(amplitude):
+    """Return sqrt(k + 3/4 k3 A^2) of the hidden Duffing spring, Hz."""
+    truth = TRUTH[DUFFING.name]
+    cubic = 0.75 * truth["parameters"]["k3"] * np.asarray(amplitude) ** 2
+    return np.sqrt(truth["stiffness_per_mass"] + cubic) / (2.0 * np.pi)
+
+
+def again(kept, **changed):
+    """Return the curves with another document."""
+    refinement, document = kept.refinement, kept.document.model_copy(update=changed)
+    return kept_curves(kept.session, refinement.prepared, document, refinement.library, kept.settings)
+
+
+def test_the_named_model_follows_the_curve_where_the_usual_one_does_not(kept):
+    (measured,) = kept.shown.curves.releases
+    usual, named = kept.shown.curves.laws[:2]
+    assert (usual.law.role, named.law.name) == ("usual", "cubic_stiffness")
+    large = measured.amplitude > 0.5 * measured.amplitude.max()  # below, dry friction bends the frequency too
+    rise = np.ptp(backbone(measured.amplitude[large]))
+    for laid, low, high in ((named, 0.0, 0.1), (usual, 0.3, 2.0)):
+        (law,) = laid.curves
+        off = np.abs(law.frequency[: large.sum()] - backbone(measured.amplitude[large])).max()
+        assert low * rise <= off < high * rise + 2e-3
+
+
+def test_the_tab_holds_the_numbers_that_it_shows(kept, tmp_path):
+    tabs = viewer_tabs.story_tabs(kept.session, kept.settings)
+    tab: Tab = next(tab for tab in tabs if tab.name == curves.NAME)
+    stream = rr.RecordingStream("tabs", send_properties=False)
+    stream.save(tmp_path / "curves.rrd")
+    tab.write(stream)
+    assert tab.layout().name == "Curves"
+    stream.flush()
+    stream.disconnect()
+    found = {}
+    for chunk in RrdReader(tmp_path / "curves.rrd").stream().filter(content="/curves/panels/numbers"):
+        batch = chunk.to_record_batch()
+        for name in batch.schema.names:
+            rows = [row for row in batch.column(name).to_pylist() if row is not None]
+            if rows and name.rpartition(":")[2].startswith(("frequency", "law")):
+                found[name.rpartition(":")[2]] = np.asarray(rows[0])
+    (measured,) = kept.shown.curves.releases
+    assert found["frequency_0"] == pytest.approx(measured.frequency, rel=1e-12)
+    assert found["law_1_damping"].max() < 0.2
+
+
+def test_a_session_that_was_not_diagnosed_has_curves_with_the_usual_model(kept):
+    shown = curves_as_measured(kept.session, kept.settings)
+    assert shown is not None
+    assert [laid.law.role for laid in shown.curves.laws] == ["usual"]
+
+
+def test_a_document_of_before_draws_the_usual_model_alone(kept):
+    plain = kept.document.plain()
+    assert plain.pop("final")["effects"][-1]["effect"] == "cubic_stiffness"
+    old = type(kept.document).model_validate(plain)
+    shown = again(kept, final=old.final)
+    assert [laid.law.role for laid in shown.curves.laws] == ["usual"]
+
+
+def test_sessions_diagnosed_together_are_in_one_picture_and_those_that_are_gone_are_not(kept):
+    shown = again(kept, sessions=["again", DUFFING.stem, "gone", "../sessions/again"])
+    assert shown.names == (DUFFING.stem, "again")
+    assert [len(laid.curves) for laid in shown.curves.laws] == [2] * len(shown.curves.laws)
+
+
+def test_a_rival_is_laid_over_in_place_of_what_was_named(kept):
+    shown = again(kept, rivals=["quintic_stiffness", "settling_stiffness"])
+    rivals = [laid.law for laid in shown.curves.laws if laid.law.role == "rival"]
+    assert [law.name for law in rivals] == ["quintic_stiffness", "settling_stiffness"]
+    assert all("cubic_stiffness" not in law.model for law in rivals)
+
+
+def test_page_and_report_show_what_was_found(kept):
+    drawn = plain_curves(kept.shown.names, kept.shown.curves)
+    assert [line.role for line in drawn.lines][:3] == ["measured", "usual", "named"]
+    low, high = drawn.frequency_range
+    assert all(low < value < high for value in drawn.lines[0].frequency)
+    picture = diagnosis_figures.curves(kept.shown)
+    assert b"<svg" in base64.b64decode(picture.partition(",")[2])
+    found = SimpleNamespace(diagnosis=kept.document, fits=None, curves=kept.shown, left_out={})
+    captions = [part.caption for part in suspects(found).parts if part.kind == "figure"]
+    assert any("Thick line: the model with cubic stiffness" in caption for caption in captions)
