@@ -114,13 +114,17 @@ def fit(
     frequency: float,
     *,
     tolerance: float = 0.02,
+    grow: bool = True,
 ) -> Fit:
-    """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed."""
+    """Fit a model to windows from starting values by name (see `initial_values`).
+
+    The window grows from a few cycles where the start is far off, unless `grow` is False.
+    """
     whole = Problem(model, windows, frequency)
     theta = np.clip(whole.theta(start), whole.low, whole.high)
     first = whole.residuals(theta)
     far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
-    if far:
+    if far and grow:
         theta = _grow(model, windows, theta, frequency)
     found = minimise_fully(whole, theta, tolerance=tolerance)
     jacobian = found.jacobian if found.exact else linearise(whole, found.theta)[1]
