@@ -114,17 +114,13 @@ def fit(
     frequency: float,
     *,
     tolerance: float = 0.02,
-    grow: bool = True,
 ) -> Fit:
-    """Fit a model to windows from starting values by name (see `initial_values`).
-
-    The window grows from a few cycles where the start is far off, unless `grow` is False.
-    """
+    """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed."""
     whole = Problem(model, windows, frequency)
     theta = np.clip(whole.theta(start), whole.low, whole.high)
     first = whole.residuals(theta)
     far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
-    if far and grow:
+    if far:
         theta = _grow(model, windows, theta, frequency)
     found = minimise_fully(whole, theta, tolerance=tolerance)
     jacobian = found.jacobian if found.exact else linearise(whole, found.theta)[1]

@@ -47,8 +47,8 @@ def average(
 
     `parameters` holds its parameters, and those that it shares with other effects by "effect.parameter". What depends
     on time is taken at `time` s after the release. `second_order` False leaves out what even harmonics do to the
-    frequency: it grows with the square of the strength, the rest in proportion. Raises ValueError for a sensor's fault, which is no force, and
-    names a parameter that is missing.
+    frequency: it grows with the square of the strength, the rest in proportion. Raises ValueError for a sensor's fault,
+    which is no force, and names a parameter that is missing.
     """
     if not isinstance(effect, ForceEffect):
         raise ValueError(f"{effect.name} is a fault of a sensor: it has no force, and so no signature")
