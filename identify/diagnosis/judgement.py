@@ -12,7 +12,7 @@ from identify.diagnosis.confirmed_fit import fit_confirmed
 from identify.diagnosis.nonparametric_force import NonparametricForce, nonparametric_force
 from identify.diagnosis.null_distribution import NullDistribution
 from identify.diagnosis.rest_evidence import at_rest
-from identify.diagnosis.search import Pair, pairs
+from identify.diagnosis.search import Pair, families, pairs, triple
 from identify.diagnosis.suspects import Candidate
 from identify.effects.effect import Effect
 from identify.fitting.baseline import ADEQUATE, Baseline, force_along_motion
@@ -47,6 +47,9 @@ ALPHA_GUESSED = 2e-4
 
 RIVALS_WITHIN = 4.6
 """Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
+
+_PAIR_HELPS = 0.5
+"""Share of the best single effect's chi-square below which a pair is worth a third."""
 
 _LINE_LEAVES = 0.5
 """Share of chi-square that a second line may leave where the amplitude beats."""
@@ -205,12 +208,20 @@ def _beyond_one(
     best = ranked[0].candidate
     final = best.fit
     found = None if baseline.floor_is_sure else foretell()
+    if baseline.floor_is_sure:
+        alike = _by_family(baseline, ranked)
+        if alike is not None:
+            return alike
     if found is None:
         two = pairs(baseline, tuple(entry.candidate for entry in ranked), library)
         better = two and two[0].plausible and two[0].second.score < best.score
         together = two[0] if better else None
         if together is not None and baseline.adequate(together.second.fit):
             return _of_pair(ranked, together, None)
+        if together is not None and together.second.fit.reduced < _PAIR_HELPS * best.fit.reduced:
+            three = triple(baseline, two, library)
+            if three is not None:
+                return _of_three(ranked, *three)
         final = best.fit if together is None else together.second.fit
         found = foretell()
     return _by_curves(baseline, ranked, found, final)
@@ -284,6 +295,22 @@ def _of_pair(ranked: tuple[Ranked, ...], pair: Pair, shape: NonparametricForce |
     rest = tuple(entry for entry in ranked if entry is not first)
     other = tuple(name for name in names if name != first.candidate.name)
     return Judgement(_verdict_of(first.candidate), (first, *rest), pair.second.fit, other, shape)
+
+
+def _of_three(ranked: tuple[Ranked, ...], pair: Pair, third: Candidate) -> Judgement:
+    """Return the judgement that names three effects, of the first two the one that is better alone first."""
+    two = _of_pair(ranked, pair, None)
+    return replace(two, final=third.fit, together=(*two.together, third.name))
+
+
+def _by_family(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
+    """Return the judgement of a law with a free exponent that reaches the floor where no named effect does."""
+    best = next((c for c in families(baseline) if c.plausible and baseline.adequate(c.fit)), None)
+    if best is None:
+        return None
+    evidence = 0.5 * best.gain
+    entry = Ranked(best, evidence, float(np.exp(-evidence)), True)
+    return Judgement("missing_effect", (entry, *ranked), best.fit)
 
 
 def _verdict_of(candidate: Candidate) -> Verdict:
