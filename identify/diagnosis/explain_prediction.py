@@ -17,7 +17,8 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         if effect is None:
             continue
         numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in suspect.parameters.items())
-        also = f"; {_among(effect.rivals)} foretells nearly as well" if effect.rivals else ""
+        foretell = "foretells" if len(effect.rivals) == 1 else "foretell"
+        also = f"; {_among(effect.rivals)} {foretell} nearly as well" if effect.rivals else ""
         sentences.append(
             f"Missing is {suspect.effect.title} ({suspect.effect.name}: {numbers}), which moves "
             f"{_KINDS[effect.explains]} with the amplitude: the error of its prediction falls from "
