@@ -89,7 +89,7 @@ class Confirmation:
     the effects, for each part that was left out; `one_record` says that these are halves of a record, not releases.
     `undecided` maps "frequency" or "loss" to the names of laws that explain it and that these releases do not part
     from a drift in time. `laws` are the effects that were tried; `linear_strengths` those of the model's own forces with
-    the effects, by unknown's name.
+    the effects, by unknown's name. `releases` are the places, among those that were given, of those that have a curve.
     """
 
     curves: tuple[DecayCurve, ...]
@@ -100,6 +100,7 @@ class Confirmation:
     undecided: dict[str, tuple[str, ...]] = field(default_factory=dict)
     laws: tuple[str, ...] = ()
     linear_strengths: dict[str, float] = field(default_factory=dict)
+    releases: tuple[int, ...] = ()
 
     def has_law(self, name: str) -> bool:
         """Whether the curves can show an effect at all."""
@@ -154,7 +155,9 @@ def confirm(
 
     `known` has the model's parameters by unknown's name, `terms` are the candidates.
     """
-    found = [(decay, mode) for decay in decays if (mode := _mode_of(decay)) is not None]
+    modes = [_mode_of(decay) for decay in decays]
+    places = tuple(i for i, mode in enumerate(modes) if mode is not None)
+    found = [(decay, mode) for decay, mode in zip(decays, modes, strict=True) if mode is not None]
     if not found:
         return None
     search = CurveSearch(
@@ -187,6 +190,7 @@ def confirm(
             str(law.term.strength): max(float(strength), law.term.effect.strength.low)
             for law, strength in zip(search.base, held.strengths.shared, strict=False)
         },
+        places,
     )
 
 
