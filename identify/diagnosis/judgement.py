@@ -49,7 +49,8 @@ RIVALS_WITHIN = 4.6
 """Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
 
 _NEXT_TO_NOTHING = 0.01
-"""Share of chi-square that one force may leave to be named by its free run alone, where the floor is a guess."""
+"""Share of chi-square that is left where a name explains nearly all: so much may stay where the floor is sure and is not
+reached, or where the free run alone names."""
 
 _NEXT_LEAVES = 3.0
 """A force that leaves less than this many times as much is not told apart from it."""
@@ -245,6 +246,12 @@ def _by_curves(
     `best` is the fit that comes closest, named or not.
     """
     whole = None if found is None or not found.effects else fit_confirmed(baseline, found)
+    if (
+        whole is not None
+        and baseline.floor_is_sure
+        and whole.chi_square > _NEXT_TO_NOTHING * baseline.fit.chi_square
+    ):
+        whole = None  # where the floor is known, half an explanation is not a name
     if found is not None and found.driven:
         return Judgement("driven", ranked, baseline.fit, confirmation=found)
     alone = _by_free_run(baseline, ranked, found) if whole is None else None
