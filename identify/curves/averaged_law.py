@@ -91,15 +91,19 @@ def laws_of(
 def law_of(
     term: Term, inner: dict[str, float], frequency: float, grid: Array, duration: float
 ) -> AveragedLaw:
-    """Return the law of one force at inner values by their own names."""
+    """Return the law of one force at inner values by their own names.
+
+    It is of first order in the strength, so that it is the same in all units: what even harmonics do to the frequency
+    (k2^2 A^2) is no multiple of it, and comes with the simulated motion.
+    """
     effect = term.force
     shared = {name: rough(frequency) for name, rough in effect.shared_parameters.items()}
     values = term.held_values | inner | {effect.strength.name: 1.0} | shared
-    early = average(effect, values, frequency, grid)
-    probe = average(effect, values, frequency, grid[-1:], time=duration)
+    early = average(effect, values, frequency, grid, second_order=False)
+    probe = average(effect, values, frequency, grid[-1:], time=duration, second_order=False)
     same = np.isclose(probe.stiffening[0], early.stiffening[-1]) and np.isclose(
         probe.damping[0], early.damping[-1]
     )
-    late = early if same else average(effect, values, frequency, grid, time=duration)
+    late = early if same else average(effect, values, frequency, grid, time=duration, second_order=False)
     centre = -mean_force(effect, values, frequency, grid) / frequency**2
     return AveragedLaw(term, dict(inner), grid, early, late, centre, duration)

@@ -337,7 +337,7 @@ def _next(
         left = {c: settled[c][0].mean(channel) for c in settled}
         removed = {c: held.mean(channel) - left[c] for c in settled}
         best = max(removed[c] for c in good)
-        near = [c for c in good if removed[c] >= NEARLY * best]
+        near = _as_central([c for c in good if removed[c] >= NEARLY * best], settled, held)
         drifts = [c for c in settled if laws[c].of_time and removed[c] >= DRIFT_NEARLY * best]
         if drifts:
             undecided[what] = tuple(dict.fromkeys(laws[c].name for c in (*near, *drifts)))
@@ -368,6 +368,15 @@ def _next(
         )
         return effect, lead, after, own
     return None
+
+
+def _as_central(
+    near: list[int], settled: dict[int, tuple[HeldOut, tuple[Rows, ...]]], before: HeldOut
+) -> list[int]:
+    """Return the columns that leave of the centre's error hardly more than the best: a one-sided spring moves it."""
+    left = {c: settled[c][0].mean("centre") for c in near}
+    most = min(left.values(), default=0.0) + max(WORTH, SHARE * before.mean("centre"))
+    return [c for c in near if left[c] <= most]
 
 
 def _complexity(effect: Effect) -> int:
@@ -405,14 +414,16 @@ def _screened(
         if laws[column].name in taken:
             continue
         trial = _Trial(column, search.hold_out((*columns, column), rows))
-        for channel in _CHANNELS:
+        for channel in (*_CHANNELS, "centre"):
             gain = held.mean(channel) - trial.held.mean(channel)
             key = (channel, laws[column].name)
             if gain > 0.0 and (key not in best or gain > best[key][0]):
                 best[key] = (gain, trial)
     chosen: dict[int, _Trial] = {}
-    for channel in _CHANNELS:
+    for channel in (*_CHANNELS, "centre"):
         own = sorted((v for (c, _), v in best.items() if c == channel), key=lambda v: -v[0])
+        if channel == "centre":  # what moves the centre moves the frequency too, but in second order
+            own = [v for v in own if v[0] > WORTH]
         for _, trial in own[:_SHORTLIST]:
             chosen[trial.column] = trial
         for _, trial in own:

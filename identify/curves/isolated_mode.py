@@ -29,8 +29,12 @@ _RISES = 4
 _SMALLEST = 0.03
 """Share of the largest amplitude at which a curve ends."""
 
+_SEEN = 0.5
+"""Share of a window's readings, by weight, below which it says nothing and is left out."""
+
 _TURNS = 3
 _FEWEST = 4
+_TOO_FEW = "The record holds too few cycles to draw a curve of."
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +61,9 @@ class IsolatedMode:
         mean = 2.0 * np.pi * dominant_frequency(values, window.rate, order)
         if not mean > 0.0:
             raise NotIdentifiable("The record shows no oscillation to draw a curve of.")
-        centre, half = _centres(values, window.rate, mean)
+        centre, half = _centres(values, used, window.rate, mean)
         if len(centre) < _FEWEST:
-            raise NotIdentifiable("The record holds too few cycles to draw a curve of.")
+            raise NotIdentifiable(_TOO_FEW)
         frequency = np.full(len(centre), mean)
         for _ in range(_TURNS):
             first, operators, slopes = _operators(used, window.rate, centre, half, frequency)
@@ -68,7 +72,10 @@ class IsolatedMode:
             frequency = np.clip(_smoothed(frequency + shift), 0.5 * mean, 2.0 * mean)
         first, operators, _ = _operators(used, window.rate, centre, half, frequency)
         whole = cls(channel, window.time + centre, first, operators, frequency)
-        return whole._from(int(np.argmax(whole.curve(values).amplitude[: _RISES + 1])))
+        largest = int(np.argmax(whole.curve(values).amplitude[: _RISES + 1]))
+        if len(centre) - largest < _FEWEST:
+            raise NotIdentifiable(_TOO_FEW)
+        return whole._from(largest)
 
     def _from(self, point: int) -> Self:
         cut = slice(point, None)
@@ -100,18 +107,28 @@ class IsolatedMode:
         )
 
 
-def _centres(values: Array, rate: float, frequency: float) -> tuple[Array, float]:
-    """Return the windows' centres (k,) and half-width, s since the first sample."""
+def _centres(values: Array, used: Mask, rate: float, frequency: float) -> tuple[Array, float]:
+    """Return the windows' centres (k,) and half-width, s since the first sample; none where readings are missing."""
     period = 2.0 * np.pi / frequency
     running = running_amplitude(values, max(round(period * rate), 2))
     top = int(np.argmax(running))
-    small = np.flatnonzero(running[top:] < _SMALLEST * running[top])
+    seen = np.convolve(used, np.ones(max(round(period * rate), 2)), "same") >= _SEEN * period * rate
+    small = np.flatnonzero((running[top:] < _SMALLEST * running[top]) & seen[top:])
     end = (top + int(small[0]) if len(small) else len(values)) / rate
     cycles = end / period
     half = period * next(width for most, width in _HALF_WIDTHS if cycles <= most)
     hop = period * max(1.0, cycles / _MOST_POINTS)
     half = max(half, 0.5 * hop)
-    return np.arange(half, end - half + 0.5 / rate, hop), half
+    centre = np.arange(half, end - half + 0.5 / rate, hop)
+    return centre[[_share(used, rate, c, half) >= _SEEN for c in centre]], half
+
+
+def _share(used: Mask, rate: float, centre: float, half: float) -> float:
+    """Return the share of a window's readings that there are, by weight."""
+    first = max(int(np.ceil((centre - half) * rate)), 0)
+    there = used[first : int(np.floor((centre + half) * rate)) + 1]
+    weight = np.cos(0.5 * np.pi * ((first + np.arange(len(there))) / rate - centre) / half) ** 2
+    return float(weight @ there / max(weight.sum(), 1e-300))
 
 
 def _operators(

@@ -18,14 +18,14 @@ from identify.diagnosis.judgement import (
     rank,
     rivals_of,
 )
-from identify.diagnosis.ladder import Ladder, Progress, add_effect, rung_of, without_needless_effects
+from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, without_needless_effects
 from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY, find_effect
+from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
 from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
@@ -55,7 +55,7 @@ class Diagnosis(Summarised):
     names a second effect when it takes two to reach the floor. `findings` are sensors' faults that are corrected in
     every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
     shows. `shape` is the free form, when something is missing that has no name. `confirmation` is what the curves of
-    the decay foretell, None where they were not asked.
+    the decay foretell, None where they were not asked. `decays` are the whole releases, prepared.
     """
 
     baseline: Baseline
@@ -69,6 +69,13 @@ class Diagnosis(Summarised):
     next_experiment: str
     library: tuple[Effect, ...] = LIBRARY
     confirmation: Confirmation | None = None
+    decays: tuple[PreparedDecay, ...] = ()
+
+    @property
+    def named_suspects(self) -> tuple[Suspect, ...]:
+        """The suspects that the verdict names, in its order."""
+        found = {suspect.effect.name: suspect for suspect in reversed(self.suspects)}
+        return tuple(found[name] for name in self.named)
 
     @property
     def named(self) -> tuple[str, ...]:
@@ -87,15 +94,18 @@ class Diagnosis(Summarised):
         own = set(rungs[0].effects)
         progress(rungs[0], "the model to begin with")
         while not (reason := found._reason_to_stop(len(rungs))):
-            for name in found.named:
-                rungs.append(add_effect(rungs[-1], find_effect(name, self.library), library=self.library))
-                progress(rungs[-1], f"added {name}")
+            for suspect in found.named_suspects:
+                rung = add_found(rungs[-1], suspect, found.final)
+                if rung.fit.chi_square >= rungs[-1].fit.chi_square:
+                    return Ladder(tuple(rungs), f"{rung.added} does not lower the error", found.verdict)
+                rungs.append(rung)
+                progress(rung, f"added {rung.added}")
             for rung in without_needless_effects(rungs[-1], own | {rungs[-1].added}):
                 rungs.append(rung)
                 progress(rung, f"removed {rung.removed}: it is no longer needed")
             top = rungs[-1].fit
             known = top.point
-            found = diagnose(self.baseline.decays, top.model, library=self.library, known=known)
+            found = diagnose(self.decays, top.model, library=self.library, known=known)
         return Ladder(tuple(rungs), reason, found.verdict)
 
     def _reason_to_stop(self, rungs: int) -> str:
@@ -182,6 +192,7 @@ def diagnose(
         next_experiment=next_experiment(baseline, verdict, suspects),
         library=library,
         confirmation=confirmation,
+        decays=whole,
     )
 
 

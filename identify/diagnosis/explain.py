@@ -10,9 +10,14 @@ from identify.diagnosis.explain_prediction import (
 )
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.suspect import Suspect
+from identify.effects.effect import Effect
+from identify.effects.families import FAMILIES
+from identify.effects.family import Family
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.formatting import quantity, three_figures
+
+FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
 
 def explain(
@@ -73,7 +78,7 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
     before = three_figures(baseline.reduced(baseline.fit))
     after = three_figures(settled.fit.reduced if together else top.error_after)
     if together:
-        what += f" together with {' and '.join(together)}: both lower"
+        what += f" together with {' and '.join(together)}: together they lower"
     else:
         what += ": it lowers"
     return (
@@ -81,7 +86,20 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
     )
 
 
+def _between(top: Suspect) -> str:
+    """Return between which named effects a law with a free exponent lies."""
+    family = FAMILY_OF[top.effect]
+    exponent = top.parameters[family.exponent]
+    nearest = family.nearest(exponent.value)
+    return (
+        f"No named effect reaches the floor; this law behaves like {nearest} ({family.exponent} = "
+        f"{family.members[nearest]:g}), with {family.exponent} = {quantity(exponent)}."
+    )
+
+
 def _alternatives(top: Suspect, others: tuple[Suspect, ...]) -> str:
+    if top.effect in FAMILY_OF:
+        return f"{_between(top)} It shows as: {top.effect.symptom}."
     if top.rivals:
         return f"This record does not tell it from {', '.join(top.rivals)}."
     following = next((s for s in others if s.claimed), None)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import candidate_terms, try_terms
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
@@ -97,6 +98,22 @@ def first_rung(
 ) -> Rung:
     """Return the rung on which a ladder stands: a model (the base model unless given) as fitted."""
     return rung_of(fit_baseline(segments_of(decays), model or base_model(), known))
+
+
+def add_found(rung: Rung, suspect: Suspect, found: Fit) -> Rung:
+    """Return the next rung: the model with an effect that a diagnosis named, from the values that it found.
+
+    `found` is the fit with all that was named. The effect is also tried afresh, and the better end counts.
+    """
+    effect, base = suspect.effect, rung.fit
+    if isinstance(effect, SensorFault) and effect.corrected_in_every_fit:
+        return _name_corrected_fault(rung, effect)
+    model = base.model.plus(suspect.term)
+    values = {u.name: found.point[u.name] for u in found.unknowns if u.id.effect == effect.name}
+    ends = [fit(model, base.windows, base.point | values, base.frequency)]
+    ends += [c.fit for c in try_terms(rung.baseline.decays, base, (suspect.term,))]
+    best = min(ends, key=lambda end: end.chi_square)
+    return replace(rung_of(refit_at_floor(rung.baseline.decays, best)), added=effect.name)
 
 
 def add_effect(rung: Rung, effect: Effect, *, library: tuple[Effect, ...] = LIBRARY) -> Rung:

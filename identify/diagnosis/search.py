@@ -8,6 +8,7 @@ from identify.diagnosis.rest_evidence import at_rest, denied
 from identify.diagnosis.screening import promising_pairs
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect
+from identify.effects.families import FAMILIES
 from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline
 from identify.fitting.initial_values import scales_of
@@ -22,6 +23,10 @@ _POLISHED_SECONDS = 3
 _POLISHED_BESIDE_BEST = 10
 
 _SCREENED = 6
+
+_PAIRS_FOR_THIRDS = 3
+
+_POLISHED_THIRDS = 6
 
 
 def singles(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
@@ -72,6 +77,27 @@ def pairs(
         if _reached(baseline, found):
             break
     return tuple(sorted(found, key=lambda pair: (not pair.plausible, pair.second.score)))
+
+
+def families(baseline: Baseline) -> tuple[Candidate, ...]:
+    """Return the model refitted with each law of a free exponent, best first: for shapes between the names."""
+    scales = scales_of(baseline.decays[0], {})
+    terms = tuple(Term(family.effect, family.held(scales)) for family in FAMILIES)
+    return try_terms(baseline.decays, baseline.fit, terms)
+
+
+def triple(
+    baseline: Baseline, found: tuple[Pair, ...], library: tuple[Effect, ...] = LIBRARY
+) -> tuple[Pair, Candidate] | None:
+    """Return a pair and a third effect that reach the floor together; None where none of the best pairs' thirds do."""
+    for pair in [pair for pair in found if pair.plausible][:_PAIRS_FOR_THIRDS]:
+        base = pair.second.fit
+        terms = candidate_terms(base.model, library, base.windows[0])
+        tried = try_terms(baseline.decays, base, terms, polished=_POLISHED_THIRDS)
+        for third in _after_rest(baseline, tried)[:_POLISHED_THIRDS]:
+            if third.plausible and baseline.adequate(third.fit):
+                return pair, third
+    return None
 
 
 def _after_rest(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:

@@ -116,8 +116,9 @@ def _off(fit: Fit, channel: str, i: int) -> Array:
     window, residual = fit.windows[i], fit.residual(channel, i)
     if channel not in window.colour:
         return residual
-    used = np.flatnonzero(window.used[channel])
+    used = np.flatnonzero(window.used[channel] & np.isfinite(residual))
     if len(used) < _NEAR:
         return residual
     slow = median_filter(residual[used], _NEAR, mode="nearest")
-    return np.asarray(residual - np.interp(np.arange(len(residual)), used, slow))
+    with np.errstate(invalid="ignore"):  # a motion that ran away has no residual
+        return np.asarray(residual - np.interp(np.arange(len(residual)), used, slow))

@@ -35,13 +35,20 @@ class Signature:
 
 
 def average(
-    effect: Effect, parameters: dict[str, float], frequency: float, amplitudes: Array, *, time: float = 0.0
+    effect: Effect,
+    parameters: dict[str, float],
+    frequency: float,
+    amplitudes: Array,
+    *,
+    time: float = 0.0,
+    second_order: bool = True,
 ) -> Signature:
     """Return the signature of one effect at `amplitudes` (n,) of a motion of angular `frequency` (rad/s).
 
     `parameters` holds its parameters, and those that it shares with other effects by "effect.parameter". What depends
-    on time is taken at `time` s after the release. Raises ValueError for a sensor's fault, which is no force, and
-    names a parameter that is missing.
+    on time is taken at `time` s after the release. `second_order` False leaves out what even harmonics do to the
+    frequency: it grows with the square of the strength, the rest in proportion. Raises ValueError for a sensor's fault,
+    which is no force, and names a parameter that is missing.
     """
     if not isinstance(effect, ForceEffect):
         raise ValueError(f"{effect.name} is a fault of a sensor: it has no force, and so no signature")
@@ -56,7 +63,7 @@ def average(
         u, v = amplitude * np.cos(angle), -amplitude * frequency * np.sin(angle)
         damping[i] = np.mean(force * v) / np.mean(v * v)
         stiffening[i] = np.mean(force * u) / np.mean(u * u)
-        if effect.force is not None and effect.rates is None:
+        if second_order and effect.force is not None and effect.rates is None:
             stiffening[i] += _second_order(effect, p, frequency, float(amplitude), time)
     return Signature(frozen(amplitudes), frozen(damping), frozen(stiffening), settled)
 

@@ -169,3 +169,45 @@ def test_strengths_keep_their_bounds():
 def test_a_guessed_floor_that_is_reached_keeps_its_name(name):
     found = diagnose(displacement_only(name, 0.03, 31, amplitude=0.02, mu_0=0.02))
     assert found.named == (name,)
+
+
+def test_a_record_that_grows_up_to_its_last_cycles_has_no_curve():
+    time = np.arange(int(6.0 / (W / (2.0 * np.pi)) * RATE)) / RATE
+    pushed = np.exp(0.2 * time) * np.cos(W * time)
+    with pytest.raises(NotIdentifiable, match="too few cycles"):
+        IsolatedMode.of(window_of(pushed))
+
+
+def test_windows_in_a_gap_say_nothing_and_are_left_out():
+    values = decaying()
+    window = window_of(values)
+    used = np.ones(len(window), bool)
+    used[int(10.0 * RATE) : int(13.0 * RATE)] = False
+    holed = window.with_(used={"displacement": used})
+    mode = IsolatedMode.of(holed)
+    curve = mode.curve(np.where(used, window.readings["displacement"], 7.0))
+    assert np.diff(mode.centre).max() > 2.0
+    assert curve.loss == pytest.approx(0.08, rel=1e-2)
+    assert curve.frequency == pytest.approx(W, rel=1e-4)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 500.0])
+def test_a_law_is_the_same_in_all_units(size):
+    """A force k2 u^2 moves the centre by -k2 A^2/(2 w^2), and w^2 by a square of k2, which is no multiple of it."""
+    term = next(
+        t
+        for t in candidate_terms(base_model(), LIBRARY, window_of(decaying()))
+        if t.effect.name == "quadratic_stiffness"
+    )
+    grid = size * np.array([0.1, 0.3, 1.0])
+    law = law_of(term, {}, W, grid, 40.0)
+    assert law.centre == pytest.approx(-(grid**2) / (2.0 * W**2), rel=1e-6)
+    assert np.abs(law.early.stiffening).max() < 1e-9 * size
+
+
+@pytest.mark.parametrize("unit", [1.0, 3e4])
+def test_a_one_sided_spring_is_known_by_its_centre_and_not_taken_for_a_cubic_one(unit):
+    sample = draw("quadratic_stiffness", 0.15, 4, amplitude=0.02, mu_0=0.01)
+    found = confirmed((prepare(FreeDecay(sample.rate, displacement=unit * sample.displacement)),))
+    assert "cubic_stiffness" not in found.mentioned
+    assert "quadratic_stiffness" in found.mentioned
