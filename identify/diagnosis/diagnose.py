@@ -30,7 +30,6 @@ from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
 from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
-from identify.fitting.misfit_errors import with_misfit_errors
 from identify.fitting.segments import prepared_of, segments_of, what_was_used
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
@@ -262,7 +261,7 @@ def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: B
         evidence=entry.evidence,
         p_value=entry.p_value,
         claimed=entry.claimed,
-        parameters=(found if baseline.adequate(found) else with_misfit_errors(found)).of(candidate.term),
+        parameters=baseline.stated(found).of(candidate.term),
         fit=candidate.fit,
         rivals=rivals_of(entry, judgement.ranked) if confirmed is None else confirmed.rivals,
         plausible=candidate.plausible,

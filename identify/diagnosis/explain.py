@@ -13,8 +13,11 @@ from identify.diagnosis.suspect import Suspect
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family
+from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
+from identify.fitting.fit import Fit
+from identify.fitting.model_error import motion_percent
 from identify.formatting import quantity, three_figures
 
 FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
@@ -46,14 +49,20 @@ def explain(
     if top is not None and top.confirmed is not None and confirmation is not None:
         return explain_confirmed(suspects, confirmation)
     if verdict == "unknown_effect" or top is None:
-        return _unknown(baseline, top, shape)
+        return _unknown(baseline, top, shape, confirmation)
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
     first = _named(baseline, top, together, settled)
     second = _alternatives(top, suspects[1:])
     if shape is not None and not baseline.adequate(settled.fit):
-        rest = f"{three_figures(settled.fit.reduced)} times the noise"
-        second += f" What remains ({rest}) follows no force in displacement, velocity or time."
+        rest = f"{three_figures(motion_percent(settled.fit))} % of the motion"
+        if shape.coordinates:
+            second += (
+                f" Of what remains ({rest}) a free-form force over {' and '.join(shape.coordinates)} explains "
+                f"{100.0 * shape.explained:.0f} %."
+            )
+        else:
+            second += f" What remains ({rest}) follows no force in displacement, velocity or time."
     return f"{first} {second}"
 
 
@@ -102,7 +111,7 @@ def _alternatives(top: Suspect, others: tuple[Suspect, ...]) -> str:
         return f"{_between(top)} It shows as: {top.effect.symptom}."
     if top.rivals:
         return f"This record does not tell it from {', '.join(top.rivals)}."
-    following = next((s for s in others if s.claimed), None)
+    following = next((s for s in others if s.claimed and not _is_corrected(s)), None)
     if following is None:
         return f"No other effect explains it; it shows as: {top.effect.symptom}."
     return (
@@ -111,21 +120,40 @@ def _alternatives(top: Suspect, others: tuple[Suspect, ...]) -> str:
     )
 
 
-def _unknown(baseline: Baseline, top: Suspect | None, shape: NonparametricForce | None) -> str:
-    before = three_figures(baseline.reduced(baseline.fit))
-    first = f"Something is missing that the library does not name: the model leaves {before} times the noise"
+def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
+    """Return what a fit leaves, in % of the motion and beside the noise; beside the noise alone at a sure floor."""
+    times = f"{three_figures(chi_square)} times the noise"
+    return (
+        times
+        if baseline.floor_is_sure
+        else f"{three_figures(motion_percent(found))} % of the motion ({times})"
+    )
+
+
+def _unknown(
+    baseline: Baseline, top: Suspect | None, shape: NonparametricForce | None, foretold: Confirmation | None
+) -> str:
+    first = (
+        "Something is missing that the library does not name: the model leaves "
+        f"{_left(baseline, baseline.fit, baseline.reduced(baseline.fit))}"
+    )
     if top is not None and top.claimed:
-        first += f", and the best named effect, {top.effect.name}, still {three_figures(top.error_after)}"
+        first += f", and the best named effect, {top.effect.name}, still {_left(baseline, top.fit, top.error_after)}"
     first += f", where the floor is {floor_of(baseline)}."
+    if not baseline.floor_is_sure and foretold is None and baseline.decays[0].window.force is None:
+        first += (
+            " The record holds too few cycles for its large amplitudes to foretell its small ones, so no name is "
+            "confirmed: diagnose it together with another release."
+        )
     if shape is None or not shape.coordinates:
         return f"{first} No smooth force in displacement, velocity or time explains it either."
     peak = shape.shapes[0]
     at = int(np.argmax(np.abs(peak.force)))
-    per_mass = " per unit mass" if peak.unit else ""
+    unit = f" {baseline.fit.windows[0].unit}/s^2" if peak.unit else ""
     return (
         f"{first} A free-form force explains {100.0 * shape.explained:.0f} % of the rest; it depends on "
         f"{' and '.join(shape.coordinates)} and is largest near {peak.position[at]:.3g} {peak.unit} "
-        f"({peak.force[at]:+.2g}{per_mass})."
+        f"({peak.force[at]:+.2g}{unit})."
     )
 
 
@@ -137,6 +165,11 @@ def _corrected(baseline: Baseline, top: Suspect) -> str:
         f"the reduced chi-square is {before}, with it {after}, the floor being {floor_of(baseline)}. "
         f"The forces are not affected once it is corrected; {top.effect.confirming_test}."
     )
+
+
+def _is_corrected(suspect: Suspect) -> bool:
+    effect = suspect.effect
+    return isinstance(effect, SensorFault) and effect.corrected_in_every_fit
 
 
 def _where(suspect: Suspect) -> str:

@@ -17,7 +17,8 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         if effect is None:
             continue
         numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in suspect.parameters.items())
-        also = f"; {_among(effect.rivals)} foretells nearly as well" if effect.rivals else ""
+        foretell = "foretells" if len(effect.rivals) == 1 else "foretell"
+        also = f"; {_among(effect.rivals)} {foretell} nearly as well" if effect.rivals else ""
         sentences.append(
             f"Missing is {suspect.effect.title} ({suspect.effect.name}: {numbers}), which moves "
             f"{_KINDS[effect.explains]} with the amplitude: the error of its prediction falls from "
@@ -29,9 +30,8 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
 def explain_unconfirmed(found: Confirmation) -> str:
     """Return that something is left which no effect foretells, how much it is, and what may be behind it."""
     size = three_figures(_share(found))
-    basis = (
-        "small amplitudes from large ones and back" if found.one_record else "one release from all the others"
-    )
+    others = "the other" if found.parts == 2 else "all the others"
+    basis = "small amplitudes from large ones and back" if found.one_record else f"each release from {others}"
     words = [f"The model leaves {size} % of the motion when it foretells {basis}."]
     undecided = _undecided(found)
     words += undecided or ["No effect of the library foretells more of it, so none is named."]
@@ -52,20 +52,23 @@ def explain_driven(found: Confirmation) -> str:
 def _prediction(found: Confirmation) -> str:
     """Return on how many parts the prediction is confirmed, and the error before and after."""
     before, after = found.usual.typical("motion"), found.found.typical("motion")
-    what = "halves of the record, large and small amplitudes," if found.one_record else "other releases"
     left = "" if after < 1.0 else f"; what is left, {three_figures(after)} % of the motion, has no name"
+    basis = f"Confirmed on {found.better} of {found.parts} other releases"
+    if found.one_record:
+        back = " and back" if found.better == found.parts else ""
+        basis = f"Confirmed within this record, small amplitudes from large ones{back}"
     return (
-        f"Confirmed on {found.better} of {found.parts} {what} that it was not fitted to: prediction error "
-        f"{three_figures(before)} to {three_figures(after)} % of the motion{left}."
+        f"{basis}: prediction error {three_figures(before)} to {three_figures(after)} % of the motion{left}."
     )
 
 
 def _undecided(found: Confirmation) -> list[str]:
-    sentences = []
+    sentences, too = [], " too" if found.effects else ""
+    another = "a second release" if found.one_record else "another release"
     for what, names in found.undecided.items():
         sentences.append(
-            f"{_KINDS[what].capitalize()} changes too, and {_among(names)} explain it alike, so none is named; "
-            "a second release from a quarter of the amplitude tells time from amplitude."
+            f"{_KINDS[what].capitalize()} changes{too}, and {_among(names)} explain it alike, so none is named; "
+            f"{another} from a quarter of the amplitude tells time from amplitude."
         )
     return sentences
 

@@ -41,6 +41,11 @@ class Rung:
         return self.baseline.fit
 
     @property
+    def stated(self) -> Fit:
+        """The same with the standard errors that are stated: of the misfit that is there, where it is above the floor."""
+        return self.baseline.stated(self.fit)
+
+    @property
     def effects(self) -> tuple[str, ...]:
         """The effects' names."""
         return self.fit.model.names

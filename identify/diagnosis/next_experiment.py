@@ -38,6 +38,8 @@ def next_experiment(baseline: Baseline, verdict: str, suspects: tuple[Suspect, .
         )
     if verdict == "not_enough_data":
         return "Record at least eight seconds or ten cycles, from the largest amplitude that is safe."
+    if verdict == "driven":
+        return f"Stop the drive and release the mass from {amplitude:.3g} {unit}."
     if verdict == "sensor_fault":
         confirming_test = suspects[0].effect.confirming_test
         return f"{confirming_test[0].upper()}{confirming_test[1:]}."
@@ -48,8 +50,8 @@ def next_experiment(baseline: Baseline, verdict: str, suspects: tuple[Suspect, .
         if driven:
             return "Drive it at half and at twice the level: the shape of the missing force must be the same in each."
         return (
-            f"Release from {0.5 * amplitude:.3g} {unit} and from {-amplitude:.3g} {unit}, and diagnose all three together: "
-            "the shape of the missing force must be the same in each."
+            f"Release from {0.5 * amplitude:.3g} {unit} and from {-amplitude:.3g} {unit}, and diagnose these together "
+            "with what there is: the shape of the missing force must be the same in each."
         )
     first, second = rivals[0], rivals[1]
     best, words = 0.0, ""

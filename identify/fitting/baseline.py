@@ -9,6 +9,7 @@ from identify.fitting.corrected_faults import FEWEST_LOST, allowance
 from identify.fitting.fit import Fit, fit
 from identify.fitting.floor import Floor, refine_floor
 from identify.fitting.initial_values import initial_values, regress_model
+from identify.fitting.misfit_errors import with_misfit_errors
 from identify.fitting.noise_colour import noise_colours
 from identify.model.model import Model
 from identify.preprocessing.lost_readings import stale
@@ -44,6 +45,10 @@ class Baseline:
             prepared.window.paired and all("rest" in noise.source for noise in prepared.noise.values())
             for prepared in self.decays
         )
+
+    def stated(self, found: Fit) -> Fit:
+        """Return a fit with the standard errors to state: its own where it reaches the floor, else those of the misfit."""
+        return found if self.adequate(found) else with_misfit_errors(found)
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square with the faults that are corrected but not named in the model counted in."""

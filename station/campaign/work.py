@@ -129,11 +129,10 @@ def _fitted(prepared: "PreparedDecay") -> dict[str, Any]:
 
 def fit_content(baseline: "Baseline") -> dict[str, Any]:
     """Return the parameters of a fitted model, and how far it is from the measurement."""
-    from identify.fitting.misfit_errors import with_misfit_errors
     from identify.fitting.model_error import errors_of
 
     error = errors_of(baseline)
-    found = baseline.fit if baseline.adequate(baseline.fit) else with_misfit_errors(baseline.fit)
+    found = baseline.stated(baseline.fit)
     return {
         "parameters": dict(found.parameters),
         "chi2": error.chi_square,

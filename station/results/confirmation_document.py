@@ -92,11 +92,15 @@ def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> Con
 
 
 def _names(found: Confirmation, sessions: tuple[str, ...]) -> tuple[str, ...]:
-    """Return what the parts are called: by number where some session is too short to have a curve."""
+    """Return what the parts are called: by their sessions, of which some may be too short to have a curve."""
+    with_curve = tuple(sessions[i] for i in found.releases if i < len(sessions))
     if found.one_record:
-        return HALVES
+        several = len(sessions) > 1 and len(with_curve) == 1
+        return tuple(f"{with_curve[0]}, {half}" for half in HALVES) if several else HALVES
     if found.parts == len(sessions):
         return sessions
+    if found.parts == len(with_curve):
+        return with_curve
     return tuple(f"release {number}" for number in range(1, found.parts + 1))
 
 

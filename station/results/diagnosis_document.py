@@ -7,7 +7,6 @@ from pydantic import AliasChoices, Field
 
 from daq.session import Session
 from identify.comparison.shared_physics import SharedPhysics
-from identify.curves.confirmation import Confirmation
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.judgement import Verdict
 from identify.diagnosis.nonparametric_force import NonparametricForce
@@ -182,7 +181,7 @@ def diagnosis_document(
     with one session.
     """
     baseline, confirmation = found.baseline, found.confirmation
-    fitted = model_file(baseline.fit, expressions)
+    fitted = model_file(baseline.stated(baseline.fit), expressions)
     return DiagnosisDocument.model_validate(
         {
             "format": 1,
@@ -195,7 +194,7 @@ def diagnosis_document(
             "rivals": found.suspects[0].rivals if found.named else (),
             "confirmed": [] if confirmation is None else [n for n in found.named if n in confirmation.names],
             "confirmation": None if confirmation is None else confirmation_document(confirmation, names),
-            "suspects": [_suspect(suspect, expressions, confirmation) for suspect in found.suspects],
+            "suspects": [_suspect(suspect, found, expressions) for suspect in found.suspects],
             "together": found.together,
             "findings": [_finding(fault) for fault in found.findings],
             "error_with_named": errors_of(replace(baseline, fit=found.final)),
@@ -204,7 +203,7 @@ def diagnosis_document(
             "explanation": found.explanation,
             "next_experiment": found.next_experiment,
             "fitted": fitted,
-            "final": model_file(found.final, expressions) if found.named else None,
+            "final": model_file(baseline.stated(found.final), expressions) if found.named else None,
         }
     )
 
@@ -263,9 +262,8 @@ def _noise_floor(baseline: Baseline) -> dict[str, Any]:
     return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels}
 
 
-def _suspect(
-    suspect: Suspect, expressions: tuple[str, ...], confirmation: Confirmation | None
-) -> dict[str, Any]:
+def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> dict[str, Any]:
+    confirmation, fitted = found.confirmation, found.baseline.stated(suspect.fit)
     name = suspect.effect.name
     is_fitted = name in suspect.fit.model
     asked = confirmation is not None and confirmation.has_law(name)
@@ -282,7 +280,7 @@ def _suspect(
         "held_out_gain": suspect.held_out_gain,
         "plausible": suspect.plausible,
         "claimed": suspect.claimed,
-        "model": model_file(suspect.fit, expressions) if is_fitted else None,
+        "model": model_file(fitted, expressions) if is_fitted else None,
         "confirmed": suspect.confirmed is not None if asked else None,
         "rivals": suspect.rivals,
         "motion_percent": motion_percent(suspect.fit) if is_fitted else None,

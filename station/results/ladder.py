@@ -65,7 +65,7 @@ def kept_rung(rung: Rung, expressions: tuple[str, ...]) -> KeptRung:
     return KeptRung(
         added=rung.added,
         removed=rung.removed,
-        model=model_file(rung.fit, expressions),
+        model=model_file(rung.stated, expressions),
         error=Errors.model_validate(rung.error),
         chi2_std=rung.error.floor_std,
         nuisances={name: found.value for name, found in rung.fit.nuisances.items()},

@@ -1,6 +1,7 @@
 """What is confirmed, as data and in words: on how many other releases, by how many percent of the motion."""
 
 import io
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -102,6 +103,15 @@ def test_the_parts_of_one_record_are_its_large_and_its_small_amplitudes():
 def test_releases_are_numbered_where_one_of_the_sessions_has_no_curve():
     kept = confirmation_document(confirmation(), (*NAMES, "short"))
     assert [one.part for one in kept.usual.by_part] == ["release 1", "release 2", "release 3"]
+
+
+def test_releases_with_a_curve_keep_the_names_of_their_sessions() -> None:
+    found = replace(confirmation(), releases=(0, 2, 3))
+    parts = confirmation_document(found, ("first", "short", "third", "fourth")).found.by_part
+    assert [part.part for part in parts] == ["first", "third", "fourth"]
+    alone = replace(confirmation(one_record=True), releases=(1,))
+    parts = confirmation_document(alone, ("short", "long")).found.by_part
+    assert [part.part for part in parts] == ["long, large amplitudes", "long, small amplitudes"]
 
 
 def test_a_document_that_an_older_version_wrote_is_still_read():
