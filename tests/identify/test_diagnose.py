@@ -41,7 +41,13 @@ def test_an_effect_hidden_in_the_double_is_named_first(effect):
 
 
 @pytest.mark.parametrize(
-    "fault", ["clipping", pytest.param("mains_hum", marks=pytest.mark.slow), "dropouts", "channel_gain"]
+    "fault",
+    [
+        "clipping",
+        pytest.param("mains_hum", marks=pytest.mark.slow),
+        pytest.param("dropouts", marks=pytest.mark.slow),
+        "channel_gain",
+    ],
 )
 def test_a_faulty_sensor_is_not_called_physics(fault):
     prepared, _ = drawn(fault, 0.01, seed=42, gain_uncertainty=CALIBRATED)

@@ -114,8 +114,12 @@ def test_nothing_hidden_is_nothing_named(bench, capsys):
     assert document["error"]["chi2"] == pytest.approx(1.0, abs=4 * document["noise_floor"]["chi2_std"])
 
 
+@pytest.mark.slow
 def test_the_uncertainty_of_the_gain_can_be_given(bench, capsys):
     assert told(capsys, "diagnose", NOTHING, "--gain-uncertainty", "3")["verdict"] == "nothing_missing"
+
+
+def test_an_uncertainty_of_the_gain_is_no_less_than_nothing(bench, capsys):
     assert run(["diagnose", str(NOTHING), "--gain-uncertainty", "-1"]) == exits.USAGE
 
 

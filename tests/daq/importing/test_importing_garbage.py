@@ -18,7 +18,7 @@ from daq.recording import Recording
 
 T, U, V, A = swing(60)
 GOOD = table("time_s,displacement_m,acceleration_m_s2", T, U, A).encode()
-EXAMPLES = int(os.environ.get("STATION_EXAMPLES", "30"))  # `python -m bench fuzz` goes on for minutes
+EXAMPLES = int(os.environ.get("STATION_EXAMPLES", "20"))  # `python -m bench fuzz` goes on for minutes
 FUZZ = settings(
     max_examples=EXAMPLES,
     deadline=None,
