@@ -9,7 +9,7 @@ from identify.comparison.multiple_shooting import MultipleShooting
 from identify.comparison.residual_force import nuisances, respond_in
 
 _STUCK = 1e-12
-"""Smallest singular value, of the largest, of what a force does to the end of a cycle: where the mass sticks, it does nothing."""
+"""Smallest singular value, of the largest, of what a force does to a cycle's end: where the mass sticks, nothing."""
 
 _SHARE = 0.01
 
