@@ -15,7 +15,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
+
+from mocks.compilation import compiled
 
 #: name -> parameter names, in the order of the compiled table. The code is the position.
 PARAMETERS: dict[str, tuple[str, ...]] = {
@@ -150,7 +151,7 @@ def pulled(displacement: float, yield_at: float) -> float:
     return yield_at * math.tanh(displacement / yield_at)
 
 
-@njit(cache=True)
+@compiled()
 def _friction(code, row, t, u, v, at, way, turned_at):  # type: ignore[no-untyped-def]
     """Return the dry friction of one effect times `way`."""
     a = row[1]
@@ -167,7 +168,7 @@ def _friction(code, row, t, u, v, at, way, turned_at):  # type: ignore[no-untype
     return a * math.exp(-abs(u - turned_at) / row[2]) * way
 
 
-@njit(cache=True)
+@compiled()
 def _contact(code, row, u, v, at):  # type: ignore[no-untyped-def]
     """Return the force of play, or of a stop: stiffness times depth, with a loss more on the way in than out."""
     a = row[1]
@@ -186,7 +187,7 @@ def _contact(code, row, u, v, at):  # type: ignore[no-untyped-def]
     return a * depth * (1.0 + row[4] * inwards) if code == _IMPACT else a * depth
 
 
-@njit(cache=True)
+@compiled()
 def _remembered(code, row, s):  # type: ignore[no-untyped-def]
     """Return the force of an effect with a memory."""
     if code == _MAXWELL:
@@ -197,7 +198,7 @@ def _remembered(code, row, s):  # type: ignore[no-untyped-def]
     return row[1] * s[2 if code == _HYSTERESIS else 7 if code == _BOUC_WEN else 6]
 
 
-@njit(cache=True)
+@compiled()
 def _power(code, row, u, v, at, way):  # type: ignore[no-untyped-def]
     """Return a force of a power law of displacement or of speed."""
     if code == _POWER_U:
@@ -206,7 +207,7 @@ def _power(code, row, u, v, at, way):  # type: ignore[no-untyped-def]
     return row[1] * abs(v / row[3]) ** row[2] * way
 
 
-@njit(cache=True)
+@compiled()
 def force(row, k, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
     """Return one effect's force; for dry friction its size times `way`.
 
@@ -261,7 +262,7 @@ def force(row, k, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
     return _friction(code, row, t, u, v, at, way, turned_at)
 
 
-@njit(cache=True)
+@compiled()
 def memory_rates(rows, s, way, out):  # type: ignore[no-untyped-def]
     """Write the rates of the internal states into `out`."""
     for i in range(2, STATES):

@@ -12,8 +12,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from mocks.compilation import compiled
 from mocks.forces import FIRST_FRICTION, STATES, Effect, force, kinks, memory_rates, state_at_rest, table
 
 STEP_S = 1.0 / 4096.0
@@ -95,7 +95,7 @@ def simulate_channels(
     return motion.displacement[place[:n]], motion.acceleration[place[n:]]
 
 
-@njit(cache=True)
+@compiled()
 def _applied(t, hold, impulse, release_s):  # type: ignore[no-untyped-def]
     """Force applied during the release per unit mass at `t`."""
     if t >= release_s or t < 0.0:
@@ -105,7 +105,7 @@ def _applied(t, hold, impulse, release_s):  # type: ignore[no-untyped-def]
     return hold * 0.5 * (1.0 + math.cos(math.pi * t / release_s))
 
 
-@njit(cache=True)
+@compiled()
 def _pull(base, rows, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
     """Sum of all forces on the left-applied side, dry friction included through `way`."""
     total = base[0] * s[0] + base[2] * s[1] + base[1] * way
@@ -114,14 +114,14 @@ def _pull(base, rows, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True)
+@compiled()
 def _net(base, rows, t, s, at, way, turned_at, applied):  # type: ignore[no-untyped-def]
     """Net force per unit mass at `t`: what is applied less all the others."""
     pull = _pull(base, rows, t, s, at, way, turned_at)
     return _applied(t, applied[0], applied[1], applied[2]) - pull
 
 
-@njit(cache=True)
+@compiled()
 def _limit(base, rows, t, s, at):  # type: ignore[no-untyped-def]
     """Greatest friction the mass at rest can lean on."""
     total = base[1]
@@ -131,7 +131,7 @@ def _limit(base, rows, t, s, at):  # type: ignore[no-untyped-def]
     return total
 
 
-@njit(cache=True)
+@compiled()
 def _rates(base, rows, t, s, at, way, turned_at, applied, out):  # type: ignore[no-untyped-def]
     memory_rates(rows, s, way, out)
     if way == 0.0:
@@ -142,7 +142,7 @@ def _rates(base, rows, t, s, at, way, turned_at, applied, out):  # type: ignore[
         out[1] = _net(base, rows, t, s, at, way, turned_at, applied)
 
 
-@njit(cache=True)
+@compiled()
 def _step(base, rows, t, h, s, at, way, turned_at, applied, work, new):  # type: ignore[no-untyped-def]
     """One classical RK4 step of length `h` from `s` into `new`."""
     k1, k2, k3, k4, x = work[0], work[1], work[2], work[3], work[4]
@@ -160,7 +160,7 @@ def _step(base, rows, t, h, s, at, way, turned_at, applied, work, new):  # type:
         new[i] = s[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i])
 
 
-@njit(cache=True)
+@compiled()
 def _locate(which, level, base, rows, t, h, s, at, way, turned_at, applied, work, new):  # type: ignore[no-untyped-def]
     """Return the step after which state `which` has just passed `level` (Illinois' rule)."""
     lo, hi = 0.0, h
@@ -190,7 +190,7 @@ def _locate(which, level, base, rows, t, h, s, at, way, turned_at, applied, work
     return hi
 
 
-@njit(cache=True)
+@compiled()
 def _break_loose(base, rows, t, h, s, at, turned_at, applied, work, new):  # type: ignore[no-untyped-def]
     """Return the step after which the stuck mass has just lost its hold (bisection)."""
     lo, hi = 0.0, h
@@ -205,7 +205,7 @@ def _break_loose(base, rows, t, h, s, at, turned_at, applied, work, new):  # typ
     return hi
 
 
-@njit(cache=True)
+@compiled()
 def _middle(levels, segment):  # type: ignore[no-untyped-def]
     """A point well inside a stretch between two kinks."""
     n = levels.size
@@ -218,7 +218,7 @@ def _middle(levels, segment):  # type: ignore[no-untyped-def]
     return 0.5 * (levels[segment - 1] + levels[segment])
 
 
-@njit(cache=True)
+@compiled()
 def _write(row, base, rows, t, s, at, way, turned_at, applied):  # type: ignore[no-untyped-def]
     row[0] = s[0]
     row[1] = s[1]
@@ -229,7 +229,7 @@ def _write(row, base, rows, t, s, at, way, turned_at, applied):  # type: ignore[
         row[3 + i] = force(rows[i], base[0], t, s, at, way, turned_at)
 
 
-@njit(cache=True)
+@compiled()
 def _applied_forces(base, rows, s, at, velocity, release_s):  # type: ignore[no-untyped-def]
     """What is applied during the release: the force that holds the mass, or an impulse; and for how long."""
     applied = np.zeros(3)
@@ -241,7 +241,7 @@ def _applied_forces(base, rows, s, at, velocity, release_s):  # type: ignore[no-
     return applied
 
 
-@njit(cache=True)
+@compiled()
 def _first_event(base, rows, levels, segment, t, h, s, at, way, turned_at, applied, work, new):  # type: ignore[no-untyped-def]
     """Cut a slipping step at its first event; return its length and 1 for a reversal, +-2 for a kink, 0 for none."""
     event = 0
@@ -260,7 +260,7 @@ def _first_event(base, rows, levels, segment, t, h, s, at, way, turned_at, appli
     return first, event
 
 
-@njit(cache=True)
+@compiled()
 def _run(times, base, rows, levels, start, velocity, release_s, out):  # type: ignore[no-untyped-def]
     """Walk from output time to output time, from event to event."""
     s = start.copy()

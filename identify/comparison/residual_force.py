@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from identify.arrays import Array
 from identify.comparison.multiple_shooting import MultipleShooting, Segment
+from identify.compilation import compiled
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ def _filtered(step: Array, patterns: Array) -> tuple[Array, Array]:
     return x, v
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def _filter(step, pattern, x, v):  # type: ignore[no-untyped-def]
     for i in range(pattern.shape[0] - 1):
         for j in range(pattern.shape[1]):

@@ -12,7 +12,7 @@ import numpy as np
 from identify.curves.curve_regression import CurveRegression, MotionError, Rows, Strengths
 from identify.curves.decay_curve import DecayCurve
 
-_FEWEST = 3
+_FEWEST = 5
 
 
 @dataclass(frozen=True, eq=False)

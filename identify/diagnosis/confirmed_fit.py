@@ -1,7 +1,7 @@
 """A model with the effects that curves confirm, fitted by free run."""
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.suspects import states_of_term
+from identify.diagnosis.suspects import states_of_term, try_terms
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values
@@ -11,7 +11,7 @@ def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
     """Return the model with the confirmed effects, fitted to all readings; None where that only makes it worse.
 
     It begins from the strengths that the curves give, once with the states of the model as it was and once with those
-    of the measured motion; the better end counts.
+    of the measured motion, and with the effects one after the other; the best end counts.
     """
     base = baseline.fit
     model = base.model
@@ -27,5 +27,17 @@ def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
         initial_values(baseline.decays, model, base.point | strengths) | linear | strengths,
     )
     ends = [fit(model, base.windows, start, base.frequency) for start in starts]
+    ends += [fit(model, base.windows, start, base.frequency, near=True) for start in starts]
+    ends.append(_one_after_the_other(baseline, found))
     best = min(ends, key=lambda end: end.chi_square)
     return best if best.chi_square < base.chi_square else None
+
+
+def _one_after_the_other(baseline: Baseline, found: Confirmation) -> Fit:
+    """Return the fit to which each confirmed effect is added in turn, from all its starting values."""
+    end = baseline.fit
+    for effect in found.effects:
+        tried = try_terms(baseline.decays, end, (effect.term,))
+        if tried:
+            end = tried[0].fit
+    return end

@@ -52,15 +52,13 @@ def explain_driven(found: Confirmation) -> str:
 def _prediction(found: Confirmation) -> str:
     """Return on how many parts the prediction is confirmed, and the error before and after."""
     before, after = found.usual.typical("motion"), found.found.typical("motion")
-    where = (
-        "halves of the record (large and small amplitudes), each foretold from the other"
-        if found.one_record
-        else "other releases that it was not fitted to"
-    )
     left = "" if after < 1.0 else f"; what is left, {three_figures(after)} % of the motion, has no name"
+    basis = f"Confirmed on {found.better} of {found.parts} other releases"
+    if found.one_record:
+        back = " and back" if found.better == found.parts else ""
+        basis = f"Confirmed within this record, small amplitudes from large ones{back}"
     return (
-        f"Confirmed on {found.better} of {found.parts} {where}: prediction error "
-        f"{three_figures(before)} to {three_figures(after)} % of the motion{left}."
+        f"{basis}: prediction error {three_figures(before)} to {three_figures(after)} % of the motion{left}."
     )
 
 

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from identify.arrays import Array
-from identify.curves.confirmation import WORTH, Confirmation
+from identify.curves.confirmation import MOST_RIVALS, WORTH, Confirmation
 from identify.diagnosis.confirmed_fit import fit_confirmed
 from identify.diagnosis.nonparametric_force import NonparametricForce, nonparametric_force
 from identify.diagnosis.null_distribution import NullDistribution
@@ -48,6 +48,12 @@ ALPHA_GUESSED = 2e-4
 RIVALS_WITHIN = 4.6
 """Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
 
+_NEXT_TO_NOTHING = 0.01
+"""Share of chi-square that one force may leave to be named by its free run alone, where the floor is a guess."""
+
+_NEXT_LEAVES = 3.0
+"""A force that leaves less than this many times as much is not told apart from it."""
+
 _PAIR_HELPS = 0.5
 """Share of the best single effect's chi-square below which a pair is worth a third."""
 
@@ -60,12 +66,16 @@ _DECISIVE = 12.0
 
 @dataclass(frozen=True, eq=False)
 class Ranked:
-    """A candidate with its evidence (nats) and the probability that chance gives any suspect as good a reason."""
+    """A candidate with its evidence (nats) and the probability that chance gives any suspect as good a reason.
+
+    `alike` are names of forces that the free run does not tell from it, where the floor was only a guess.
+    """
 
     candidate: Candidate
     evidence: float
     p_value: float
     claimed: bool
+    alike: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,8 +104,8 @@ def alpha(baseline: Baseline) -> float:
 
 def rivals_of(entry: Ranked, ranked: tuple[Ranked, ...]) -> tuple[str, ...]:
     """Return the names of the claimed candidates that explain the record as well as one of them does."""
-    if not entry.claimed:
-        return ()
+    if not entry.claimed or entry.alike:
+        return entry.alike
     return tuple(
         other.candidate.name
         for other in ranked
@@ -237,9 +247,9 @@ def _by_curves(
     whole = None if found is None or not found.effects else fit_confirmed(baseline, found)
     if found is not None and found.driven:
         return Judgement("driven", ranked, baseline.fit, confirmation=found)
-    second = _by_beats(baseline, ranked, found) if whole is None else None
-    if second is not None:
-        return second
+    alone = _by_free_run(baseline, ranked, found) if whole is None else None
+    if alone is not None:
+        return alone
     if found is None or whole is None:
         if found is None or baseline.floor_is_sure:
             shape = _free_form(baseline, ranked[0].candidate.fit if best is not baseline.fit else best)
@@ -268,20 +278,41 @@ def _by_curves(
     )
 
 
-def _by_beats(baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None) -> Judgement | None:
-    """Return the judgement of a line beside the motion's own, where the amplitude beats and no other effect does better."""
-    if found is None or not found.beats or not ranked:
+def _by_free_run(
+    baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None
+) -> Judgement | None:
+    """Return the judgement of one force that the free run singles out where curves confirm none, if there is one.
+
+    Either the amplitude beats and a force without a curve, a second oscillator, leaves much less than any other; or
+    one that curves do not deny leaves next to nothing of what the model left, and far less than all but a few others,
+    among which no law of time.
+    """
+    plausible = sorted((entry for entry in ranked if entry.candidate.plausible), key=_misfit)
+    if not plausible or plausible[0].candidate.term.effect.kind != "physics":
         return None
-    best = min((entry for entry in ranked if entry.candidate.plausible), key=_misfit, default=None)
-    if best is None or found.has_law(best.candidate.name) or best.candidate.term.effect.kind != "physics":
-        return None
-    if best.candidate.fit.chi_square > _LINE_LEAVES * baseline.fit.chi_square:
+    best, left = plausible[0], _misfit(plausible[0]) / baseline.fit.chi_square
+    seen = found is not None and found.has_law(best.candidate.name)
+    beats = found is not None and found.beats and not seen and left < _LINE_LEAVES
+    denied = seen and found is not None and best.candidate.name not in found.mentioned
+    near = [
+        entry.candidate.term.effect
+        for entry in plausible[1:]
+        if _misfit(entry) < _NEXT_LEAVES * _misfit(best) and entry.candidate.term.effect.kind == "physics"
+    ]
+    apart = len(near) <= MOST_RIVALS and not any(effect.of_time for effect in near)
+    if not (beats or (left < _NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
         return None
     rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
     final = best.candidate.fit
-    first = replace(best, claimed=True)
     shape = _free_form(baseline, final)
-    return Judgement("missing_effect", (first, *rest), final, shape=shape, confirmation=found)
+    rivals = tuple(effect.name for effect in near)
+    return Judgement(
+        "missing_effect",
+        (replace(best, claimed=True, alike=rivals), *rest),
+        final,
+        shape=shape,
+        confirmation=found,
+    )
 
 
 def _misfit(entry: Ranked) -> float:

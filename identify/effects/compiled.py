@@ -9,6 +9,8 @@ from numba.core.typing import signature
 from numba.experimental.function_type import _get_wrapper_address
 from numba.extending import intrinsic
 
+from identify.compilation import compiled
+
 STATES = 2
 PARAMETERS = 6
 _SCALAR = types.float64
@@ -24,12 +26,16 @@ def force_function(function: Callable[..., float], *, cache: bool = True) -> Any
 
     `z` is a tuple of two internal states, `p` of six parameters.
     """
-    return njit(_FORCE, cache=cache, error_model="numpy")(function)
+    return _compile(function, _FORCE, cache)
 
 
 def rate_function(function: Callable[..., tuple[float, float]], *, cache: bool = True) -> Any:
     """Compile `function(t, u, v, z, p)` to the rates of the two internal states."""
-    return njit(_RATES, cache=cache, error_model="numpy")(function)
+    return _compile(function, _RATES, cache)
+
+
+def _compile(function: Callable[..., Any], signature: Any, cache: bool) -> Any:
+    return (compiled if cache else njit)(signature, error_model="numpy")(function)
 
 
 def address_of_force(function: Any) -> int:

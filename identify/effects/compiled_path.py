@@ -1,12 +1,12 @@
 """A compiled effect along a given motion: its value at every sample, and its internal states from sample to sample."""
 
 import numpy as np
-from numba import njit
 
+from identify.compilation import compiled
 from identify.effects.compiled import call_force, call_rates
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def values_along(address, time, u, v, states, p):  # type: ignore[no-untyped-def]
     """Return a force or a level of friction, (n,), along a motion `time`, `u`, `v` (n,) with `states` (n, 2)."""
     out = np.empty(u.shape[0])
@@ -15,7 +15,7 @@ def values_along(address, time, u, v, states, p):  # type: ignore[no-untyped-def
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def states_along(address, time, u, v, p, start, steps):  # type: ignore[no-untyped-def]
     """Return the internal states, (n, 2), driven along a motion from `start`.
 
@@ -39,7 +39,7 @@ def states_along(address, time, u, v, p, start, steps):  # type: ignore[no-untyp
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled(nogil=True, error_model="numpy")
 def states_along_smooth(address, time, u, v, p, start):  # type: ignore[no-untyped-def]
     """Return the internal states at every second sample of a smooth motion, (n, 2) for `u`, `v` of 2 n - 1 samples.
 

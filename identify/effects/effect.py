@@ -73,8 +73,9 @@ class Effect(ABC):
     which the best counts. `plausible(values, scales)` is False where another effect is the better name for the same
     misfit. `units` are the units of displacement for which the effect has a meaning, () for all. A `line` has a
     frequency and a phase that are free: chance offers it every peak of a periodogram. Of effects that a record does not
-    tell apart the one of less `rarity` on benches, its own inner parameters counted in, leads. An effect that
-    `shows_detection_limit` is quoted, with the strength that would have been seen, where nothing is missing.
+    tell apart the one of less `rarity` on benches, its own inner parameters counted in, leads. An effect `of_time` moves
+    with the clock, not with the motion. An effect that `shows_detection_limit` is quoted, with the strength that would
+    have been seen, where nothing is missing.
     """
 
     name: str
@@ -89,6 +90,7 @@ class Effect(ABC):
     units: tuple[str, ...] = ()
     line: bool = False
     rarity: int = 0
+    of_time: bool = False
     shows_detection_limit: bool = False
 
     def __post_init__(self) -> None:

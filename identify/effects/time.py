@@ -13,6 +13,7 @@ def _time_varying(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 
 TIME_VARYING_STIFFNESS = ForceEffect(
+    of_time=True,
     name="time_varying_stiffness",
     title="stiffness that drifts with time",
     equation="k rate t u",
@@ -35,6 +36,7 @@ def _settling_starts(scales: Scales) -> Starts:
 
 
 SETTLING_STIFFNESS = ForceEffect(
+    of_time=True,
     name="settling_stiffness",
     title="stiffness that settles (warming)",
     equation="k r (1 - exp(-t/tau)) u",
@@ -62,6 +64,7 @@ def _line_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
 
 
 HARMONIC_FORCING = ForceEffect(
+    of_time=True,
     name="harmonic_forcing",
     title="shaking from outside at one frequency",
     equation="-amp sin(2 pi f t + phase)",

@@ -104,7 +104,7 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
     known = tuple(prepared.noise for prepared in decays)
     floors = refine_floor(found, known, noise_colours(decays, found))
     windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))
-    return Baseline(decays, fit(found.model, windows, found.point, found.frequency), floors)
+    return Baseline(decays, fit(found.model, windows, found.point, found.frequency, near=True), floors)
 
 
 def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:

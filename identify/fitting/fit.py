@@ -114,15 +114,21 @@ def fit(
     frequency: float,
     *,
     tolerance: float = 0.02,
+    near: bool = False,
 ) -> Fit:
-    """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed."""
+    """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed.
+
+    A start that is `near`, from curves of the whole decay, is not lost again to its first few cycles.
+    """
     whole = Problem(model, windows, frequency)
-    theta = np.clip(whole.theta(start), whole.low, whole.high)
+    theta = start_at = np.clip(whole.theta(start), whole.low, whole.high)
     first = whole.residuals(theta)
     far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
-    if far:
+    if far and not near:
         theta = _grow(model, windows, theta, frequency)
     found = minimise_fully(whole, theta, tolerance=tolerance)
+    if far and not near and not found.cost < float(first @ first):  # lost to the first few cycles
+        found = minimise_fully(whole, start_at, tolerance=tolerance)
     jacobian = found.jacobian if found.exact else linearise(whole, found.theta)[1]
     return _result(whole, found.theta, found.cost, jacobian, settled=found.settled)
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from identify.arrays import Array
+from identify.compilation import compiled
 from identify.effects.compiled import address_of_force, address_of_rates, call_force, call_rates
 from identify.effects.force_effect import ForceEffect
 
@@ -21,7 +21,7 @@ _STEP_ANGLE = 0.055
 _STEP_ANGLE_KINKED = 0.027
 _REVERSAL_TRIALS = 8
 _EVENTS_PER_STEP = 16
-_COMPILE: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+_COMPILE: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Response:
     acceleration: Array
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _acceleration(addresses, t, u, v, states, s, linear, table, drive):  # type: ignore[no-untyped-def]
     total = linear[0] * u + linear[1] * v - drive
     level = linear[2]
@@ -56,7 +56,7 @@ def _acceleration(addresses, t, u, v, states, s, linear, table, drive):  # type:
     return -total - s * max(level, 0.0), total, max(level, 0.0)
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _state_rates(addresses, t, u, v, states, table, out):  # type: ignore[no-untyped-def]
     for i in range(addresses.shape[0]):
         if addresses[i, 2] != 0:
@@ -65,14 +65,14 @@ def _state_rates(addresses, t, u, v, states, table, out):  # type: ignore[no-unt
             out[i, 0], out[i, 1] = call_rates(addresses[i, 2], t, u, v, z, p)
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _blend(states, factor, slope, out):  # type: ignore[no-untyped-def]
     for i in range(states.shape[0]):
         out[i, 0] = states[i, 0] + factor * slope[i, 0]
         out[i, 1] = states[i, 1] + factor * slope[i, 1]
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _step(addresses, memory, t, u, v, a, states, s, h, linear, table, drives, work):  # type: ignore[no-untyped-def]
     """One Runge-Kutta step of length h from (u, v, states) with acceleration a; new states go to work[4]."""
     half = 0.5 * h
@@ -103,7 +103,7 @@ def _step(addresses, memory, t, u, v, a, states, s, h, linear, table, drives, wo
     return u + h / 6.0 * (v + 2.0 * (v2 + v3) + v4), v + h / 6.0 * (a + 2.0 * (a2 + a3) + a4)
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _hermite(x, h, u0, v0, a0, u1, v1, a1):  # type: ignore[no-untyped-def]
     """Quintic through both ends of a step of length h, at fraction x: value and slope."""
     d1 = v0 * h
@@ -119,7 +119,7 @@ def _hermite(x, h, u0, v0, a0, u1, v1, a1):  # type: ignore[no-untyped-def]
     return value, slope / h
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _drive(external, position):  # type: ignore[no-untyped-def]
     """Recorded external force at a fractional sample, by the cubic through four neighbours (Catmull-Rom)."""
     n = external.shape[0]
@@ -134,7 +134,7 @@ def _drive(external, position):  # type: ignore[no-untyped-def]
     )
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _direction_of_slip(addresses, t, u, states, linear, table, drive):  # type: ignore[no-untyped-def]
     """At zero velocity: the direction in which the mass will slip (0 where friction holds it), and the acceleration."""
     _, total, level = _acceleration(addresses, t, u, 0.0, states, 0.0, linear, table, drive)
@@ -144,7 +144,7 @@ def _direction_of_slip(addresses, t, u, states, linear, table, drive):  # type: 
     return s, -total - s * level
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _hold(addresses, t, u, step, states, table, work):  # type: ignore[no-untyped-def]
     """Internal states after a step in which the mass sticks, into work[4]."""
     _state_rates(addresses, t, u, 0.0, states, table, work[0])
@@ -153,7 +153,7 @@ def _hold(addresses, t, u, step, states, table, work):  # type: ignore[no-untype
     _blend(states, step, work[1], work[4])
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _until_reversal(  # type: ignore[no-untyped-def]
     addresses,
     memory,
@@ -190,7 +190,7 @@ def _until_reversal(  # type: ignore[no-untyped-def]
     return guess, un
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _drive_step(external, position, length, drives):  # type: ignore[no-untyped-def]
     """Write the recorded force in the middle and at the end of a step of `length` samples into drives[1:], if one acts."""
     if external.shape[0] > 1:
@@ -198,7 +198,7 @@ def _drive_step(external, position, length, drives):  # type: ignore[no-untyped-
         drives[2] = _drive(external, position + length)
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _take_over(addresses, found, states):  # type: ignore[no-untyped-def]
     """Copy the internal states that a step found."""
     for r in range(states.shape[0]):
@@ -206,7 +206,7 @@ def _take_over(addresses, found, states):  # type: ignore[no-untyped-def]
             states[r, 0], states[r, 1] = found[r, 0], found[r, 1]
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _read_before(readings, interval, lag, u, v, a):  # type: ignore[no-untyped-def]
     """Fill in the samples that a late channel reads before the start, by its acceleration; return the next one."""
     due = 0
@@ -218,7 +218,7 @@ def _read_before(readings, interval, lag, u, v, a):  # type: ignore[no-untyped-d
     return due
 
 
-@njit(**_COMPILE)
+@compiled(**_COMPILE)
 def _run(  # type: ignore[no-untyped-def]
     addresses, memory, dry, t0, n, interval, substeps, u, v, states, linear, table, lag, external
 ):

@@ -2,10 +2,10 @@
 
 from math import gamma, pi, sqrt
 
-import numba
 import numpy as np
 
 from identify.arrays import Array
+from identify.compilation import compiled
 
 
 def envelope_factors(angular_frequency: float, max_order: int) -> Array:
@@ -27,7 +27,7 @@ def backbone_factors(orders: tuple[int, ...]) -> Array:
     return np.array([2 * gamma(i / 2 + 1) / (sqrt(pi) * gamma(i / 2 + 1.5)) for i in orders])
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@compiled()
 def integrate_envelope(start: float, coefficients: Array, step: float, count: int) -> Array:
     """Return k at 0, step, ..., (count-1) step from k' = -sum c_i k^i with k(0) = start, shape (count,).
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 
 from identify.arrays import Array, Mask
+from identify.compilation import compiled
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class Whitening:
         return out
 
 
-@njit(cache=True)
+@compiled()
 def _gains(transition, seen, variance, used):  # type: ignore[no-untyped-def]
     """Return the gains (n, m) of the filter and one over the standard deviation of each innovation (n,)."""
     n, m = len(used), len(seen)
@@ -168,7 +168,7 @@ def _gains(transition, seen, variance, used):  # type: ignore[no-untyped-def]
     return gains, scale
 
 
-@njit(cache=True)
+@compiled()
 def _innovations(transition, seen, gains, scale, used, values):  # type: ignore[no-untyped-def]
     n, m = gains.shape
     out = np.zeros(values.shape)

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from math import ceil, pi, sqrt
 
-import numba
 import numpy as np
 
 from identify.arrays import Array
+from identify.compilation import compiled
 from identify.errors import NotIdentifiable
 
 _STEPS_PER_CYCLE = 100  # the frequency of a fourth-order step is then off by some 1e-8
@@ -56,7 +56,7 @@ def simulate_decay(
     return Decay(rows[0], rows[1], rows[2])
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@compiled()
 def _acceleration(u: float, v: float, direction: float, stiffness: Array, damping: Array) -> float:
     spring = 0.0
     for k in stiffness[::-1]:
@@ -68,7 +68,7 @@ def _acceleration(u: float, v: float, direction: float, stiffness: Array, dampin
     return -spring - direction * loss
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@compiled()
 def _advance(
     u: float, v: float, h: float, direction: float, stiffness: Array, damping: Array
 ) -> tuple[float, float]:
@@ -82,7 +82,7 @@ def _advance(
     return u + h * (v + 2 * v2 + 2 * v3 + v4) / 6, v + h * (a1 + 2 * a2 + 2 * a3 + a4) / 6
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@compiled()
 def _time_of_reversal(
     u: float, v: float, h: float, direction: float, stiffness: Array, damping: Array
 ) -> float:
@@ -103,7 +103,7 @@ def _time_of_reversal(
     return guess
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@compiled()
 def _integrate(
     u: float, v: float, stiffness: Array, damping: Array, step: float, count: int, substeps: int
 ) -> Array:

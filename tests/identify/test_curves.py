@@ -113,7 +113,9 @@ def test_a_record_is_cut_at_the_geometric_mean_of_its_amplitudes():
     assert large.amplitude[-1] == small.amplitude[0] == pytest.approx(np.exp(-0.05 * 59 / 2), rel=0.03)
 
 
-@pytest.mark.parametrize("name", ["cubic_stiffness", "quadratic_damping"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("cubic_stiffness", marks=pytest.mark.slow), "quadratic_damping"]
+)
 def test_an_effect_foretells_the_small_amplitudes_and_is_named(name):
     found = confirmed((displacement_only(name, 0.03, 11, amplitude=0.02, mu_0=0.01),))
     assert found.one_record

@@ -27,7 +27,9 @@ def test_another_programs_release_is_diagnosed_rightly_and_reaches_the_floor():
     )
 
 
-@pytest.mark.parametrize("effect", ["end_stop", "hysteresis", "second_mass"])
+@pytest.mark.parametrize(
+    "effect", ["end_stop", pytest.param("hysteresis", marks=pytest.mark.slow), "second_mass"]
+)
 def test_an_effect_hidden_in_the_double_is_named_first(effect):
     prepared, truth = drawn(effect, 0.01, seed=41)
     found = diagnose((prepared,))
@@ -38,7 +40,9 @@ def test_an_effect_hidden_in_the_double_is_named_first(effect):
     assert abs(estimate.value - true) < 4.5 * estimate.std
 
 
-@pytest.mark.parametrize("fault", ["clipping", "mains_hum", "dropouts", "channel_gain"])
+@pytest.mark.parametrize(
+    "fault", ["clipping", pytest.param("mains_hum", marks=pytest.mark.slow), "dropouts", "channel_gain"]
+)
 def test_a_faulty_sensor_is_not_called_physics(fault):
     prepared, _ = drawn(fault, 0.01, seed=42, gain_uncertainty=CALIBRATED)
     found = diagnose((prepared,))
@@ -70,6 +74,7 @@ def test_a_magnet_beside_the_path_is_not_given_a_name_it_does_not_have():
     assert "displacement" in found.shape.coordinates
 
 
+@pytest.mark.slow  # the tests of own effects have a weaker magnet
 def test_a_users_own_magnet_takes_part_and_reaches_the_floor():
     prepared, truth = drawn("magnet", 0.02, seed=43)
     magnet = parse_effect(

@@ -27,7 +27,7 @@ def pull(time: np.ndarray, to: float, hold: float, lasting: float) -> np.ndarray
 def test_a_displaced_release_is_found_within_a_sample_of_the_hand_s_ramp(
     names: tuple[str, ...], hand: float
 ) -> None:
-    for seed in range(12):
+    for seed in range(6):
         sample = draw(None, 0.0, seed, release_time=hand)
         found = find_release(256.0, **{name: getattr(sample, name) for name in names})
         late = 0.0 if "acceleration" in names else sample.truth["displacement_late_s"]
@@ -42,7 +42,7 @@ def test_a_displaced_release_is_found_within_a_sample_of_the_hand_s_ramp(
 
 @pytest.mark.parametrize("names", CHANNELS)
 def test_an_impulse_is_told_from_a_displacement(names: tuple[str, ...]) -> None:
-    for seed in range(12):
+    for seed in range(6):
         sample = draw(None, 0.0, seed, amplitude=0.0, velocity=0.5, release_time=0.01)
         found = find_release(256.0, **{name: getattr(sample, name) for name in names})
         begun = sample.truth["released_at_s"]

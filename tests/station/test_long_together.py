@@ -11,6 +11,7 @@ from station.results.diagnosis_document import diagnosis_document
 from station.story.pipeline import diagnose
 
 
+@pytest.mark.slow
 def test_the_document_of_two_long_releases_has_a_line_for_each_session():
     fixed = {"seconds": 24.0, "mu_0": 0.02, "mu_1": 0.05}
     samples = [draw(None, 0.0, 4, amplitude=amplitude, **fixed) for amplitude in (0.02, 0.015)]

@@ -97,6 +97,7 @@ def printed(show, *arguments):
     return stream.getvalue()
 
 
+@pytest.mark.slow
 def test_a_drifting_sensor_is_named_as_a_sensor(bench, capsys):
     document = told(capsys, "diagnose", DRIFT)
     assert document["verdict"] == "sensor_fault"

@@ -6,18 +6,18 @@ from math import cos, exp, log, sin, sqrt, tan, tanh
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from identify.arrays import Array
+from identify.compilation import compiled
 from identify.effects.user.expression import Call, Name, Negative, Node, Number
 
 
-@njit("f8(f8)", cache=True, error_model="numpy")
+@compiled("f8(f8)", error_model="numpy")
 def _sgn(x):  # type: ignore[no-untyped-def]
     return 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
 
 
-@njit("f8(f8,f8,f8)", cache=True, error_model="numpy")
+@compiled("f8(f8,f8,f8)", error_model="numpy")
 def _clip(x, low, high):  # type: ignore[no-untyped-def]
     return min(max(x, low), high)
 

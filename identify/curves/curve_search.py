@@ -1,0 +1,132 @@
+"""The ground of a search on curves: regression, predictions, and what windows and averaging do to each model."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from identify.curves.averaged_law import AveragedLaw, law_of, laws_of
+from identify.curves.curve_regression import CurveRegression, Rows
+from identify.curves.decay_curve import DecayCurve
+from identify.curves.held_out import HeldOut, cut_in_two, hold_out
+from identify.curves.isolated_mode import IsolatedMode
+from identify.curves.simulated_curve import simulated_curve
+from identify.effects.effect import Scales
+from identify.model.model import Model, Term
+from identify.preprocessing.prepared_decay import PreparedDecay
+
+_FOLLOWS = 5.0
+"""Multiple of the typical loss beyond which a simulated curve no longer follows the measured one."""
+
+_ROUNDS = 4
+_SETTLED = 0.005
+"""Rounds of correction at most, and the share of the typical loss by which the last may still move the rows."""
+
+
+class CurveSearch:
+    """The search on some releases: regression, corrections by simulation, and the laws taken so far."""
+
+    def __init__(
+        self,
+        decays: tuple[PreparedDecay, ...],
+        modes: tuple[IsolatedMode, ...],
+        model: Model,
+        known: dict[str, float],
+        terms: tuple[Term, ...],
+        scales: Scales,
+    ) -> None:
+        self.decays, self.modes, self.model, self.known = decays, modes, model, known
+        self.scales = scales
+        self.whole = tuple(
+            mode.curve(np.asarray(decay.window.readings[mode.channel]))
+            for decay, mode in zip(decays, modes, strict=True)
+        )
+        self.one_record = len(decays) == 1
+        self.parts = cut_in_two(self.whole[0]) if self.one_record else self.whole
+        frequency = float(np.median(np.concatenate([curve.frequency for curve in self.whole])))
+        sizes = np.concatenate([curve.amplitude for curve in self.whole])
+        span = (float(sizes.min()), float(sizes.max()))
+        duration = max(float(curve.time[-1]) for curve in self.whole)
+        grid = np.geomspace(0.9 * span[0], 1.1 * span[1], 14)
+        self.base = tuple(
+            law_of(term, _inner_of(term, known), frequency, grid, duration) for term in model.forces
+        )
+        laws = (*self.base, *laws_of(terms, frequency, scales, span, duration))
+        self.regression = CurveRegression(self.parts, laws, frequency)
+        self.span = span[1] / span[0]
+
+    def terms_of(self, columns: tuple[int, ...]) -> tuple[AveragedLaw, ...]:
+        """Return the laws of some columns."""
+        return tuple(self.regression.laws[c] for c in columns)
+
+    def plausible(self, column: int, held: HeldOut) -> bool:
+        """Whether no other effect is the better name for what a law became."""
+        law = self.regression.laws[column]
+        values = (
+            law.term.held_values
+            | law.inner
+            | {law.term.effect.strength.name: float(held.strengths.shared[-1])}
+        )
+        return law.term.effect.plausible(values, self.scales)
+
+    def hold_out(self, columns: tuple[int, ...], rows: Sequence[Rows]) -> HeldOut:
+        """Return what some laws foretell of each part from the others."""
+        return hold_out(self.regression, columns, rows, one_record=self.one_record)
+
+    def corrected(self, columns: tuple[int, ...], held: HeldOut) -> tuple[Rows, ...]:
+        """Return what was measured, less what the windows and the averaging do to a motion of this model."""
+        laws = self.terms_of(columns)
+        model = Model(tuple(law.term for law in laws))
+        rows = []
+        for i, (decay, mode) in enumerate(zip(self.decays, self.modes, strict=True)):
+            strengths = held.strengths.of(i)
+            values = dict(self.known)
+            for law, strength in zip(laws, strengths, strict=True):
+                values |= law.term.by_name(law.inner | {law.term.effect.strength.name: float(strength)})
+            rows += self._less(
+                columns, strengths, simulated_curve(decay, mode, model, values, self.whole[i]), i
+            )
+        return tuple(rows)
+
+    def _less(
+        self, columns: tuple[int, ...], strengths: np.ndarray, run: DecayCurve | None, release: int
+    ) -> list[Rows]:
+        measured = (
+            [self.regression.measured[release]] if not self.one_record else list(self.regression.measured)
+        )
+        if run is None:
+            return measured
+        runs = [run]
+        if self.one_record and len(self.parts) > 1:
+            middle = len(self.parts[0])
+            runs = [run.part(0, middle), run.part(middle - 1, len(run))]
+        less = []
+        for rows, piece in zip(measured, runs, strict=True):
+            excess = self.regression.rows_of(piece).minus(self.regression.rows_by(piece, columns, strengths))
+            follows = np.isfinite(excess.loss).all() and np.isfinite(excess.stiffness).all()
+            follows = follows and np.abs(excess.loss).max() < _FOLLOWS * self.regression.typical_loss
+            less.append(rows.minus(excess) if follows else rows)
+        return less
+
+    def settled(self, columns: tuple[int, ...], rows: Sequence[Rows]) -> tuple[HeldOut, tuple[Rows, ...]]:
+        """Return the errors of a model with its own corrections, and the corrected rows."""
+        held, own = self.hold_out(columns, rows), tuple(rows)
+        for _ in range(_ROUNDS):
+            before, own = own, self.corrected(columns, held)
+            held = self.hold_out(columns, own)
+            if _moved(before, own) < _SETTLED * self.regression.typical_loss:
+                break
+        return held, own
+
+
+def _moved(before: Sequence[Rows], after: Sequence[Rows]) -> float:
+    """Return how far corrected rows have moved since the last round, rms, 1/s."""
+    moved = [
+        np.mean((a.loss - b.loss) ** 2 + (a.stiffness - b.stiffness) ** 2)
+        for a, b in zip(before, after, strict=True)
+    ]
+    return float(np.sqrt(np.mean(moved)))
+
+
+def _inner_of(term: Term, known: dict[str, float]) -> dict[str, float]:
+    names = [p.name for p in term.free if p.name in term.effect.inner]
+    return {name: known[str(term.parameter(name))] for name in names}
