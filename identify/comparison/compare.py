@@ -15,6 +15,7 @@ from identify.comparison.multiple_shooting import MultipleShooting, shoot
 from identify.comparison.phase_plane import PhasePlane, compare_phase_plane
 from identify.comparison.residual_tone import ResidualTone, find_residual_tone
 from identify.comparison.zero_drift import ZeroDrift, find_zero_drift
+from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.corrected_faults import corrected_faults
 from identify.fitting.fit import Fit
@@ -30,6 +31,9 @@ from identify.summary import Summarised, Summary
 _SURE = 4.0
 _SURE_OF_DRIFT = 12.0
 """Physics of 3 % that no force of u and v describes reaches 8, rarely 16; a drift of 0.3 % begins at 16."""
+
+_NO_SPRING = 1e-6
+"""Share of the squared frequency below which a fit has lost its spring."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -112,6 +116,11 @@ def compare_fitted(baseline: Baseline, *, mass: float | None = None) -> Comparis
     window = fit.windows[0]
     doubt = max((n.uncertainty / n.std for n in floor.channels.values() if n.std > 0), default=0.0)
     shooting = shoot(prepared, fit)
+    if shooting.stiffness < _NO_SPRING * fit.frequency**2:
+        raise NotIdentifiable(
+            "The model, fitted to this record in one run, has lost its spring: it cannot be compared cycle by cycle. "
+            "Is the motion driven?"
+        )
     cycles = compare_cycles(shooting)
     plane = compare_phase_plane(shooting)
     kinematics = check_kinematics(prepared, window, fit.frequency, doubt)

@@ -8,6 +8,9 @@ from identify.arrays import Array, frozen
 from identify.comparison.multiple_shooting import MultipleShooting
 from identify.comparison.residual_force import nuisances, respond_in
 
+_STUCK = 1e-12
+"""Smallest singular value, of the largest, of what a force does to a cycle's end: where the mass sticks, nothing."""
+
 _SHARE = 0.01
 
 
@@ -91,7 +94,7 @@ def _assemble(shooting: MultipleShooting) -> _System:
         u, v = shooting.displacement[part], shooting.velocity[part]
         patterns = _SHARE * np.column_stack([shooting.stiffness * u, omega * v])
         response, end = respond_in(shooting, segment, patterns, until)
-        inverse = np.linalg.inv(end)
+        inverse = np.linalg.pinv(end, rcond=_STUCK)
         gap = segments[j + 1].departure - segment.arrival if j + 1 < count else np.zeros(2)
         columns = np.hstack(
             [

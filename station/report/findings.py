@@ -159,7 +159,11 @@ def _refit(found: Findings, refinement: Refinement) -> None:
     ):  # fitted in segments, which start each for themselves; compared in one run
         known = known_model(ladder.top.model, "the ladder", refinement.library)
         start = starting_values(known, (prepared,))
-        compared = compare(name, prepared, known.model, start, mass=mass)
+        try:
+            compared = compare(name, prepared, known.model, start, mass=mass)
+        except NotIdentifiable as refusal:
+            found.left_out["ladder"] = str(refusal)
+            return
     else:
         compared = compare_fitted(name, top.baseline, mass=mass)
     found.refined = FittedLadder(ladder, top, compared)
