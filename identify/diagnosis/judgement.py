@@ -18,6 +18,8 @@ from identify.effects.effect import Effect
 from identify.fitting.baseline import ADEQUATE, Baseline, force_along_motion
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
+from identify.fitting.misfit_errors import with_misfit_errors
+from identify.model.model import Term
 
 Verdict = Literal[
     "missing_effect",
@@ -55,7 +57,10 @@ reached, or where the free run alone names."""
 _NEXT_LEAVES = 3.0
 """A force that leaves less than this many times as much is not told apart from it."""
 
-_PAIR_HELPS = 0.5
+_CLEAR = 3.0
+"""Standard errors, of the misfit that is there, by which a strength must differ from none."""
+
+_PAIR_HELPS = 0.2
 """Share of the best single effect's chi-square below which a pair is worth a third."""
 
 _LINE_LEAVES = 0.5
@@ -246,6 +251,8 @@ def _by_curves(
     `best` is the fit that comes closest, named or not.
     """
     whole = None if found is None or not found.effects else fit_confirmed(baseline, found)
+    if whole is not None and found is not None and not any(_is_clear(whole, e.term) for e in found.effects):
+        whole = None
     if (
         whole is not None
         and baseline.floor_is_sure
@@ -283,6 +290,12 @@ def _by_curves(
         _free_form(baseline, whole),
         confirmation=found,
     )
+
+
+def _is_clear(whole: Fit, term: Term) -> bool:
+    """Whether the strength of an effect differs from none by some errors of the misfit that is there."""
+    strength = with_misfit_errors(whole).of(term)[term.effect.strength.name]
+    return abs(strength.value) > _CLEAR * strength.std
 
 
 def _by_free_run(
