@@ -235,11 +235,11 @@ def _next(
         stiff = [c for c in good if not laws[c].term.effect.inner]
         if stiff and min(left[c] for c in near) > CLEARLY * min(left[c] for c in stiff):
             near = [*near, min(stiff, key=lambda c: left[c])]
-        elif not stiff and min(left[c] for c in near) > (1.0 - CLEARLY) * held.mean(channel):
+        elif not stiff and min(left[c] for c in near) > CLEARLY * held.mean(channel):
             near = []
         if not near:
             continue
-        lead = min(near, key=lambda c: (_complexity(laws[c].term.effect), -removed[c]))
+        lead = min(near, key=lambda c: (complexity(laws[c].term.effect), -removed[c]))
         rivals = tuple(dict.fromkeys(laws[c].name for c in near if laws[c].name != laws[lead].name))
         if len(rivals) > MOST_RIVALS:
             undecided[what] = (laws[lead].name, *rivals)
@@ -269,7 +269,8 @@ def _as_central(
     return [c for c in near if left[c] <= most]
 
 
-def _complexity(effect: Effect) -> int:
+def complexity(effect: Effect) -> int:
+    """Return how much an effect can bend, and how rare it is: of effects that are not told apart the least leads."""
     return len(effect.inner) + effect.rarity
 
 

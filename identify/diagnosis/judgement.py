@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from identify.arrays import Array
-from identify.curves.confirmation import MOST_RIVALS, WORTH, Confirmation
+from identify.curves.confirmation import MOST_RIVALS, WORTH, Confirmation, complexity
 from identify.diagnosis.confirmed_fit import fit_confirmed
 from identify.diagnosis.nonparametric_force import NonparametricForce, nonparametric_force
 from identify.diagnosis.null_distribution import NullDistribution
@@ -193,6 +193,8 @@ def judge(
 def _if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
     """Return the judgement of one effect that reaches a guessed floor, unless the curves contradict it."""
     best = alone.ranked[0].candidate
+    if found is None and best.term.effect.of_time:
+        return Judgement("unknown_effect", alone.ranked, best.fit, shape=_free_form(baseline, baseline.fit))
     if found is None or not found.has_law(best.name) or found.usual.typical("motion") < WORTH:
         return replace(alone, confirmation=found)
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
@@ -220,27 +222,27 @@ def _beyond_one(
     library: tuple[Effect, ...],
     foretell: Callable[[], Confirmation | None],
 ) -> Judgement:
-    """Judge where no single effect reaches the floor: two together that do, or what the curves foretell."""
+    """Judge where no single effect reaches the floor: a law between the names, two or three together, or the curves.
+
+    More than one effect is fitted to chi-square only where the floor is sure: two follow any guess of it.
+    """
     best = ranked[0].candidate
-    final = best.fit
-    found = None if baseline.floor_is_sure else foretell()
-    if baseline.floor_is_sure:
-        alike = _by_family(baseline, ranked)
-        if alike is not None:
-            return alike
-    if found is None:
-        two = pairs(baseline, tuple(entry.candidate for entry in ranked), library)
-        better = two and two[0].plausible and two[0].second.score < best.score
-        together = two[0] if better else None
-        if together is not None and baseline.adequate(together.second.fit):
-            return _of_pair(ranked, together, None)
-        if together is not None and together.second.fit.reduced < _PAIR_HELPS * best.fit.reduced:
-            three = triple(baseline, two, library)
-            if three is not None:
-                return _of_three(ranked, *three)
-        final = best.fit if together is None else together.second.fit
-        found = foretell()
-    return _by_curves(baseline, ranked, found, final)
+    if not baseline.floor_is_sure:
+        return _by_curves(baseline, ranked, foretell(), best.fit)
+    alike = _by_family(baseline, ranked)
+    if alike is not None:
+        return alike
+    two = pairs(baseline, tuple(entry.candidate for entry in ranked), library)
+    better = two and two[0].plausible and two[0].second.score < best.score
+    together = two[0] if better else None
+    if together is not None and baseline.adequate(together.second.fit):
+        return _of_pair(ranked, together, None)
+    if together is not None and together.second.fit.reduced < _PAIR_HELPS * best.fit.reduced:
+        three = triple(baseline, two, library)
+        if three is not None:
+            return _of_three(ranked, *three)
+    final = best.fit if together is None else together.second.fit
+    return _by_curves(baseline, ranked, foretell(), final)
 
 
 def _by_curves(
@@ -310,22 +312,26 @@ def _by_free_run(
     plausible = sorted((entry for entry in ranked if entry.candidate.plausible), key=_misfit)
     if not plausible or plausible[0].candidate.term.effect.kind != "physics":
         return None
-    best, left = plausible[0], _misfit(plausible[0]) / baseline.fit.chi_square
-    seen = found is not None and found.has_law(best.candidate.name)
-    beats = found is not None and found.beats and not seen and left < _LINE_LEAVES
-    denied = seen and found is not None and best.candidate.name not in found.mentioned
+    first = plausible[0]
+    unseen = found is not None and found.beats and not found.has_law(first.candidate.name)
+    beats = unseen and _misfit(first) < _LINE_LEAVES * baseline.fit.chi_square
     near = [
-        entry.candidate.term.effect
-        for entry in plausible[1:]
-        if _misfit(entry) < _NEXT_LEAVES * _misfit(best) and entry.candidate.term.effect.kind == "physics"
+        entry
+        for entry in plausible
+        if entry.candidate.term.effect.kind == "physics" and _misfit(entry) < _NEXT_LEAVES * _misfit(first)
     ]
-    apart = len(near) <= MOST_RIVALS and not any(effect.of_time for effect in near)
+    simplest = min(near, key=lambda entry: (complexity(entry.candidate.term.effect), _misfit(entry)))
+    best = first if beats else simplest
+    left = _misfit(best) / baseline.fit.chi_square
+    seen = found is not None and found.has_law(best.candidate.name)
+    denied = seen and found is not None and best.candidate.name not in found.mentioned
+    apart = len(near) <= MOST_RIVALS + 1 and not any(entry.candidate.term.effect.of_time for entry in near)
     if not (beats or (left < _NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
         return None
     rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
     final = best.candidate.fit
     shape = _free_form(baseline, final)
-    rivals = tuple(effect.name for effect in near)
+    rivals = () if beats else tuple(entry.candidate.name for entry in near if entry is not best)
     return Judgement(
         "missing_effect",
         (replace(best, claimed=True, alike=rivals), *rest),
