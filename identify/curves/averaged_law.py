@@ -14,7 +14,6 @@ from identify.model.equivalent_linearisation import Signature, average, mean_for
 from identify.model.model import Term
 
 _AMPLITUDES = 14
-_SAME = 1e-6
 _SHAPELESS = 1e-3
 
 
@@ -39,14 +38,6 @@ class AveragedLaw:
         """The effect's name."""
         return self.term.effect.name
 
-    @property
-    def of_time(self) -> bool:
-        """Whether the law changes with time, not with the amplitude alone."""
-        scale = np.abs(self.late.stiffening).max() + np.abs(self.late.damping).max()
-        apart = np.abs(self.late.stiffening - self.early.stiffening).max()
-        apart += np.abs(self.late.damping - self.early.damping).max()
-        return bool(apart > _SAME * scale)
-
     def along(self, curve: DecayCurve) -> tuple[Array, Array, Array]:
         """Return loss (1/s) and change of w^2 (1/s^2) between the points, (n - 1,), and the centre at them, (n,)."""
         at, grid = np.log(curve.between), np.log(self.amplitudes)
@@ -61,7 +52,7 @@ class AveragedLaw:
     @property
     def shapeless(self) -> bool:
         """Whether the curves cannot tell the effect from a linear spring and damper."""
-        if self.of_time:
+        if self.term.effect.of_time:
             return False
         for values, size in ((self.early.damping, 1.0), (self.early.stiffening, 1.0)):
             spread = np.ptp(values)
@@ -70,14 +61,19 @@ class AveragedLaw:
         return bool(np.abs(self.centre).max() < _SHAPELESS * self.amplitudes.max())
 
 
+def amplitude_grid(curves: Iterable[DecayCurve]) -> Array:
+    """Return the amplitudes at which laws of some curves are tabulated."""
+    sizes = np.concatenate([curve.amplitude for curve in curves])
+    return np.geomspace(0.9 * float(sizes.min()), 1.1 * float(sizes.max()), _AMPLITUDES)
+
+
 def laws_of(
-    terms: Iterable[Term], frequency: float, scales: Scales, amplitudes: tuple[float, float], duration: float
+    terms: Iterable[Term], frequency: float, scales: Scales, grid: Array, duration: float
 ) -> tuple[AveragedLaw, ...]:
     """Return the laws of forces at all starting values of their inner parameters; those without a shape left out.
 
-    `frequency` in rad/s, `amplitudes` the smallest and the largest of the curves, `duration` in s. Lines have none.
+    `frequency` in rad/s, `grid` the amplitudes, `duration` in s. Lines have none.
     """
-    grid = np.geomspace(0.9 * amplitudes[0], 1.1 * amplitudes[1], _AMPLITUDES)
     laws = []
     for term in terms:
         if not isinstance(term.effect, ForceEffect) or term.effect.line:
@@ -100,10 +96,21 @@ def law_of(
     shared = {name: rough(frequency) for name, rough in effect.shared_parameters.items()}
     values = term.held_values | inner | {effect.strength.name: 1.0} | shared
     early = average(effect, values, frequency, grid, second_order=False)
-    probe = average(effect, values, frequency, grid[-1:], time=duration, second_order=False)
-    same = np.isclose(probe.stiffening[0], early.stiffening[-1]) and np.isclose(
-        probe.damping[0], early.damping[-1]
-    )
-    late = early if same else average(effect, values, frequency, grid, time=duration, second_order=False)
+    late = early
+    if effect.of_time:
+        late = average(effect, values, frequency, grid, time=duration, second_order=False)
     centre = -mean_force(effect, values, frequency, grid) / frequency**2
     return AveragedLaw(term, dict(inner), grid, early, late, centre, duration)
+
+
+def values_of(laws: Iterable[AveragedLaw], strengths: Array) -> dict[str, float]:
+    """Return the parameters of laws at some strengths, by unknown's name."""
+    values: dict[str, float] = {}
+    for law, strength in zip(laws, strengths, strict=True):
+        values |= law.term.by_name(law.inner | {law.term.effect.strength.name: float(strength)})
+    return values
+
+
+def inner_of(term: Term, values: dict[str, float]) -> dict[str, float]:
+    """Return the inner parameters of a term by their own names, from values by unknown's name."""
+    return {p.name: values[str(term.parameter(p.name))] for p in term.free if p.name in term.effect.inner}

@@ -55,7 +55,7 @@ _WORDS = {"phase": "frequency", "envelope": "loss"}
 
 @dataclass(frozen=True, eq=False)
 class ConfirmedEffect:
-    """An effect that foretells: `error` ("frequency" or "loss") is what it explains, from `before` to `after` %.
+    """An effect that foretells: the error of what it `explains` ("frequency" or "loss") falls from `before` to `after` %.
 
     `better` of `parts` left out were foretold better with it. `rivals` foretell nearly as well.
     """
@@ -138,12 +138,6 @@ class Confirmation:
         return self.found.better(self.usual, "motion")
 
 
-@dataclass(frozen=True, eq=False)
-class _Trial:
-    column: int
-    held: HeldOut
-
-
 def confirm(
     decays: Sequence[PreparedDecay],
     model: Model,
@@ -210,8 +204,7 @@ def _next(
     undecided: dict[str, tuple[str, ...]],
 ) -> tuple[ConfirmedEffect, int, HeldOut, tuple[Rows, ...]] | None:
     """Return the next effect, its column, the errors with it and the corrected rows; None where none is worth it."""
-    trials = _screened(search, columns, held, rows)
-    settled = {t.column: search.settled((*columns, t.column), rows) for t in trials}
+    settled = {c: search.settled((*columns, c), rows) for c in _screened(search, columns, held, rows)}
     for channel in sorted(_CHANNELS, key=lambda c: -held.mean(c)):
         what = _WORDS[channel]
         if what in undecided:
@@ -228,14 +221,14 @@ def _next(
         removed = {c: held.mean(channel) - left[c] for c in settled}
         best = max(removed[c] for c in good)
         near = _as_central([c for c in good if removed[c] >= NEARLY * best], settled, held)
-        drifts = [c for c in settled if laws[c].of_time and removed[c] >= DRIFT_NEARLY * best]
+        drifts = [c for c in settled if laws[c].term.effect.of_time and removed[c] >= DRIFT_NEARLY * best]
         if drifts:
             undecided[what] = tuple(dict.fromkeys(laws[c].name for c in (*near, *drifts)))
             continue
-        stiff = [c for c in good if not laws[c].term.effect.inner]
-        if stiff and min(left[c] for c in near) > CLEARLY * min(left[c] for c in stiff):
-            near = [*near, min(stiff, key=lambda c: left[c])]
-        elif not stiff and min(left[c] for c in near) > CLEARLY * held.mean(channel):
+        plain = [c for c in good if not laws[c].term.effect.inner]
+        if plain and min(left[c] for c in near) > CLEARLY * min(left[c] for c in plain):
+            near = [*near, min(plain, key=lambda c: left[c])]
+        elif not plain and min(left[c] for c in near) > CLEARLY * held.mean(channel):
             near = []
         if not near:
             continue
@@ -296,28 +289,28 @@ def _worth(before: HeldOut, after: HeldOut, channel: str, again: bool) -> bool:
 
 def _screened(
     search: CurveSearch, columns: tuple[int, ...], held: HeldOut, rows: tuple[Rows, ...]
-) -> list[_Trial]:
-    """Return the best column of the effects that look best, with the corrections of the model so far."""
+) -> tuple[int, ...]:
+    """Return the columns that look best for each kind of error, one an effect, with the corrections of the model so far.
+
+    Laws of time are always among them, so that none of the amplitude is named in their place.
+    """
     laws = search.regression.laws
     taken = {laws[c].name for c in columns}
-    best: dict[tuple[str, str], tuple[float, _Trial]] = {}
+    kinds = (*_CHANNELS, "centre")
+    best: dict[str, dict[str, tuple[float, int]]] = {kind: {} for kind in kinds}
     for column in range(len(search.base), len(laws)):
-        if laws[column].name in taken:
+        name = laws[column].name
+        if name in taken:
             continue
-        trial = _Trial(column, search.hold_out((*columns, column), rows))
-        for channel in (*_CHANNELS, "centre"):
-            gain = held.mean(channel) - trial.held.mean(channel)
-            key = (channel, laws[column].name)
-            if gain > 0.0 and (key not in best or gain > best[key][0]):
-                best[key] = (gain, trial)
-    chosen: dict[int, _Trial] = {}
-    for channel in (*_CHANNELS, "centre"):
-        own = sorted((v for (c, _), v in best.items() if c == channel), key=lambda v: -v[0])
-        if channel == "centre":  # what moves the centre moves the frequency too, but in second order
-            own = [v for v in own if v[0] > WORTH]
-        for _, trial in own[:_SHORTLIST]:
-            chosen[trial.column] = trial
-        for _, trial in own:
-            if laws[trial.column].of_time:
-                chosen[trial.column] = trial
-    return list(chosen.values())
+        trial = search.hold_out((*columns, column), rows)
+        for kind in kinds:
+            gain = held.mean(kind) - trial.mean(kind)
+            # what moves the centre moves the frequency too, but in second order
+            least = WORTH if kind == "centre" else 0.0
+            if gain > max(least, best[kind].get(name, (0.0, 0))[0]):
+                best[kind][name] = (gain, column)
+    chosen: list[int] = []
+    for kind in kinds:
+        order = [column for _, column in sorted(best[kind].values(), reverse=True)]
+        chosen += order[:_SHORTLIST] + [column for column in order if laws[column].term.effect.of_time]
+    return tuple(dict.fromkeys(chosen))

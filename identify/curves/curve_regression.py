@@ -25,6 +25,9 @@ _DAMPING_VARIES = 1.0
 
 _CENTRE_COUNTS = 0.5
 _RIDGE = 1e-10
+_FOLLOWS = 5.0
+"""Multiple of the typical loss beyond which a simulated curve no longer follows its laws."""
+
 _TURNED = 2.0
 _ECHO = 0.49
 """Correlation of neighbouring differences, a little short of 1/2, for slow forces wander too."""
@@ -95,6 +98,15 @@ class CurveRegression:
             np.sum([s * part[i] for s, part in zip(strengths, parts, strict=True)], axis=0) for i in range(3)
         )
         return Rows(loss, stiffness / self.frequency, centre)
+
+    def excess(self, run: DecayCurve, columns: tuple[int, ...], strengths: Array) -> Rows | None:
+        """Return by how much a simulated curve exceeds its own laws: what windows and averaging do to a motion.
+
+        None where the simulated motion does not follow its laws at all.
+        """
+        found = self.rows_of(run).minus(self.rows_by(run, columns, strengths))
+        finite = np.isfinite(found.loss).all() and np.isfinite(found.stiffness).all()
+        return found if finite and np.abs(found.loss).max() < _FOLLOWS * self.typical_loss else None
 
     @cached_property
     def typical_loss(self) -> float:

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from identify.curves.averaged_law import AveragedLaw, law_of, laws_of
+from identify.arrays import Array
+from identify.curves.averaged_law import AveragedLaw, amplitude_grid, inner_of, law_of, laws_of, values_of
 from identify.curves.curve_regression import CurveRegression, Rows
 from identify.curves.decay_curve import DecayCurve
 from identify.curves.held_out import HeldOut, cut_in_two, hold_out
@@ -13,9 +14,6 @@ from identify.curves.simulated_curve import simulated_curve
 from identify.effects.effect import Scales
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
-
-_FOLLOWS = 5.0
-"""Multiple of the typical loss beyond which a simulated curve no longer follows the measured one."""
 
 _ROUNDS = 4
 _SETTLED = 0.005
@@ -43,18 +41,17 @@ class CurveSearch:
         self.one_record = len(decays) == 1
         self.parts = cut_in_two(self.whole[0]) if self.one_record else self.whole
         frequency = float(np.median(np.concatenate([curve.frequency for curve in self.whole])))
-        sizes = np.concatenate([curve.amplitude for curve in self.whole])
-        span = (float(sizes.min()), float(sizes.max()))
         duration = max(float(curve.time[-1]) for curve in self.whole)
-        grid = np.geomspace(0.9 * span[0], 1.1 * span[1], 14)
+        grid = amplitude_grid(self.whole)
         self.base = tuple(
-            law_of(term, _inner_of(term, known), frequency, grid, duration) for term in model.forces
+            law_of(term, inner_of(term, known), frequency, grid, duration) for term in model.forces
         )
-        laws = (*self.base, *laws_of(terms, frequency, scales, span, duration))
+        laws = (*self.base, *laws_of(terms, frequency, scales, grid, duration))
         self.regression = CurveRegression(self.parts, laws, frequency)
-        self.span = span[1] / span[0]
+        sizes = np.concatenate([curve.amplitude for curve in self.whole])
+        self.span = float(sizes.max() / sizes.min())
 
-    def terms_of(self, columns: tuple[int, ...]) -> tuple[AveragedLaw, ...]:
+    def laws_of_columns(self, columns: tuple[int, ...]) -> tuple[AveragedLaw, ...]:
         """Return the laws of some columns."""
         return tuple(self.regression.laws[c] for c in columns)
 
@@ -74,37 +71,29 @@ class CurveSearch:
 
     def corrected(self, columns: tuple[int, ...], held: HeldOut) -> tuple[Rows, ...]:
         """Return what was measured, less what the windows and the averaging do to a motion of this model."""
-        laws = self.terms_of(columns)
+        laws = self.laws_of_columns(columns)
         model = Model(tuple(law.term for law in laws))
         rows = []
         for i, (decay, mode) in enumerate(zip(self.decays, self.modes, strict=True)):
             strengths = held.strengths.of(i)
-            values = dict(self.known)
-            for law, strength in zip(laws, strengths, strict=True):
-                values |= law.term.by_name(law.inner | {law.term.effect.strength.name: float(strength)})
-            rows += self._less(
-                columns, strengths, simulated_curve(decay, mode, model, values, self.whole[i]), i
-            )
+            values = self.known | values_of(laws, strengths)
+            run = simulated_curve(decay, mode, model, values, self.whole[i])
+            rows += self._less(columns, strengths, run, i)
         return tuple(rows)
 
     def _less(
-        self, columns: tuple[int, ...], strengths: np.ndarray, run: DecayCurve | None, release: int
+        self, columns: tuple[int, ...], strengths: Array, run: DecayCurve | None, release: int
     ) -> list[Rows]:
-        measured = (
-            [self.regression.measured[release]] if not self.one_record else list(self.regression.measured)
-        )
+        measured = self.regression.measured if self.one_record else (self.regression.measured[release],)
         if run is None:
-            return measured
-        runs = [run]
-        if self.one_record and len(self.parts) > 1:
-            middle = len(self.parts[0])
-            runs = [run.part(0, middle), run.part(middle - 1, len(run))]
+            return list(measured)
+        middle = len(self.parts[0])
+        halves = self.one_record and len(self.parts) > 1
+        runs = (run.part(0, middle), run.part(middle - 1, len(run))) if halves else (run,)
         less = []
         for rows, piece in zip(measured, runs, strict=True):
-            excess = self.regression.rows_of(piece).minus(self.regression.rows_by(piece, columns, strengths))
-            follows = np.isfinite(excess.loss).all() and np.isfinite(excess.stiffness).all()
-            follows = follows and np.abs(excess.loss).max() < _FOLLOWS * self.regression.typical_loss
-            less.append(rows.minus(excess) if follows else rows)
+            excess = self.regression.excess(piece, columns, strengths)
+            less.append(rows if excess is None else rows.minus(excess))
         return less
 
     def settled(self, columns: tuple[int, ...], rows: Sequence[Rows]) -> tuple[HeldOut, tuple[Rows, ...]]:
@@ -125,8 +114,3 @@ def _moved(before: Sequence[Rows], after: Sequence[Rows]) -> float:
         for a, b in zip(before, after, strict=True)
     ]
     return float(np.sqrt(np.mean(moved)))
-
-
-def _inner_of(term: Term, known: dict[str, float]) -> dict[str, float]:
-    names = [p.name for p in term.free if p.name in term.effect.inner]
-    return {name: known[str(term.parameter(name))] for name in names}

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from identify.arrays import Array
-from identify.curves.averaged_law import AveragedLaw, law_of, laws_of
+from identify.curves.averaged_law import AveragedLaw, amplitude_grid, inner_of, law_of, laws_of, values_of
 from identify.curves.curve_regression import CurveRegression, Rows
 from identify.curves.laid_over import Isolated, Law, Role, isolated
 from identify.curves.simulated_curve import simulated_curve
@@ -15,7 +15,6 @@ from identify.free_decay import FreeDecay
 from identify.model.model import Model, Term, base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 
-_AMPLITUDES = 14
 _ROUNDS = 2
 
 Decays = FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay]
@@ -66,7 +65,7 @@ def _fitted(
             rows = _corrected(found, regression, best[1], chosen, best[2])
     assert best is not None
     chosen = [laws[c] for c in best[1]]
-    return Law(name, role, Model(tuple(one.term for one in chosen)), _values(chosen, best[2]))
+    return Law(name, role, Model(tuple(one.term for one in chosen)), values_of(chosen, best[2]))
 
 
 def _laws(
@@ -74,19 +73,13 @@ def _laws(
 ) -> tuple[tuple[AveragedLaw, ...], tuple[AveragedLaw, ...]]:
     """Return the laws of a model with those of one more effect at all starts behind, and the latter alone."""
     frequency = _mean_frequency(found)
-    sizes = np.concatenate([one.curve.amplitude for one in found])
-    span = (float(sizes.min()), float(sizes.max()))
     duration = max(float(one.curve.time[-1]) for one in found)
-    grid = np.geomspace(0.9 * span[0], 1.1 * span[1], _AMPLITUDES)
-    base = tuple(
-        law_of(term, {p.name: values[str(term.parameter(p.name))] for p in term.free if p.name in term.effect.inner},
-               frequency, grid, duration)
-        for term in model.forces
-    )  # fmt: skip
+    grid = amplitude_grid(one.curve for one in found)
+    base = tuple(law_of(term, inner_of(term, values), frequency, grid, duration) for term in model.forces)
     if last is None:
         return base, ()
     largest = max(found, key=lambda one: one.decay.amplitude)
-    starts = laws_of((last,), frequency, scales_of(largest.decay, {}), span, duration)
+    starts = laws_of((last,), frequency, scales_of(largest.decay, {}), grid, duration)
     if not starts:
         raise NotIdentifiable(f"{last.effect.name} has no law of amplitude.")
     return (*base, *starts), starts
@@ -113,20 +106,10 @@ def _corrected(
     strengths: Array,
 ) -> tuple[Rows, ...]:
     """Return what was measured, less what the windows and the averaging do to a motion of these laws."""
-    model, values = Model(tuple(law.term for law in laws)), _values(laws, strengths)
+    model, values = Model(tuple(law.term for law in laws)), values_of(laws, strengths)
     rows = []
     for measured, one in zip(regression.measured, found, strict=True):
         run = simulated_curve(one.decay, one.mode, model, values, one.curve)
-        if run is not None:
-            excess = regression.rows_of(run).minus(regression.rows_by(run, columns, strengths))
-            if np.isfinite(excess.loss).all() and np.isfinite(excess.stiffness).all():
-                measured = measured.minus(excess)
-        rows.append(measured)
+        excess = None if run is None else regression.excess(run, columns, strengths)
+        rows.append(measured if excess is None else measured.minus(excess))
     return tuple(rows)
-
-
-def _values(laws: Sequence[AveragedLaw], strengths: Array) -> dict[str, float]:
-    values: dict[str, float] = {}
-    for law, strength in zip(laws, strengths, strict=True):
-        values |= law.term.by_name(law.inner | {law.term.effect.strength.name: float(strength)})
-    return values

@@ -8,22 +8,15 @@ import numpy as np
 
 from identify.curves.confirmation import Confirmation, ConfirmedEffect, confirm
 from identify.diagnosis.explain import explain
-from identify.diagnosis.judgement import (
-    HEADLINES,
-    Judgement,
-    Ranked,
-    Verdict,
-    alpha,
-    judge,
-    rank,
-    rivals_of,
-)
+from identify.diagnosis.judgement import judge
 from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, without_needless_effects
 from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.ranking import Ranked, alpha, rank, rivals_of
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import candidate_terms
+from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
@@ -129,7 +122,7 @@ class Diagnosis(Summarised):
                 suspect.effect.name,
                 three_figures(suspect.error_after),
                 f"{suspect.evidence:.0f}",
-                f"{suspect.p_value:.2g}",
+                "-" if np.isnan(suspect.p_value) else f"{suspect.p_value:.2g}",
                 "yes" if suspect.claimed else "no",
             )
             for suspect in self.suspects[:_SHOWN]

@@ -4,7 +4,7 @@ from datetime import datetime
 
 from pydantic import Field
 
-from identify.diagnosis.judgement import Verdict
+from identify.diagnosis.verdict import Verdict
 from station.results.documents import Document, EstimateDocument, Number, Part
 
 NAME = "campaign.json"

@@ -8,9 +8,9 @@ from pydantic import AliasChoices, Field
 from daq.session import Session
 from identify.comparison.shared_physics import SharedPhysics
 from identify.diagnosis.diagnose import Diagnosis
-from identify.diagnosis.judgement import Verdict
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.suspect import Suspect
+from identify.diagnosis.verdict import Verdict
 from identify.effects.effect import Kind
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault

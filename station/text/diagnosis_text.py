@@ -5,7 +5,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from identify.diagnosis.judgement import HEADLINES
+from identify.diagnosis.verdict import HEADLINES
 from station.results.confirmation_document import ConfirmationDocument
 from station.results.diagnosis_document import (
     DiagnosisDocument,

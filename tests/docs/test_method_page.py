@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 from contracts import ROOT
 
-from identify.diagnosis.judgement import Verdict
+from identify.diagnosis.verdict import Verdict
 from identify.signal.averaging import backbone_factors, envelope_factors
 
 PAGE = " ".join((ROOT / "docs" / "method.md").read_text(encoding="utf-8").split())
@@ -39,10 +39,14 @@ def value(module, name):
         ("preprocessing.averaged_decay", "BLOCKS_A_CYCLE", lambda x: f"to {x} to {2 * x} a cycle"),
         ("preprocessing.averaged_decay", "FEW", lambda x: f"more than {x} samples"),
         ("fitting.corrected_faults", "UNSTATED_GAIN_UNCERTAINTY", lambda x: f"{100 * x:g} % is allowed"),
-        ("diagnosis.judgement", "ALPHA", lambda x: f"claimed at $p < {x:g}$"),
-        ("diagnosis.judgement", "ALPHA_GUESSED", lambda x: rf"$p < {1e4 * x:g}\cdot10^{{-4}}$"),
-        ("diagnosis.judgement", "RIVALS_WITHIN", lambda x: f"{x:g} are odds of 100 to 1"),
-        ("diagnosis.judgement", "_LINE_LEAVES", lambda x: f"leaves less than {100 * x:g} % of chi-square"),
+        ("diagnosis.ranking", "ALPHA", lambda x: f"claimed at $p < {x:g}$"),
+        ("diagnosis.ranking", "ALPHA_GUESSED", lambda x: rf"$p < {1e4 * x:g}\cdot10^{{-4}}$"),
+        ("diagnosis.ranking", "RIVALS_WITHIN", lambda x: f"{x:g} are odds of 100 to 1"),
+        (
+            "diagnosis.off_the_floor",
+            "_LINE_LEAVES",
+            lambda x: f"leaves less than {100 * x:g} % of chi-square",
+        ),
         ("curves.confirmation", "SHARE", lambda x: f"at least {100 * x:g} % of that error"),
         ("curves.confirmation", "WORTH", lambda x: f"and {x:g} % of the motion"),
         ("curves.confirmation", "SECOND_WORTH", lambda x: f"({x:g} % where another effect"),

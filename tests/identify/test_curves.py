@@ -11,11 +11,14 @@ from identify.curves.held_out import cut_in_two
 from identify.curves.isolated_mode import IsolatedMode
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.suspects import candidate_terms
+from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
+from identify.effects.user import own_effect
 from identify.errors import NotIdentifiable
-from identify.fitting.initial_values import scales_of
+from identify.fitting.initial_values import scales_of, term_starts
 from identify.free_decay import FreeDecay
-from identify.model.model import base_model
+from identify.model.equivalent_linearisation import average
+from identify.model.model import Term, base_model
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 
@@ -211,3 +214,22 @@ def test_a_one_sided_spring_is_known_by_its_centre_and_not_taken_for_a_cubic_one
     found = confirmed((prepare(FreeDecay(sample.rate, displacement=unit * sample.displacement)),))
     assert "cubic_stiffness" not in found.mentioned
     assert "quadratic_stiffness" in found.mentioned
+
+
+def test_what_is_said_to_move_with_the_clock_does_and_nothing_else():
+    grid = np.geomspace(0.005, 0.02, 5)
+    scales = scales_of(displacement_only(None, 0.0, 5, amplitude=0.02), {})
+    for effect in LIBRARY:
+        if not isinstance(effect, ForceEffect) or effect.line or effect.linear_part is not None:
+            continue
+        term = Term(effect, effect.variants[0])
+        inner = term_starts(term, scales)[0]
+        shared = {name: rough(24.8) for name, rough in effect.shared_parameters.items()}
+        values = term.held_values | inner | {effect.strength.name: 1.0} | shared
+        early, late = (average(effect, values, 24.8, grid, time=t) for t in (0.0, 7.0))
+        moved = not np.allclose(early.stiffening, late.stiffening) or not np.allclose(
+            early.damping, late.damping
+        )
+        assert moved == effect.of_time, effect.name
+    assert own_effect("loosens", "k*exp(-t/tau)*u").of_time
+    assert not own_effect("hardens", "k*u**3").of_time

@@ -6,7 +6,8 @@ import pytest
 from releases import drawn
 
 from identify.diagnosis import judgement
-from identify.diagnosis.judgement import RIVALS_WITHIN, Ranked, judge, rank, rivals_of
+from identify.diagnosis.judgement import judge
+from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, rank, rivals_of
 from identify.diagnosis.search import Pair, chances, singles
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline

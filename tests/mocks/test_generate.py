@@ -166,7 +166,8 @@ def test_what_cannot_be_hidden_is_named():
 
 def test_the_truth_is_json():
     for name in ("second_mass", "dropouts", None, "freeplay+clipping"):
-        json.dumps(draw(name, 0.01, 1).truth)
+        truth = draw(name, 0.01, 1).truth
+        assert set(json.loads(json.dumps(truth, allow_nan=False))) == set(truth)
 
 
 @pytest.mark.skipif(not HIDDEN.exists(), reason=f"no recordings in {HIDDEN}")

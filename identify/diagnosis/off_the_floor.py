@@ -1,0 +1,148 @@
+"""The judgement off the floor: where it is not reached, or could only be guessed.
+
+Chi-square alone names nothing there. Effects are named that foretell what they were not fitted to; or one force whose
+free run leaves next to nothing, where the curves cannot say.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from identify.curves.confirmation import MOST_RIVALS, WORTH, Confirmation, complexity
+from identify.diagnosis.confirmed_fit import fit_confirmed
+from identify.diagnosis.ranking import Ranked
+from identify.diagnosis.suspects import Candidate
+from identify.diagnosis.verdict import Judgement, free_form
+from identify.fitting.baseline import ADEQUATE, Baseline
+from identify.fitting.fit import Fit
+from identify.fitting.misfit_errors import with_misfit_errors
+from identify.model.model import Term
+
+_NEXT_TO_NOTHING = 0.01
+"""Share of chi-square that is left where a name explains nearly all: so much may stay where the floor is sure and is not
+reached, or where the free run alone names."""
+
+_NEXT_LEAVES = 3.0
+"""A force that leaves less than this many times as much is not told apart from it."""
+
+_CLEAR = 3.0
+"""Standard errors, of the misfit that is there, by which a strength must differ from none."""
+
+_LINE_LEAVES = 0.5
+"""Share of chi-square that a second line may leave where the amplitude beats."""
+
+
+def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
+    """Return the judgement of one effect that reaches a guessed floor, unless the curves contradict it."""
+    best = alone.ranked[0].candidate
+    if found is None and best.term.effect.of_time:
+        return Judgement("unknown_effect", alone.ranked, best.fit, shape=free_form(baseline, baseline.fit))
+    if found is None or not found.has_law(best.name) or found.usual.typical("motion") < WORTH:
+        return replace(alone, confirmation=found)
+    reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
+    if best.name in found.mentioned or (reaches_it and not found.effects):
+        return replace(alone, confirmation=found)
+    return by_curves(baseline, alone.ranked, found, best.fit)
+
+
+def by_curves(
+    baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None, best: Fit
+) -> Judgement:
+    """Return the judgement of a misfit above the floor: what the curves confirm, however much of it that explains.
+
+    `best` is the fit that comes closest, named or not.
+    """
+    if found is not None and found.driven:
+        return Judgement("driven", ranked, baseline.fit, confirmation=found)
+    whole = None if found is None else _worthy(baseline, found)
+    if found is not None and whole is not None:
+        return _of_confirmed(baseline, ranked, found, whole)
+    alone = _by_free_run(baseline, ranked, found)
+    if alone is not None:
+        return alone
+    if found is None or baseline.floor_is_sure:
+        shape = free_form(baseline, ranked[0].candidate.fit if best is not baseline.fit else best)
+        return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)
+    shape = free_form(baseline, baseline.fit)
+    return Judgement("unconfirmed", ranked, baseline.fit, shape=shape, confirmation=found)
+
+
+def _worthy(baseline: Baseline, found: Confirmation) -> Fit | None:
+    """Return the fit with what curves confirm; None where that is nothing, or its free run does not bear it out.
+
+    One strength at least must be clear of none; and where the floor is known, half an explanation is not a name.
+    """
+    whole = fit_confirmed(baseline, found) if found.effects else None
+    if whole is None or not any(_is_clear(whole, effect.term) for effect in found.effects):
+        return None
+    left = whole.chi_square / baseline.fit.chi_square
+    return None if baseline.floor_is_sure and left > _NEXT_TO_NOTHING else whole
+
+
+def _of_confirmed(
+    baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation, whole: Fit
+) -> Judgement:
+    """Return the judgement that names what curves confirm, with the evidence of twice as many numbers as points."""
+    points = sum(len(curve) for curve in found.curves)
+    evidence = float(points * np.log(baseline.fit.chi_square / whole.chi_square))
+    gain = baseline.fit.chi_square - whole.chi_square
+    first = tuple(
+        Ranked(Candidate(effect.term, whole, whole.chi_square, gain, True), evidence, float("nan"), True)
+        for effect in found.effects
+    )
+    rest = tuple(replace(e, claimed=False) for e in ranked if e.candidate.name not in found.names)
+    shape = free_form(baseline, whole)
+    return Judgement(
+        "missing_effect", (*first, *rest), whole, found.names[1:], shape=shape, confirmation=found
+    )
+
+
+def _is_clear(whole: Fit, term: Term) -> bool:
+    """Whether the strength of an effect differs from none by some errors of the misfit that is there."""
+    strength = with_misfit_errors(whole).of(term)[term.effect.strength.name]
+    return abs(strength.value) > _CLEAR * strength.std
+
+
+def _by_free_run(
+    baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation | None
+) -> Judgement | None:
+    """Return the judgement of one force that the free run singles out where curves confirm none, if there is one.
+
+    Either the amplitude beats and a force without a curve, a second oscillator, leaves much less than any other; or
+    one that curves do not deny leaves next to nothing of what the model left, and far less than all but a few others,
+    among which no law of time.
+    """
+    plausible = sorted((entry for entry in ranked if entry.candidate.plausible), key=_misfit)
+    if not plausible or plausible[0].candidate.term.effect.kind != "physics":
+        return None
+    first = plausible[0]
+    unseen = found is not None and found.beats and not found.has_law(first.candidate.name)
+    beats = unseen and _misfit(first) < _LINE_LEAVES * baseline.fit.chi_square
+    near = [
+        entry
+        for entry in plausible
+        if entry.candidate.term.effect.kind == "physics" and _misfit(entry) < _NEXT_LEAVES * _misfit(first)
+    ]
+    simplest = min(near, key=lambda entry: (complexity(entry.candidate.term.effect), _misfit(entry)))
+    best = first if beats else simplest
+    left = _misfit(best) / baseline.fit.chi_square
+    seen = found is not None and found.has_law(best.candidate.name)
+    denied = seen and found is not None and best.candidate.name not in found.mentioned
+    apart = len(near) <= MOST_RIVALS + 1 and not any(entry.candidate.term.effect.of_time for entry in near)
+    if not (beats or (left < _NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
+        return None
+    rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
+    final = best.candidate.fit
+    shape = free_form(baseline, final)
+    rivals = () if beats else tuple(entry.candidate.name for entry in near if entry is not best)
+    return Judgement(
+        "missing_effect",
+        (replace(best, claimed=True, alike=rivals), *rest),
+        final,
+        shape=shape,
+        confirmation=found,
+    )
+
+
+def _misfit(entry: Ranked) -> float:
+    return entry.candidate.fit.chi_square

@@ -1,0 +1,94 @@
+"""The ranking: how good a reason each candidate is, what may be claimed, and what is not told apart."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.diagnosis.null_distribution import NullDistribution
+from identify.diagnosis.rest_evidence import at_rest
+from identify.diagnosis.suspects import Candidate
+from identify.fitting.baseline import Baseline
+
+ALPHA = 0.02
+"""Probability of claiming an effect where there is none; the promise is 5 %."""
+
+ALPHA_GUESSED = 2e-4
+"""The same where the floor could only be guessed: on such records nothing weak is claimed."""
+
+RIVALS_WITHIN = 4.6
+"""Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ranked:
+    """A candidate with its evidence (nats) and the probability that chance gives any suspect as good a reason.
+
+    The probability is nan where no chance was drawn: for a law between the names, and for what curves confirm.
+    `alike` are names of forces that the free run does not tell from it, where the floor was only a guess.
+    """
+
+    candidate: Candidate
+    evidence: float
+    p_value: float
+    claimed: bool
+    alike: tuple[str, ...] = ()
+
+
+def alpha(baseline: Baseline) -> float:
+    """Return the probability of a false claim that is allowed on these records."""
+    return ALPHA if baseline.floor_is_sure else ALPHA_GUESSED
+
+
+def rivals_of(entry: Ranked, ranked: tuple[Ranked, ...]) -> tuple[str, ...]:
+    """Return the names of the claimed candidates that explain the record as well as one of them does."""
+    if not entry.claimed or entry.alike:
+        return entry.alike
+    return tuple(
+        other.candidate.name
+        for other in ranked
+        if other is not entry and other.claimed and abs(other.evidence - entry.evidence) < RIVALS_WITHIN
+    )
+
+
+def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribution) -> tuple[Ranked, ...]:
+    """Return the candidates with their evidence: plausible claims first, then implausible ones, then the rest."""
+    dispersion, allowed = _dispersion(baseline, tried), alpha(baseline)
+    ranked = []
+    for candidate in tried:
+        drop = candidate.gain / dispersion
+        evidence = chance.surprise(candidate.name, drop) + at_rest(baseline.decays, candidate)
+        p_value = chance.p_value(candidate.name, drop) if evidence > 0.0 else 1.0
+        ranked.append(Ranked(candidate, evidence, p_value, p_value < allowed))
+    return tuple(sorted(ranked, key=_order))
+
+
+def _order(entry: Ranked) -> tuple[int, float]:
+    tier = 2 if not entry.claimed else 0 if entry.candidate.plausible else 1
+    return tier, -entry.evidence
+
+
+def _dispersion(baseline: Baseline, tried: tuple[Candidate, ...]) -> float:
+    """Return by how much a misfit that nothing explains widens chance: 1 where the best refit reaches a sure floor."""
+    best = min(
+        (c.fit for c in tried if c.plausible), key=lambda found: found.chi_square, default=baseline.fit
+    )
+    if baseline.adequate(best) and baseline.floor_is_sure:
+        return 1.0
+    lengths = []
+    for i, window in enumerate(best.windows):
+        for channel in window.channels:
+            lengths.append(_correlation_length(best.in_noise(channel, i)))
+    return max(1.0, best.reduced * float(np.mean(lengths)))
+
+
+def _correlation_length(values: Array) -> float:
+    """Return how many readings count as one, from the autocorrelation up to its first zero."""
+    n = len(values)
+    power = np.abs(np.fft.rfft(values - values.mean(), 2 * n)) ** 2
+    correlation = np.fft.irfft(power)[:n]
+    if correlation[0] <= 0.0:
+        return 1.0
+    correlation = correlation / correlation[0]
+    below = np.flatnonzero(correlation < 0.0)
+    return float(1.0 + 2.0 * correlation[1 : below[0] if len(below) else n].sum())

@@ -1,0 +1,61 @@
+"""The verdict: what may be said of a model, in a word, a headline and with what goes with it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from identify.curves.confirmation import Confirmation
+from identify.diagnosis.nonparametric_force import NonparametricForce, nonparametric_force
+from identify.diagnosis.ranking import Ranked
+from identify.diagnosis.suspects import Candidate
+from identify.fitting.baseline import Baseline, force_along_motion
+from identify.fitting.fit import Fit
+
+Verdict = Literal[
+    "missing_effect",
+    "sensor_fault",
+    "nothing_missing",
+    "unknown_effect",
+    "unconfirmed",
+    "driven",
+    "not_enough_data",
+]
+
+HEADLINES: dict[Verdict, str] = {
+    "missing_effect": "A force is missing",
+    "sensor_fault": "A sensor is at fault",
+    "nothing_missing": "Nothing is missing",
+    "unknown_effect": "Something is missing that has no name here",
+    "unconfirmed": "A misfit that no effect here foretells",
+    "driven": "The motion is driven",
+    "not_enough_data": "Not enough data",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """What is to be said of a model.
+
+    `ranked` are the candidates, what the verdict names first; `together` the second effect where it takes two; `final`
+    the fit with what was found; `shape` the free form, when something is missing that has no name. `corrected` tells
+    that a fault which every fit corrects decides, not a candidate that was tried. `confirmation` is what curves
+    foretell, None where they were not asked.
+    """
+
+    verdict: Verdict
+    ranked: tuple[Ranked, ...]
+    final: Fit
+    together: tuple[str, ...] = ()
+    shape: NonparametricForce | None = None
+    corrected: bool = False
+    confirmation: Confirmation | None = None
+
+
+def verdict_of(candidate: Candidate) -> Verdict:
+    """Return what is said where one candidate is named."""
+    return "missing_effect" if candidate.term.effect.kind == "physics" else "sensor_fault"
+
+
+def free_form(baseline: Baseline, found: Fit) -> NonparametricForce:
+    """Return the free form of what a fit leaves, along the release of the largest amplitude."""
+    largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
+    return nonparametric_force(largest, force_along_motion(largest, found))
