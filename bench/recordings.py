@@ -49,7 +49,7 @@ def _said(name: str, options: dict, folder: Path) -> list[str]:
         if code_of(error) == 1:
             raise
         return [name, f"refused: {str(error).split(': ', 1)[-1]}", "", "", "", "", ""]
-    before, after = document["error"], document["error_with_named"] or document["error"]
+    before, after = document.error, document.error_with_named or document.error
     friction = found.baseline.fit.values["coulomb_friction.mu_0"]
     known = (
         f"{friction.value:.2g} ± {friction.std:.1g}"
@@ -61,8 +61,8 @@ def _said(name: str, options: dict, folder: Path) -> list[str]:
         f"{found.verdict} {' + '.join(found.named)}".strip(),
         ", ".join(suspect.effect.name for suspect in found.suspects[:3]),
         known,
-        f"{before['motion_percent']:.3g} → {after['motion_percent']:.3g}",
-        f"{before['chi2']:.3g} → {after['chi2']:.3g}",
+        f"{before.motion_percent:.3g} → {after.motion_percent:.3g}",
+        f"{before.chi2:.3g} → {after.chi2:.3g}",
         f"{time.perf_counter() - began:.1f}",
     ]  # fmt: skip
 

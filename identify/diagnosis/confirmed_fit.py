@@ -26,7 +26,11 @@ def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
         base.point | linear | strengths | states,
         initial_values(baseline.decays, model, base.point | strengths) | linear | strengths,
     )
-    ends = [fit(model, base.windows, start, base.frequency, near=True) for start in starts]
+    ends = [
+        fit(model, base.windows, start, base.frequency, near=near)
+        for start in starts
+        for near in (False, True)
+    ]
     ends.append(_one_after_the_other(baseline, found))
     best = min(ends, key=lambda end: end.chi_square)
     return best if best.chi_square < base.chi_square else None

@@ -37,10 +37,11 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
     best = alone.ranked[0].candidate
     if found is None and best.term.effect.of_time:
         return Judgement("unknown_effect", alone.ranked, best.fit, shape=free_form(baseline, baseline.fit))
-    if found is None or not found.has_law(best.name) or found.usual.typical("motion") < WORTH:
+    if found is None or found.usual.typical("motion") < WORTH:
         return replace(alone, confirmation=found)
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
-    if best.name in found.mentioned or (reaches_it and not found.effects):
+    open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
+    if best.name in found.names or (open_to_it and not found.effects):
         return replace(alone, confirmation=found)
     return by_curves(baseline, alone.ranked, found, best.fit)
 
@@ -57,7 +58,8 @@ def by_curves(
     whole = None if found is None else _worthy(baseline, found)
     if found is not None and whole is not None:
         return _of_confirmed(baseline, ranked, found, whole)
-    alone = _by_free_run(baseline, ranked, found)
+    contradicted = found is not None and bool(found.effects)
+    alone = None if contradicted else _by_free_run(baseline, ranked, found)
     if alone is not None:
         return alone
     if found is None or baseline.floor_is_sure:
