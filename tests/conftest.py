@@ -6,8 +6,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: there is a worker a core
+
+settings.register_profile("repeatable", derandomize=True, deadline=None)
+settings.load_profile("repeatable")  # the same draws in every run; `python -m bench fuzz` looks for new ones
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent

@@ -61,7 +61,7 @@ def test_an_imported_recording_comes_back_bit_by_bit(session: Session) -> None:
         assert getattr(read, name) == getattr(given_, name)
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.integers(1, 5),
     st.integers(1, 200),
@@ -107,7 +107,7 @@ def every_file(folder: Path) -> list[Path]:
     return sorted(path for path in folder.rglob("*") if path.is_file())
 
 
-@settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_one_flipped_bit_anywhere_is_found(session: Session, data: st.DataObject) -> None:
     path = data.draw(st.sampled_from(every_file(session.folder)))
@@ -181,7 +181,7 @@ def test_damaged_metadata_are_refused_in_words(session: Session, text: str) -> N
         Session.open(session.folder)
 
 
-@settings(max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@settings(max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_whatever_a_session_holds_it_is_read_or_refused_in_words(
     session: Session, data: st.DataObject

@@ -21,9 +21,7 @@ GOOD = table("time_s,displacement_m,acceleration_m_s2", T, U, A).encode()
 EXAMPLES = int(os.environ.get("STATION_EXAMPLES", "20"))  # `python -m bench fuzz` goes on for minutes
 FUZZ = settings(
     max_examples=EXAMPLES,
-    deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
-    database=None,
 )
 CHOICES = st.sampled_from(
     [ImportOptions(), ImportOptions(resample=True), ImportOptions(columns={"displacement": 2}, rate=9.0)]
