@@ -1,5 +1,7 @@
 """One session's folder: opened, created, filled, sealed; the layout is drawn in `session`."""
 
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Self
@@ -7,7 +9,7 @@ from typing import Any, Self
 from pydantic import ValidationError
 
 from daq.decode import Assembly, assemble
-from daq.errors import DataLost, NotASession, SessionDamaged, SettingsError, StorageError
+from daq.errors import DataLost, NotASession, SessionChanged, SessionDamaged, SettingsError, StorageError
 from daq.import_log import import_log
 from daq.manifest import (
     Counts,
@@ -24,22 +26,31 @@ from daq.noise_history import typical_noise
 from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog, Record, read
 from daq.recording import Channel, Recording
+from daq.session_changes import commit, complete
 from daq.session_info import SensorInfo, SessionInfo, State
-from daq.storage import Lock, make_folder, read_regular, refused, write_whole
+from daq.storage import Lock, digest, make_folder, read_regular, refused, write_whole
 
 INFO = "session.json"
 RAW = "raw.log"
 RESULTS = "results"
 SOURCE = "source"
 MAX_INFO = 1 << 20
+WAIT_S = 10.0
+"""How long a change waits for another process that changes the same session."""
 
 
 class Session:
-    """One session's folder. Reading takes no lock; whoever writes the raw log holds one until it seals."""
+    """One session's folder. Reading takes no lock; a change holds one, and a capture from the raw log until it seals.
 
-    def __init__(self, folder: Path, info: SessionInfo, lock: Lock | None = None) -> None:
+    `completed` are the files whose change a killed program had left half-way, and which `recover` completed.
+    """
+
+    def __init__(
+        self, folder: Path, info: SessionInfo, lock: Lock | None = None, completed: tuple[str, ...] = ()
+    ) -> None:
         self.folder = folder
         self.info = info
+        self.completed = completed
         self._lock = lock
 
     @classmethod
@@ -62,7 +73,7 @@ class Session:
         try:
             log.note(event="session", info=session.info.model_dump(mode="json"))
             session._make_results()
-            session._write_info()
+            write_whole(folder / INFO, _to_bytes(session.info))
             log.store(folder / RAW)
         except BaseException:
             lock.release()
@@ -150,23 +161,51 @@ class Session:
         return read_manifest(self.folder)
 
     def update(self, **changes: Any) -> None:
-        """Change metadata; SettingsError when a value is out of range."""
+        """Change metadata; SettingsError when a value is out of range, SessionLocked as in `write_results`."""
+        with self._writing() as begun:
+            known = self.info if begun else read_info(self.folder)
+            try:
+                self.info = SessionInfo.model_validate({**known.model_dump(), **changes})
+            except ValidationError as error:
+                first = error.errors(include_url=False, include_input=False)[0]
+                raise SettingsError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+            self._change({INFO: _to_bytes(self.info)})
+
+    def read_result(self, name: str, limit: int) -> bytes | None:
+        """Return `results/name`, None when there is none; StorageError when it is a link, or longer than `limit`."""
+        if self.results.is_symlink():
+            raise StorageError(f"{self.results} is a link to elsewhere; remove it, nothing was read")
         try:
-            self.info = SessionInfo.model_validate({**self.info.model_dump(), **changes})
-        except ValidationError as error:
-            first = error.errors(include_url=False, include_input=False)[0]
-            raise SettingsError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from error
-        self._note(INFO, self._write_info())
+            return read_regular(self.results / name, limit)
+        except NotASession:
+            return None
 
     def write_result(self, name: str, data: str | bytes) -> Path:
-        """Write `results/name` as a whole and note its checksum; overwrites a result of that name."""
-        if not is_plain_name(name) or "/" in name or "\\" in name:
-            raise SettingsError(f"{name!r} is no name for a result; use letters, digits, dots and dashes")
-        content = data.encode() if isinstance(data, str) else data
-        self._make_results()
-        write_whole(self.results / name, content)
-        self._note(f"{RESULTS}/{name}", content)
+        """Write one result as `write_results` does, and return its file."""
+        self.write_results({name: data})
         return self.results / name
+
+    def write_results(
+        self, contents: Mapping[str, str | bytes], seen: Mapping[str, str | None] | None = None
+    ) -> None:
+        """Write files of `results` and their checksums in the manifest as one change; what is there is overwritten.
+
+        `seen` holds, for results on which the change is based, the checksum of what was read (`daq.storage.digest`;
+        None for no file). SessionChanged when one is another by now, SessionLocked when another process does not end
+        its own change in time; nothing is written then.
+        """
+        for name in contents:
+            if not is_plain_name(name) or "/" in name or "\\" in name:
+                raise SettingsError(f"{name!r} is no name for a result; use letters, digits, dots and dashes")
+        plain = {
+            f"{RESULTS}/{name}": data.encode() if isinstance(data, str) else data
+            for name, data in contents.items()
+        }
+        with self._writing():
+            for name, checksum in (seen or {}).items():
+                self._expect(name, checksum)
+            self._make_results()
+            self._change(plain)
 
     def seal(
         self,
@@ -180,22 +219,22 @@ class Session:
 
         On a session that is sealed already it only notes the checksums of new results.
         """
-        known = self._known_manifest()
-        if known is not None and self.info.state is not State.RECORDING and state is State.SEALED:
-            write_manifest(self.folder, known.model_copy(update={"files": self._entries(known.files)}))
-            return known.verdict
-        assembly = self.assembly()
-        verdict, gaps, counts = _judge(self.folder, self.info, assembly, check_clock)
-        counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
-        self.info = self.info.model_copy(
-            update={"state": state, "reason": reason[:2000], "verdict": verdict.grade.value}
-        )
-        self._write_info()
-        files = self._entries(known.files if known else {})
-        sealed = Manifest(state=state, files=files, counts=counts, gaps=gaps, verdict=verdict)
-        write_manifest(self.folder, sealed)
-        self.release()
-        return verdict
+        with self._writing():
+            known = self._known_manifest()
+            if known is not None and self.info.state is not State.RECORDING and state is State.SEALED:
+                write_manifest(self.folder, known.model_copy(update={"files": self._entries(known.files)}))
+                return known.verdict
+            verdict, gaps, counts = _judge(self.folder, self.info, self.assembly(), check_clock)
+            counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
+            self.info = self.info.model_copy(
+                update={"state": state, "reason": reason[:2000], "verdict": verdict.grade.value}
+            )
+            files = self._entries(known.files if known else {})
+            sealed = Manifest(state=state, files=files, counts=counts, gaps=gaps, verdict=verdict)
+            changed = {INFO: _to_bytes(self.info)}
+            commit(self.folder, changed, sealed.with_files(changed))
+            self.release()
+            return verdict
 
     def release(self) -> None:
         """Give the lock back; harmless when it is not held."""
@@ -217,15 +256,36 @@ class Session:
         except NotASession:
             return None
 
-    def _note(self, name: str, content: bytes) -> None:
+    @contextmanager
+    def _writing(self) -> Iterator[bool]:
+        """Hold the lock; whether it was held before is given. A change that was cut off is completed first."""
+        if self._lock is not None:
+            yield True
+            return
+        lock = Lock(self.folder)
+        lock.acquire(WAIT_S)
+        self._lock = lock
+        try:
+            complete(self.folder)
+            yield False
+        finally:
+            self.release()
+
+    def _change(self, contents: Mapping[str, bytes]) -> None:
         known = self._known_manifest()
         if known is not None:
-            write_manifest(self.folder, known.with_file(name, content))
+            commit(self.folder, contents, known.with_files(contents))
+            return
+        for name, data in contents.items():
+            write_whole(self.folder / name, data)
 
-    def _write_info(self) -> bytes:
-        content = self.info.model_dump_json(indent=1).encode() + b"\n"
-        write_whole(self.folder / INFO, content)
-        return content
+    def _expect(self, name: str, checksum: str | None) -> None:
+        data = self.read_result(name, MAX_LOG)
+        if (None if data is None else digest(data)) != checksum:
+            raise SessionChanged(
+                f"{self.folder.name}: another program has changed {RESULTS}/{name} meanwhile; nothing was written,"
+                " look at it and do this step again"
+            )
 
     def _make_results(self) -> None:
         if self.results.is_symlink():
@@ -248,6 +308,10 @@ def read_info(folder: Path) -> SessionInfo:
         first = error.errors(include_url=False, include_input=False)[0]
         where = ".".join(str(part) for part in first["loc"])[:200] or "it"
         raise SessionDamaged(f"{folder / INFO}: {where}: {first['msg']}; recover the session") from error
+
+
+def _to_bytes(info: SessionInfo) -> bytes:
+    return info.model_dump_json(indent=1).encode() + b"\n"
 
 
 def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:

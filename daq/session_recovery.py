@@ -6,11 +6,15 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from daq.errors import NotASession, SessionDamaged, StationError, StorageError
+from daq.errors import NotASession, SessionDamaged, SessionLocked, StationError, StorageError
+from daq.manifest import NAME as MANIFEST
 from daq.raw_log import MAX_LOG, Record, unpack
+from daq.session_changes import complete, is_cut_off
 from daq.session_folder import INFO, RAW, Session, read_info
 from daq.session_info import SessionInfo, State
 from daq.storage import Lock, read_regular, refused
+
+_UNSEALED = "the program ended before the session was sealed"
 
 
 @dataclass(frozen=True)
@@ -43,15 +47,23 @@ def list_sessions(folder: Path | str) -> tuple[SessionSummary, ...]:
 
 
 def unsealed_sessions(folder: Path | str) -> tuple[Path, ...]:
-    """Return the sessions in a folder that were never sealed and that no process is writing."""
+    """Return the sessions in a folder that a program left unfinished and that none is writing.
+
+    These were never sealed, or have no manifest, or hold a change that was cut off.
+    """
     waiting = []
     for summary in list_sessions(folder):
-        if summary.info is not None and summary.info.state is not State.RECORDING:
+        recording = summary.info is None or summary.info.state is State.RECORDING
+        sealed = os.path.lexists(summary.folder / MANIFEST)
+        if sealed and not recording and not is_cut_off(summary.folder):
             continue
         lock = Lock(summary.folder)
         try:
             lock.acquire()
-        except StorageError:
+        except SessionLocked:
+            continue
+        except StorageError:  # `recover` says why
+            waiting.append(summary.folder)
             continue
         lock.release()
         waiting.append(summary.folder)
@@ -59,10 +71,11 @@ def unsealed_sessions(folder: Path | str) -> tuple[Path, ...]:
 
 
 def recover(folder: Path | str) -> Session:
-    """Make an unsealed session whole: everything up to the last whole record of its raw log.
+    """Make an unfinished session whole: everything up to the last whole record of its raw log.
 
-    A sealed or recovered session is returned as it is. SessionLocked while a process writes it,
-    NotASession or SessionDamaged when there is no raw log. The raw log itself is never touched.
+    A change of results that was cut off is completed: see `completed` of what is returned. A sealed or recovered
+    session is otherwise returned as it is. SessionLocked while a process writes it, NotASession or SessionDamaged
+    when there is no raw log. The raw log itself is never touched.
     """
     folder = Path(folder)
     if not (folder / RAW).exists():
@@ -70,13 +83,16 @@ def recover(folder: Path | str) -> Session:
     lock = Lock(folder)
     lock.acquire()
     try:
+        completed = complete(folder)
         raw = unpack(read_regular(folder / RAW, MAX_LOG))
         info = _info_again(folder, raw.records)
-        session = Session(folder, info, lock)
-        if info.state in (State.SEALED, State.RECOVERED) and (folder / "manifest.json").exists():
+        session = Session(folder, info, lock, completed)
+        if info.state in (State.SEALED, State.RECOVERED) and os.path.lexists(folder / MANIFEST):
+            session.release()
             return session
         session._make_results()
-        what = info.reason or "the program ended before the session was sealed"
+        lost = "the manifest was missing" if info.state is State.SEALED else _UNSEALED
+        what = info.reason or lost
         session.seal(State.RECOVERED, f"{what}; {len(raw.records)} records recovered, {raw.cut} bytes cut")
         return session
     finally:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from station import exits
 from station.commands.options import CONDITIONS, MASS, MASS_STD
 from station.output import json_option, print_json, progress, screen
 
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
     "--spare",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Where the session goes when its own disk fails (default: asked at a terminal).",
+    help="Where the session goes when its disk fails (default: a terminal asks, else a temporary folder: exit 10).",
 )
 @click.option("--no-viewer", is_flag=True, help="No live view.")
 @click.option(
@@ -68,11 +69,12 @@ def command(
     again: bool | None,
     as_json: bool,
     **timing: Any,
-) -> None:
+) -> int:
     """Record one release, judge the recording, and identify it.
 
     Hold the mass still until the station is armed, then let it go.
     """
+    from daq.failover import is_temporary
     from daq.ports import choose_port
     from station.operations.capturing import record
     from station.operations.new_session import capture_settings, new_folder, session_info
@@ -89,6 +91,7 @@ def command(
         place = folder.with_name(f"{folder.name}_{number}") if folder else new_folder(settings.sessions)
         session, url = record(chosen, wanted, place, not no_viewer, spare)
     finish(session, url, settings, as_json)
+    return exits.ELSEWHERE if is_temporary(session.folder) else exits.DONE
 
 
 def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:

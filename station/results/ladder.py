@@ -5,9 +5,10 @@ from typing import Any, Self
 from pydantic import Field
 
 from daq.session import Session
+from daq.storage import digest
 from identify.diagnosis.ladder import Rung
 from station.exits import UsageProblem
-from station.results.documents import Document, Errors, Part, read_document, write_document
+from station.results.documents import Document, Errors, Part, read_document, to_text
 from station.results.models import ModelFile, Value, model_file, written
 
 LADDER = "ladder.json"
@@ -82,10 +83,15 @@ def read_ladder(session: Session) -> KeptLadder | None:
     return ladder
 
 
-def write_ladder(session: Session, ladder: KeptLadder) -> None:
-    """Write results/ladder.json, and the present model to results/model.json."""
-    write_document(session, LADDER, ladder)
-    session.write_result(MODEL, written(ladder.top.model))
+def write_ladder(session: Session, ladder: KeptLadder) -> KeptLadder:
+    """Write results/ladder.json and the present model, results/model.json, as one change; return it as it is kept.
+
+    SessionChanged when the ladder that it continues is another by now: nothing is written then.
+    """
+    text = to_text(ladder)
+    contents = {LADDER: text, MODEL: written(ladder.top.model)}
+    session.write_results(contents, seen={LADDER: ladder.seen})
+    return ladder.with_(seen=digest(text.encode()))
 
 
 def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:

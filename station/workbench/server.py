@@ -1,7 +1,10 @@
 """The server: one process on 127.0.0.1 that serves the page until it is interrupted."""
 
 import asyncio
+import html
+import logging
 import os
+import secrets
 import signal
 import socket
 import tempfile
@@ -53,6 +56,28 @@ def serve(
         _run(settings, named, opened, place, Path(temporary), open_browser, say)
 
 
+class OneLine(logging.Handler):
+    """Says what a library logs in one line, whatever traceback comes with it."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        super().__init__()
+        self._say = say
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Say it."""
+        error = record.exc_info[1] if record.exc_info else None
+        words = " ".join(record.getMessage().split())
+        name = "" if error is None or type(error).__name__ in words else f"{type(error).__name__}: "
+        self._say(f"{record.name}: {name}{words[:300]}")
+
+
+def _way_to(address: str, temporary: Path) -> str:
+    """Return a page, readable by this user only, that leads to the address: every user sees a program's arguments."""
+    page = temporary / "open.html"
+    page.write_text(f'<meta http-equiv="refresh" content="0;url={html.escape(address)}">', encoding="utf-8")
+    return page.as_uri()
+
+
 def _run(
     settings: Settings,
     named: tuple[Path, ...],
@@ -72,16 +97,21 @@ def _run(
     names = {place, f"localhost:{port}"}
     if everywhere:
         names.add(f"{socket.gethostname()}:{port}")
-    app, state = make(settings, named, frozenset(names), everywhere, temporary)
-    address = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
-    config = uvicorn.Config(app, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2)
+    token = secrets.token_urlsafe(24)
+    app, state = make(settings, named, frozenset(names), token, everywhere, temporary)
+    page = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
+    address = f"{page}{'&' if '?' in page else '?'}token={token}"
+    logging.basicConfig(handlers=[OneLine(say)], level=logging.WARNING, force=True)
+    config = uvicorn.Config(
+        app, log_config=None, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2
+    )
     server = uvicorn.Server(config)
 
     async def run() -> None:
         say(f"workbench: {address}")
         say("end it with Ctrl-C")
         if open_browser:
-            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, address)
+            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, _way_to(address, temporary))
         await server.serve(sockets=[opened])
 
     try:
