@@ -70,6 +70,18 @@ def unsealed_sessions(folder: Path | str) -> tuple[Path, ...]:
     return tuple(waiting)
 
 
+def finish_change(folder: Path) -> tuple[str, ...]:
+    """Complete a change that a process left half-way; return the files that it changed. Errors as `recover`."""
+    if not is_cut_off(folder):
+        return ()
+    lock = Lock(folder)
+    lock.acquire()
+    try:
+        return complete(folder)
+    finally:
+        lock.release()
+
+
 def recover(folder: Path | str) -> Session:
     """Make an unfinished session whole: everything up to the last whole record of its raw log.
 

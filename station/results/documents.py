@@ -40,13 +40,9 @@ class Part(BaseModel):
 
 
 class Document(Part):
-    """A whole document; one without the version, or of another one, cannot be read.
-
-    `seen` is the checksum of the file that it was read from, or is to replace; it is not kept.
-    """
+    """A whole document; one without the version, or of another one, cannot be read."""
 
     format: Literal[1]
-    seen: str | None = Field(default=None, exclude=True)
 
 
 class EstimateDocument(Part):
@@ -81,11 +77,15 @@ def read_document(session: Session, name: str, kind: type[Kept], remedy: str) ->
 
     Raises UsageProblem, which ends with the `remedy`, when it was altered or another version wrote it.
     """
+    found = read_with_checksum(session, name, kind, remedy)
+    return None if found is None else found[0]
+
+
+def read_with_checksum(session: Session, name: str, kind: type[Kept], remedy: str) -> tuple[Kept, str] | None:
+    """Return a result as `read_document` does, and the checksum of its file."""
     try:
         content = session.read_result(name, LARGEST)
-        if content is None:
-            return None
-        return kind.model_validate_json(content).model_copy(update={"seen": digest(content)})
+        return None if content is None else (kind.model_validate_json(content), digest(content))
     except (ValidationError, ValueError, StorageError) as error:
         raise UsageProblem(
             f"{session.folder.name}: results/{name} was altered, or another version wrote it; {remedy}"

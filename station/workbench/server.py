@@ -2,7 +2,6 @@
 
 import asyncio
 import html
-import logging
 import os
 import secrets
 import signal
@@ -13,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from station.exits import UsageProblem
+from station.library_messages import say_in_one_line
 from station.settings import Settings
 
 HOST = "127.0.0.1"
@@ -56,21 +56,6 @@ def serve(
         _run(settings, named, opened, place, Path(temporary), open_browser, say)
 
 
-class OneLine(logging.Handler):
-    """Says what a library logs in one line, whatever traceback comes with it."""
-
-    def __init__(self, say: Callable[[str], None]) -> None:
-        super().__init__()
-        self._say = say
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Say it."""
-        error = record.exc_info[1] if record.exc_info else None
-        words = " ".join(record.getMessage().split())
-        name = "" if error is None or type(error).__name__ in words else f"{type(error).__name__}: "
-        self._say(f"{record.name}: {name}{words[:300]}")
-
-
 def _way_to(address: str, temporary: Path) -> str:
     """Return a page, readable by this user only, that leads to the address: every user sees a program's arguments."""
     page = temporary / "open.html"
@@ -101,7 +86,7 @@ def _run(
     app, state = make(settings, named, frozenset(names), token, everywhere, temporary)
     page = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
     address = f"{page}{'&' if '?' in page else '?'}token={token}"
-    logging.basicConfig(handlers=[OneLine(say)], level=logging.WARNING, force=True)
+    say_in_one_line(say)
     config = uvicorn.Config(
         app, log_config=None, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2
     )

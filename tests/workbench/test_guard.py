@@ -2,7 +2,6 @@
 
 import asyncio
 import http.client
-import logging
 import socket
 from urllib.parse import parse_qs, urlsplit
 
@@ -10,7 +9,6 @@ import pytest
 from starlette.exceptions import HTTPException
 
 from station.workbench.guard import LARGEST_BODY, Guard
-from station.workbench.server import OneLine
 from station.workbench.uploads import plain_name
 
 
@@ -141,17 +139,6 @@ def test_a_body_of_unsaid_length_is_cut_off_at_the_limit():
         asyncio.run(guard(scope, receive, None))
     assert refused.value.status_code == 413
     assert sum(taken) <= LARGEST_BODY
-
-
-def test_what_a_library_logs_is_one_line_without_a_traceback():
-    said = []
-    logger = logging.Logger("nicegui")
-    logger.addHandler(OneLine(said.append))
-    try:
-        raise TimeoutError("JavaScript did not respond\nwithin 5.0 s")
-    except TimeoutError as error:
-        logger.exception(error)
-    assert said == ["nicegui: TimeoutError: JavaScript did not respond within 5.0 s"]
 
 
 def test_what_is_no_part_of_the_viewer_is_not_served(bench):
