@@ -28,7 +28,7 @@ from daq.raw_log import MAX_LOG, RawLog, Record, read
 from daq.recording import Channel, Recording
 from daq.session_changes import commit, complete
 from daq.session_info import SensorInfo, SessionInfo, State
-from daq.storage import Lock, digest, make_folder, read_regular, refused, write_whole
+from daq.storage import Lock, digest, make_folder, read_regular, refused, require_empty, write_whole
 
 INFO = "session.json"
 RAW = "raw.log"
@@ -71,6 +71,7 @@ class Session:
         lock.acquire()
         session = cls(folder, info.model_copy(update={"name": info.name or folder.name}), lock)
         try:
+            require_empty(folder)  # another process may have made a session here in between
             log.note(event="session", info=session.info.model_dump(mode="json"))
             session._make_results()
             write_whole(folder / INFO, _to_bytes(session.info))

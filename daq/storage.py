@@ -34,14 +34,17 @@ def make_folder(folder: Path) -> None:
     """Make a new folder for a session; SessionExists when it holds something already."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        if any(folder.iterdir()):
-            raise SessionExists(
-                f"{folder} holds something already; nothing was overwritten, name a new folder"
-            )
+        require_empty(folder)
     except FileExistsError as error:
         raise SessionExists(f"{folder} is a file; name a new folder for the session") from error
     except OSError as error:
         raise refused(folder, error) from error
+
+
+def require_empty(folder: Path) -> None:
+    """SessionExists when a folder holds anything but a lock."""
+    if any(path.name != Lock.NAME for path in folder.iterdir()):
+        raise SessionExists(f"{folder} holds something already; nothing was overwritten, name a new folder")
 
 
 def require_space(folder: Path, spare: int) -> None:

@@ -6,12 +6,12 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from threading import Thread
+from threading import Barrier, Thread
 
 import numpy as np
 import pytest
 
-from daq.errors import SessionChanged, SessionLocked, StorageError
+from daq.errors import SessionChanged, SessionExists, SessionLocked, StorageError
 from daq.recording import Channel, Recording
 from daq.session import Session, State, recover, unsealed_sessions, verify
 from daq.storage import Lock, digest, write_whole
@@ -303,3 +303,28 @@ def test_a_session_killed_between_manifest_and_metadata_is_sealed_by_recover(tmp
     assert unsealed_sessions(tmp_path) == (folder,)
     assert recover(folder).info.state is State.SEALED
     assert verify(folder).ok
+
+
+def test_of_many_who_make_the_same_session_at_once_one_makes_it_whole(tmp_path: Path) -> None:
+    samples = np.sin(np.arange(64) / 5.0)[np.newaxis]
+    recording = Recording(64.0, (Channel("u", "displacement", "m"),), samples, np.ones(64, dtype=bool))
+    for attempt in range(4):
+        folder, ended = tmp_path / str(attempt), []
+        start = Barrier(4)
+
+        def make(folder: Path = folder, ended: list[str] = ended, start: Barrier = start) -> None:
+            start.wait()
+            try:
+                Session.create_imported(folder, recording, None)
+                ended.append("made")
+            except (SessionExists, SessionLocked) as error:
+                ended.append(type(error).__name__)
+
+        threads = [Thread(target=make) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert ended.count("made") == 1
+        assert len(ended) == 4
+        assert verify(folder).ok
