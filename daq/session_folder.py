@@ -1,15 +1,14 @@
-"""One session's folder: opened, created, filled, sealed; the layout is drawn in `session`."""
+"""One session's folder: created, filled, sealed, changed; the layout is drawn in `session`."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Self
 
 from pydantic import ValidationError
 
-from daq.decode import Assembly, assemble
-from daq.errors import DataLost, NotASession, SessionChanged, SessionDamaged, SettingsError, StorageError
+from daq.decode import Assembly
+from daq.errors import DataLost, NotASession, SessionChanged, SettingsError, StorageError
 from daq.import_log import import_log
 from daq.manifest import (
     Counts,
@@ -18,28 +17,23 @@ from daq.manifest import (
     Manifest,
     entry,
     is_plain_name,
-    read_manifest,
     session_files,
     write_manifest,
 )
 from daq.noise_history import typical_noise
 from daq.quality import Grade, Verdict, judge
-from daq.raw_log import MAX_LOG, RawLog, Record, read
+from daq.raw_log import MAX_LOG, RawLog
 from daq.recording import Channel, Recording
 from daq.session_changes import commit, complete
 from daq.session_info import SensorInfo, SessionInfo, State
+from daq.session_reading import INFO, RAW, RESULTS, SOURCE, SessionReader, read_info
 from daq.storage import Lock, digest, make_folder, read_regular, refused, require_empty, write_whole
 
-INFO = "session.json"
-RAW = "raw.log"
-RESULTS = "results"
-SOURCE = "source"
-MAX_INFO = 1 << 20
 WAIT_S = 10.0
 """How long a change waits for another process that changes the same session."""
 
 
-class Session:
+class Session(SessionReader):
     """One session's folder. Reading takes no lock; a change holds one, and a capture from the raw log until it seals.
 
     `completed` are the files whose change a killed program had left half-way, and which `recover` completed.
@@ -48,16 +42,9 @@ class Session:
     def __init__(
         self, folder: Path, info: SessionInfo, lock: Lock | None = None, completed: tuple[str, ...] = ()
     ) -> None:
-        self.folder = folder
-        self.info = info
+        super().__init__(folder, info)
         self.completed = completed
         self._lock = lock
-
-    @classmethod
-    def open(cls, folder: Path | str) -> Self:
-        """Open a session for reading; NotASession or SessionDamaged when it is none."""
-        folder = Path(folder)
-        return cls(folder, read_info(folder))
 
     @classmethod
     def create(cls, folder: Path | str, info: SessionInfo, log: RawLog) -> Self:
@@ -113,54 +100,6 @@ class Session:
             session.release()
         return session
 
-    @property
-    def results(self) -> Path:
-        """The folder of results; it is there."""
-        return self.folder / RESULTS
-
-    @property
-    def source_file(self) -> Path | None:
-        """The copy of the imported file, or None."""
-        name = self.info.source_file
-        return self.folder / SOURCE / name if name and is_plain_name(name) else None
-
-    def records(self) -> tuple[Record, ...]:
-        """The records of the raw log, in order."""
-        return read(self.folder / RAW).records
-
-    def assembly(self) -> Assembly:
-        """Decode the raw log; what is damaged in it is listed in the notes."""
-        raw = read(self.folder / RAW)
-        assembly = assemble(raw.records)
-        if raw.damaged:
-            assembly.notes.append(f"{raw.damaged} damaged pieces of the raw log were skipped")
-        return assembly
-
-    def recording(self) -> Recording:
-        """Return the recording, decoded from the raw bytes; DataLost when they hold no sample."""
-        try:
-            return self.complete(self.assembly().recording())
-        except DataLost as error:
-            raise DataLost(f"{self.folder}: {error}", self.folder) from error
-
-    def complete(self, recording: Recording) -> Recording:
-        """Add what the metadata know: calibrations and the uncertainty of the rate."""
-        known = {sensor.channel: sensor for sensor in self.info.sensors}
-        channels = tuple(_calibrated(channel, known.get(channel.name)) for channel in recording.channels)
-        return replace(recording, channels=channels, rate_std=self.info.rate_std_hz)
-
-    @property
-    def verdict(self) -> Verdict | None:
-        """The verdict of the manifest; None when the session is not sealed."""
-        try:
-            return self.manifest().verdict
-        except NotASession:
-            return None
-
-    def manifest(self) -> Manifest:
-        """Read the manifest; NotASession when the session is not sealed, SessionDamaged when altered."""
-        return read_manifest(self.folder)
-
     def update(self, **changes: Any) -> None:
         """Change metadata; SettingsError when a value is out of range, SessionLocked as in `write_results`."""
         with self._writing() as begun:
@@ -171,15 +110,6 @@ class Session:
                 first = error.errors(include_url=False, include_input=False)[0]
                 raise SettingsError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from error
             self._change({INFO: _to_bytes(self.info)})
-
-    def read_result(self, name: str, limit: int) -> bytes | None:
-        """Return `results/name`, None when there is none; StorageError when it is a link, or longer than `limit`."""
-        if self.results.is_symlink():
-            raise StorageError(f"{self.results} is a link to elsewhere; remove it, nothing was read")
-        try:
-            return read_regular(self.results / name, limit)
-        except NotASession:
-            return None
 
     def write_result(self, name: str, data: str | bytes) -> Path:
         """Write one result as `write_results` does, and return its file."""
@@ -297,20 +227,6 @@ class Session:
             raise refused(self.results, error) from error
 
 
-def read_info(folder: Path) -> SessionInfo:
-    """Read and check `session.json`."""
-    try:
-        data = read_regular(folder / INFO, MAX_INFO)
-    except NotASession as error:
-        raise NotASession(f"{folder} is no session: there is no {INFO} in it") from error
-    try:
-        return SessionInfo.model_validate_json(data)
-    except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        where = ".".join(str(part) for part in first["loc"])[:200] or "it"
-        raise SessionDamaged(f"{folder / INFO}: {where}: {first['msg']}; recover the session") from error
-
-
 def _to_bytes(info: SessionInfo) -> bytes:
     return info.model_dump_json(indent=1).encode() + b"\n"
 
@@ -320,13 +236,6 @@ def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
         SensorInfo(channel=c.name[:255], sensor=c.sensor[:255], uncertainty=c.calibration_uncertainty)
         for c in channels
     )
-
-
-def _calibrated(channel: Channel, sensor: SensorInfo | None) -> Channel:
-    if sensor is None:
-        return channel
-    uncertainty = channel.calibration_uncertainty if sensor.uncertainty is None else sensor.uncertainty
-    return replace(channel, sensor=channel.sensor or sensor.sensor, calibration_uncertainty=uncertainty)
 
 
 def _judge(

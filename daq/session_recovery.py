@@ -10,8 +10,9 @@ from daq.errors import NotASession, SessionDamaged, SessionLocked, StationError,
 from daq.manifest import NAME as MANIFEST
 from daq.raw_log import MAX_LOG, Record, unpack
 from daq.session_changes import complete, is_cut_off
-from daq.session_folder import INFO, RAW, Session, read_info
+from daq.session_folder import Session
 from daq.session_info import SessionInfo, State
+from daq.session_reading import INFO, RAW, read_info
 from daq.storage import Lock, read_regular, refused
 
 _UNSEALED = "the program ended before the session was sealed"
