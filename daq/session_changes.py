@@ -47,7 +47,7 @@ def complete(folder: Path) -> tuple[str, ...]:
     manifest = _manifest(folder) if leftovers else None
     for temporary, path in leftovers:
         name = path.relative_to(folder).as_posix()
-        known = manifest.files.get(name) if manifest is not None else None
+        known = manifest.files.get(name) if manifest is not None and _changes(name) else None
         if known is not None and temporary == staged(path, known.sha256) and _holds(temporary, known.sha256):
             _move(temporary, path)
             moved.append(name)
@@ -69,6 +69,11 @@ def _leftovers(folder: Path) -> Iterator[tuple[Path, Path]]:
         for name in files:
             if found := _TEMPORARY.fullmatch(name):
                 yield Path(top) / name, Path(top) / found[1]
+
+
+def _changes(name: str) -> bool:
+    """Return whether a file may ever change: the raw log and the source never do."""
+    return name.startswith("results/") or ("/" not in name and name != "raw.log")
 
 
 def _manifest(folder: Path) -> Manifest | None:

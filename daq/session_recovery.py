@@ -54,9 +54,7 @@ def unsealed_sessions(folder: Path | str) -> tuple[Path, ...]:
     """
     waiting = []
     for summary in list_sessions(folder):
-        recording = summary.info is None or summary.info.state is State.RECORDING
-        sealed = os.path.lexists(summary.folder / MANIFEST)
-        if sealed and not recording and not is_cut_off(summary.folder):
+        if not _is_unfinished(summary.folder):
             continue
         lock = Lock(summary.folder)
         try:
@@ -66,9 +64,18 @@ def unsealed_sessions(folder: Path | str) -> tuple[Path, ...]:
         except StorageError:  # `recover` says why
             waiting.append(summary.folder)
             continue
+        if _is_unfinished(summary.folder):  # and was not just being changed
+            waiting.append(summary.folder)
         lock.release()
-        waiting.append(summary.folder)
     return tuple(waiting)
+
+
+def _is_unfinished(folder: Path) -> bool:
+    try:
+        recording = read_info(folder).state is State.RECORDING
+    except StationError:
+        recording = True
+    return recording or not os.path.lexists(folder / MANIFEST) or is_cut_off(folder)
 
 
 def finish_change(folder: Path) -> tuple[str, ...]:

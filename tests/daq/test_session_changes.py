@@ -305,6 +305,19 @@ def test_a_session_killed_between_manifest_and_metadata_is_sealed_by_recover(tmp
     assert verify(folder).ok
 
 
+def test_a_strangers_leftover_does_not_replace_the_raw_log(session: Session) -> None:
+    from daq.manifest import read_manifest, write_manifest
+    from daq.storage import staged
+
+    raw, forged = session.folder / "raw.log", b"forged"
+    before = raw.read_bytes()
+    staged(raw, digest(forged)).write_bytes(forged)
+    write_manifest(session.folder, read_manifest(session.folder).with_files({"raw.log": forged}))
+    recover(session.folder)
+    assert raw.read_bytes() == before
+    assert not temporaries(session.folder)
+
+
 def test_of_many_who_make_the_same_session_at_once_one_makes_it_whole(tmp_path: Path) -> None:
     samples = np.sin(np.arange(64) / 5.0)[np.newaxis]
     recording = Recording(64.0, (Channel("u", "displacement", "m"),), samples, np.ones(64, dtype=bool))

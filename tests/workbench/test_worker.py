@@ -125,3 +125,16 @@ def test_a_change_that_a_cancelled_worker_left_half_way_is_completed(monkeypatch
     alone(story)
     assert verify(session.folder).ok
     assert (session.results / "ladder.json").read_text() == "new"
+
+
+def test_a_click_of_a_second_tab_that_is_dropped_is_told_and_stays_told():
+    async def story() -> None:
+        session = SessionState(Path("none"), Answering({"look": Looked(None)}))  # type: ignore[arg-type]
+        assert session.start("Adding cubic stiffness", "look")
+        version = session.version
+        assert not session.start("Taking friction out", "look")
+        assert session.version > version  # every tab shows it
+        await asyncio.gather(*session._tasks)
+        assert session.notice.startswith("Adding cubic stiffness is under way")
+
+    alone(story)
