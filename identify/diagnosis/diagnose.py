@@ -14,6 +14,7 @@ from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.ranking import Ranked, alpha, rank, rivals_of
 from identify.diagnosis.search import chances, singles
+from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import candidate_terms
 from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
@@ -35,6 +36,7 @@ _FEWEST_CYCLES = 5.0
 _HELD_OUT = 3
 _MOST_RUNGS = 5
 _SHOWN = 6
+_EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_missing")
 _WORTH_A_MENTION = 6.0
 """Nats from which on a fault that every fit corrects is listed before suspects that are not claimed."""
 
@@ -47,7 +49,9 @@ class Diagnosis(Summarised):
     names a second effect when it takes two to reach the floor. `findings` are sensors' faults that are corrected in
     every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
     shows. `shape` is the free form, when something is missing that has no name. `confirmation` is what the curves of
-    the decay foretell, None where they were not asked. `decays` are the whole releases, prepared.
+    the decay foretell, None where they were not asked. `decays` are the whole releases, prepared. `shares` say what each
+    effect of the final model does at the largest and at the smallest amplitude; none where the model misses something
+    without a name.
     """
 
     baseline: Baseline
@@ -62,6 +66,7 @@ class Diagnosis(Summarised):
     library: tuple[Effect, ...] = LIBRARY
     confirmation: Confirmation | None = None
     decays: tuple[PreparedDecay, ...] = ()
+    shares: tuple[AmplitudeShares, ...] = ()
 
     @property
     def named_suspects(self) -> tuple[Suspect, ...]:
@@ -116,7 +121,7 @@ class Diagnosis(Summarised):
         return ""
 
     def brief(self) -> Summary:
-        """Return the verdict, why, and the first few suspects."""
+        """Return the verdict, why, the first few suspects, and what each effect does."""
         rows = [
             (
                 suspect.effect.name,
@@ -137,6 +142,7 @@ class Diagnosis(Summarised):
             ),
             ("suspect", "chi-square after", "evidence (nats)", "p", "claimed"),
             rows,
+            shares_summary(self.shares),
         )
 
 
@@ -185,6 +191,7 @@ def diagnose(
         library=library,
         confirmation=confirmation,
         decays=whole,
+        shares=shares(whole, baseline.stated(settled.fit)) if verdict in _EXPLAINED else (),
     )
 
 

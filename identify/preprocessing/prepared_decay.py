@@ -49,7 +49,8 @@ class PreparedDecay(Summarised):
     channel. `zero` is the displacement reading at the spring's zero, `noise` what was known of the noise before any
     fit, and `lost` marks the readings of each channel that its sensor repeated or lost. `rest` is None where none was
     recorded. `block` is how many readings of the record each one here is the mean of, and `share` the share of its
-    motion that is fitted where this is one of several pieces of a long release.
+    motion that is fitted where this is one of several pieces of a long release. `mass` is in kg (kg m^2 for angles), None
+    where it is unknown.
     """
 
     window: FitWindow
@@ -62,6 +63,7 @@ class PreparedDecay(Summarised):
     rest: Rest | None = None
     block: int = 1
     share: float = 1.0
+    mass: float | None = None
 
     def brief(self) -> Summary:
         """Return what will be fitted."""
@@ -148,6 +150,7 @@ def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -
         lost,
         _rest_of(record, release),
         block,
+        mass=record.mass,
     )
 
 

@@ -30,6 +30,7 @@ from station.results.documents import (
     write_document,
 )
 from station.results.models import ModelFile, model_file
+from station.results.shares_document import SharesDocument
 
 NAME = "diagnosis.json"
 MOST_POINTS = 40
@@ -145,6 +146,7 @@ class DiagnosisDocument(Document):
     it was not asked. `fitted` is the model that was asked about, `final` the one with all that is named; None where nothing
     is.
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
+    `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     """
 
     sessions: list[str]
@@ -167,6 +169,7 @@ class DiagnosisDocument(Document):
     differences: list[DifferenceDocument] | None = None
     confirmed: list[str] = Field(default_factory=list)
     confirmation: ConfirmationDocument | None = None
+    shares: list[SharesDocument] = Field(default_factory=list)
 
 
 def diagnosis_document(
@@ -204,6 +207,7 @@ def diagnosis_document(
             "next_experiment": found.next_experiment,
             "fitted": fitted,
             "final": model_file(baseline.stated(found.final), expressions) if found.named else None,
+            "shares": found.shares,
         }
     )
 

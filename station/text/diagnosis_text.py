@@ -15,6 +15,7 @@ from station.results.diagnosis_document import (
 )
 from station.text.layout import labelled
 from station.text.numbers import DASH, evidence, probability, three_figures, with_unit
+from station.text.shares_text import shares_table
 
 STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
 MOST_SUSPECTS = 6
@@ -38,6 +39,9 @@ def show_diagnosis(console: Console, document: DiagnosisDocument) -> None:
         console.print(Padding(_errors(document, document.noise_floor), (0, 0, 0, 1)))
         console.print()
         console.print(Padding(_suspects(document), (0, 0, 0, 1)))
+    if document.shares:
+        console.print()
+        console.print(Padding(shares_table(document.shares), (0, 0, 0, 1)))
     console.print()
     for label, text in _facts(document):
         console.print(labelled(label, text, LABEL_WIDTH))
