@@ -23,6 +23,7 @@ from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
 from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
+from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
 from identify.fitting.segments import prepared_of, segments_of, what_was_used
 from identify.formatting import three_figures
@@ -51,7 +52,8 @@ class Diagnosis(Summarised):
     shows. `shape` is the free form, when something is missing that has no name. `confirmation` is what the curves of
     the decay foretell, None where they were not asked. `decays` are the whole releases, prepared. `shares` say what each
     effect of the final model does at the largest and at the smallest amplitude; none where the model misses something
-    without a name.
+    without a name. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
+    None where the floor itself decides.
     """
 
     baseline: Baseline
@@ -67,6 +69,7 @@ class Diagnosis(Summarised):
     confirmation: Confirmation | None = None
     decays: tuple[PreparedDecay, ...] = ()
     shares: tuple[AmplitudeShares, ...] = ()
+    harmonics: HarmonicResidual | None = None
 
     @property
     def named_suspects(self) -> tuple[Suspect, ...]:
@@ -178,6 +181,8 @@ def diagnose(
         verdict = "not_enough_data"
     findings = tuple(f for f in faults if f.significant or f.remarked)
     together, shape, confirmation = judgement.together, judgement.shape, judgement.confirmation
+    harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
+    why = explain(baseline, verdict, suspects, together, findings, settled, shape, confirmation)
     return Diagnosis(
         baseline=baseline,
         verdict=verdict,
@@ -186,12 +191,13 @@ def diagnose(
         findings=findings,
         final=settled.fit,
         shape=shape,
-        explanation=explain(baseline, verdict, suspects, together, findings, settled, shape, confirmation),
+        explanation=why if harmonics is None else f"{why} {harmonics.sentence}".strip(),
         next_experiment=next_experiment(baseline, verdict, suspects),
         library=library,
         confirmation=confirmation,
         decays=whole,
         shares=shares(whole, baseline.stated(settled.fit)) if verdict in _EXPLAINED else (),
+        harmonics=harmonics,
     )
 
 

@@ -59,12 +59,26 @@ class ChannelFloor(ChannelNoise):
     unit: str
 
 
+class HarmonicsDocument(Part):
+    """Power of what is left at the motion's harmonics, over what noise of the level between them gives; its p-value."""
+
+    ratio: Number
+    p_value: Number
+    against: bool
+
+
 class NoiseFloorDocument(Part):
-    """The floor of chi2 with its standard error, and the noise of each channel (of the first session)."""
+    """The floor of chi2 with its standard error, and the noise of each channel (of the first session).
+
+    `sure` is false where the floor is a guess (one channel, or no rest); `harmonics` then says whether what is left near
+    it speaks against the model, None where it was not asked.
+    """
 
     chi2: float
     chi2_std: float
     channels: dict[str, ChannelFloor]
+    sure: bool | None = None
+    harmonics: HarmonicsDocument | None = None
 
 
 class SuspectDocument(Part):
@@ -191,7 +205,7 @@ def diagnosis_document(
             "sessions": names,
             "model": ModelSummary.model_validate(fitted),
             "error": errors_of(baseline),
-            "noise_floor": _noise_floor(baseline),
+            "noise_floor": _noise_floor(baseline) | {"harmonics": found.harmonics},
             "verdict": found.verdict,
             "named": found.named,
             "rivals": found.suspects[0].rivals if found.named else (),
@@ -263,7 +277,7 @@ def _noise_floor(baseline: Baseline) -> dict[str, Any]:
         name: {"std": n.std, "uncertainty": n.uncertainty, "unit": units[name], "source": n.source}
         for name, n in baseline.floors[0].channels.items()
     }
-    return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels}
+    return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels, "sure": baseline.floor_is_sure}
 
 
 def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> dict[str, Any]:

@@ -32,6 +32,7 @@ def value(module, name):
         ("fitting.floor", "_BAND_ABOVE", lambda x: "above eight times" if x == 8 else "?"),
         ("fitting.baseline", "ADEQUATE", lambda x: rf"\max({x:g}\,\sigma_{{\text{{floor}}}}"),
         ("fitting.baseline", "DOUBT", lambda x: f"and {x:g} if it had to be guessed"),
+        ("fitting.harmonic_residual", "SPEAKS_AGAINST", lambda x: rf"only if $p \ge {x:g}$"),
         ("fitting.segments", "_LONG_CYCLES", lambda x: f"more than {x:g} cycles"),
         ("fitting.segments", "_WANDERING_CYCLES", lambda x: f"of {WORDS[x]} cycles or more"),
         ("fitting.segments", "_MOST", lambda x: f"at most {WORDS[x]}. Whether"),
