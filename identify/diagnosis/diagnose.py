@@ -140,6 +140,7 @@ class Diagnosis(Summarised):
             f"{HEADLINES[self.verdict]}{named}",
             (
                 self.explanation,
+                *(f"Used: {decay.use.words}." for decay in self.decays if decay.use is not None),
                 what_was_used(self.baseline.decays),
                 f"Record next: {self.next_experiment}",
             ),

@@ -11,6 +11,7 @@ from station.text.diagnosis_text import (
     headline,
     not_told_apart,
     shown_suspects,
+    used,
 )
 from station.text.ladder_text import step
 from station.text.layout import sentence
@@ -41,6 +42,8 @@ def suspects(found: Findings) -> Section:
     parts: list[Part] = [Paragraph(typeset(document.explanation), label=headline(document), strong=True)]
     if len(document.sessions) > 1:
         parts.append(Paragraph(", ".join(document.sessions), label="Diagnosed together"))
+    if document.used:
+        parts.append(Paragraph(sentence(used(document)), label="Used of the record"))
     parts += _foretold(document)
     if document.suspects:
         rows = tuple(

@@ -17,6 +17,7 @@ from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.leave_one_out import LeftOut
 from identify.fitting.model_error import errors_of, motion_percent
 from identify.model.model import Model
+from identify.preprocessing.record_use import End
 from station.results.confirmation_document import ConfirmationDocument, confirmation_document
 from station.results.documents import (
     ChannelNoise,
@@ -153,6 +154,22 @@ class DifferenceDocument(Part):
     sigmas: Number
 
 
+class UsedDocument(Part):
+    """The part of a session's record that was analysed, s from its first reading, and why it ends there.
+
+    `share` is that part of what follows the release; `missing_s` how long readings are missing where that ends it.
+    """
+
+    session: str
+    begin_s: Number
+    end_s: Number
+    length_s: Number
+    share: Number
+    ended: End
+    missing_s: Number
+    words: str
+
+
 class DiagnosisDocument(Document):
     """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named.
 
@@ -160,6 +177,7 @@ class DiagnosisDocument(Document):
     it was not asked. `fitted` is the model that was asked about, `final` the one with all that is named; None where nothing
     is.
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
+    `used` says which part of each record was analysed.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     """
 
@@ -184,6 +202,7 @@ class DiagnosisDocument(Document):
     confirmed: list[str] = Field(default_factory=list)
     confirmation: ConfirmationDocument | None = None
     shares: list[SharesDocument] = Field(default_factory=list)
+    used: list[UsedDocument] = Field(default_factory=list)
 
 
 def diagnosis_document(
@@ -222,6 +241,7 @@ def diagnosis_document(
             "fitted": fitted,
             "final": model_file(baseline.stated(found.final), expressions) if found.named else None,
             "shares": found.shares,
+            "used": _used(names, found),
         }
     )
 
@@ -278,6 +298,11 @@ def _noise_floor(baseline: Baseline) -> dict[str, Any]:
         for name, n in baseline.floors[0].channels.items()
     }
     return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels, "sure": baseline.floor_is_sure}
+
+
+def _used(names: tuple[str, ...], found: Diagnosis) -> list[dict[str, Any]]:
+    uses = zip(names, (decay.use for decay in found.decays), strict=False)
+    return [{"session": name, "words": use.words} | vars(use) for name, use in uses if use is not None]
 
 
 def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> dict[str, Any]:

@@ -153,7 +153,7 @@ def _parameters(suspect: SuspectDocument, most: int | None) -> str:
 
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
-    facts = []
+    facts = [("used", used(document))] if document.used else []
     foretold = foretold_parts(document)
     if foretold:
         facts.append(("foretold", foretold))
@@ -174,6 +174,16 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         facts.append(("left out", f"physics of the others leaves of each one's motion {', '.join(parts)}"))
     facts.append(("record next", document.next_experiment))
     return facts
+
+
+def used(document: DiagnosisDocument) -> str:
+    """Return which part of the record was analysed; of several the shares, and which end where readings are missing."""
+    if len(document.used) == 1:
+        return document.used[0].words
+    cut = [f"{one.session}: {one.words}" for one in document.used if one.ended == "readings_missing"]
+    shares = [100.0 * (one.share or 0.0) for one in document.used]
+    whole = f"{min(shares):.0f} to {max(shares):.0f} % of each record after its release"
+    return "; ".join([whole, *cut])
 
 
 def not_told_apart(document: DiagnosisDocument) -> str:
