@@ -12,6 +12,7 @@ from identify.diagnosis.judgement import judge
 from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, without_needless_effects
 from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
 from identify.diagnosis.ranking import Ranked, alpha, rank, rivals_of
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
@@ -53,7 +54,7 @@ class Diagnosis(Summarised):
     the decay foretell, None where they were not asked. `decays` are the whole releases, prepared. `shares` say what each
     effect of the final model does at the largest and at the smallest amplitude; none where the model misses something
     without a name. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
-    None where the floor itself decides.
+    None where the floor itself decides. `modes` are other modes of the structure that what is left shows.
     """
 
     baseline: Baseline
@@ -70,6 +71,7 @@ class Diagnosis(Summarised):
     decays: tuple[PreparedDecay, ...] = ()
     shares: tuple[AmplitudeShares, ...] = ()
     harmonics: HarmonicResidual | None = None
+    modes: tuple[OtherMode, ...] = ()
 
     @property
     def named_suspects(self) -> tuple[Suspect, ...]:
@@ -142,6 +144,7 @@ class Diagnosis(Summarised):
                 self.explanation,
                 *(f"Used: {decay.use.words}." for decay in self.decays if decay.use is not None),
                 what_was_used(self.baseline.decays),
+                modes_sentence(self.modes),
                 f"Record next: {self.next_experiment}",
             ),
             ("suspect", "chi-square after", "evidence (nats)", "p", "claimed"),
@@ -199,6 +202,7 @@ def diagnose(
         decays=whole,
         shares=shares(whole, baseline.stated(settled.fit)) if verdict in _EXPLAINED else (),
         harmonics=harmonics,
+        modes=() if verdict == "driven" else other_modes(settled.fit),
     )
 
 

@@ -44,6 +44,11 @@ def suspects(found: Findings) -> Section:
         parts.append(Paragraph(", ".join(document.sessions), label="Diagnosed together"))
     if document.used:
         parts.append(Paragraph(sentence(used(document)), label="Used of the record"))
+    if document.modes:
+        seen = " and ".join(mode.words for mode in document.modes)
+        parts.append(
+            Paragraph(f"Beside the motion's, {seen}; one mode is followed here.", label="Other modes")
+        )
     parts += _foretold(document)
     if document.suspects:
         rows = tuple(

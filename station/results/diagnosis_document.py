@@ -170,6 +170,15 @@ class UsedDocument(Part):
     words: str
 
 
+class ModeDocument(Part):
+    """Another mode of the structure: its frequency, and its amplitude in % of the motion in one channel at first."""
+
+    frequency_hz: Number = Field(validation_alias=AliasChoices("frequency_hz", "frequency"))
+    percent: Number
+    channel: str
+    words: str
+
+
 class DiagnosisDocument(Document):
     """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named.
 
@@ -177,7 +186,7 @@ class DiagnosisDocument(Document):
     it was not asked. `fitted` is the model that was asked about, `final` the one with all that is named; None where nothing
     is.
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
-    `used` says which part of each record was analysed.
+    `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     """
 
@@ -203,6 +212,7 @@ class DiagnosisDocument(Document):
     confirmation: ConfirmationDocument | None = None
     shares: list[SharesDocument] = Field(default_factory=list)
     used: list[UsedDocument] = Field(default_factory=list)
+    modes: list[ModeDocument] = Field(default_factory=list)
 
 
 def diagnosis_document(
@@ -241,6 +251,7 @@ def diagnosis_document(
             "fitted": fitted,
             "final": model_file(baseline.stated(found.final), expressions) if found.named else None,
             "shares": found.shares,
+            "modes": found.modes,
             "used": _used(names, found),
         }
     )

@@ -154,6 +154,9 @@ def _parameters(suspect: SuspectDocument, most: int | None) -> str:
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     facts = [("used", used(document))] if document.used else []
+    if document.modes:
+        seen = " and ".join(mode.words for mode in document.modes)
+        facts.append(("modes", f"beside the motion's, {seen}; one mode is followed here"))
     foretold = foretold_parts(document)
     if foretold:
         facts.append(("foretold", foretold))
