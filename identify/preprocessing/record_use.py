@@ -62,7 +62,7 @@ def record_use(
     missing = 0.0
     if gap is not None:
         ended, last, missing = "readings_missing", gap[0] / record.rate, (gap[1] - gap[0]) / record.rate
-    elif to_the_end and located.release.end >= len(record):
+    elif length - last < _LONG * cycle:
         ended = "record_ends"
     share = (last - first) / max(length - released, 1.0 / record.rate)
     return RecordUse(first, last, length, float(np.clip(share, 0.0, 1.0)), ended, missing)
