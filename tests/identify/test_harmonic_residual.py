@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from releases import drawn
 
+from identify.diagnosis.diagnose import diagnose
+from identify.effects.library import find_effect
 from identify.fitting.baseline import DOUBT, fit_baseline
 from identify.fitting.harmonic_residual import harmonic_residual
 from identify.free_decay import FreeDecay
@@ -73,3 +75,15 @@ def test_a_sure_floor_is_not_asked_about_harmonics():
     found = fit_baseline((drawn(None, 0.0, 330)[0],), base_model())
     assert found.floor_is_sure
     assert found.harmonics(found.fit) is None
+
+
+def test_a_diagnosis_at_a_guessed_floor_says_what_stands_at_the_harmonics():
+    # an effect that is not in the library: nothing may be called adequate, and nothing is named
+    sample = draw("cubic_stiffness", 0.0002, 703)
+    first = int((sample.truth["released_at_s"] + 0.1) * sample.rate)
+    decay = FreeDecay(sample.rate, displacement=np.asarray(sample.displacement)[first:])
+    found = diagnose(decay, library=(find_effect("quadratic_damping"),))
+    assert found.verdict in ("unknown_effect", "unconfirmed")
+    assert found.harmonics.against
+    assert found.harmonics.sentence in found.explanation
+    assert found.shares == ()
