@@ -33,10 +33,10 @@ _NOTHING = 1e-12
 class EffectShare:
     """What one effect does over a cycle, with standard errors.
 
-    `force` is its largest force (N or N m with a mass, whose own error is left out, else per unit mass), `force_percent` that in % of the largest of all
-    forces but the linear spring's together; the largest lie at different places of a cycle, so they need not add up to
-    100 %. `loss_percent` is its part of the energy that is lost, `frequency_hz` by how much it raises the frequency, and
-    `frequency_percent` the same in %.
+    `force` is its largest force (N or N m with a mass, whose own error is left out, else per unit mass), `force_percent`
+    that in % of the largest of all forces but the linear spring's together; the largest lie at different places of a
+    cycle, so they need not add up to 100 %. `loss_percent` is its part of the energy that is lost, `frequency_hz` by how
+    much it raises the frequency, and `frequency_percent` the same in %.
     """
 
     effect: str
