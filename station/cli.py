@@ -41,6 +41,7 @@ COMMANDS = (
     Entry("report", "report", "Write all that is known of a session into one page."),
     Entry("table", "table", "Print the paper's tables for any number of sessions."),
     Entry("campaign", "campaign", "Identify hundreds of sessions; trends, control limits."),
+    Entry("export", "export", "Write a session's channels for another program."),
     Entry("list", "list_", "List the sessions in a folder."),
     Entry("info", "info", "Show what a session holds."),
     Entry("verify", "verify", "Check a session's files against its manifest."),
