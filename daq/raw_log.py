@@ -39,6 +39,7 @@ class Kind(IntEnum):
     RECEIVED = 1
     SENT = 2
     NOTE = 3
+    SOURCE = 4  # what a source that is no board of the protocol gave, before it was made DATA
 
 
 @dataclass(frozen=True)
