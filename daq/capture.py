@@ -4,6 +4,7 @@ Everything that arrives is in the raw log before anything here looks at it, so w
 (a stall, an unplugged board, Ctrl-C, a full disk) leaves what was received.
 """
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np

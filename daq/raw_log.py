@@ -42,6 +42,9 @@ class Kind(IntEnum):
     SOURCE = 4  # what a source that is no board of the protocol gave, before it was made DATA
 
 
+_KINDS = frozenset(Kind)
+
+
 @dataclass(frozen=True)
 class Record:
     """One record: `time` is the host's, seconds since the epoch on a clock that never steps."""
@@ -119,7 +122,7 @@ def _pieces(data: bytes) -> Iterator[Record | int]:
             yield start - HEAD_SIZE - end
             return
         payload = data[start:at]
-        if crc32(payload) == check and kind in (1, 2, 3):
+        if crc32(payload) == check and kind in _KINDS:
             yield Record(Kind(kind), when, payload)
         else:
             yield 1

@@ -25,13 +25,14 @@ class LineChannel(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     column: str = Field(max_length=255)
+    name: str = Field(max_length=255)
     quantity: str = Field(pattern="^(displacement|velocity|acceleration|force)$")
     unit: str = Field(max_length=24)
     scale: float = Field(allow_inf_nan=False)
 
     def channel(self) -> Channel:
         """Return the channel of a recording."""
-        return Channel(self.column, self.quantity, self.unit, resolution=None)
+        return Channel(self.name, self.quantity, self.unit)
 
 
 class LineClock(BaseModel):
@@ -136,17 +137,18 @@ def _motions(
     units: dict[str, str],
 ) -> tuple[LineChannel, ...]:
     found = dict(chosen)
-    if not any(q in found for q in QUANTITIES[1:]):
-        for column in sample.columns:
-            said = meaning(label.get(column, column))
-            if said.quantity in QUANTITIES[1:] and said.quantity not in (*found, *left_out):
-                found[said.quantity] = column
+    for column in [c for c in sample.columns if c not in chosen.values()]:
+        said = meaning(label.get(column, column))
+        if said.quantity in QUANTITIES[1:] and said.quantity not in (*found, *left_out):
+            found[said.quantity] = column
     motions = []
     for quantity in QUANTITIES[1:]:
         if quantity in found:
             unit = _unit(quantity, label.get(found[quantity], found[quantity]), units.get(quantity))
+            column = found[quantity]
+            name = label.get(column, quantity if column.isdigit() else column)
             motions.append(
-                LineChannel(column=found[quantity], quantity=quantity, unit=unit.si, scale=unit.scale)
+                LineChannel(column=column, name=name, quantity=quantity, unit=unit.si, scale=unit.scale)
             )
     if not any(m.quantity != "force" for m in motions):
         raise SettingsError(

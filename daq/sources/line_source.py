@@ -180,20 +180,22 @@ class LineSource:
 
 
 def _rate_of(times: Array) -> tuple[float, float]:
-    """Return the rate of evenly taken samples from their stamps, over those between which none was lost."""
+    """Return the rate of evenly taken samples by least squares over their stamps, and its standard error, Hz."""
     step = np.diff(times)
     typical = float(np.median(step[step > 0])) if (step > 0).any() else 0.0
     if not typical > 0:
         raise ProtocolError("the time stamps do not rise; name another column, as --column time=1")
-    span = times[-1] - times[0]
-    count = max(round(span / _mean_step(step, typical)), 1)
-    return count / span, 1.0 / span
-
-
-def _mean_step(step: Array, typical: float) -> float:
-    """Return the mean step of those that are one sample: stamps in whole ms alternate between two."""
-    ones = step[(step > 0.5 * typical) & (step < 1.5 * typical)]
-    return float(np.mean(ones)) if len(ones) else typical
+    ones = step[
+        (step > 0.5 * typical) & (step < 1.5 * typical)
+    ]  # stamps in whole ms alternate between two steps
+    placed = StampedIndex(1.0 / float(np.mean(ones)), np.inf)
+    index = np.array([placed.next(stamp)[0] for stamp in times], dtype=np.float64)
+    index -= index.mean()
+    late = times - times.mean()
+    period = float(index @ late / (index @ index))
+    left = late - period * index
+    error = np.sqrt(left @ left / max(len(times) - 2, 1) / (index @ index))
+    return 1.0 / period, float(error) / period**2
 
 
 def _unwrapped(counter: Array) -> Array:
