@@ -81,7 +81,9 @@ def test_a_board_that_prints_is_profiled_captured_and_identified(capsys):
     finally:
         board.stop.set()
     found = json.loads(capsys.readouterr().out)
-    assert found["verdict"]["grade"] == "OK"
+    verdict = Session.open("s").verdict
+    assert verdict is not None
+    assert verdict.grade.value == "OK"
     recording = Session.open("s").recording()
     assert recording.valid.all()
     truth = draw(None, 0.0, 5).truth
