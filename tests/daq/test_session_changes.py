@@ -120,7 +120,7 @@ def test_the_next_change_completes_one_that_was_cut_off(
 WRITER = """
 import sys
 from daq.session import Session
-for number in range(15):
+for number in range(10):
     session = Session.open(sys.argv[1])
     session.write_results({"both.json": sys.argv[2] * 1000, f"{sys.argv[2]}{number}.json": "{}"})
     session.update(remarks=f"{sys.argv[2]} {number}")
@@ -149,7 +149,7 @@ def test_two_processes_that_write_at_once_lose_nothing(session: Session) -> None
     result = verify(session.folder)
     assert result.ok
     assert result.remarks == ()
-    assert len(kept(session.folder)) == len(OLD) + 1 + 2 * 15
+    assert len(kept(session.folder)) == len(OLD) + 1 + 2 * 10
     assert not temporaries(session.folder)
 
 

@@ -90,15 +90,12 @@ def _fill_the_disk(place: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def _change_the_ladder(place: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Let another process write the ladder while this one fits: two terminals with `refine --add`."""
+    """Let another one write the ladder while this one fits: two terminals with `refine --add` (`bench.writers` has two)."""
     assert cli.run(["import", str(DATA), "--session", "sessions/r"]) == 0
     fit = refining.add_effect
 
     def meanwhile(*given: object, **named: object) -> object:
-        code = "import sys; from daq.session import Session; Session.open('sessions/r').write_result('ladder.json', '{}')"
-        subprocess.run(
-            [sys.executable, "-c", code], cwd=place, env=os.environ | {"PYTHONPATH": str(ROOT)}, check=True
-        )
+        Session.open(place / "sessions" / "r").write_result("ladder.json", "{}")
         return fit(*given, **named)  # type: ignore[arg-type]
 
     monkeypatch.setattr(refining, "add_effect", meanwhile)

@@ -125,6 +125,7 @@ def test_a_message_is_one_line_whatever_names_it_holds(capsys: pytest.CaptureFix
     assert capsys.readouterr().err == "board Good\N{REPLACEMENT CHARACTER}verdict: OK\n"
 
 
+@pytest.mark.slow
 def test_a_unit_that_matplotlib_would_take_for_a_formula_is_drawn_as_it_stands(tmp_path: Path) -> None:
     unit = "$x^{$"
     recording = read_file(SAMPLE)
