@@ -182,7 +182,7 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
         chi_square=cost,
         degrees=len(jacobian) - int((~at_bound).sum()),
         predicted=tuple(
-            problem.read(theta, i, problem.respond(theta, i)) for i in range(len(problem.windows))
+            problem.read(theta, i, response) for i, response in enumerate(problem.responses(theta))
         ),
         converged=settled,
         outcome=outcome,

@@ -63,17 +63,19 @@ def minimise(
         if not np.isfinite(cost):
             break
         step = _step(problem, theta, residual, jacobian, never, damping, tolerance)
-        settled = step is None or step.gained < max(tolerance, 1e-6 * step.cost)
-        if step is not None:
-            jacobian = _mended(problem, jacobian, theta, residual, step)
-            theta, residual, cost = step.theta, step.residual, step.cost
-            damping = max(step.damping / 10.0, 1e-9)
-        exact = step is None and exact
-        if settled:
+        if step is None:
+            settled = True
             break
-        if step is not None and not step.as_predicted:
+        settled = step.gained < max(tolerance, 1e-6 * step.cost)
+        before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
+        if settled:  # the Jacobian that foretold so small a step holds at its end
+            break
+        if step.as_predicted:
+            jacobian, exact = _mended(problem, jacobian, *before, step), False
+        else:
             residual, jacobian = linearise(problem, theta, skip=held)
             exact = True
+        damping = max(step.damping / 10.0, 1e-9)
     return Minimum(theta, cost, jacobian, exact, settled)
 
 
