@@ -23,6 +23,10 @@ from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _DRAWS = 400
+_FEWEST_DRAWS = 100
+_MOST_NUMBERS = 4_000_000
+"""Random numbers that are drawn: of records of more than 10,000 readings there are fewer draws, 100 at least."""
+
 _PROBE = 1e-3
 _TAIL = 0.1
 
@@ -57,6 +61,8 @@ def null_distribution(
     draws: int = _DRAWS,
 ) -> NullDistribution:
     """Draw what each suspect would gain by chance; the same seed gives the same draws."""
+    readings = sum(int(mask.sum()) for window in base.windows for mask in window.used.values())
+    draws = min(draws, max(_FEWEST_DRAWS, _MOST_NUMBERS // max(readings, 1)))
     random = np.random.default_rng(seed)
     theta = base.theta
     problem = Problem(base.model, base.windows, base.frequency)
