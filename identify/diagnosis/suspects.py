@@ -34,6 +34,9 @@ _STARTS = 3
 _FIRST_STEPS = 5
 _POLISHED = 14
 _LEADERS = 3
+_BEHIND = 2.0
+"""Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
+
 _FAR_OFF = 100.0
 _IMPLAUSIBLE = 10.0
 
@@ -99,7 +102,7 @@ def try_terms(
 
     From each start the term's inner parameters are held at first, so that all others can make room for it. The most
     promising ones, `polished` of them, are then fitted freely: the first few to the end, the others until they creep
-    with the best of these still far below. Where only a `goal` of chi-square counts, terms that cannot come near it are
+    with twice the best of these still below. Where only a `goal` of chi-square counts, terms that cannot come near it are
     left out, and a fit that creeps towards it is left.
     """
     scales = scales_of(decays[0], residual_lines(base))
@@ -107,7 +110,7 @@ def try_terms(
     if goal is not None and slope is not None:
         terms = worth_a_fit(decays, slope, terms, scales, goal)
     near = slope if base.reduced < _FAR_OFF else None
-    floor = float(base.degrees) if goal is None else goal
+    floor = 0.0 if goal is None else goal
     with ThreadPoolExecutor() as pool:
         begun = [
             b
@@ -118,7 +121,7 @@ def try_terms(
         leaders = begun[: min(_LEADERS, polished)]
         tried = list(pool.map(lambda beginning: _finish(base, beginning, scales, goal or 0.0), leaders))
         best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
-        enough = best_cost if goal is None else goal
+        enough = _BEHIND * best_cost if goal is None else goal
         others = begun[len(leaders) : polished]
         tried += pool.map(lambda beginning: _finish(base, beginning, scales, enough), others)
         tried += [_leave(base, near, beginning, scales) for beginning in begun[polished:]]
