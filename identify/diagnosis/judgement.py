@@ -86,8 +86,8 @@ def _beyond_one(
     together = two[0] if better else None
     if together is not None and baseline.adequate(together.second.fit):
         return _of_pair(ranked, together, None)
-    if together is not None and together.second.fit.reduced < _PAIR_HELPS * best.fit.reduced:
-        three = triple(baseline, two, library)
+    if together is not None:
+        three = triple(baseline, two, _PAIR_HELPS * best.fit.reduced, library)
         if three is not None:
             return _of_three(ranked, *three)
     final = best.fit if together is None else together.second.fit

@@ -68,7 +68,8 @@ def pairs(
     for stage in (_screened, _greedy):
         for first, terms in stage(baseline, tried, library):
             polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
-            seconds = try_terms(baseline.decays, first.fit, terms, polished=polished)
+            goal = baseline.highest * first.fit.degrees
+            seconds = try_terms(baseline.decays, first.fit, terms, polished=polished, goal=goal)
             seconds = _after_rest(baseline, seconds)
             if seconds:
                 found.append(Pair(first, seconds[0]))
@@ -83,17 +84,22 @@ def families(baseline: Baseline) -> tuple[Candidate, ...]:
     """Return the model refitted with each law of a free exponent, best first: for shapes between the names."""
     scales = scales_of(baseline.decays[0], {})
     terms = tuple(Term(family.effect, family.held(scales)) for family in FAMILIES)
-    return try_terms(baseline.decays, baseline.fit, terms)
+    return try_terms(baseline.decays, baseline.fit, terms, goal=baseline.highest * baseline.fit.degrees)
 
 
 def triple(
-    baseline: Baseline, found: tuple[Pair, ...], library: tuple[Effect, ...] = LIBRARY
+    baseline: Baseline, found: tuple[Pair, ...], enough: float, library: tuple[Effect, ...] = LIBRARY
 ) -> tuple[Pair, Candidate] | None:
-    """Return a pair and a third effect that reach the floor together; None where none of the best pairs' thirds do."""
-    for pair in [pair for pair in found if pair.plausible][:_PAIRS_FOR_THIRDS]:
+    """Return a pair and a third effect that reach the floor together; None where none of the best pairs' thirds do.
+
+    Only pairs that leave less than a reduced chi-square of `enough` are worth a third.
+    """
+    worth = [pair for pair in found if pair.plausible and pair.second.fit.reduced < enough]
+    for pair in worth[:_PAIRS_FOR_THIRDS]:
         base = pair.second.fit
         terms = candidate_terms(base.model, library, base.windows[0])
-        tried = try_terms(baseline.decays, base, terms, polished=_POLISHED_THIRDS)
+        goal = baseline.highest * base.degrees
+        tried = try_terms(baseline.decays, base, terms, polished=_POLISHED_THIRDS, goal=goal)
         for third in _after_rest(baseline, tried)[:_POLISHED_THIRDS]:
             if third.plausible and baseline.adequate(third.fit):
                 return pair, third
