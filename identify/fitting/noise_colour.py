@@ -77,9 +77,11 @@ class ChannelColour:
 def noise_colours(decays: tuple[PreparedDecay, ...], fit: Fit) -> dict[str, ChannelColour]:
     """Return the colour of each channel whose noise is not white."""
     rests = [_rests_of(prepared) for prepared in decays]
-    hum = {} if any(rests) else common_lines(fit, 0)
+    channels = fit.windows[0].channels
+    seen = any(all(channel in rest for channel in channels) for rest in rests)
+    hum = {} if seen else common_lines(fit, 0)  # a converter's steps may hide a line at rest
     found = {}
-    for channel in fit.windows[0].channels:
+    for channel in channels:
         colour = _colour(fit, channel, [rest.get(channel) for rest in rests], hum.get(channel, ()))
         if colour is not None:
             found[channel] = colour
@@ -98,7 +100,7 @@ def _colour(
     at_rest = sum((r.log_likelihood for r in rests if r is not None), np.zeros((len(SHAPES), len(STRENGTHS))))
     table = at_rest + _of_residual(fit, channel, rate, at_rest)
     row, column = best(table)
-    common = next((r.common for r in rests if r is not None and r.common), hum)
+    common = next((_beside(r, row, column) for r in rests if r is not None and r.common), hum)
     lines = tuple(Component(line.power, line.uncertainty, line.frequency) for line in common)
     coloured = column > 0 and table[row, column] >= COLOURED
     if not coloured and not lines:
@@ -113,6 +115,14 @@ def _colour(
         lines,
         white,
     )
+
+
+def _beside(rest: RestColour, row: int, column: int) -> tuple[Line, ...]:
+    """Return the common lines of a rest in units of the white part that a colour leaves, not of the rest's own."""
+    own = best(rest.log_likelihood)
+    before = white_part(rest.left, own[0], float(STRENGTHS[own[1]]))
+    after = white_part(rest.left, row, float(STRENGTHS[column]))
+    return tuple(line.in_units_of(before, after) for line in rest.common)
 
 
 def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:

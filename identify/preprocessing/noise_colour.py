@@ -6,6 +6,7 @@ out, the likelihood of every strength q is a sum over readings (restricted maxim
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Self
 
 import numpy as np
 
@@ -82,6 +83,10 @@ class Line:
     uncertainty: float
     power: float
 
+    def in_units_of(self, before: float, after: float) -> Self:
+        """Return the line beside white noise of another standard deviation than `before`."""
+        return replace(self, power=self.power * (before / max(after, 1e-300)) ** 2)
+
 
 @dataclass(frozen=True, eq=False)
 class RestColour:
@@ -121,7 +126,10 @@ def colour_at_rest(rest: Array, rate: float) -> RestColour | None:
     coloured = _white(rest_of_it) + float(again.max()) - _penalty(values) * len(others)
     if coloured - white < COLOURED:
         return RestColour(rate, _likelihood(left), left, lines)
-    return RestColour(rate, again, rest_of_it, others)
+    settled = best(again)  # the first colour may have taken the lines for a part of itself
+    before = white_part(rest_of_it, row, float(STRENGTHS[column]))
+    after = white_part(rest_of_it, settled[0], float(STRENGTHS[settled[1]]))
+    return RestColour(rate, again, rest_of_it, tuple(o.in_units_of(before, after) for o in others))
 
 
 def best(log_likelihood: Array) -> tuple[int, int]:
@@ -223,13 +231,15 @@ def _without_lines(
 
 
 def with_common_lines(colours: dict[str, RestColour], keep_off: float) -> dict[str, RestColour]:
-    """Return the channels' colours with the lines that stand in more than one of them as part of their noise.
+    """Return the channels' colours with the lines that are part of their noise.
 
-    Lines near the frequency `keep_off` (Hz) or below are passed over: there the motion is.
+    Those are the lines that stand in more than one channel; and of those in one channel alone all but the strongest, which
+    is left to be named as that sensor's fault. Lines near the frequency `keep_off` (Hz) or below are passed over: there the
+    motion is.
     """
     found = dict(colours)
     for name, colour in colours.items():
-        common = []
+        common, alone = [], []
         for line in colour.lines:
             if line.frequency < _CLEAR_OF * keep_off:
                 continue
@@ -244,5 +254,8 @@ def with_common_lines(colours: dict[str, RestColour], keep_off: float) -> dict[s
                 weights = np.array([one.uncertainty**-2 for one in same])
                 f = float(weights @ np.array([one.frequency for one in same]) / weights.sum())
                 common.append(Line(f, float(weights.sum() ** -0.5), line.power))
+            else:
+                alone.append(line)
+        common += sorted(alone, key=lambda line: -line.power)[1:]
         found[name] = replace(colour, common=tuple(common))
     return found
