@@ -64,22 +64,18 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribut
 
 
 def _line_of_sensor_first(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
-    """Return the candidates with a sensor's line before a force's where this record does not tell which of the two it is.
+    """Return the candidates with a sensor's line before a force where this record does not tell which of the two it is.
 
-    A force far above the mass's own frequency moves one channel only, as hum does; a sensor's line is then the lesser claim.
+    A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim.
     """
-    if not ranked or not ranked[0].claimed or not (ranked[0].candidate.term.is_force and _is_line(ranked[0])):
+    if not ranked or not ranked[0].claimed or not ranked[0].candidate.term.is_force:
         return ranked
-    hum = next((e for e in ranked[1:] if _is_line(e) and not e.candidate.term.is_force), None)
+    hum = next((e for e in ranked if e.candidate.term.effect.line and not e.candidate.term.is_force), None)
     if hum is None or not hum.claimed or not hum.candidate.plausible:
         return ranked
     if ranked[0].evidence - hum.evidence > RIVALS_WITHIN:
         return ranked
     return (hum, *(entry for entry in ranked if entry is not hum))
-
-
-def _is_line(entry: Ranked) -> bool:
-    return entry.candidate.term.effect.line
 
 
 def _order(entry: Ranked) -> tuple[int, float]:

@@ -76,21 +76,29 @@ class ChannelColour:
 
 def noise_colours(decays: tuple[PreparedDecay, ...], fit: Fit) -> dict[str, ChannelColour]:
     """Return the colour of each channel whose noise is not white."""
-    rests = [_rests_of(prepared) for prepared in decays]
-    channels = fit.windows[0].channels
-    seen = any(all(channel in rest for channel in channels) for rest in rests)
-    hum = {} if seen else common_lines(fit, 0)  # a converter's steps may hide a line at rest
+    hum = [_hum(prepared, fit, i) for i, prepared in enumerate(decays)]
+    rests = [_rests_of(prepared, lines) for prepared, lines in zip(decays, hum, strict=True)]
     found = {}
-    for channel in channels:
-        colour = _colour(fit, channel, [rest.get(channel) for rest in rests], hum.get(channel, ()))
+    for channel in fit.windows[0].channels:
+        colour = _colour(fit, channel, [rest.get(channel) for rest in rests], hum[0].get(channel, ()))
         if colour is not None:
             found[channel] = colour
     return found
 
 
-def _rests_of(prepared: PreparedDecay) -> dict[str, RestColour]:
+def _hum(prepared: PreparedDecay, fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
+    """Return the lines along the motion that are hum in both channels, where a rest does not show those of each.
+
+    There was none, or a converter's steps hide what is less.
+    """
+    if all(channel in prepared.rest_colour for channel in prepared.window.channels):
+        return {}
+    return common_lines(fit, i)
+
+
+def _rests_of(prepared: PreparedDecay, hum: dict[str, tuple[Line, ...]]) -> dict[str, RestColour]:
     colours = {c: r for c, r in prepared.rest_colour.items() if c in prepared.window.readings}
-    return with_common_lines(colours, keep_off=prepared.frequency / (2.0 * np.pi))
+    return with_common_lines(colours, prepared.frequency / (2.0 * np.pi), hum)
 
 
 def _colour(

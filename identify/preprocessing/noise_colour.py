@@ -230,32 +230,38 @@ def _without_lines(
     return lines, left
 
 
-def with_common_lines(colours: dict[str, RestColour], keep_off: float) -> dict[str, RestColour]:
+def with_common_lines(
+    colours: dict[str, RestColour], keep_off: float, moving: dict[str, tuple[Line, ...]] | None = None
+) -> dict[str, RestColour]:
     """Return the channels' colours with the lines that are part of their noise.
 
-    Those are the lines that stand in more than one channel; and of those in one channel alone all but the strongest, which
-    is left to be named as that sensor's fault. Lines near the frequency `keep_off` (Hz) or below are passed over: there the
-    motion is.
+    Those are the lines that stand in more than one channel, at rest or, by `moving`, along the motion; and of those in one
+    channel alone all but the strongest, which is left to be named as that sensor's fault. Lines at rest near the frequency
+    `keep_off` (Hz) or below are passed over: there the motion is.
     """
     found = dict(colours)
     for name, colour in colours.items():
+        along = list((moving or {}).get(name, ()))
+        others = [line for n, c in colours.items() if n != name for line in c.lines]
         common, alone = [], []
-        for line in colour.lines:
-            if line.frequency < _CLEAR_OF * keep_off:
-                continue
-            same = [line]
-            for other in (c for n, c in colours.items() if n != name):
-                same += [
-                    o
-                    for o in other.lines
-                    if abs(o.frequency - line.frequency) < _SAME * np.hypot(o.uncertainty, line.uncertainty)
-                ][:1]
-            if len(same) > 1:
-                weights = np.array([one.uncertainty**-2 for one in same])
-                f = float(weights @ np.array([one.frequency for one in same]) / weights.sum())
-                common.append(Line(f, float(weights.sum() ** -0.5), line.power))
+        for line in (line for line in colour.lines if line.frequency >= _CLEAR_OF * keep_off):
+            same = [other for other in (*others, *along) if _is_same(line, other)]
+            along = [other for other in along if other not in same]
+            if same:
+                common.append(_mean_of(line, same[0]))
             else:
                 alone.append(line)
-        common += sorted(alone, key=lambda line: -line.power)[1:]
+        common += along + sorted(alone, key=lambda line: -line.power)[1:]
         found[name] = replace(colour, common=tuple(common))
     return found
+
+
+def _is_same(line: Line, other: Line) -> bool:
+    return abs(line.frequency - other.frequency) < _SAME * np.hypot(line.uncertainty, other.uncertainty)
+
+
+def _mean_of(line: Line, other: Line) -> Line:
+    """Return a line with the frequency that two channels give together."""
+    weights = np.array([line.uncertainty**-2, other.uncertainty**-2])
+    frequency = float(weights @ np.array([line.frequency, other.frequency]) / weights.sum())
+    return Line(frequency, float(weights.sum() ** -0.5), line.power)
