@@ -16,9 +16,11 @@ from identify.preprocessing.noise_colour import (
     COLOURED,
     SHAPES,
     STRENGTHS,
+    UNLIKE,
     Line,
     RestColour,
     Shape,
+    alike,
     best,
     log_uncertainty,
     white_part,
@@ -148,14 +150,19 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
         variance = np.maximum(np.mean(power[between] / spread, axis=2), 1e-300)
         own = -_INDEPENDENT * (int(between.sum()) * np.log(variance) + np.log(spread).sum(axis=2))
         own -= own[0, 0]
-        row, column = best(own + at_rest)
-        model = variance[row, column] * (1.0 + STRENGTHS[column] * backgrounds[row])
-        if _is_smooth(power, model, harmonic, between) and _is_allowed(at_rest, own, row, column):
+        places = alike(own + at_rest)
+        models = [variance[r, c] * (1.0 + STRENGTHS[c] * backgrounds[r]) for r, c in places]
+        smooth = [
+            _is_smooth(power, model, harmonic, between) and _is_allowed(at_rest, *place)
+            for place, model in zip(places, models, strict=True)
+        ]
+        if any(smooth):  # one shape that it can be is enough; the others are out
+            own[[row for (row, _), good in zip(places, smooth, strict=True) if not good]] -= UNLIKE
             total += own
     return total
 
 
-def _is_allowed(at_rest: Array, own: Array, row: int, column: int) -> bool:
+def _is_allowed(at_rest: Array, row: int, column: int) -> bool:
     """Whether the rest could be of this colour: a residual above what was seen at rest is misfit."""
     return bool(at_rest.max() - at_rest[row, column] < _VETO)
 

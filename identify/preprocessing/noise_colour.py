@@ -30,7 +30,7 @@ STRENGTHS = frozen(np.concatenate([[0.0], np.geomspace(1e-2, 1e5, 43)]))
 COLOURED = 3.5
 """Gain in log-likelihood from which on noise counts as coloured: 1 in 100 of white ones gains as much."""
 
-_ALIKE = 2.5
+UNLIKE = 2.5
 """Log-likelihood within which two shapes count as alike."""
 
 _MOST_LINES = 4
@@ -138,11 +138,16 @@ def best(log_likelihood: Array) -> tuple[int, int]:
     Of shapes that are about as likely the one with most power at low frequencies: what a short record does not show of a
     slow drift is no reason to believe that there is none.
     """
+    if not log_likelihood.max() > 0.0:
+        return 0, int(np.argmax(log_likelihood[0]))
+    return max(alike(log_likelihood), key=lambda place: STRENGTHS[place[1]] * _AT_LOW[place[0]])
+
+
+def alike(log_likelihood: Array) -> list[tuple[int, int]]:
+    """Return the shapes that are about as likely as the best, each at its own best strength, by their places."""
     columns = np.argmax(log_likelihood, axis=1)
     heights = log_likelihood[np.arange(len(SHAPES)), columns]
-    slow = np.where(heights > heights.max() - _ALIKE, STRENGTHS[columns] * _AT_LOW, -1.0)
-    row = int(np.argmax(slow)) if heights.max() > 0.0 else 0
-    return row, int(columns[row])
+    return [(int(row), int(columns[row])) for row in np.flatnonzero(heights > heights.max() - UNLIKE)]
 
 
 def log_uncertainty(log_likelihood: Array) -> float:
