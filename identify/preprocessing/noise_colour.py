@@ -262,7 +262,8 @@ def with_common_lines(
 
 
 def _is_same(line: Line, other: Line) -> bool:
-    return abs(line.frequency - other.frequency) < _SAME * np.hypot(line.uncertainty, other.uncertainty)
+    apart = abs(line.frequency - other.frequency)
+    return bool(apart < _SAME * np.hypot(line.uncertainty, other.uncertainty))
 
 
 def _mean_of(line: Line, other: Line) -> Line:
