@@ -60,10 +60,10 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribut
         evidence = chance.surprise(candidate.name, drop) + at_rest(baseline.decays, candidate)
         p_value = chance.p_value(candidate.name, drop) if evidence > 0.0 else 1.0
         ranked.append(Ranked(candidate, evidence, p_value, p_value < allowed))
-    return _line_of_sensor_first(tuple(sorted(ranked, key=_order)))
+    return line_of_sensor_first(tuple(sorted(ranked, key=_order)))
 
 
-def _line_of_sensor_first(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+def line_of_sensor_first(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
     """Return the candidates with a sensor's line before a force where this record does not tell which of the two it is.
 
     A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim.

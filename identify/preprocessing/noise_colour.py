@@ -212,9 +212,9 @@ def _without_lines(
     frequency = np.asarray(np.fft.rfftfreq(size, 1.0 / rate), dtype=np.float64)
     background = spectrum(components, frequency, rate)
     allowed = (frequency > 1.5 * rate / n) & (frequency < 0.49 * rate)
-    lines: tuple[Line, ...] = ()
+    places: list[int] = []
     left, limit = values - _trend(values), _penalty(values)
-    columns = [np.ones(n), clock]
+    columns, found = [np.ones(n), clock], np.zeros(2)
     for _ in range(_MOST_LINES):
         power = np.abs(np.fft.rfft(left, size)) ** 2 / n / background
         variance = float(np.mean(power[allowed]))
@@ -224,15 +224,21 @@ def _without_lines(
         if gain < limit:
             break
         f = float(frequency[at])
+        places.append(at)
         columns += [np.cos(2 * np.pi * f * clock), np.sin(2 * np.pi * f * clock)]
         fitted = np.column_stack(columns)
         found = np.linalg.lstsq(fitted, values, rcond=None)[0]
         left = values - fitted @ found
-        white = max(float(np.mean((np.abs(np.fft.rfft(left, size)) ** 2 / n / background)[allowed])), 1e-300)
-        strength = 0.5 * float(found[-2:] @ found[-2:]) / white
+    if not places:
+        return (), left
+    white = max(float(np.mean((np.abs(np.fft.rfft(left, size)) ** 2 / n / background)[allowed])), 1e-300)
+    lines = []
+    for i, at in enumerate(places):  # beside the noise that all of them leave
+        own = found[2 + 2 * i : 4 + 2 * i]
+        strength = 0.5 * float(own @ own) / white
         error = float(np.sqrt(6.0 * background[at] / max(strength * n, 1e-9)) / np.pi * rate / n)
-        lines = (*lines, Line(f, error, strength))
-    return lines, left
+        lines.append(Line(float(frequency[at]), error, strength))
+    return tuple(lines), left
 
 
 def with_common_lines(
