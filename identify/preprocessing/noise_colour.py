@@ -214,7 +214,8 @@ def _without_lines(
     allowed = (frequency > 1.5 * rate / n) & (frequency < 0.49 * rate)
     places: list[int] = []
     left, limit = values - _trend(values), _penalty(values)
-    columns, found = [np.ones(n), clock], np.zeros(2)
+    columns = [np.ones(n), clock]
+    found: Array = np.zeros(2)
     for _ in range(_MOST_LINES):
         power = np.abs(np.fft.rfft(left, size)) ** 2 / n / background
         variance = float(np.mean(power[allowed]))
