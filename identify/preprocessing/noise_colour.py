@@ -229,7 +229,7 @@ def _without_lines(
         columns += [np.cos(2 * np.pi * f * clock), np.sin(2 * np.pi * f * clock)]
         fitted = np.column_stack(columns)
         found = np.linalg.lstsq(fitted, values, rcond=None)[0]
-        left = values - fitted @ found
+        left = np.asarray(values - fitted @ found, dtype=np.float64)
     if not places:
         return (), left
     white = max(float(np.mean((np.abs(np.fft.rfft(left, size)) ** 2 / n / background)[allowed])), 1e-300)
