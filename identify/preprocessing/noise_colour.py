@@ -228,7 +228,7 @@ def _without_lines(
         places.append(at)
         columns += [np.cos(2 * np.pi * f * clock), np.sin(2 * np.pi * f * clock)]
         fitted = np.column_stack(columns)
-        found = np.linalg.lstsq(fitted, values, rcond=None)[0]
+        found = np.asarray(np.linalg.lstsq(fitted, values, rcond=None)[0], dtype=np.float64)
         left = np.asarray(values - fitted @ found, dtype=np.float64)
     if not places:
         return (), left
