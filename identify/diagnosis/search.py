@@ -24,10 +24,6 @@ _POLISHED_BESIDE_BEST = 10
 
 _SCREENED = 6
 
-_PAIRS_FOR_THIRDS = 3
-
-_POLISHED_THIRDS = 6
-
 
 def singles(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
     """Return the model refitted with each effect it lacks, best first."""
@@ -85,25 +81,6 @@ def families(baseline: Baseline) -> tuple[Candidate, ...]:
     scales = scales_of(baseline.decays[0], {})
     terms = tuple(Term(family.effect, family.held(scales)) for family in FAMILIES)
     return try_terms(baseline.decays, baseline.fit, terms, goal=baseline.highest * baseline.fit.degrees)
-
-
-def triple(
-    baseline: Baseline, found: tuple[Pair, ...], enough: float, library: tuple[Effect, ...] = LIBRARY
-) -> tuple[Pair, Candidate] | None:
-    """Return a pair and a third effect that reach the floor together; None where none of the best pairs' thirds do.
-
-    Only pairs that leave less than a reduced chi-square of `enough` are worth a third.
-    """
-    worth = [pair for pair in found if pair.plausible and pair.second.fit.reduced < enough]
-    for pair in worth[:_PAIRS_FOR_THIRDS]:
-        base = pair.second.fit
-        terms = candidate_terms(base.model, library, base.windows[0])
-        goal = baseline.highest * base.degrees
-        tried = try_terms(baseline.decays, base, terms, polished=_POLISHED_THIRDS, goal=goal)
-        for third in _after_rest(baseline, tried)[:_POLISHED_THIRDS]:
-            if third.plausible and baseline.adequate(third.fit):
-                return pair, third
-    return None
 
 
 def _after_rest(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
