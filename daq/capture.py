@@ -4,16 +4,19 @@ Everything that arrives is in the raw log before anything here looks at it, so w
 (a stall, an unplugged board, Ctrl-C, a full disk) leaves what was received.
 """
 
+import time
 from pathlib import Path
 
 import numpy as np
 
+from daq.budget import RESEND_FOR_S, Budget
 from daq.capture_settings import CaptureSettings
 from daq.capture_stream import CaptureStream
 from daq.decode import Assembly, Block
 from daq.description_checks import Window
 from daq.errors import DataLost, NoRelease, StationError
 from daq.failover import FallbackFolder, SessionWriter
+from daq.integrity import lost_outside
 from daq.link import Link
 from daq.observer import CaptureObserver
 from daq.port import Port, open_port
@@ -27,7 +30,6 @@ from daq.trigger import Trigger
 __all__ = ["CaptureObserver", "CaptureSettings", "capture"]
 
 RESEND_ROUNDS = 3
-SPARE_BYTES = 1 << 20
 
 
 def capture(
@@ -52,7 +54,8 @@ def capture(
         link.handshake()
         link.configure(settings.rate_hz)
         run = _Capture(link, settings, observer or CaptureObserver())
-        writer = SessionWriter.begin(folder, run.describe(), log, fallback, run.space())
+        link.allow(run.budget.require())
+        writer = SessionWriter.begin(folder, run.describe(), log, fallback, run.budget.disk)
         try:
             run.record()
         except BaseException as error:
@@ -80,12 +83,12 @@ class _Capture:
         settings = self._settings
         return round(settings.pre_trigger_s * self._rate) + round(settings.duration_s * self._rate)
 
-    def space(self) -> int:
-        """Bytes that the session may need: twice what the samples take in their widest format."""
-        per_second = self._rate * len(self._channels) * 8 * 2
-        settings = self._settings
-        seconds = settings.rest_s + settings.pre_trigger_s + settings.trigger_timeout_s + settings.duration_s
-        return SPARE_BYTES + round(per_second * seconds)
+    @property
+    def budget(self) -> Budget:
+        """How many bytes the capture may take."""
+        description = self._link.assembly.description
+        assert description is not None
+        return Budget(self._settings, self._rate, len(self._channels) * description.format.size)
 
     def describe(self) -> SessionInfo:
         """Say to the observer who answered and return the session's metadata."""
@@ -127,6 +130,7 @@ class _Capture:
         """Wait until the mass is still; a release before the rest is complete is not missed."""
         settings = self._settings
         detail = f"measuring the noise; keep the mass still for {settings.rest_s:g} s"
+        began = time.monotonic()
         self._stream.state("resting", detail)
         period = RestPeriod(self._channels, self._rate, settings.rest_s, settings.trigger_level)
         trigger: Trigger | None = None
@@ -142,8 +146,8 @@ class _Capture:
                     self._noise = {c.name: value for c, value in zip(self._channels, noise, strict=True)}
                     return trigger
         raise NoRelease(
-            f"the mass did not come to rest within {settings.rest_timeout_s:g} s; hold it still, or give a"
-            " larger trigger level"
+            f"the mass did not come to rest within {_waited(settings.rest_timeout_s, began)}; hold it still, or"
+            " give a larger trigger level"
         )
 
     def _wait_for_release(self, trigger: Trigger) -> int:
@@ -152,12 +156,13 @@ class _Capture:
             return self._early
         noise = ", ".join(f"{c.name} {self._noise[c.name]:.2g} {c.unit}" for c in self._channels)
         self._stream.state("armed", f"release the mass; noise at rest: {noise}")
+        began = time.monotonic()
         for block in self._stream.during(settings.trigger_timeout_s):
             release = self._triggered(trigger, block)
             if release is not None:
                 return release
         raise NoRelease(
-            f"no release within {settings.trigger_timeout_s:g} s; what was received is kept. Release the"
+            f"no release within {_waited(settings.trigger_timeout_s, began)}; what was received is kept. Release the"
             " mass after arming, or give a smaller trigger level"
         )
 
@@ -187,20 +192,21 @@ class _Capture:
         self._stream.take_to(stop, 2 * settings.duration_s + 5)
 
     def _ask_again(self) -> None:
-        """Ask for samples that the wire lost, three times at most."""
+        """Ask for samples that the wire lost, three times at most, and for those that the checksum needs beside them."""
+        assembly, until = self._link.assembly, time.monotonic() + RESEND_FOR_S
+        checkable = True
         for _ in range(RESEND_ROUNDS):
-            lost = [gap for gap in self._link.assembly.missing() if gap.reason == "wire"]
-            if not lost:
+            lost = [(gap.first, gap.count) for gap in assembly.missing() if gap.reason == "wire"]
+            beside = _beside(assembly) if checkable else []
+            if not lost and not beside:
                 return
-            self._stream.state("resending", f"asking again for {sum(g.count for g in lost)} samples")
-            before = self._lost()
-            held = [self._link.resend(gap.first, gap.count) for gap in lost]
-            self._resent += before - self._lost()
-            if not any(held) and before == self._lost():
+            self._stream.state("resending", f"asking again for {sum(n for _, n in (*lost, *beside))} samples")
+            before = assembly.samples.received
+            held = [self._link.resend(*hole, until) for hole in lost]
+            checkable = all(held) and all(self._link.resend(*hole, until) for hole in beside)
+            self._resent += assembly.samples.received - before
+            if not any(held) and before == assembly.samples.received:
                 return
-
-    def _lost(self) -> int:
-        return sum(gap.count for gap in self._link.assembly.missing())
 
     def abort(self, writer: SessionWriter, error: BaseException) -> None:
         """Keep what was received as an aborted session; its folder is noted in the error."""
@@ -235,6 +241,19 @@ class _Capture:
             damaged_frames=self._link.statistics.damaged,
             check_clock=self._settings.check_clock,
         )
+
+
+def _beside(assembly: Assembly) -> list[tuple[int, int]]:
+    """Return what the checksum needs beside the recording."""
+    return lost_outside(assembly.samples, assembly.end, assembly.start, assembly.stop, assembly.total)
+
+
+def _waited(seconds: float, began: float) -> str:
+    """Return how long was waited, by which clock: the board may count its seconds faster than this computer."""
+    here = time.monotonic() - began
+    if here > 0.8 * seconds:
+        return f"{seconds:g} s"
+    return f"{seconds:g} s by the board's samples, {here:.2g} s by this computer's clock"
 
 
 def _rate_std(assembly: Assembly) -> float | None:
