@@ -16,7 +16,7 @@ LARGEST_OVERHEAD = (
     80  # of a sample that is sent in a frame of its own and logged in a record of its own, bytes
 )
 SMALLEST_OVERHEAD = 1.08  # of frames that are full
-SLACK_BYTES = 1 << 24
+SLACK_BYTES = 1 << 22
 
 
 @dataclass(frozen=True)

@@ -192,20 +192,24 @@ class _Capture:
         self._stream.take_to(stop, 2 * settings.duration_s + 5)
 
     def _ask_again(self) -> None:
-        """Ask for samples that the wire lost, three times at most, and for those that the checksum needs beside them."""
-        assembly, until = self._link.assembly, time.monotonic() + RESEND_FOR_S
+        """Ask for samples that the wire lost, three times at most, and for those that the checksum needs beside them.
+
+        A board that no longer holds one of the latter, or answers three requests in a row with nothing, is asked no
+        further.
+        """
+        assembly, requests = self._link.assembly, _Requests(self._link)
         checkable = True
         for _ in range(RESEND_ROUNDS):
             lost = [(gap.first, gap.count) for gap in assembly.missing() if gap.reason == "wire"]
             beside = _beside(assembly) if checkable else []
-            if not lost and not beside:
+            if requests.over or not (lost or beside):
                 return
             self._stream.state("resending", f"asking again for {sum(n for _, n in (*lost, *beside))} samples")
             before = assembly.samples.received
-            held = [self._link.resend(*hole, until) for hole in lost]
-            checkable = all(held) and all(self._link.resend(*hole, until) for hole in beside)
+            refused = [hole for hole in lost if requests.ask(hole) is False]
+            checkable = not refused and all(requests.ask(hole) is not False for hole in beside)
             self._resent += assembly.samples.received - before
-            if not any(held) and before == assembly.samples.received:
+            if refused == lost and not checkable:
                 return
 
     def abort(self, writer: SessionWriter, error: BaseException) -> None:
@@ -241,6 +245,30 @@ class _Capture:
             damaged_frames=self._link.statistics.damaged,
             check_clock=self._settings.check_clock,
         )
+
+
+class _Requests:
+    """Requests for samples that stay within their time, and end with a board that does not answer."""
+
+    def __init__(self, link: Link) -> None:
+        self._link = link
+        self._until = time.monotonic() + RESEND_FOR_S
+        self._unanswered = 0
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing is asked any more."""
+        return self._unanswered >= RESEND_ROUNDS or time.monotonic() >= self._until
+
+    def ask(self, hole: tuple[int, int]) -> bool | None:
+        """Ask for (first, count); return whether all of it is held, None when that is not known."""
+        if self.over:
+            return None
+        before = self._link.assembly.samples.received
+        held = self._link.resend(*hole, self._until)
+        came = self._link.assembly.samples.received > before
+        self._unanswered = 0 if came or held is not None else self._unanswered + 1
+        return held
 
 
 def _beside(assembly: Assembly) -> list[tuple[int, int]]:

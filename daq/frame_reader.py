@@ -8,7 +8,7 @@ from daq.port import Port
 from daq.raw_log import Kind, RawLog
 from firmware_protocol import Decoder, Frame, Statistics
 
-MOST_BYTES = 1 << 24
+MOST_BYTES = 1 << 22
 
 
 class FrameReader:

@@ -82,7 +82,7 @@ class Link:
         return self._reader.statistics
 
     def allow(self, log_bytes: int) -> None:
-        """Let the log grow by so many bytes from its beginning; 16 MB are allowed before this."""
+        """Let the log grow by so many bytes from its beginning; 4 MB are allowed before this."""
         self._reader.most_bytes = log_bytes
 
     def take(self, timeout: float) -> Frame | None:
@@ -232,8 +232,8 @@ class Link:
                 raise _refused(Stop(), frame.message)
         return self.assembly.end is not None
 
-    def resend(self, first: int, count: int, until: float) -> bool:
-        """Ask for samples again, after END; return whether the board holds them all.
+    def resend(self, first: int, count: int, until: float) -> bool | None:
+        """Ask for samples again, after END; return whether the board holds them all, None when it did not say.
 
         Returns when it is answered, when no sample that was missing has come for 0.5 s, or at the time `until`.
         """
@@ -246,7 +246,7 @@ class Link:
                 return isinstance(frame.message, Ack)
             if self.assembly.samples.received > received:
                 received, since = self.assembly.samples.received, time.monotonic()
-        return True
+        return None
 
 
 def _answers(answer: Message | OtherVersion, request: Message, sequences: set[int]) -> bool:

@@ -1,0 +1,155 @@
+"""What a capture asks for again, what it takes at most, and what it refuses, on a scripted board."""
+
+from pathlib import Path
+
+import pytest
+from scripted_board import ScriptedBoard, decay
+
+from daq.budget import Budget
+from daq.capture import CaptureSettings, capture
+from daq.errors import DataLost, NoBoard, ProtocolError, SettingsError
+from daq.link import Link
+from firmware_protocol import Data, Hello, HelloRequest, Resend, SampleFormat, encode
+
+SAMPLES = decay()
+SETTINGS = CaptureSettings(duration_s=4.0, check_clock=False)
+
+
+def lossy(*firsts: int, held: int = 10**9) -> ScriptedBoard:
+    board = ScriptedBoard(SAMPLES)
+    board.mangle = lambda first, frame: b"" if first in firsts else frame
+    board.held = held
+    return board
+
+
+def test_a_frame_lost_before_the_recording_is_asked_for_since_the_checksum_needs_it(tmp_path: Path) -> None:
+    session = capture(lossy(16, 1600), SETTINGS, tmp_path / "s")
+    assert session.info.verdict == "OK"
+    assert session.manifest().counts.resent == 32
+
+
+def test_what_the_board_no_longer_holds_leaves_the_recording_usable(tmp_path: Path) -> None:
+    session = capture(lossy(16, 1600, held=1500), SETTINGS, tmp_path / "s")
+    assert session.recording().gaps == ()
+    verdict = session.verdict
+    assert verdict is not None
+    assert (verdict.grade.value, len(verdict.reasons)) == ("USABLE WITH GAPS", 1)
+    assert "16 samples that it covers are lost, 16 from before the recording" in verdict.reasons[0]
+
+
+class Endless(ScriptedBoard):
+    """Answers every RESEND with the first frame of the capture, for ever."""
+
+    def _resend(self, sequence: int, request: Resend) -> None:
+        self.asked = getattr(self, "asked", 0) + 1
+
+    def read(self) -> bytes:
+        again = encode(self._data(0, 16), 77) * 20 if getattr(self, "asked", 0) else b""
+        return super().read() + again
+
+
+@pytest.mark.slow
+def test_a_reply_that_never_ends_is_given_up(tmp_path: Path) -> None:
+    board = Endless(SAMPLES)
+    board.mangle = lambda first, frame: b"" if first % 320 == 0 else frame
+    with pytest.raises(DataLost):
+        capture(board, SETTINGS, tmp_path / "s")
+    assert board.asked == 4  # the first of these was answered as asked
+
+
+class Babbling:
+    """A port that only makes noise."""
+
+    name = "babbling"
+
+    def __init__(self, noise: bytes = bytes(range(1, 255)) * 2000) -> None:
+        self._noise = noise
+        self.taken = 0
+
+    def read(self) -> bytes:
+        self.taken += len(self._noise)
+        return self._noise
+
+    def write(self, data: bytes) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+def test_noise_is_read_up_to_a_limit() -> None:
+    board = Babbling()
+    with Link(board) as link, pytest.raises(ProtocolError, match="more than 4 MB came.*check baud rate"):
+        link.handshake()
+    assert board.taken < 6e6
+
+
+class Answering(Babbling):
+    """A port that sends the same bytes again and again, slowly."""
+
+    def __init__(self, *frames: bytes) -> None:
+        super().__init__(b"".join(frames))
+
+    def read(self) -> bytes:
+        import time
+
+        time.sleep(0.01)
+        return super().read()
+
+
+def malformed() -> bytes:
+    """A DATA that promises more samples than it holds, in a sound frame."""
+    whole = Data(0, 0, 0, 4, 1, SampleFormat.I16, bytes(8))
+    frame = encode(whole, 0)
+    from zlib import crc32
+
+    from cobs import cobs
+
+    plain = cobs.decode(frame[:-1])[:-4][:-2]
+    return cobs.encode(plain + crc32(plain).to_bytes(4, "little")) + b"\0"
+
+
+@pytest.mark.parametrize(
+    ("frames", "error", "words"),
+    [
+        ((malformed(),), ProtocolError, r"sound but not understood \(type 0x85: DATA holds fewer samples"),
+        ((encode(Hello(1, 1), 0),), ProtocolError, "says HELLO and does not describe its channels"),
+        (
+            (encode(HelloRequest(), 0),),
+            ProtocolError,
+            "frames came whole within 0.1 s, and none was the HELLO",
+        ),
+        ((b"Temperature: 21.5\r\n",), NoBoard, "no answer of a board; check baud rate"),
+    ],
+)
+def test_what_is_sound_and_not_understood_is_not_put_down_to_the_line(
+    frames: tuple[bytes, ...], error: type[Exception], words: str
+) -> None:
+    with Link(Answering(*frames)) as link, pytest.raises(error, match=words):
+        link.handshake(0.1)
+
+
+def test_a_capture_that_no_session_could_hold_is_refused_before_start(tmp_path: Path) -> None:
+    board = ScriptedBoard(SAMPLES)
+    settings = CaptureSettings(duration_s=3600, trigger_timeout_s=3600)
+    most = Budget(settings, 256.0, 16)
+    assert most.require() < 1 << 29
+    with pytest.raises(SettingsError, match=r"at 50000 Hz this capture may take 6.25 GB .*lower rate"):
+        Budget(settings, 50_000.0, 16).require()
+    board.description = type(board.description)(
+        board.description.format,
+        tuple(type(c)(c.name, c.quantity, c.unit, 1.0, 0.0, 50_000.0) for c in board.description.channels),
+    )
+    with pytest.raises(SettingsError):
+        capture(board, settings, tmp_path / "s")
+    assert board.sent == 0
+    assert not (tmp_path / "s").exists()
+
+
+def test_two_channels_of_one_name_have_each_its_own_noise(tmp_path: Path) -> None:
+    board = ScriptedBoard(SAMPLES)
+    named = tuple(type(c)(**{**vars(c), "name": "x"}) for c in board.description.channels)
+    board.description = type(board.description)(board.description.format, named)
+    session = capture(board, SETTINGS, tmp_path / "s")
+    assert session.info.verdict == "OK"
+    assert list(session.info.noise) == ["x", "x 2"]
