@@ -147,7 +147,7 @@ class Assembly:
         if not self.samples or self.description is None or stop <= first:
             raise DataLost("no sample was received, so there is nothing to read")
         samples = _values(self.samples, self.description, first, stop)
-        valid = np.isfinite(samples).all(axis=0)
+        valid: Mask = np.all(np.isfinite(samples), axis=0)
         samples[:, ~valid] = np.nan
         trigger = self.window.trigger if self.window else None
         return Recording(
@@ -272,6 +272,7 @@ def _values(store: SampleStore, description: Describe, first: int, stop: int) ->
     return samples
 
 
+@np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
 def _convert(data: Data, description: Describe) -> Array:
     """Return samples in SI units, shape (channels, n)."""
     numbers = np.frombuffer(data.samples, data.format.code).reshape(data.n, data.channels).T

@@ -27,6 +27,9 @@ class FrameReader:
         self._failure: StationError | None = None
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._read, name=f"reader of {port.name}", daemon=True)
+        self._start()
+
+    def _start(self) -> None:
         self._thread.start()
 
     @property
@@ -58,17 +61,22 @@ class FrameReader:
     def _read(self) -> None:
         try:
             while not self._stopping.is_set():
-                data = self._port.read()
-                if data:
-                    when = self._log.append(Kind.RECEIVED, data)
-                    for frame in self._decoder.feed(data):
-                        self._queue.put((when, frame))
-                    if self._log.size - self._begun > self.most_bytes:
-                        raise ProtocolError(self._too_much())
+                self.read_once()
         except StationError as error:
             self._queue.put(error)
         except Exception as error:
             self._queue.put(Disconnected(f"{self._port.name} cannot be read any more ({error})"))
+
+    def read_once(self) -> int:
+        """Take what the port has, log it and queue its frames; return how many bytes it was."""
+        data = self._port.read()
+        if data:
+            when = self._log.append(Kind.RECEIVED, data)
+            for frame in self._decoder.feed(data):
+                self._queue.put((when, frame))
+            if self._log.size - self._begun > self.most_bytes:
+                raise ProtocolError(self._too_much())
+        return len(data)
 
     def _too_much(self) -> str:
         return (

@@ -79,6 +79,7 @@ class _Findings:
         return Verdict(grade=grade, reasons=reasons, advice=tuple(advice), remarks=tuple(self.remarks))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
 def judge(
     recording: Recording,
     assembly: Assembly | None = None,

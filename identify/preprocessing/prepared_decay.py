@@ -268,4 +268,5 @@ def _window(
         lag_reach=reach,
         gain_uncertainty=gain_uncertainty,
         unit=decay.unit,
+        rate_std=decay.rate_std,
     )

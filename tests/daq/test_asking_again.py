@@ -79,7 +79,7 @@ class Babbling:
 
 def test_noise_is_read_up_to_a_limit() -> None:
     board = Babbling()
-    with Link(board) as link, pytest.raises(ProtocolError, match="more than 4 MB came.*check baud rate"):
+    with Link(board) as link, pytest.raises(ProtocolError, match=r"more than 4 MB came.*check baud rate"):
         link.handshake()
     assert board.taken < 6e6
 
