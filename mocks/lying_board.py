@@ -119,7 +119,7 @@ class LyingBoard:
         if self.does("noise") and self._late():
             out += self._random.bytes(500)
         if self.does("babble") and self._late():
-            out += self.liar.send(Heartbeat(self._taken, 0, 0)) * 20
+            out += self.liar.send(Heartbeat(self._taken, 0, 0)) * 5
         if self._endless is not None:
             out += self._endless
         if self._started is not None:

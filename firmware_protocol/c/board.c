@@ -115,6 +115,7 @@ static void resend(const struct wire_frame *request) {
 
 static void obey(const struct wire_frame *request) {
     bool idle = board.state == IDLE;
+    if (request->stream != 0) return; /* this board has one stream */
     switch (request->message.type) {
     case WIRE_HELLO_REQUEST:
         board.say_hello = board.say_describe = true;
@@ -191,6 +192,11 @@ static void send_describe(void) {
     m.as.describe.count = BOARD_CHANNELS;
     m.as.describe.channels = channels;
     transmit(&m);
+    if (board.out_length == 0) { /* too long for a frame: the station says so, but not why */
+        m.type = WIRE_LOG;
+        m.as.log.text = wire_text_of("DESCRIBE does not fit a frame; use fewer channels or shorter texts");
+        transmit(&m);
+    }
 }
 
 static void send_run(const struct ring_run *run, uint32_t dropped_before, const uint8_t *bytes) {

@@ -78,6 +78,7 @@ enum wire_event_kind {
 };
 
 #define WIRE_NO_CHANNEL 255
+#define WIRE_MAX_CHANNELS 16 /* what a DESCRIBE holds when all texts are empty; 12 with 22 bytes of text each */
 
 /* UTF-8, not closed by a zero. */
 struct wire_text {

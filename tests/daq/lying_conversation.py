@@ -21,6 +21,7 @@ from mocks.lying_board import LyingBoard
 SETTINGS = CaptureSettings(
     duration_s=1.0, pre_trigger_s=0.5, rest_s=0.25, rest_timeout_s=4.0, trigger_timeout_s=6.0, lost_limit=1.0
 )
+LIMIT_S = Budget(SETTINGS, 256.0, 16).longest_s
 BYTES_PER_S = 1e6
 TICK_S = 0.01
 
@@ -87,19 +88,21 @@ def timeless(clock: Clock) -> Iterator[None]:
         for name in ("daq.link.time", "daq.capture_stream.time", "daq.capture.time"):
             stack.enter_context(mock.patch(name, slow))
         stack.enter_context(mock.patch("daq.raw_log.host_time", clock.epoch))
+        for name in ("os.fsync", "os.fdatasync"):  # nothing here must outlive a crash
+            stack.enter_context(mock.patch(name))
         stack.enter_context(mock.patch("daq.link.FrameReader", reader_of(clock)))
         yield
 
 
 @dataclass(frozen=True)
 class Told:
-    """How a conversation ended: seconds by its own clock beyond the limit, verdict, bytes logged, what was wrong."""
+    """How a conversation ended: verdict, seconds by its own clock, bytes logged, what was wrong."""
 
     seed: int
     board: LyingBoard
     error: str
     verdict: str
-    late_s: float
+    elapsed_s: float
     log_bytes: int
     wrong: str
 
@@ -118,18 +121,16 @@ def converse(seed: int, folder: Path) -> Told:
             capture(LyingPort(board, clock), SETTINGS, folder)
         except StationError as problem:
             error = f"{type(problem).__name__}: {problem}"
-        longest = Budget(SETTINGS, 256.0, 16).longest_s
-        late = clock.now - begun - longest
-        return _judged(seed, board, folder, error, late)
+        return _judged(seed, board, folder, error, clock.now - begun)
 
 
-def _judged(seed: int, board: LyingBoard, folder: Path, error: str, late: float) -> Told:
+def _judged(seed: int, board: LyingBoard, folder: Path, error: str, elapsed: float) -> Told:
     if not (folder / "session.json").exists():
-        return Told(seed, board, error, "", late, 0, "" if error else "no session and no error")
+        return Told(seed, board, error, "", elapsed, 0, "" if error else "no session and no error")
     session = Session.open(folder)
     size = (folder / "raw.log").stat().st_size
     wrong = _difference(board, session) if session.info.verdict == "OK" else ""
-    return Told(seed, board, error, session.info.verdict, late, size, wrong)
+    return Told(seed, board, error, session.info.verdict, elapsed, size, wrong)
 
 
 def _difference(board: LyingBoard, session: Session) -> str:

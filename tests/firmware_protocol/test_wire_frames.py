@@ -159,3 +159,11 @@ def test_why_a_sound_frame_was_not_understood_is_kept() -> None:
     decoder = Decoder()
     decoder.feed(frame(struct.pack("<BBBBI", 1, 0x89, 0, 0, 0) + b"\x05abcd"))
     assert decoder.statistics.why_malformed == "type 0x89: a text runs past the end of the body"
+
+
+@pytest.mark.parametrize(("channels", "text"), [(16, 0), (12, 22)])
+def test_a_description_holds_as_many_channels_as_the_page_says(channels: int, text: int) -> None:
+    one = ChannelDescription("n" * text, "", "", 1.0, 0.0, 256.0)
+    assert len(encode(Describe(SampleFormat.I16, (one,) * channels), 0)) <= 1030
+    with pytest.raises(ValueError, match="a frame carries at most"):
+        encode(Describe(SampleFormat.I16, (one,) * (channels + 1)), 0)
