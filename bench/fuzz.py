@@ -9,8 +9,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-from bench import lies
-
 TITLE = "Bad input"
 ROOT = Path(__file__).resolve().parent.parent
 MEMORY = 4 << 30
@@ -97,7 +95,6 @@ def run(quick: bool, minutes: float | None = None) -> str:
     ]
     if left:
         lines += ["", *left]
-    lines += ["", lies.rows(200 if quick else lies.CONVERSATIONS)]
     return "\n".join(lines)
 
 

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
+TITLE = "Boards that lie"
+
 ROOT = Path(__file__).resolve().parent.parent
 CONVERSATIONS = 4000
 AT_ONCE = 100
@@ -51,14 +53,15 @@ def _peak_mb() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
 
 
-def rows(count: int) -> str:
-    """Return the table of the benchmark page for so many conversations."""
+def run(quick: bool) -> str:
+    """Return the section of the benchmark page."""
+    count = 200 if quick else CONVERSATIONS
     seeds = [range(at, min(at + AT_ONCE, count)) for at in range(0, count, AT_ONCE)]
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
         batches = list(pool.map(converse, seeds))
     ended = sum((batch.ended for batch in batches), Counter())
     wrong = [text for batch in batches for text in batch.wrong]
-    lines = ["| conversations with boards that lie | |", "|---|---:|", f"| held | {count} |"]
+    lines = ["| conversations | |", "|---|---:|", f"| held | {count} |"]
     lines += [f"| {name} | {number} |" for name, number in ended.most_common()]
     lines += [
         f"| OK, and not what the board sampled | {len(wrong)} |",

@@ -15,12 +15,11 @@ from daq.decode import Assembly, Block, is_ours
 from daq.errors import (
     BoardRefused,
     ProtocolError,
-    Stalled,
     StationError,
     VersionRefused,
 )
 from daq.frame_reader import FrameReader
-from daq.no_answer import no_answer
+from daq.no_answer import no_answer, unanswered
 from daq.port import Port
 from daq.raw_log import Kind, RawLog
 from daq.recording import Gap
@@ -174,12 +173,8 @@ class Link:
         raise self._unanswered(message)
 
     def _unanswered(self, message: Message) -> StationError:
-        what = type(message).__name__.upper()
-        if self.silence() > WARN_S:
-            return Stalled(f"{self.port.name}: the board fell silent and did not answer {what}; reset it")
-        return ProtocolError(
-            f"{self.port.name}: the board does not answer {what}; its firmware needs a correction"
-        )
+        silent = self.silence() > WARN_S
+        return unanswered(self.port.name, type(message).__name__.upper(), self.statistics, silent)
 
     def configure(self, rate_hz: float) -> None:
         """Set the rate (0: the board's own) and learn from DESCRIBE what the board will really do."""

@@ -1,7 +1,9 @@
-"""Why no board answered a handshake: silence, noise, or frames that are sound and are not understood."""
+"""Why no board answered: silence, noise, or frames that are sound and are not understood."""
 
-from daq.errors import NoBoard, ProtocolError, StationError
+from daq.errors import NoBoard, ProtocolError, Stalled, StationError
 from firmware_protocol import Statistics
+
+NOISE_PIECES = 10
 
 
 def no_answer(port: str, seconds: float, counts: Statistics, said_hello: bool) -> StationError:
@@ -25,3 +27,20 @@ def no_answer(port: str, seconds: float, counts: Statistics, said_hello: bool) -
     if counts.too_long:
         what += f"; {counts.too_long} were longer than a frame may be"
     return ProtocolError(f"{port}: {what}. The line is good, the firmware needs a correction")
+
+
+def unanswered(port: str, what: str, counts: Statistics, silent: bool) -> StationError:
+    """Return the error for a request `what` without an answer, after which nothing sound came where `silent`."""
+    if silent and is_noisy(counts):
+        return Stalled(
+            f"{port}: no answer to {what} came through the noise ({counts.damaged} damaged pieces so far);"
+            " check cable, baud rate and what else speaks on this line"
+        )
+    if silent:
+        return Stalled(f"{port}: the board fell silent and did not answer {what}; reset it")
+    return ProtocolError(f"{port}: the board does not answer {what}; its firmware needs a correction")
+
+
+def is_noisy(counts: Statistics) -> bool:
+    """Return whether more damaged pieces than sound frames came."""
+    return counts.damaged > max(counts.frames, NOISE_PIECES)

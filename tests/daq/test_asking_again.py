@@ -1,5 +1,6 @@
 """What a capture asks for again, what it takes at most, and what it refuses, on a scripted board."""
 
+import time
 from pathlib import Path
 
 import pytest
@@ -7,9 +8,13 @@ from scripted_board import ScriptedBoard, decay
 
 from daq.budget import Budget
 from daq.capture import CaptureSettings, capture
-from daq.errors import DataLost, NoBoard, ProtocolError, SettingsError
+from daq.decode import MAX_MISSING
+from daq.errors import DataLost, NoBoard, ProtocolError, SettingsError, Stalled
+from daq.frame_reader import MOST_BYTES
+from daq.importing import mat_file
 from daq.link import Link
-from firmware_protocol import Data, Hello, HelloRequest, Resend, SampleFormat, encode
+from daq.raw_log import MAX_LOG
+from firmware_protocol import Data, Hello, HelloRequest, Resend, SampleFormat, Stop, encode
 
 SAMPLES = decay()
 SETTINGS = CaptureSettings(duration_s=4.0, check_clock=False)
@@ -91,8 +96,6 @@ class Answering(Babbling):
         super().__init__(b"".join(frames))
 
     def read(self) -> bytes:
-        import time
-
         time.sleep(0.01)
         return super().read()
 
@@ -153,3 +156,33 @@ def test_two_channels_of_one_name_have_each_its_own_noise(tmp_path: Path) -> Non
     session = capture(board, SETTINGS, tmp_path / "s")
     assert session.info.verdict == "OK"
     assert list(session.info.noise) == ["x", "x 2"]
+
+
+def test_an_answer_lost_in_noise_is_put_down_to_the_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("daq.link.ANSWER_S", (0.6,))
+    board = ScriptedBoard(SAMPLES)
+
+    def noise() -> bytes:
+        time.sleep(0.01)
+        return b"\0garble\0" * 30
+
+    with Link(board) as link:
+        link.handshake()
+        board.read = noise  # type: ignore[method-assign]
+        time.sleep(0.05)  # what the reader had begun to read is over
+        with pytest.raises(Stalled, match="no answer to STOP came through the noise"):
+            link.request(Stop())
+
+
+def test_the_limits_on_the_page_are_those_of_the_program() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
+    waits = Budget(SETTINGS, 256.0, 16)
+    besides = waits.longest_s - SETTINGS.rest_timeout_s - SETTINGS.trigger_timeout_s - 2 * SETTINGS.duration_s
+    assert f"and {besides:g} s besides" in " ".join(page.split())
+    assert f"| {MOST_BYTES / 1e6:.0f} MB |" in page
+    assert f"| {MAX_LOG / 1e9:.1f} GB (2^31 bytes) |" in page
+    assert f"| {MAX_MISSING / 1e6:.0f} million numbers ({8e-6 * MAX_MISSING:.0f} MB) |" in page
+    assert (
+        f"| {mat_file.MAX_BYTES / 1e6:.0f} MB unpacked, {mat_file.MAX_NUMBERS / 1e6:.0f} million numbers"
+        in page
+    )

@@ -1,6 +1,6 @@
 """Hundreds of conversations with boards that lie: what differs from what a board sampled is never OK, nothing hangs.
 
-`python -m bench fuzz` holds thousands of them. A seed is a board; the lies are drawn by `mocks.lies` and
+`python -m bench lies` holds thousands of them. A seed is a board; the lies are drawn by `mocks.lies` and
 `mocks.lying_board`, the truth is what that board had at its input.
 """
 
