@@ -20,7 +20,7 @@ from daq.integrity import lost_outside
 from daq.link import Link
 from daq.observer import CaptureObserver
 from daq.port import Port, open_port
-from daq.quality import summary
+from daq.quality import CLOCK_LIMIT, summary
 from daq.raw_log import RawLog
 from daq.rest_detection import RestPeriod
 from daq.session import Session
@@ -285,8 +285,17 @@ def _waited(seconds: float, began: float) -> str:
 
 
 def _rate_std(assembly: Assembly) -> float | None:
-    """Return how far the board's rate is known by this computer's clock (Hz); None when the two disagree."""
+    """Return how far the board's rate is known (Hz): by what it states of its clock, and by this computer's clock.
+
+    The smaller of the two where they go together, else their difference; None when neither tells or they contradict.
+    """
+    stated = None if assembly.clock_ppm is None else 1e-6 * assembly.clock_ppm * assembly.rate
     clock = assembly.samples.host_clock()
-    if clock is None or not np.isfinite(clock.std) or abs(clock.rate / assembly.rate - 1) > 0.005:
+    if clock is None or not np.isfinite(clock.std):
+        return stated
+    if abs(clock.rate / assembly.rate - 1) > CLOCK_LIMIT:
         return None
-    return max(clock.std, abs(clock.rate - assembly.rate))
+    difference = abs(clock.rate - assembly.rate)
+    if stated is None or difference > stated + 3 * clock.std:
+        return max(clock.std, difference)
+    return min(stated, max(clock.std, difference))

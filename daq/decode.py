@@ -20,13 +20,26 @@ from daq.losses import Losses
 from daq.raw_log import Kind, Record
 from daq.recording import Array, Channel, Gap, Mask, Recording
 from daq.sample_store import Piece, SampleStore
-from firmware_protocol import Data, Decoder, Describe, End, Event, EventKind, Frame, Hello, Log, OtherVersion
+from firmware_protocol import (
+    Clock,
+    Data,
+    Decoder,
+    Describe,
+    End,
+    Event,
+    EventKind,
+    Frame,
+    Hello,
+    Log,
+    OtherVersion,
+)
 
 STREAM = 0
 MAX_MISSING = (
     1 << 22
 )  # numbers (samples times channels) that may be missing: 34 MB where the recording is made
 MAX_LISTED = 200
+MOST_PPM = 1e5
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +59,8 @@ class Assembly:
         self.description: Describe | None = None
         self.end: End | None = None
         self.window: Window | None = None
-        self.rebooted = False
-        self.frames = 0
+        self.clock_ppm: float | None = None
+        self.frames, self.rebooted = 0, False
         self.notes: list[str] = []
         self.events: list[Event] = []
         self.contradictions: list[str] = []
@@ -74,6 +87,8 @@ class Assembly:
             return self._take_hello(message)
         if isinstance(message, Describe):
             self._take_description(message)
+        elif isinstance(message, Clock):
+            self.clock_ppm = message.error_ppm if 0 < message.error_ppm < MOST_PPM else None
         elif isinstance(message, End):
             self._take_end(message)
         elif isinstance(message, Event):
@@ -116,8 +131,7 @@ class Assembly:
     def stop(self) -> int:
         """The sample after the recording's last.
 
-        Up to the window's end, as far as samples were taken; a stream that merely stopped ends with the
-        last sample received, one whose board rebooted or said END is known to be short by so many.
+        Up to the window's end, as far as samples were received or, by END or a reboot, are known to be short.
         """
         if self.window is None:
             return max(self.expected, self.total)
@@ -168,8 +182,7 @@ class Assembly:
         """Begin at index 0: what came before belongs to an earlier capture."""
         self.end, self.window, self.rebooted = None, None, False
         self.samples = SampleStore()
-        self.jumped, self._sequence = 0, -1
-        self._started = True
+        self.jumped, self._sequence, self._started = 0, -1, True
         for items in (self._losses, self.events, self.contradictions):
             items.clear()
 

@@ -144,7 +144,7 @@ class Link:
             raise VersionRefused(_versions(f"{message.major}"))
         if isinstance(message, Hello) and message.major != PROTOCOL_MAJOR:
             raise VersionRefused(_versions(f"{message.major}.{message.minor}"))
-        if isinstance(message, Describe) and self.assembly.contradictions:
+        if isinstance(message, Describe) and self.assembly.description is None:
             raise ProtocolError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
         described = self.assembly.description is not None
         return self.assembly.hello if described and isinstance(message, Hello | Describe) else None

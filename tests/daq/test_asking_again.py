@@ -14,7 +14,7 @@ from daq.frame_reader import MOST_BYTES
 from daq.importing import mat_file
 from daq.link import Link
 from daq.raw_log import MAX_LOG
-from firmware_protocol import Data, Hello, HelloRequest, Resend, SampleFormat, Stop, encode
+from firmware_protocol import Data, Hello, HelloRequest, Resend, SampleFormat, Start, Stop, encode
 
 SAMPLES = decay()
 SETTINGS = CaptureSettings(duration_s=4.0, check_clock=False)
@@ -186,3 +186,11 @@ def test_the_limits_on_the_page_are_those_of_the_program() -> None:
         f"| {mat_file.MAX_BYTES / 1e6:.0f} MB unpacked, {mat_file.MAX_NUMBERS / 1e6:.0f} million numbers"
         in page
     )
+
+
+def test_a_board_that_still_samples_for_a_host_that_died_is_stopped(tmp_path: Path) -> None:
+    board = ScriptedBoard(SAMPLES)
+    board.write(encode(Start(), 0))
+    time.sleep(0.01)
+    board._stream()  # DATA is under way before HELLO and DESCRIBE are
+    assert capture(board, SETTINGS, tmp_path / "s").info.verdict == "OK"
