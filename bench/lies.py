@@ -4,7 +4,6 @@ import os
 import resource
 import sys
 import tempfile
-import time
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -26,7 +25,6 @@ class Batch:
     wrong: tuple[str, ...]
     elapsed_s: float
     limit_s: float
-    longest_s: float
     log_bytes: int
     memory_mb: float
 
@@ -37,16 +35,14 @@ def converse(seeds: range) -> Batch:
     from lying_conversation import LIMIT_S, converse
 
     ended: Counter[str] = Counter()
-    wrong, elapsed, longest, size, before = [], 0.0, 0.0, 0, _peak_mb()
+    wrong, elapsed, size, before = [], 0.0, 0, _peak_mb()
     with tempfile.TemporaryDirectory() as folder:
         for seed in seeds:
-            begun = time.perf_counter()
             told = converse(seed, Path(folder) / str(seed))
-            longest = max(longest, time.perf_counter() - begun)
             ended[told.verdict or "refused before START"] += 1
             elapsed, size = max(elapsed, told.elapsed_s), max(size, told.log_bytes)
             wrong += [f"{told.wrong}: {told.lies}"] if told.wrong else []
-    return Batch(ended, tuple(wrong), elapsed, LIMIT_S, longest, size, _peak_mb() - before)
+    return Batch(ended, tuple(wrong), elapsed, LIMIT_S, size, _peak_mb() - before)
 
 
 def _peak_mb() -> float:
@@ -66,7 +62,6 @@ def run(quick: bool) -> str:
     lines += [
         f"| OK, and not what the board sampled | {len(wrong)} |",
         f"| longest by the board's clock, of {batches[0].limit_s:.0f} s allowed, s | {max(b.elapsed_s for b in batches):.1f} |",
-        f"| longest in real time, s | {max(batch.longest_s for batch in batches):.1f} |",
         f"| largest log, MB | {max(batch.log_bytes for batch in batches) / 1e6:.1f} |",
         f"| most memory above the start, MB | {max(batch.memory_mb for batch in batches):.0f} |",
         "",
