@@ -16,6 +16,7 @@ from daq.description_checks import foreign_unit
 from daq.import_log import FIRMWARE as IMPORT
 from daq.integrity import Outcome
 from daq.recording import Array, Channel, Gap, Mask, Recording
+from daq.sources.source_board import FIRMWARE as SOURCE
 from daq.wiring_check import suspicions
 from firmware_protocol import NO_CHANNEL, EventKind
 
@@ -105,7 +106,8 @@ def judge(
         _board_reports(findings, assembly)
         if assembly.hello is None or assembly.hello.firmware != IMPORT:
             _integrity(findings, assembly)
-            _clock_steps(findings, recording, assembly)
+            if assembly.hello is None or assembly.hello.firmware != SOURCE:
+                _clock_steps(findings, recording, assembly)
         _clocks(findings, assembly, check_clock)
     return findings.verdict()
 
