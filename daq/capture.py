@@ -54,6 +54,7 @@ def capture(
     log = RawLog()
     if isinstance(opened, SourceBoard):
         opened.keep = partial(log.append, Kind.SOURCE)
+        log.note(event="source")  # its times are those of its text, not of a timer that samples
     with Link(opened, log) as link:
         link.handshake()
         link.configure(settings.rate_hz)

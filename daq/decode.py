@@ -39,6 +39,8 @@ MAX_MISSING = (
     1 << 22
 )  # numbers (samples times channels) that may be missing: 34 MB where the recording is made
 MAX_LISTED = 200
+BOARD, SOURCE, IMPORT = "board", "source", "import"  # who made the samples, as the station noted it
+ORIGINS = {"imported": IMPORT, "source": SOURCE}
 MOST_PPM = 1e5
 
 
@@ -60,7 +62,7 @@ class Assembly:
         self.end: End | None = None
         self.window: Window | None = None
         self.clock_ppm: float | None = None
-        self.frames, self.rebooted = 0, False
+        self.frames, self.rebooted, self.origin = 0, False, BOARD
         self.notes: list[str] = []
         self.events: list[Event] = []
         self.contradictions: list[str] = []
@@ -99,6 +101,7 @@ class Assembly:
 
     def take_note(self, note: dict[str, Any]) -> None:
         """Take what the station wrote down between the bytes; what is not understood is skipped."""
+        self.origin = ORIGINS.get(str(note.get("event")), self.origin)
         if note.get("event") == "window":
             self.window = window_of(note) or self.window
         elif note.get("event") == "start":
@@ -114,7 +117,7 @@ class Assembly:
 
     @property
     def rate(self) -> float:
-        """Samples per second by the board's description; 0 before it came."""
+        """Samples per second, as described; 0 before it was."""
         return self.description.channels[0].rate_hz if self.description else 0.0
 
     @property
@@ -129,10 +132,7 @@ class Assembly:
 
     @property
     def stop(self) -> int:
-        """The sample after the recording's last.
-
-        Up to the window's end, as far as samples were received or, by END or a reboot, are known to be short.
-        """
+        """The sample after the last: of the window, as far as samples came or, by END or a reboot, are short."""
         if self.window is None:
             return max(self.expected, self.total)
         planned = self.window.first + self.window.count

@@ -11,12 +11,10 @@ from enum import StrEnum
 import numpy as np
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 
-from daq.decode import Assembly
+from daq.decode import BOARD, IMPORT, Assembly
 from daq.description_checks import foreign_unit
-from daq.import_log import FIRMWARE as IMPORT
 from daq.integrity import Outcome
 from daq.recording import Array, Channel, Gap, Mask, Recording
-from daq.sources.source_board import FIRMWARE as SOURCE
 from daq.wiring_check import suspicions
 from firmware_protocol import NO_CHANNEL, EventKind
 
@@ -104,9 +102,9 @@ def judge(
     _kinematics(findings, recording)
     if assembly is not None:
         _board_reports(findings, assembly)
-        if assembly.hello is None or assembly.hello.firmware != IMPORT:
+        if assembly.origin != IMPORT:
             _integrity(findings, assembly)
-            if assembly.hello is None or assembly.hello.firmware != SOURCE:
+            if assembly.origin == BOARD:
                 _clock_steps(findings, recording, assembly)
         _clocks(findings, assembly, check_clock)
     return findings.verdict()

@@ -39,9 +39,6 @@ from firmware_protocol import (
     encode,
 )
 
-FIRMWARE = "a source of samples"
-"""How a source calls itself in HELLO: its times are those of its text, not of a timer that samples."""
-
 ROOM = 900
 """Bytes of samples in a frame."""
 
@@ -133,7 +130,9 @@ class SourceBoard:
         if isinstance(message, OtherVersion):
             return
         if isinstance(message, HelloRequest):
-            self._out.say(Hello(boot_id=1, clock_hz=1_000_000, firmware=FIRMWARE, board=self.name[:200]))
+            self._out.say(
+                Hello(boot_id=1, clock_hz=1_000_000, firmware="a source of samples", board=self.name[:200])
+            )
             self._out.say(self._describe())
             for remark in self._description.remarks:
                 self._out.say(Log(remark[:250]))

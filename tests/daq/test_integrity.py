@@ -207,3 +207,11 @@ def test_a_log_of_many_channels_asks_for_no_more_memory_than_its_samples_need() 
     made.take_note({"event": "window", "first": 0, "count": 1 << 40})
     made.rebooted = True
     assert made.recording().samples.size <= (1 << 22) + 24
+
+
+@pytest.mark.parametrize("firmware", ["import", "a source of samples"])
+def test_no_name_of_a_board_keeps_it_from_being_checked(firmware: str) -> None:
+    made = taken(Hello(1, 1, firmware=firmware), *STREAM, replace(END, checksum=1))
+    assert verdict(made).grade is Grade.REJECT
+    late = [data(first, late_us=3e4 if first >= 800 else 0.0) for first in range(0, COUNT, N)]
+    assert verdict(taken(Hello(1, 1, firmware=firmware), *late, END)).grade is Grade.REJECT
