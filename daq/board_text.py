@@ -3,20 +3,11 @@
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
+from daq.plain_text import one_line
 from firmware_protocol import ChannelDescription, Describe, Event, Hello, Log, Message, Nack
 
 _M = TypeVar("_M", bound=Message)
 _T = TypeVar("_T", bound=Message | ChannelDescription)
-
-REPLACED = "\N{REPLACEMENT CHARACTER}"
-DIRECTION = {chr(code) for code in (*range(0x202A, 0x202F), *range(0x2066, 0x206A))}
-
-
-def one_line(text: str) -> str:
-    """Return `text` with every control character, line break and turn of direction replaced by a mark."""
-    if text.isprintable():
-        return text
-    return "".join(c if c.isprintable() and c not in DIRECTION else REPLACED for c in text)
 
 
 def in_one_line(message: _M) -> _M:

@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable
 from typing import Self
 
-from daq.board_text import one_line
 from daq.budget import ANSWER_S, END_S, HELLO_FOR_S
 from daq.decode import Assembly, Block, is_ours
 from daq.errors import (
@@ -20,6 +19,7 @@ from daq.errors import (
 )
 from daq.frame_reader import FrameReader
 from daq.no_answer import no_answer, unanswered
+from daq.plain_text import one_line
 from daq.port import Port
 from daq.raw_log import Kind, RawLog
 from daq.recording import Gap
