@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
+from identify.clock_error import with_clock
 from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
 from identify.fitting.jacobian import linearise
@@ -171,6 +172,7 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
     outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
     if unidentifiable:
         outcome += f" This record does not determine {', '.join(unidentifiable)}."
+    window = problem.windows[0]
     return Fit(
         model=problem.model,
         windows=problem.windows,
@@ -178,7 +180,7 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
         theta=theta,
         covariance=covariance,
         values={
-            u.name: Estimate(float(t), float(s), u.unit)
+            u.name: with_clock(Estimate(float(t), float(s), u.unit), window.rate, window.rate_std)
             for u, t, s in zip(problem.unknowns, theta, std, strict=True)
         },
         chi_square=cost,

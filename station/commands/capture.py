@@ -150,6 +150,8 @@ def finish(
     verdict = session.verdict
     if verdict is not None:
         progress(f"verdict: {'; '.join([verdict.grade.value, *verdict.reasons])}")
+        for remark in verdict.remarks:
+            progress(remark)
         for advice in verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, options_for(session, settings))

@@ -20,6 +20,7 @@ class RecordDocument(Part):
     unit: str
     mass_kg: float | None
     mass_std_kg: float | None
+    rate_std_hz: float | None = None
     noise: dict[str, Number]
 
 
@@ -58,10 +59,11 @@ class MethodDocument(Part):
 
 
 class WaveletDocument(MethodDocument):
-    """What the wavelet found."""
+    """What the wavelet found; `clock` says where the recorder's clock limits it."""
 
     stiffness_reason: str
     channel: str
+    clock: str = ""
 
 
 class RestoringForceDocument(MethodDocument):
@@ -114,6 +116,7 @@ def _record(result: Identification) -> RecordDocument:
         unit=decay.unit,
         mass_kg=decay.mass,
         mass_std_kg=decay.mass_std,
+        rate_std_hz=decay.rate_std,
         noise={name: getattr(decay, f"noise_{name}") for name in MOTION},
     )
 

@@ -53,6 +53,8 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
     if noise:
         facts.append(("noise", noise))
     facts.append(("lag", _lag(result)))
+    if result.wavelet is not None and result.wavelet.clock:
+        facts.append(("clock", result.wavelet.clock))
     return facts
 
 
