@@ -98,6 +98,9 @@ class Diagnosis(Summarised):
             top = rungs[-1].fit
             known = top.point
             found = diagnose(self.decays, top.model, library=self.library, known=known)
+        for rung in without_needless_effects(rungs[-1], set(base_model().names)):
+            rungs.append(rung)
+            progress(rung, f"removed {rung.removed}: it explains nothing")
         return Ladder(tuple(rungs), reason, found.verdict)
 
     def _reason_to_stop(self, rungs: int) -> str:

@@ -20,6 +20,9 @@ from identify.fitting.fit import Fit
 from identify.fitting.model_error import motion_percent
 from identify.formatting import quantity, three_figures
 
+_WORTH_NAMING = 0.005
+"""Share of what the model leaves from which on a suspect explains anything."""
+
 FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
 
@@ -53,7 +56,7 @@ def explain(
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
     first = _named(baseline, top, together, settled)
-    second = _alternatives(top, suspects[1:])
+    second = _alternatives(baseline, top, tuple(s for s in suspects[1:] if s.effect.name not in together))
     if shape is not None and not baseline.adequate(settled.fit):
         rest = f"{three_figures(motion_percent(settled.fit))} % of the motion"
         if shape.coordinates:
@@ -106,18 +109,38 @@ def _between(top: Suspect) -> str:
     )
 
 
-def _alternatives(top: Suspect, others: tuple[Suspect, ...]) -> str:
+def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...]) -> str:
+    """Return what else would explain the record, what is as good first, and how what is named shows."""
+    shows = f"It shows as: {top.effect.symptom}."
     if top.effect in FAMILY_OF:
-        return f"{_between(top)} It shows as: {top.effect.symptom}."
+        return f"{_between(top)} {shows}"
     if top.rivals:
-        return f"This record does not tell it from {', '.join(top.rivals)}."
-    following = next((s for s in others if s.claimed and not _is_corrected(s)), None)
-    if following is None:
-        return f"No other effect explains it; it shows as: {top.effect.symptom}."
+        return f"This record does not tell it from {' or '.join(top.rivals)}. {shows}"
+    tried = [s for s in others if not _is_corrected(s) and s.fit is not baseline.fit]
+    tied = [s for s in tried if baseline.adequate(s.fit)]
+    if tied:
+        each = "; ".join(_why_not(s) for s in tied)
+        return f"The floor would also be reached with {each}. {shows}"
+    best = min(tried, key=lambda s: s.error_after, default=None)
+    share = 0.0 if best is None else _explained(baseline, best)
+    if best is None or share < _WORTH_NAMING:
+        return f"No other effect explains anything of it. {shows}"
     return (
-        f"The next best, {following.effect.name}, leaves {three_figures(following.error_after)}; "
-        f"{top.effect.name} shows as: {top.effect.symptom}."
+        f"The next best, {best.effect.name}, would explain {100.0 * share:.0f} % of it and leaves "
+        f"{three_figures(best.error_after)}. {shows}"
     )
+
+
+def _why_not(suspect: Suspect) -> str:
+    """Return a suspect that reaches the floor too, and why another one is named."""
+    why = "with less evidence" if suspect.plausible else "with values that make another effect the better name"
+    return f"{suspect.effect.name} ({three_figures(suspect.error_after)}; {why})"
+
+
+def _explained(baseline: Baseline, suspect: Suspect) -> float:
+    """Return the share, 0 to 1, of what the model leaves above the noise that a suspect takes away."""
+    before = baseline.reduced(baseline.fit)
+    return (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
 
 
 def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:

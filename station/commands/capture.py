@@ -138,5 +138,5 @@ def finish(
         }
         print_json(known | more)
     else:
-        next_steps(screen(), session.folder)
+        next_steps(screen(), session.folder, result)
     refuse_if_nothing(result)

@@ -26,22 +26,26 @@ def command(
     """Compare a model with SESSION: how large its errors are, and where.
 
     Three errors against the noise floor, a sensor or physics, the worst places
-    in words, cycle by cycle. Without --model the model is stiffness, Coulomb
-    and viscous friction.
+    in words, cycle by cycle. Without --model it is the model that `station
+    identify` found, with its orders.
     """
-    from station.operations.comparing import compare_session, write_view
+    from station.operations.comparing import compare_session, own_model, write_view
     from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
-    compared, document = compare_session(opened, settings, model_file, mass=mass)
+    model = model_file or own_model(opened, settings)
+    compared, document = compare_session(opened, settings, model, mass=mass)
     if as_json:
         print_json(document.plain())
     else:
         from station.text.comparison_text import show_comparison
+        from station.text.next_step import next_line
 
         show_comparison(screen(), compared)
+        fails = not compared.baseline.at_floor
+        screen().print(next_line("diagnose" if fails else "report", opened.folder), markup=False, soft_wrap=True)
     if with_view:
         from station.commands.view import open_if_possible
 

@@ -7,6 +7,7 @@ import click
 
 from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER
 from station.output import json_option, print_json, progress, screen
+from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from identify.diagnosis.diagnose import Diagnosis
@@ -75,5 +76,7 @@ def next_steps(opened: "SessionSet", found: "Diagnosis") -> list[str]:
     """Return the commands that come next."""
     folder = opened.sessions[0].folder
     if found.verdict in ("missing_effect", "sensor_fault"):
-        return [f" next: station refine {folder} --add {found.named[0]}"]
-    return [] if found.verdict == "not_enough_data" else [f" next: station view {folder}"]
+        return [next_line("refine", folder, "--add", found.named[0])]
+    if found.verdict == "nothing_missing":
+        return [next_line("report", folder)]
+    return [] if found.verdict == "not_enough_data" else [next_line("view", folder)]

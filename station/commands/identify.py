@@ -58,7 +58,7 @@ def command(
         from station.text.terminal import next_steps, show_identification
 
         show_identification(screen(), opened.folder.name, result)
-        next_steps(screen(), opened.folder)
+        next_steps(screen(), opened.folder, result)
     refuse_if_nothing(result)
     if with_view:
         from station.commands.view import show_session

@@ -1,12 +1,17 @@
 """`station refine`: the next model of a session, and the ladder of errors that led to it."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress, screen
+
+if TYPE_CHECKING:
+    from daq.session import Session
+    from station.results.ladder import KeptLadder
 
 
 @click.command("refine")
@@ -72,10 +77,25 @@ def command(
         print_json(ladder_document(opened, ladder))
     else:
         from station.text.ladder_text import show_ladder
+        from station.text.next_step import next_line
 
         show_ladder(screen(), opened.folder.name, ladder)
+        screen().print(next_line(*_next(opened, ladder)), markup=False, soft_wrap=True)
     if not no_viewer:
         from station.operations import viewer_tabs
 
         if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
             progress("the viewer shows the ladder: step along its timeline `rung`")
+
+
+def _next(session: "Session", ladder: "KeptLadder") -> tuple[str | Path, ...]:
+    """Return the command that comes next: without what is of no use, to the report at the floor, else on."""
+    from station.story.suspect_words import reaches_floor
+
+    if f"--remove {ladder.top.added}" in ladder.stopped_because:
+        return ("refine", session.folder, "--remove", ladder.top.added)
+    if reaches_floor(ladder.top.error.chi2, ladder.top.chi2_std, sure=True):
+        return ("report", session.folder)
+    if ladder.verdict is None:
+        return ("refine", session.folder, "--auto")
+    return ("report", session.folder)

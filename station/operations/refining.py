@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from daq.session import Session
-from identify.diagnosis.ladder import Rung, add_effect, first_rung, remove_effect
+from identify.diagnosis.ladder import Rung, add_effect, first_rung, remove_effect, share_explained
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
+from identify.formatting import three_figures
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
@@ -18,6 +19,7 @@ from station.results.ladder import KeptLadder, KeptRung, kept_rung, read_ladder,
 from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress, refine
+from station.story.plain_names import plain_name
 from station.story.preparation import prepare_session
 
 
@@ -97,9 +99,7 @@ def add(refinement: Refinement, wanted: str) -> KeptLadder:
         rung = add_effect(top, effect, library=refinement.library)
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
-    return _extended(
-        refinement, (kept_rung(rung, expressions),), _manual(rung, f"as asked, {effect.name} was added")
-    )
+    return _extended(refinement, (kept_rung(rung, expressions),), _added(rung, effect.name))
 
 
 def remove(refinement: Refinement, name: str) -> KeptLadder:
@@ -112,7 +112,7 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
     rung = remove_effect(top, name)
     expressions = refinement.ladder.top.model.expressions
     return _extended(
-        refinement, (kept_rung(rung, expressions),), _manual(rung, f"as asked, {name} was removed")
+        refinement, (kept_rung(rung, expressions),), _manual(rung, f"{plain_name(name)} was taken out")
     )
 
 
@@ -151,10 +151,22 @@ def _extended(refinement: Refinement, new: tuple[KeptRung, ...], why: tuple[str,
     return changed
 
 
+def _added(rung: Rung, name: str) -> tuple[str, str | None]:
+    """Say what an effect that was added is worth."""
+    share = share_explained(rung, name)
+    if share is None:
+        return _manual(rung, f"{plain_name(name)} was added")
+    percent = "less than 0.01" if share < 1e-4 else three_figures(100.0 * share)
+    return (
+        f"{plain_name(name)} explains nothing ({percent} % of what is left, no more than chance would): take it out "
+        f"with --remove {name}"
+    ), None
+
+
 def _manual(rung: Rung, done: str) -> tuple[str, str | None]:
     if rung.at_floor:
         return f"{done}; the noise floor is reached", None
-    return f"{done}; {rung.error.chi_square:.3g} times the noise is left", None
+    return f"{done}; what is left is {three_figures(rung.error.chi_square)} times the noise", None
 
 
 def _found(name: str, library: tuple[Effect, ...]) -> Effect:

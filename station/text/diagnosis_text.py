@@ -1,5 +1,7 @@
 """A diagnosis in one screenful of 80 columns: the verdict first, then why, the suspects, what to record next."""
 
+import math
+
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
@@ -13,8 +15,10 @@ from station.results.diagnosis_document import (
     NoiseFloorDocument,
     SuspectDocument,
 )
+from station.story.plain_names import plain_name
+from station.story.suspect_words import among, reaches_floor, would_explain
 from station.text.layout import labelled
-from station.text.numbers import DASH, evidence, probability, three_figures, with_unit
+from station.text.numbers import DASH, three_figures, with_unit
 
 STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
 MOST_SUSPECTS = 6
@@ -24,7 +28,7 @@ LABEL_WIDTH = 12
 def headline(document: DiagnosisDocument) -> str:
     """Return the verdict in one line."""
     verdict = HEADLINES[document.verdict].upper()
-    return f"{verdict}: {' and '.join(document.named)}" if document.named else verdict
+    return f"{verdict}: {among([plain_name(name) for name in document.named])}" if document.named else verdict
 
 
 def show_diagnosis(console: Console, document: DiagnosisDocument) -> None:
@@ -67,16 +71,16 @@ def _suspects(document: DiagnosisDocument) -> Table:
     table.add_column("suspect", no_wrap=True)
     table.add_column("motion\nleft %", justify="right")
     table.add_column("chi2\nafter", justify="right")
-    for head in ("foretells",) if foretold else ("evidence", "p"):
+    for head in ("foretells",) if foretold else ("would\nexplain", "reaches\nthe floor"):
         table.add_column(head, justify="right", no_wrap=True)
     table.add_column("with", overflow="fold")
     for rank, suspect in enumerate(shown_suspects(document)):
-        odds = (evidence(suspect.evidence), probability(suspect.p_value))
+        worth = (would_explain(document.error.chi2, suspect.error_after), _reached(document, suspect))
         cells = (
             suspect.effect,
             three_figures(suspect.motion_percent),
             three_figures(suspect.error_after),
-            *((foretells(document, suspect),) if foretold else odds),
+            *((foretells(document, suspect),) if foretold else worth),
             _parameters(suspect, None if rank == 0 else 1),
         )
         table.add_row(*(Text(cell, style="" if suspect.claimed else "dim") for cell in cells))
@@ -139,7 +143,32 @@ def shown_suspects(document: DiagnosisDocument) -> list[SuspectDocument]:
     """Return the suspects that are worth a line: all that are claimed, at least three, and the rivals of the first."""
     claimed = sum(suspect.claimed for suspect in document.suspects)
     most = max(3, min(MOST_SUSPECTS, claimed))
-    return [s for rank, s in enumerate(document.suspects) if rank < most or s.effect in document.rivals]
+    ordered = in_order(document)
+    return [s for rank, s in enumerate(ordered) if rank < most or s.effect in document.rivals]
+
+
+def in_order(document: DiagnosisDocument) -> list[SuspectDocument]:
+    """Return the suspects as they are shown: what is named, then its rivals, then by what each would explain.
+
+    Where curves were asked, what they foretell decides, and the diagnosis' own order stays.
+    """
+    if document.confirmation is not None:
+        return list(document.suspects)
+
+    def place(suspect: SuspectDocument) -> tuple[int, float]:
+        if suspect.effect in document.named:
+            return document.named.index(suspect.effect), 0.0
+        left = suspect.error_after if suspect.error_after is not None else math.inf
+        return len(document.named) + (suspect.effect not in document.rivals), left
+
+    return sorted(document.suspects, key=place)
+
+
+def _reached(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
+    floor = document.noise_floor
+    noise = [] if floor is None else list(floor.channels.values())
+    sure = len(noise) > 1 and all("rest" in channel.source for channel in noise)
+    return "yes" if reaches_floor(suspect.error_after, document.error.chi2_std, sure) else "no"
 
 
 def _parameters(suspect: SuspectDocument, most: int | None) -> str:
@@ -175,7 +204,7 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
 def not_told_apart(document: DiagnosisDocument) -> str:
     """Return which suspects explain the record as well as the one that is named."""
     records = "this record does" if len(document.sessions) < 2 else "these records do"
-    return f"{records} not tell {document.named[0]} from {', '.join(document.rivals)}"
+    return f"{records} not tell {document.named[0]} from {' or '.join(document.rivals)}"
 
 
 def _left(one: HeldOutDocument) -> str:
