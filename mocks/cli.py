@@ -27,7 +27,11 @@ def main(argv: list[str] | None = None) -> int:
     except ValueError as error:
         parser().error(str(error))
     ended = _ending()
-    link = open_link(options)
+    try:
+        link = open_link(options)
+    except (OSError, OverflowError) as error:
+        parser().error(f"port {options.tcp} cannot be opened ({os.strerror(error.errno) if isinstance(error, OSError) and error.errno else error}); "
+                       "name another one, or 0 for a free one")
     try:
         simulated.write_truth()
         print(f"port: {link.address}", flush=True)
@@ -43,7 +47,7 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
 
 
 def open_link(options: argparse.Namespace) -> Link:
-    """Return the board's end of the line that the options name."""
+    """Return the board's end of the line that the options name; OSError where the port is taken."""
     return PtyLink() if options.pty else TcpLink(options.tcp)
 
 

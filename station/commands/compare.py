@@ -4,12 +4,12 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import MASS_INSTEAD, MODEL
+from station.commands.options import MASS_INSTEAD, MODEL, SESSION
 from station.output import json_option, print_json, progress, screen
 
 
 @click.command("compare")
-@click.argument("session")
+@SESSION
 @MODEL
 @MASS_INSTEAD
 @click.option("--view", "with_view", is_flag=True, help="Write the Compare tab for the viewer, and open it.")

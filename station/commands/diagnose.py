@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER
+from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSIONS
 from station.output import json_option, print_json, progress, screen
 from station.text.next_step import next_line
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @click.command("diagnose")
-@click.argument("sessions", nargs=-1, required=True, metavar="SESSION...")
+@SESSIONS
 @MODEL
 @EFFECTS
 @GAIN

@@ -4,13 +4,13 @@ from typing import Any
 
 import click
 
-from station.commands.options import MASS_INSTEAD
+from station.commands.options import MASS_INSTEAD, SESSION
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
 
 @click.command("identify")
-@click.argument("session")
+@SESSION
 @MASS_INSTEAD
 @click.option("--session", "into", metavar="FOLDER", help="Where a data file is imported to.")
 @click.option("--max-order", type=click.IntRange(0, 5), help="Highest order of damping that is tried.")

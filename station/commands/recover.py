@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from station.output import json_option, print_json, screen
+from station.text.next_step import next_line
 
 
 @click.command("recover")
@@ -39,6 +40,8 @@ def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool)
         )
         if entry["reason"]:
             screen().print(f"  {entry['reason']}", markup=False)
+    following = next_line("identify", recovered[0].folder) if recovered else next_line("list")
+    screen().print(following, markup=False, soft_wrap=True)
 
 
 def _entry(session: Any) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER
+from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSION, known_effect
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress, screen
 
@@ -15,8 +15,14 @@ if TYPE_CHECKING:
 
 
 @click.command("refine")
-@click.argument("session")
-@click.option("--add", "added", metavar="EFFECT", help='A name, or "magnet = a*u/(1+(u/b)**2)".')
+@SESSION
+@click.option(
+    "--add",
+    "added",
+    metavar="EFFECT",
+    callback=known_effect,
+    help='A name, or "magnet = a*u/(1+(u/b)**2)", or measured_curve.',
+)
 @click.option("--remove", "removed", metavar="EFFECT", help="Take an effect out of the model.")
 @click.option(
     "--auto", is_flag=True, help="Add what is missing until the noise floor is reached; say why it stops."

@@ -4,12 +4,13 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import MASS_INSTEAD
+from station.commands.options import MASS_INSTEAD, SESSION
 from station.output import json_option, print_json, progress
+from station.text.next_step import next_line
 
 
 @click.command("report")
-@click.argument("session")
+@SESSION
 @click.option(
     "--output",
     type=click.Path(path_type=Path, dir_okay=False),
@@ -50,6 +51,8 @@ def command(
         click.echo(f"report: {report.path}")
         for name, reason in sorted(report.left_out.items()):
             click.echo(f"left out: {name.replace('_', ' ')}: {reason}")
+        if not with_browser:
+            click.echo(next_line("report", session, "--open"))
     if with_browser:
         import webbrowser
 

@@ -21,6 +21,7 @@ from station.settings import Settings
 from station.story.pipeline import Progress, refine
 from station.story.plain_names import plain_name
 from station.story.preparation import prepare_session
+from station.suggestions import did_you_mean
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +107,9 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
     """Take an effect out of the present model."""
     top = rung_again(refinement, refinement.ladder.top)
     if name not in top.effects:
-        raise UsageProblem(f"{name} is not in the model: {', '.join(top.effects)}")
+        raise UsageProblem(
+            f"{name} is not in the model ({', '.join(top.effects)}){did_you_mean(name, top.effects)}"
+        )
     if len(top.effects) == 1:
         raise UsageProblem(f"{name} is all that the model has; add something before removing it")
     rung = remove_effect(top, name)
@@ -174,7 +177,8 @@ def _found(name: str, library: tuple[Effect, ...]) -> Effect:
         return find_effect(name, library)
     except KeyError as error:
         raise UsageProblem(
-            f"no effect is called '{name}'; see `station effects`, or write one as \"magnet = a*u/(1+(u/b)**2)\""
+            f"no effect is called '{name}'{did_you_mean(name, [effect.name for effect in library])}; see `station "
+            'effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
         ) from error
 
 

@@ -30,7 +30,7 @@ def show_list(console: Console, effects: Sequence[Effect]) -> None:
             if effect.kind == kind:
                 table.add_row(Text(effect.name), Text(f"{effect.title}: {effect.equation}"))
         console.print(table)
-    console.print("\n More of one: station effects NAME", markup=False)
+    console.print("\n next: station effects NAME", markup=False)
 
 
 def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> None:
