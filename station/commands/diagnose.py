@@ -12,6 +12,7 @@ from station.text.next_step import next_line
 if TYPE_CHECKING:
     from identify.diagnosis.diagnose import Diagnosis
     from station.operations.session_set import SessionSet
+    from station.results.diagnosis_document import DiagnosisDocument
 
 
 @click.command("diagnose")
@@ -62,7 +63,7 @@ def command(
         from station.text.diagnosis_text import show_diagnosis
 
         show_diagnosis(screen(), document)
-        for line in next_steps(opened, found):
+        for line in next_steps(opened, found, document):
             screen().print(line, markup=False, soft_wrap=True)
     refuse_if_too_little(document)
     if not no_viewer:
@@ -72,9 +73,11 @@ def command(
             progress("the viewer shows the suspects and the curves")
 
 
-def next_steps(opened: "SessionSet", found: "Diagnosis") -> list[str]:
+def next_steps(opened: "SessionSet", found: "Diagnosis", document: "DiagnosisDocument") -> list[str]:
     """Return the commands that come next."""
     folder = opened.sessions[0].folder
+    if document.differences and not found.named:
+        return [next_line("diagnose", folder)]
     if found.verdict in ("missing_effect", "sensor_fault"):
         return [next_line("refine", folder, "--add", found.named[0])]
     if found.verdict == "nothing_missing":

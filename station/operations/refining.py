@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from daq.session import Session
+from identify.diagnosis.curve_of_rest import curve_of_rest
 from identify.diagnosis.ladder import Rung, add_effect, first_rung, remove_effect, share_explained
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
@@ -21,7 +22,7 @@ from station.settings import Settings
 from station.story.pipeline import Progress, refine
 from station.story.plain_names import plain_name
 from station.story.preparation import prepare_session
-from station.suggestions import did_you_mean
+from station.suggestions import MEASURED_CURVE, did_you_mean
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,19 +89,32 @@ def rung_again(refinement: Refinement, rung: KeptRung) -> Rung:
 
 
 def add(refinement: Refinement, wanted: str) -> KeptLadder:
-    """Add an effect of the library, of the user's file, or an expression as "magnet = a*u/(1+(u/b)**2)"."""
+    """Add an effect of the library, of the user's file, or an expression as "magnet = a*u/(1+(u/b)**2)".
+
+    `measured_curve` adds what the model leaves as a spline over the coordinate that it depends on.
+    """
     expressions = refinement.ladder.top.model.expressions
-    if "=" in wanted:
+    top = rung_again(refinement, refinement.ladder.top)
+    if wanted == MEASURED_CURVE:
+        effect, line = curve_of_rest(top.baseline, _free_name(top.effects))
+        expressions = (*expressions, line)
+    elif "=" in wanted:
         effect = _parsed(wanted, refinement.library)
         expressions = (*(text for text in expressions if name_of(text) != effect.name), wanted)
     else:
         effect = _found(wanted, refinement.library)
-    top = rung_again(refinement, refinement.ladder.top)
     try:
         rung = add_effect(top, effect, library=refinement.library)
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
     return _extended(refinement, (kept_rung(rung, expressions),), _added(rung, effect.name))
+
+
+def _free_name(taken: tuple[str, ...]) -> str:
+    """Return the name of one more measured curve: the first has no number."""
+    if MEASURED_CURVE not in taken:
+        return MEASURED_CURVE
+    return next(name for n in range(2, 99) if (name := f"{MEASURED_CURVE}_{n}") not in taken)
 
 
 def remove(refinement: Refinement, name: str) -> KeptLadder:

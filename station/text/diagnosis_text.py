@@ -179,6 +179,13 @@ def _parameters(suspect: SuspectDocument, most: int | None) -> str:
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     facts = []
+    if document.differences:
+        differ = [
+            f"{one.session} in {one.parameter}{_by(one.percent)}" for one in document.differences
+        ]
+        facts.append(
+            ("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: one model has to fit both")
+        )
     foretold = foretold_parts(document)
     if foretold:
         facts.append(("foretold", foretold))
@@ -199,6 +206,10 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         facts.append(("left out", f"physics of the others leaves of each one's motion {', '.join(parts)}"))
     facts.append(("record next", document.next_experiment))
     return facts
+
+
+def _by(percent: float | None) -> str:
+    return "" if percent is None else f" by {percent:+.3g} %"
 
 
 def not_told_apart(document: DiagnosisDocument) -> str:

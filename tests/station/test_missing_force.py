@@ -87,7 +87,7 @@ def test_the_verdict_fits_a_terminal_and_comes_first(diagnosis):
     lines = text.splitlines()
     assert all(len(line) <= 80 for line in lines)
     assert len(lines) <= 45
-    assert next(line for line in lines if line.strip()) == " A FORCE IS MISSING: cubic_stiffness"
+    assert next(line for line in lines if line.strip()) == " A FORCE IS MISSING: cubic stiffness"
     assert "m^2" in text
 
 
