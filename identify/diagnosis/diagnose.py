@@ -115,7 +115,7 @@ class Diagnosis(Summarised):
         if self.verdict == "not_enough_data":
             return "the record is too short to tell more effects apart"
         if rungs > _MOST_RUNGS:
-            return f"{_MOST_RUNGS} effects were added; a model with more would explain anything"
+            return f"{_MOST_RUNGS} effects were added; one with more would fit any record"
         return ""
 
     def brief(self) -> Summary:

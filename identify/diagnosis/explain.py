@@ -133,7 +133,9 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
 
 def _why_not(suspect: Suspect) -> str:
     """Return a suspect that reaches the floor too, and why another one is named."""
-    why = "with less evidence" if suspect.plausible else "with values that make another effect the better name"
+    why = (
+        "with less evidence" if suspect.plausible else "with values that make another effect the better name"
+    )
     return f"{suspect.effect.name} ({three_figures(suspect.error_after)}; {why})"
 
 

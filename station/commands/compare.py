@@ -45,7 +45,9 @@ def command(
 
         show_comparison(screen(), compared)
         fails = not compared.baseline.at_floor
-        screen().print(next_line("diagnose" if fails else "report", opened.folder), markup=False, soft_wrap=True)
+        screen().print(
+            next_line("diagnose" if fails else "report", opened.folder), markup=False, soft_wrap=True
+        )
     if with_view:
         from station.commands.view import open_if_possible
 

@@ -5,7 +5,6 @@ from pathlib import Path
 import click
 
 
-
 def known_sessions(
     context: click.Context, parameter: click.Parameter, value: str | tuple[str, ...]
 ) -> str | tuple[str, ...]:
@@ -35,9 +34,7 @@ def known_effect(context: click.Context, parameter: click.Parameter, value: str 
 
 
 SESSION = click.argument("session", callback=known_sessions)
-SESSIONS = click.argument(
-    "sessions", nargs=-1, required=True, metavar="SESSION...", callback=known_sessions
-)
+SESSIONS = click.argument("sessions", nargs=-1, required=True, metavar="SESSION...", callback=known_sessions)
 MODEL = click.option(
     "--model",
     "model_file",

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.exits import UsageProblem
 from station.commands.options import SESSIONS
+from station.exits import UsageProblem
 from station.output import print_json, progress
 
 if TYPE_CHECKING:

@@ -4,8 +4,8 @@ from typing import Any
 
 import click
 
-from station.exits import STORAGE, Problem
 from station.commands.options import SESSIONS
+from station.exits import STORAGE, Problem
 from station.output import json_option, print_json, screen
 from station.text.next_step import next_line
 

@@ -145,7 +145,7 @@ def _solve(
     ladder = refinement.ladder
     if document.named:
         say(
-            "3. ADD: the model gets it, and the error falls",
+            "3. ADD: it joins the model, and the error falls",
             f"station refine {session.folder} --add {document.named[0]}",
         )
         for name in document.named:
@@ -170,7 +170,7 @@ def _compare(session: Session, settings: Settings, console: Console | None) -> N
             Text(
                 f"force error {three_figures(error.force_mse_percent)} %, "
                 f"motion error {three_figures(error.motion_percent)} % over {error.horizon_s:.1f} s. "
-                f"Small? It is {three_figures(error.chi_square)} times what noise explains "
+                f"That is {three_figures(error.chi_square)} times what noise explains "
                 f"(1.00 ± {error.floor_std:.2f} is the floor)."
             ),
             (0, 1, 1, 1),
@@ -184,7 +184,7 @@ def _compare(session: Session, settings: Settings, console: Console | None) -> N
 def _reveal(console: Console, solved: Solved, say: Say) -> None:
     truth = solved.truth
     hidden = truth["hidden"]
-    say("4. WHAT WAS HIDDEN: the envelope is opened only now", "")
+    say("4. WHAT WAS HIDDEN: it is read only now", "")
     strength = 100.0 * next(iter(truth["strengths"].values()), 0.0)
     console.print(
         Padding(

@@ -95,6 +95,7 @@ def add(refinement: Refinement, wanted: str) -> KeptLadder:
     """
     expressions = refinement.ladder.top.model.expressions
     top = rung_again(refinement, refinement.ladder.top)
+    effect: Effect
     if wanted == MEASURED_CURVE:
         effect, line = curve_of_rest(top.baseline, _free_name(top.effects))
         expressions = (*expressions, line)

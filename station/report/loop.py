@@ -51,9 +51,7 @@ def suspects(found: Findings) -> Section:
             )
             for suspect in shown_suspects(document)
         )
-        reasons = (
-            ("would explain",) if document.confirmation is None else ("foretells better",)
-        )
+        reasons = ("would explain",) if document.confirmation is None else ("foretells better",)
         head = ("effect", "what it is", "motion left [%]", "chi² with it", *reasons, "parameters")
         parts.append(Table("Suspects in order", head, rows, texts=2, wordy=True))
         picture = draw.errors(document)

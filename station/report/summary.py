@@ -68,7 +68,8 @@ def explaining(found: Findings) -> Explaining | None:
 def values(fit: Fit, found: Findings) -> Rows:
     """Return what a test report quotes of a fit, each with its error, its unit and, beside it, the same per unit mass."""
     return [
-        (one.name, _with_per_mass(one)) for one in engineering_values(fit, found.options.mass, found.options.mass_std)
+        (one.name, _with_per_mass(one))
+        for one in engineering_values(fit, found.options.mass, found.options.mass_std)
     ]
 
 
@@ -110,7 +111,9 @@ def _usual(found: Findings, model: Explaining | None) -> Rows:
         return [("usual model", left)]
     quoted = "; ".join(
         f"{one.name} {_quantity(one.value)}"
-        for one in engineering_values(found.compared.baseline.stated(fit), found.options.mass, found.options.mass_std)
+        for one in engineering_values(
+            found.compared.baseline.stated(fit), found.options.mass, found.options.mass_std
+        )
     )
     return [("usual model", f"{left}; not to be quoted, for comparison only: {quoted}")]
 
@@ -126,7 +129,10 @@ def _methods(found: Findings) -> Rows:
                           ("restoring force", found.identification.restoring_force)):  # fmt: skip
         if method is None:
             continue
-        given = [("K", method.stiffness), *((damping_name(i).split()[-1], v) for i, v in enumerate(method.damping))]
+        given = [
+            ("K", method.stiffness),
+            *((damping_name(i).split()[-1], v) for i, v in enumerate(method.damping)),
+        ]
         text = "; ".join(f"{typeset_symbol(name)} = {_quantity(value)}" for name, value in given)
         rows.append((f"by the {label}", doubt + text))
     return rows

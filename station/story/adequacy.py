@@ -54,7 +54,9 @@ def identified_model(wavelet: Method | None, restoring_force: Method | None) -> 
     found = [method for method in (wavelet, restoring_force) if method is not None]
     if not found:
         return None
-    orders = {order for method in found for order, value in method.stiffness_by_order.items() if _sure(order, value)}
+    orders = {
+        order for method in found for order, value in method.stiffness_by_order.items() if _sure(order, value)
+    }
     return model_of_orders(max(method.order for method in found), orders | {1})
 
 
@@ -85,7 +87,8 @@ def farthest(methods: Sequence[Method]) -> tuple[str, float]:
     first, other = methods[0], methods[1]
     pairs = [("stiffness K", first.stiffness, other.stiffness)]
     pairs += [
-        (damping_name(order), *both) for order, both in enumerate(zip(first.damping, other.damping, strict=False))
+        (damping_name(order), *both)
+        for order, both in enumerate(zip(first.damping, other.damping, strict=False))
     ]
     distances = [(_sigmas(a, b), name) for name, a, b in pairs]
     largest, name = max(distances)

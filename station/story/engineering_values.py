@@ -43,7 +43,9 @@ class EngineeringValue:
     per_mass: Estimate | None = None
 
 
-def times_mass(value: Estimate, mass: float, mass_std: float | None = None, unit: str = "m") -> Estimate | None:
+def times_mass(
+    value: Estimate, mass: float, mass_std: float | None = None, unit: str = "m"
+) -> Estimate | None:
     """Return a strength per unit mass times the mass in kg (kg m^2 where the displacement's `unit` is rad).
 
     The error of the mass joins that of the value. None where the product has no unit of its own.

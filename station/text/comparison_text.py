@@ -87,7 +87,7 @@ def cycles(compared: Compared) -> Table:
     units = DiscrepancyText(found.unit, found.mass)
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     factor, energy = energy_scale(units)
-    for name in ("time", "amplitude", "frequency error", "energy error a cycle", "free run off"):
+    for name in ("time", "amplitude", "frequency error", "energy error a cycle", "free run misfit"):
         table.add_column(name, justify="right")
     table.add_row("s", units.length_unit, "%", energy, "noise rms", style="dim")
     done = found.cycles

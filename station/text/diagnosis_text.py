@@ -180,9 +180,7 @@ def _parameters(suspect: SuspectDocument, most: int | None) -> str:
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     facts = []
     if document.differences:
-        differ = [
-            f"{one.session} in {one.parameter}{_by(one.percent)}" for one in document.differences
-        ]
+        differ = [f"{one.session} in {one.parameter}{_by(one.percent)}" for one in document.differences]
         facts.append(
             ("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: one model has to fit both")
         )
@@ -203,7 +201,9 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         )
     if document.held_out:
         parts = [f"{one.session} {_left(one)}" for one in document.held_out]
-        facts.append(("left out", f"physics of the others leaves of each one's motion {', '.join(parts)}"))
+        facts.append(
+            ("left out", f"fitted to the others, the model leaves of the motion of {', '.join(parts)}")
+        )
     facts.append(("record next", document.next_experiment))
     return facts
 

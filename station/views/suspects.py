@@ -110,7 +110,7 @@ def _shape(stream: rr.RecordingStream, shape: ShapeDocument, root: str) -> None:
     curve = shape.curves[0]
     drawn, (axis,) = figure(6.0, 4.0)
     plots.shape(axis, curve, SCREEN)
-    axis.set_title(f"the shape of it: explains {100 * shape.explained:.0f} % of the rest")
+    axis.set_title(f"the free form explains {100 * shape.explained:.0f} % of the rest")
     numbers = {"position": curve.position, "force": curve.force_per_mass, "std": curve.std}
     log.picture(stream, f"{root}/shape", drawn, numbers)
 

@@ -20,7 +20,8 @@ def parse_effect(text: str) -> ForceEffect:
 
     Left of the sign stands the name, right of it the force per unit mass in t (s since the release), u, v and parameters
     of your own; what multiplies `sgn(v)` is dry friction. After semicolons a parameter may have a unit, bounds and
-    starting values (see `own_settings`). `spline(u, -0.02, 0.02, 4)` is a measured curve (`measured_curve`). Raises ValueError, in a sentence with the place, when it cannot be read.
+    starting values (see `own_settings`). `spline(u, -0.02, 0.02, 4)` is a measured
+    curve (`measured_curve`). Raises ValueError, in a sentence with the place, when it cannot be read.
     """
     if len(text) > _LONGEST_LINE:
         raise ValueError(f"the line has {len(text)} characters; at most {_LONGEST_LINE} are read")

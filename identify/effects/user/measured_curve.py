@@ -96,7 +96,10 @@ def curve_effect(name: str, form: CurveForm, ratios: tuple[float, ...] = (0.0,) 
         equation=f"{form.factor}*s({form.over})" if form.factor else f"s({form.over})",
         parameters=(
             Parameter("a", _UNITS[form.factor], f"coefficient {form.unit} of the spline, per unit mass"),
-            *(Parameter(f"r{i}", "1", f"coefficient {i} of the spline over coefficient {form.unit}") for i in others),
+            *(
+                Parameter(f"r{i}", "1", f"coefficient {i} of the spline over coefficient {form.unit}")
+                for i in others
+            ),
         ),
         force=None if friction else function,
         friction=function if friction else None,
@@ -114,7 +117,7 @@ def _value(form: CurveForm) -> Any:
     step = (high - low) / (COUNT - 1)
     count = COUNT
 
-    @njit("f8(f8,UniTuple(f8,6))", error_model="numpy")  # type: ignore[misc]
+    @njit("f8(f8,UniTuple(f8,6))", error_model="numpy")
     def value(x, p):  # type: ignore[no-untyped-def]
         y = (min(max(x, low), high) - low) / step
         total, k = 0.0, 1
