@@ -1,11 +1,17 @@
 """`station compare`: by how much a model fails on a session, and where."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from station.commands.options import MASS_INSTEAD, MODEL, SESSION
 from station.output import json_option, print_json, progress, screen
+
+if TYPE_CHECKING:
+    from identify.model.model import Model
+
+USUAL = "usual"
 
 
 @click.command("compare")
@@ -27,15 +33,20 @@ def command(
 
     Three errors against the noise floor, a sensor or physics, the worst places
     in words, cycle by cycle. Without --model it is the model that `station
-    identify` found, with its orders.
+    identify` found, with its orders; `--model usual` is stiffness, dry and
+    viscous friction.
     """
+    from identify.model.model import base_model
     from station.operations.comparing import compare_session, own_model, write_view
     from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
-    model = model_file or own_model(opened, settings)
+    if model_file is None:
+        model: Path | Model = own_model(opened, settings)
+    else:
+        model = base_model() if str(model_file) == USUAL else model_file
     compared, document = compare_session(opened, settings, model, mass=mass)
     if as_json:
         print_json(document.plain())

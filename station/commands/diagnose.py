@@ -7,6 +7,7 @@ import click
 
 from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSIONS
 from station.output import json_option, print_json, progress, screen
+from station.suggestions import MEASURED_CURVE
 from station.text.next_step import next_line
 
 if TYPE_CHECKING:
@@ -80,6 +81,8 @@ def next_steps(opened: "SessionSet", found: "Diagnosis", document: "DiagnosisDoc
         return [next_line("diagnose", folder)]
     if found.verdict in ("missing_effect", "sensor_fault"):
         return [next_line("refine", folder, "--add", found.named[0])]
+    if found.verdict == "unknown_effect" and found.shape is not None and found.shape.coordinates:
+        return [next_line("refine", folder, "--add", MEASURED_CURVE)]
     if found.verdict == "nothing_missing":
         return [next_line("report", folder)]
     return [] if found.verdict == "not_enough_data" else [next_line("view", folder)]

@@ -28,9 +28,8 @@ def known_effect(context: click.Context, parameter: click.Parameter, value: str 
     names = (*effect_names(), MEASURED_CURVE)
     if value in names:
         return value
-    raise UsageProblem(
-        f"no effect is called '{value}'{did_you_mean(value, names) or '; see `station effects`'}"
-    )
+    meant = did_you_mean(value, names) or f"; there are {', '.join(names)}"
+    raise UsageProblem(f"no effect is called '{value}'{meant}")
 
 
 SESSION = click.argument("session", callback=known_sessions)

@@ -8,11 +8,13 @@ from identify.fitting.fit import Fit
 from identify.model.model import Term
 from station.report import comparison_figures as draw
 from station.report.content import Equation, Figure, Paragraph, Part, Section, Table, left_out
+from station.report.diagnosis_figures import measured_curve as draw_curve
 from station.report.failure import errors, places
 from station.report.findings import Findings
 from station.results.models import parameters_of
 from station.story.compared import Compared
 from station.story.engineering_values import times_mass
+from station.story.measured_curves import measured_curves
 from station.text.numbers import SPACE, typeset, typeset_error, typeset_figures, typeset_symbol, typeset_unit
 
 TITLE = "The equation of motion"
@@ -20,6 +22,11 @@ FAR = 4.0
 SEGMENTS = (
     "these are the values of the ladder, fitted in {} pieces that share the physics. The errors below are those of "
     "the same model run over the whole record at once, in which a wandering phase counts as misfit."
+)
+
+CURVE = (
+    "{}, a spline of six coefficients, with 2 standard errors; the straight line in the {} belongs to spring and damper. "
+    "It has no name: {} in the model file keeps it, and `station validate` tests it on other releases."
 )
 
 
@@ -38,6 +45,9 @@ def equation(found: Findings) -> Section:
         ),
         _parameters(fit, compared.comparison.unit, found),
     ]
+    expressions = () if found.refined is None else found.refined.ladder.top.model.expressions
+    for curve in measured_curves(fit, expressions):
+        parts.append(Figure(CURVE.format(curve.title, curve.over, curve.name), draw_curve(curve)))
     if len(fit.windows) > 1:
         parts.append(Paragraph(SEGMENTS.format(len(fit.windows)), label="Long record"))
     doubt = caution(compared)

@@ -96,9 +96,10 @@ def _nothing_explains(found: Findings) -> str:
     own = found.identification.adequacy
     if own is None:
         return found.identification.refusals.get("adequacy", "no model was fitted to this record")
+    judged = f"{_names(own.fit)}: {judgement(own)}"
     if found.diagnosis is not None and found.diagnosis.named and found.refined is None:
-        return f"{judgement(own)}; add what the diagnosis names, then write the report again"
-    return judgement(own)
+        return f"{judged}; add what the diagnosis names, then write the report again"
+    return judged
 
 
 def _usual(found: Findings, model: Explaining | None) -> Rows:

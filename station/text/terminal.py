@@ -187,5 +187,5 @@ def next_steps(console: Console, folder: Path, result: Identification) -> None:
     """Print where everything is and what to do next: to look where the model fails, or at what was found."""
     console.print(Text(f" everything is in {folder}", style="dim"), soft_wrap=True)
     found = result.adequacy
-    step = "report" if found is not None and found.quotable else "compare"
+    step = "report" if found is not None and found.adequate else "compare"
     console.print(next_line(step, folder), markup=False, soft_wrap=True)
