@@ -10,24 +10,28 @@ MEASURED_CURVE = "measured_curve"
 
 _CLOSE = 0.6
 _MOST = 3
+_SHORTEST = 4
+_OF_A_PART = 0.9
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return "; did you mean 'stribeck_friction'?" for a mistyped word, with the nearest names first; "" without any."""
-    names = list(dict.fromkeys(known))
     lower = word.lower().strip()
-    near = [name for name in names if lower and lower in name.lower()]
-    near += difflib.get_close_matches(lower, names, _MOST, _CLOSE)
-    near += [name for name in names if any(_alike(lower, part) for part in re.split(r"[_\W]+", name))]
-    found = list(dict.fromkeys(near))[:_MOST]
+    scored = sorted(
+        ((_likeness(lower, name.lower()), name) for name in dict.fromkeys(known)), key=lambda x: -x[0]
+    )
+    found = [name for likeness, name in scored if likeness >= _CLOSE][:_MOST]
     if not found:
         return ""
     quoted = [f"'{name}'" for name in found]
     return f"; did you mean {' or '.join(quoted)}?"
 
 
-def _alike(word: str, part: str) -> bool:
-    return len(part) > 3 and difflib.SequenceMatcher(None, word, part).ratio() > 0.75
+def _likeness(word: str, name: str) -> float:
+    """Return how like a name a word is, 0 to 1: the whole of it, or one of its parts."""
+    parts = [part for part in re.split(r"[_\W]+", name) if len(part) >= _SHORTEST]
+    whole = difflib.SequenceMatcher(None, word, name).ratio()
+    return max([whole, *(_OF_A_PART * difflib.SequenceMatcher(None, word, part).ratio() for part in parts)])
 
 
 def effect_names() -> tuple[str, ...]:

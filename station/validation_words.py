@@ -35,9 +35,7 @@ def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:
     if first["type"] == "extra_forbidden":
         return _short(f"{entry} is not known here{did_you_mean(str(first['loc'][-1]), known)}")
     given = first.get("input")
-    shown = (
-        f" (it is {given})" if isinstance(given, int | float | str) and not isinstance(given, bool) else ""
-    )
+    shown = f" (it is {_plain(given)})" if isinstance(given, int | float | str) else ""
     if first["type"] in ("missing", "json_invalid", "string_too_long"):
         shown = ""
     words = f"{_clause(str(first['type']), first.get('ctx', {}), str(first['msg']))}{shown}"
@@ -46,11 +44,15 @@ def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:
 
 def _clause(kind: str, context: dict[str, Any], message: str) -> str:
     if kind in _WORDS:
-        return _WORDS[kind].format(**context)
+        return _WORDS[kind].format(**{name: _plain(value) for name, value in context.items()})
     for start, words in _KINDS:
         if kind.startswith(start):
             return words
     return f"cannot be used ({message[:1].lower()}{message[1:]})"
+
+
+def _plain(value: Any) -> Any:
+    return f"{value:g}" if isinstance(value, float) else value
 
 
 def _short(text: str) -> str:
