@@ -7,7 +7,7 @@ from identify.fitting.fit import Fit
 from identify.formatting import damping_name
 from station.report.equation import caution
 from station.report.findings import Findings
-from station.story.adequacy import judgement
+from station.story.adequacy import judgement, scale_doubt
 from station.story.compared import Compared
 from station.story.engineering_values import EngineeringValue, engineering_values
 from station.story.plain_names import plain_name
@@ -33,6 +33,9 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
     if model is not None:
         rows.append(("model", f"{_names(model.fit)}: {model.left}, which is the noise"))
         rows += values(model.fit, found)
+        aligned = None if found.identification is None else found.identification.alignment
+        doubt = "" if aligned is None else scale_doubt(aligned.gain)
+        rows += [("scale", doubt)] if doubt else []
     else:
         rows.append(("no value to quote", _nothing_explains(found)))
     rows += _usual(found, model)

@@ -15,10 +15,16 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 
+_MANY = 1e5
+
 Method = WaveletResult | RestoringForceResult
 
 FAR_APART = 4.0
 """Standard errors from which on the two methods disagree."""
+
+
+GAIN_WORTH_SAYING = 2e-3
+"""Relative difference of the channels' gains below which nothing is said of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,10 +106,15 @@ def _sigmas(first: Estimate, other: Estimate) -> float:
     return abs(first.value - other.value) / error if 0.0 < error < float("inf") else 0.0
 
 
+def times(ratio: float) -> str:
+    """Return how many times the noise is left, with three figures; in powers of ten where it would be many digits."""
+    return three_figures(ratio) if ratio < _MANY else f"{ratio:.0e}".replace("e+0", "e").replace("e+", "e")
+
+
 def judgement(found: Adequacy) -> str:
     """Return in a sentence whether the values may be quoted."""
     floor = f"noise floor 1 ± {found.chi_square_std:.2f}"
-    left = f"{three_figures(found.chi_square)} x the noise"
+    left = f"{three_figures(found.motion_percent)} % of the motion, {times(found.chi_square)} x the noise"
     if not found.adequate:
         return f"this model leaves {left} ({floor}): do not quote its values"
     if not found.quotable:
@@ -112,3 +123,14 @@ def judgement(found: Adequacy) -> str:
             f"{found.apart}: do not quote its values"
         )
     return f"this model leaves {left} ({floor}): its values may be quoted"
+
+
+def scale_doubt(gain: Estimate) -> str:
+    """Return by how much forces are uncertain since the gains of the two channels differ; "" where they agree."""
+    off = abs(gain.value - 1.0)
+    if off <= max(FAR_APART * gain.std, GAIN_WORTH_SAYING):
+        return ""
+    return (
+        f"The gains of the channels differ by {100.0 * off:.2g} %: every force is uncertain by as much until both sensors "
+        "are calibrated against one reference."
+    )

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from identify.estimate import Estimate
 from identify.formatting import damping_name
-from station.story.adequacy import judgement
+from station.story.adequacy import judgement, scale_doubt
 from station.story.engineering_values import times_mass
 from station.story.identification import Identification
 from station.story.plain_names import plain_name
@@ -48,10 +48,12 @@ def adequacy_lines(result: Identification) -> list[tuple[str, str, str]]:
     if found is None:
         reason = result.refusals.get("adequacy")
         return [("not judged", f"{reason} Do not quote its values.", "bold yellow")] if reason else []
-    return [
+    lines = [
         ("model", " + ".join(plain_name(name) for name in found.effects), ""),
         ("judged", sentence(judgement(found)), "bold green" if found.quotable else "bold red"),
     ]
+    doubt = "" if result.alignment is None else scale_doubt(result.alignment.gain)
+    return [*lines, ("scale", doubt, "bold yellow")] if doubt else lines
 
 
 def _facts(result: Identification) -> list[tuple[str, str]]:

@@ -12,7 +12,7 @@ from identify.model.model import base_model, model_of_orders
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 from station.cli import run
-from station.story.adequacy import adequacy, farthest, identified_model, judgement
+from station.story.adequacy import adequacy, farthest, identified_model, judgement, scale_doubt, times
 from station.story.engineering_values import engineering_values, times_mass
 
 MASS = 21.36
@@ -100,6 +100,16 @@ def test_an_adequate_model_is_not_quoted_where_the_methods_contradict_each_other
     assert judged.adequate
     assert not judged.quotable
     assert "standard errors apart in" in judgement(judged)
+
+
+def test_gains_that_differ_leave_the_forces_uncertain():
+    assert scale_doubt(Estimate(1.0003, 0.0001, "1")) == ""
+    assert scale_doubt(Estimate(1.01, 0.01, "1")) == ""
+    assert "differ by 1 %" in scale_doubt(Estimate(1.01, 0.0001, "1"))
+
+
+def test_a_large_ratio_is_a_power_of_ten():
+    assert [times(ratio) for ratio in (0.9876, 22.91, 229.1, 286998817.0)] == ["0.988", "22.9", "229", "3e8"]
 
 
 def test_the_error_of_the_mass_joins_that_of_the_value():
