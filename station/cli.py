@@ -140,7 +140,7 @@ def _interrupted(error: BaseException) -> str:
     if str(error):
         return str(error)
     if folder is None:
-        return "interrupted; the recordings are as they were, and nothing new was kept"
+        return "interrupted; no result was kept, and the recordings are as they were"
     from station.text.next_step import command_line
 
     return f"interrupted; what was received is kept in {folder} (look at it: {command_line('info', folder)})"

@@ -127,7 +127,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
         return f"No other effect explains anything of it. {shows}"
     return (
         f"The next best, {best.effect.name}, would explain {100.0 * share:.0f} % of it and leaves "
-        f"{three_figures(best.error_after)}. {shows}"
+        f"{three_figures(best.error_after)} times the noise. {shows}"
     )
 
 

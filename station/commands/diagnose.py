@@ -61,9 +61,14 @@ def command(
     if as_json:
         print_json(document.plain())
     else:
+        from station.story.engineering_values import Weighing
+        from station.story.preparation import options_for
         from station.text.diagnosis_text import show_diagnosis
 
-        show_diagnosis(screen(), document)
+        options = options_for(opened.sessions[0], settings)
+        unit = opened.decays[0].window.unit
+        weighing = None if options.mass is None else Weighing(options.mass, options.mass_std, unit)
+        show_diagnosis(screen(), document, weighing)
         for line in next_steps(opened, found, document):
             screen().print(line, markup=False, soft_wrap=True)
     refuse_if_too_little(document)

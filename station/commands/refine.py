@@ -82,10 +82,15 @@ def command(
     if as_json:
         print_json(ladder_document(opened, ladder))
     else:
+        from station.story.engineering_values import Weighing
+        from station.story.preparation import options_for
         from station.text.ladder_text import show_ladder
         from station.text.next_step import next_line
 
-        show_ladder(screen(), opened.folder.name, ladder)
+        options = options_for(opened, settings)
+        unit = refinement.prepared.window.unit
+        weighing = None if options.mass is None else Weighing(options.mass, options.mass_std, unit)
+        show_ladder(screen(), opened.folder.name, ladder, weighing)
         screen().print(next_line(*_next(opened, ladder)), markup=False, soft_wrap=True)
     if not no_viewer:
         from station.operations import viewer_tabs

@@ -29,6 +29,7 @@ from station.output import print_json, progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.settings import Settings
+from station.story.engineering_values import Weighing
 from station.story.preparation import prepare_session
 from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
@@ -141,7 +142,7 @@ def _solve(
     _, document = diagnose_sessions(sessions, progress=progress)
     keep(sessions, document)
     if console is not None:
-        show_diagnosis(console, document)
+        show_diagnosis(console, document, Weighing(MASS_KG))
     ladder = refinement.ladder
     if document.named:
         say(
@@ -151,7 +152,7 @@ def _solve(
         for name in document.named:
             ladder = add(replace(refinement, ladder=ladder), name)
         if console is not None:
-            show_ladder(console, session.folder.name, ladder)
+            show_ladder(console, session.folder.name, ladder, Weighing(MASS_KG))
     else:
         say("3. ADD: nothing", "The diagnosis names no effect, so none is added.")
     if not envelope.is_file():

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from identify.effects.force_effect import LinearPart
+from identify.effects.library import LIBRARY
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 
@@ -56,6 +57,23 @@ def times_mass(
     return Estimate(
         value.value * mass, math.hypot(value.std * mass, value.value * (mass_std or 0.0)), spelled
     )
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """What turns strengths per unit mass into N, kg and s: the mass in kg (kg m^2 for a displacement in rad)."""
+
+    mass: float
+    mass_std: float | None = None
+    unit: str = "m"
+
+    def strength(self, effect: str, value: float, std: float | None, unit: str) -> Estimate | None:
+        """Return the strength of a force of the library with the mass in it; None for what is no force of the library."""
+        known = next((e for e in LIBRARY if e.name == effect), None)
+        if known is None or known.kind != "physics":
+            return None
+        error = math.nan if std is None else std
+        return times_mass(Estimate(value, error, unit), self.mass, self.mass_std, self.unit)
 
 
 def engineering_values(

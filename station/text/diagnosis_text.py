@@ -15,6 +15,7 @@ from station.results.diagnosis_document import (
     NoiseFloorDocument,
     SuspectDocument,
 )
+from station.story.engineering_values import Weighing
 from station.story.plain_names import plain_name
 from station.story.suspect_words import among, reaches_floor, would_explain
 from station.text.layout import labelled
@@ -31,8 +32,8 @@ def headline(document: DiagnosisDocument) -> str:
     return f"{verdict}: {among([plain_name(name) for name in document.named])}" if document.named else verdict
 
 
-def show_diagnosis(console: Console, document: DiagnosisDocument) -> None:
-    """Print a diagnosis."""
+def show_diagnosis(console: Console, document: DiagnosisDocument, weighing: Weighing | None = None) -> None:
+    """Print a diagnosis; with a `weighing` the strengths of what is named stand in N, kg and s too."""
     console.print()
     console.print(Text(f" {headline(document)}", style=STYLES.get(document.verdict, "bold red")))
     console.print()
@@ -43,7 +44,7 @@ def show_diagnosis(console: Console, document: DiagnosisDocument) -> None:
         console.print()
         console.print(Padding(_suspects(document), (0, 0, 0, 1)))
     console.print()
-    for label, text in _facts(document):
+    for label, text in (*_weighed(document, weighing), *_facts(document)):
         console.print(labelled(label, text, LABEL_WIDTH))
     console.print()
 
@@ -175,6 +176,22 @@ def _parameters(suspect: SuspectDocument, most: int | None) -> str:
     parts = [f"{name} {with_unit(value)}" for name, value in list(suspect.parameters.items())[:most]]
     where = f"in the {suspect.channel}" if suspect.channel else ""
     return "; ".join([*([where] if where else []), *parts])
+
+
+def _weighed(document: DiagnosisDocument, weighing: Weighing | None) -> list[tuple[str, str]]:
+    """Return the strengths of what is named with the mass in them, one line for each."""
+    if weighing is None:
+        return []
+    lines = []
+    for suspect in document.suspects:
+        name, value = next(iter(suspect.parameters.items()), (None, None))
+        if suspect.effect not in document.named or name is None or value is None or value.value is None:
+            continue
+        whole = weighing.strength(suspect.effect, value.value, value.std, value.unit)
+        if whole is not None:
+            text = f"{plain_name(suspect.effect)}: {name} = {with_unit(whole)} with a mass of {weighing.mass:g} kg"
+            lines.append(("strength", text))
+    return lines
 
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
