@@ -204,9 +204,7 @@ class _Capture:
 
     def abort(self, writer: SessionWriter, error: BaseException) -> None:
         """Keep what was received as an aborted session; its folder is noted in the error."""
-        reason = str(error) or (
-            "interrupted by the operator" if isinstance(error, KeyboardInterrupt) else repr(error)
-        )
+        reason = str(error) or ("interrupted" if isinstance(error, KeyboardInterrupt) else repr(error))
         try:
             session = self._finish(writer, State.ABORTED, reason)
         except StationError as worse:

@@ -10,7 +10,7 @@ from identify.diagnosis.curve_of_rest import curve_of_rest
 from identify.diagnosis.ladder import Rung, add_effect, first_rung, remove_effect, share_explained
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
-from identify.formatting import three_figures
+from identify.formatting import plain_name, three_figures
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
@@ -20,7 +20,6 @@ from station.results.ladder import KeptLadder, KeptRung, kept_rung, read_ladder,
 from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress, refine
-from station.story.plain_names import plain_name
 from station.story.preparation import prepare_session
 from station.suggestions import MEASURED_CURVE, did_you_mean
 

@@ -4,13 +4,12 @@ from dataclasses import dataclass
 
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
-from identify.formatting import damping_name
+from identify.formatting import damping_name, plain_name
 from station.report.equation import caution
 from station.report.findings import Findings
 from station.story.adequacy import judgement, scale_doubt
 from station.story.compared import Compared
 from station.story.engineering_values import EngineeringValue, engineering_values
-from station.story.plain_names import plain_name
 from station.text.diagnosis_text import confirmed_by, headline
 from station.text.layout import sentence
 from station.text.numbers import SPACE, typeset_error, typeset_figures, typeset_symbol, typeset_unit

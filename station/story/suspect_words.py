@@ -1,6 +1,5 @@
 """What a suspect would explain, in words that hold: a share of what the model leaves above the noise, and the floor."""
 
-from collections.abc import Sequence
 from math import isfinite
 
 _NOTHING = 0.005
@@ -34,8 +33,3 @@ def reaches_floor(after: float | None, std: float | None, sure: bool) -> bool:
     if after is None or not isfinite(after):
         return False
     return after <= 1.0 + max(3.0 * (std or 0.0), 0.0 if sure else 0.5)
-
-
-def among(names: Sequence[str]) -> str:
-    """Return names as they are listed in a sentence."""
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

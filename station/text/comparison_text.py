@@ -55,7 +55,7 @@ def errors(compared: Compared) -> Table:
         f"{found.force_floor:.2g} %",
         "eq. (18), at the measured motion",
     )
-    horizon = f"free run, rms, {found.horizon:.2g} s ({found.horizon_cycles:.0f} cycles)"
+    horizon = f"free run, rms, {found.horizon:.3g} s ({found.horizon_cycles:.0f} cycles)"
     table.add_row("motion", f"{found.motion_error:.3g} %", f"{compared.motion_floor:.2g} %", horizon)
     table.add_row(
         "chi-square",

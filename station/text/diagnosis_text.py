@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.diagnosis.verdict import HEADLINES
+from identify.formatting import among, plain_name
 from station.results.confirmation_document import ConfirmationDocument
 from station.results.diagnosis_document import (
     DiagnosisDocument,
@@ -16,8 +17,7 @@ from station.results.diagnosis_document import (
     SuspectDocument,
 )
 from station.story.engineering_values import Weighing
-from station.story.plain_names import plain_name
-from station.story.suspect_words import among, reaches_floor, would_explain
+from station.story.suspect_words import reaches_floor, would_explain
 from station.text.layout import labelled
 from station.text.numbers import DASH, three_figures, with_unit
 
@@ -232,7 +232,8 @@ def _by(percent: float | None) -> str:
 def not_told_apart(document: DiagnosisDocument) -> str:
     """Return which suspects explain the record as well as the one that is named."""
     records = "this record does" if len(document.sessions) < 2 else "these records do"
-    return f"{records} not tell {document.named[0]} from {' or '.join(document.rivals)}"
+    rivals = among([plain_name(name) for name in document.rivals], "or")
+    return f"{records} not tell {plain_name(document.named[0])} from {rivals}"
 
 
 def _left(one: HeldOutDocument) -> str:

@@ -8,11 +8,10 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.estimate import Estimate
-from identify.formatting import damping_name
+from identify.formatting import damping_name, plain_name
 from station.story.adequacy import judgement, scale_doubt
 from station.story.engineering_values import times_mass
 from station.story.identification import Identification
-from station.story.plain_names import plain_name
 from station.text.layout import labelled, sentence
 from station.text.next_step import next_line
 from station.text.numbers import scale, with_error

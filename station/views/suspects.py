@@ -7,11 +7,11 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.diagnosis.force_map import ForceMap
+from identify.formatting import plain_name
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.diagnosis_document import DiagnosisDocument, ShapeDocument, SuspectDocument
 from station.results.diagnosis_fits import DiagnosisFits
-from station.story.plain_names import plain_name
 from station.story.suspect_words import would_explain
 from station.text.diagnosis_text import headline, in_order, not_told_apart
 from station.text.layout import sentence
