@@ -20,6 +20,7 @@ from station.story.engineering_values import Weighing
 from station.story.suspect_words import reaches_floor, would_explain
 from station.text.layout import labelled
 from station.text.numbers import DASH, three_figures, with_unit
+from station.text.shares_text import shares_table
 
 STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
 MOST_SUSPECTS = 6
@@ -43,6 +44,9 @@ def show_diagnosis(console: Console, document: DiagnosisDocument, weighing: Weig
         console.print(Padding(_errors(document, document.noise_floor), (0, 0, 0, 1)))
         console.print()
         console.print(Padding(_suspects(document), (0, 0, 0, 1)))
+    if document.shares:
+        console.print()
+        console.print(Padding(shares_table(document.shares), (0, 0, 0, 1)))
     console.print()
     for label, text in (*_weighed(document, weighing), *_facts(document)):
         console.print(labelled(label, text, LABEL_WIDTH))
@@ -195,12 +199,15 @@ def _weighed(document: DiagnosisDocument, weighing: Weighing | None) -> list[tup
 
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
-    facts = []
+    facts = [("used", used(document))] if document.used else []
     if document.differences:
         differ = [f"{one.session} in {one.parameter}{_by(one.percent)}" for one in document.differences]
         facts.append(
             ("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: one model has to fit both")
         )
+    if document.modes:
+        seen = " and ".join(mode.words for mode in document.modes)
+        facts.append(("modes", f"beside the motion's, {seen}; one mode is followed here"))
     foretold = foretold_parts(document)
     if foretold:
         facts.append(("foretold", foretold))
@@ -227,6 +234,16 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
 
 def _by(percent: float | None) -> str:
     return "" if percent is None else f" by {percent:+.3g} %"
+
+
+def used(document: DiagnosisDocument) -> str:
+    """Return which part of the record was analysed; of several the shares, and which end where readings are missing."""
+    if len(document.used) == 1:
+        return document.used[0].words
+    cut = [f"{one.session}: {one.words}" for one in document.used if one.ended == "readings_missing"]
+    shares = [100.0 * (one.share or 0.0) for one in document.used]
+    whole = f"{min(shares):.0f} to {max(shares):.0f} % of each record after its release"
+    return "; ".join([whole, *cut])
 
 
 def not_told_apart(document: DiagnosisDocument) -> str:
