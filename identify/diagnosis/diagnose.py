@@ -89,8 +89,8 @@ class Diagnosis(Summarised):
     def refine(self, progress: Progress = lambda rung, words: None) -> Ladder:
         """Add what is named, diagnose again, until nothing that has a name is missing; return the ladder.
 
-        Effects that are no longer needed once others have come are taken out. `progress` is called with each new rung
-        and a sentence.
+        Effects that are no longer needed once others have come are taken out, and at the end those of the model to begin
+        with, beyond the usual ones, that explain nothing. `progress` is called with each new rung and a sentence.
         """
         rungs, found = [rung_of(self.baseline)], self
         own = set(rungs[0].effects)
@@ -108,7 +108,8 @@ class Diagnosis(Summarised):
             top = rungs[-1].fit
             known = top.point
             found = diagnose(self.decays, top.model, library=self.library, known=known)
-        for rung in without_needless_effects(rungs[-1], set(base_model().names)):
+        named = {rung.added for rung in rungs}
+        for rung in without_needless_effects(rungs[-1], named | set(base_model().names)):
             rungs.append(rung)
             progress(rung, f"removed {rung.removed}: it explains nothing")
         return Ladder(tuple(rungs), reason, found.verdict)
