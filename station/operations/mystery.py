@@ -15,6 +15,7 @@ from rich.text import Text
 from daq.session import Session
 from daq.session_info import SessionInfo
 from identify.fitting.model_error import errors_of
+from identify.formatting import plain_name
 from identify.model.model import base_model
 from identify.model.parameter_id import ParameterId
 from station.exits import Problem
@@ -190,7 +191,7 @@ def _reveal(console: Console, solved: Solved, say: Say) -> None:
     console.print(
         Padding(
             Text(
-                f"{hidden}, {strength:.2f} % of {'the force' if truth['kind'] == 'physics' else 'one channel'}",
+                f"{plain_name(hidden)}, {strength:.2f} % of {'the force' if truth['kind'] == 'physics' else 'one channel'}",
                 style="bold",
             ),
             (0, 1),
@@ -238,15 +239,20 @@ def _verdict(solved: Solved) -> Text:
     hidden, chi_square = solved.truth["hidden"], solved.ladder.top.error.chi2
     if solved.right:
         return Text(
-            f"FOUND: {hidden} was named, and what is left is {three_figures(chi_square)} times the noise.",
+            f"FOUND: {plain_name(hidden)} was named, and what is left is {three_figures(chi_square)} times the noise.",
             style="bold green",
         )
     if solved.found:
         rivals = solved.diagnosis.suspects[0].confusable_with
         warned = " The diagnosis does say that the two are easily confused." if hidden in rivals else ""
-        return Text(f"NOT FOUND: {solved.found[0]} was named instead of {hidden}.{warned}", style="bold red")
+        return Text(
+            f"NOT FOUND: {plain_name(solved.found[0])} was named instead of {plain_name(hidden)}.{warned}",
+            style="bold red",
+        )
     verdict = solved.diagnosis.verdict.replace("_", " ")
-    return Text(f"NOT NAMED: the verdict was '{verdict}', and {hidden} was there.", style="bold yellow")
+    return Text(
+        f"NOT NAMED: the verdict was '{verdict}', and {plain_name(hidden)} was there.", style="bold yellow"
+    )
 
 
 def _document(solved: Solved) -> dict[str, Any]:

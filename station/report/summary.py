@@ -77,7 +77,9 @@ def values(fit: Fit, found: Findings) -> Rows:
 
 def _with_per_mass(one: EngineeringValue) -> str:
     text = _quantity(one.value)
-    return text if one.per_mass is None else f"{text} (per unit mass {_quantity(one.per_mass)})"
+    if one.per_mass is None:
+        return text
+    return f"{text} (per unit {'inertia' if 'N m' in one.value.unit else 'mass'} {_quantity(one.per_mass)})"
 
 
 def _quantity(value: Estimate) -> str:

@@ -21,7 +21,13 @@ _TIMES_MASS = {
     "1/(m^4 s^2)": "N/m^5",
     "1/(m^2 s)": "N s/m^3",
 }
-_TIMES_INERTIA = {"1/s^2": "N m/rad", "rad/s^2": "N m", "1/s": "N m s/rad"}
+_TIMES_INERTIA = {
+    "1/s^2": "N m/rad",
+    "rad/s^2": "N m",
+    "1/s": "N m s/rad",
+    "1/rad": "N m s^2/rad^2",
+    "s/rad^2": "N m s^3/rad^3",
+}
 
 _NAMES = {
     LinearPart.STIFFNESS: "stiffness K",

@@ -62,7 +62,11 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
     ]
     lost = result.lost_samples
     unit = "kg m^2" if decay.unit == "rad" else "kg"
-    mass = "mass not given: per unit mass" if decay.mass is None else f"{decay.mass:g} {unit}"
+    mass = (
+        f"mass not given: per unit {'inertia' if decay.unit == 'rad' else 'mass'}"
+        if decay.mass is None
+        else f"{decay.mass:g} {unit}"
+    )
     facts = [
         ("record", f"{len(decay)} samples at {decay.rate:g} Hz ({' and '.join(names)}), {mass}"),
         ("release", f"at {release.time_s:.4f} s: {KINDS.get(release.kind, release.kind)}"),
@@ -145,10 +149,11 @@ def _damping_rows(
         return [_row(name, values)]
     mass, std = decay.mass, decay.mass_std
     whole = [None if value is None else times_mass(value, mass, std, decay.unit) for value in values]
+    per = "per unit inertia" if decay.unit == "rad" else "per unit mass"
     if not any(whole):
-        return [_row(f"{name}, per unit mass", values)]
+        return [_row(f"{name}, {per}", values)]
     plain, _, symbol = name.rpartition(" ")
-    return [_row(plain, whole), _row(f"  {symbol}, per unit mass", values)]
+    return [_row(plain, whole), _row(f"  {symbol}, {per}", values)]
 
 
 def _row(name: str, values: list[Estimate | None]) -> tuple[str, str, str, str]:
