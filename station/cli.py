@@ -100,6 +100,9 @@ def station(ctx: click.Context, settings_file: str | None, debug: bool) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with the code that says how it ended."""
+    from station.library_messages import say_in_one_line
+
+    say_in_one_line()
     given = list(sys.argv[1:] if arguments is None else arguments)
     sys.exit(run(given))
 
@@ -148,7 +151,7 @@ def _interrupted(error: BaseException) -> str:
     return f"interrupted; what was received is kept in {folder} (look at it: {command_line('info', folder)})"
 
 
-def _kept(sentence: str, error: Exception) -> str:
+def _kept(sentence: str, error: BaseException) -> str:
     """Add where the data are, when an error of the acquisition left some."""
     folder = getattr(error, "session", None)
     return sentence if folder is None or str(folder) in sentence else f"{sentence} (kept: {folder})"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station.commands.options import SESSION
-from station.output import json_option, print_json, progress
+from station.output import json_option, print_json, progress, screen
 from station.text.next_step import next_line
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def command(
     if as_json:
         print_json(document)
     else:
-        click.echo(next_line("report", opened.folder))
+        screen().print(next_line("report", opened.folder), markup=False, soft_wrap=True)
 
 
 def show_session(session: "Session", result: "Identification", settings: "Settings") -> None:
