@@ -187,9 +187,14 @@ def _strength(text: str) -> tuple[str, float]:
     name, _, strength = text.partition(":")
     generate.named_strengths(name, 0.0)
     try:
-        return name, float(strength)
+        share = float(strength)
     except ValueError:
         raise ValueError(f"a hidden effect is written NAME:STRENGTH ({name}:0.01), not {text!r}") from None
+    if not 0.0 <= share < 1.0:
+        raise ValueError(
+            f"--hide {text}: the strength is the effect's share of the total, from 0 to below 1 ({name}:0.01 is one percent)"
+        )
+    return name, share
 
 
 def _sort_faults(

@@ -152,7 +152,8 @@ def finish(
         progress(f"verdict: {'; '.join([verdict.grade.value, *verdict.reasons])}")
         for remark in verdict.remarks:
             progress(remark)
-        for advice in verdict.advice:
+        stopped = session.info.state.value == "aborted" and session.info.reason.startswith("interrupted")
+        for advice in ("let the recording run to its end",) if stopped else verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, options_for(session, settings))
     if not as_json:
@@ -170,5 +171,5 @@ def finish(
         }
         print_json(known | more)
     else:
-        next_steps(screen(), session.folder)
+        next_steps(screen(), session.folder, result)
     refuse_if_nothing(result)

@@ -76,6 +76,19 @@ class RestoringForceDocument(MethodDocument):
     source: str
 
 
+class AdequacyDocument(Part):
+    """Whether the identified model explains its record: what it leaves, and in what the methods are farthest apart."""
+
+    effects: list[str]
+    chi2: Number = Field(validation_alias=AliasChoices("chi2", "chi_square"))
+    chi2_std: Number = Field(validation_alias=AliasChoices("chi2_std", "chi_square_std"))
+    motion_percent: Number
+    adequate: bool
+    quotable: bool
+    apart: str
+    sigmas: Number
+
+
 class IdentificationDocument(Document):
     """One release, identified; what could not be had is None, and `refusals` says why."""
 
@@ -87,6 +100,7 @@ class IdentificationDocument(Document):
     restoring_force: RestoringForceDocument | None
     restoring_force_without_alignment: RestoringForceDocument | None
     refusals: dict[str, str]
+    adequacy: AdequacyDocument | None = None
 
 
 def identification_document(name: str, result: Identification) -> IdentificationDocument:
@@ -102,6 +116,7 @@ def identification_document(name: str, result: Identification) -> Identification
             "restoring_force": result.restoring_force,
             "restoring_force_without_alignment": result.without_alignment,
             "refusals": dict(result.refusals),
+            "adequacy": result.adequacy,
         }
     )
 
