@@ -12,6 +12,7 @@ MOST_STEPS = 40
 _TRIALS = 12
 _CONFIRMATIONS = 3
 _CREEPS = 0.02
+_UNDAMPED = 1e-3
 _AS_PREDICTED = 0.7
 """Share of the predicted drop of chi-square from which on the Jacobian counts as good."""
 
@@ -73,7 +74,10 @@ def minimise(
         settled = step.gained < max(tolerance, 1e-6 * step.cost)
         before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
         slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
-        if settled or slow > 1:  # the Jacobian that foretold so small a step holds at its end
+        if (
+            settled or slow > 1
+        ):  # the Jacobian that foretold so small a step holds at its end, unless damping made it small
+            exact = exact and step.damping <= _UNDAMPED and step.gained < tolerance
             break
         if step.as_predicted:
             jacobian, exact = _mended(problem, jacobian, *before, step), False
