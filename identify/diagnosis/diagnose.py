@@ -174,11 +174,7 @@ def diagnose(
     foretell = cache(lambda: foretold(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, foretell)
     ranked = rank(baseline, singles(baseline, fitted), chances(baseline, fitted))
-    faults = tuple(
-        f
-        for f in corrected_faults(baseline.decays, baseline.fit)
-        if f.term.effect.name not in baseline.fit.model
-    )
+    faults = _unnamed_faults(baseline)
     judgement = judge(baseline, ranked, faults, library, foretell)
     settled = (
         refit_at_floor(baseline.decays, judgement.final) if judgement.final is not baseline.fit else baseline
@@ -187,7 +183,7 @@ def diagnose(
     verdict = judgement.verdict
     if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
-    findings = tuple(f for f in faults if f.significant or f.remarked)
+    findings = tuple(f for f in _unnamed_faults(settled) if f.significant or f.remarked)
     together, shape, confirmation = judgement.together, judgement.shape, judgement.confirmation
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
     why = explain(baseline, verdict, suspects, together, findings, settled, shape, confirmation)
@@ -208,6 +204,12 @@ def diagnose(
         harmonics=harmonics,
         modes=() if verdict == "driven" else other_modes(settled.fit),
     )
+
+
+def _unnamed_faults(found: Baseline) -> tuple[CorrectedFault, ...]:
+    """Return the faults that a fit has allowed for and that its model does not name."""
+    faults = corrected_faults(found.decays, found.fit)
+    return tuple(f for f in faults if f.term.effect.name not in found.fit.model)
 
 
 def _worth_a_fit(
