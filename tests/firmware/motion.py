@@ -34,3 +34,19 @@ def write_volts(path: Path, **length: float) -> Path:
     """Write them as pairs of 32-bit floats."""
     volts(**length).astype("<f4").tofile(path)
     return path
+
+
+# As on the LaunchPad: eight readings of 12 bits a trigger, each the mean of 16 taken at a million a second.
+ORDER = np.array([0, 1, 1, 0, 0, 1, 1, 0])
+READING_S = 16e-6
+
+
+def readings(rate_hz: float, noise_mv: float, seed: int, **length: float) -> np.ndarray:
+    """What the converter reads at each trigger, (triggers, 8) of 12 bits."""
+    at_pins = volts(**length)
+    time = np.arange(len(at_pins)) / FILE_HZ
+    triggers = np.arange(int(time[-1] * rate_hz) - 1) / rate_hz
+    when = triggers[:, None] + READING_S * np.arange(8)
+    seen = np.where(ORDER == 0, np.interp(when, time, at_pins[:, 0]), np.interp(when, time, at_pins[:, 1]))
+    seen += np.random.default_rng(seed).normal(0, 1e-3 * noise_mv, seen.shape)
+    return np.clip(seen / SUPPLY_V * 4096, 0, 4095).astype("<u2")

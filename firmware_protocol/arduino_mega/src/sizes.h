@@ -24,6 +24,9 @@
 #define BOARD_FRAME 320
 #define BOARD_KEEP_MS 700
 #define BOARD_MOST_PER_FRAME 32
+#elif !defined(BOARD_RING) && (defined(__ARM_ARCH_7M__) || defined(__ARM_ARCH_7EM__)) /* Cortex-M3, M4: 32 KB */
+#define BOARD_RING 6144
+#define BOARD_KEEP_MS 2900
 #elif !defined(BOARD_RING)
 #define BOARD_RING 4096
 #endif
