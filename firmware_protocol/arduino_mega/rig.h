@@ -27,7 +27,9 @@
 
 /* ---- Channel 1: acceleration. ADXL335, ADXL355 or MPU6050 ---- */
 
+#ifndef ACCELERATION
 #define ACCELERATION ADXL335
+#endif
 
 #define ACCELERATION_PIN 1         /* A1; ADXL335 only */
 #define ACCELERATION_V_PER_G 0.330 /* ADXL335 at 3.3 V: turn it over, (V up - V down) / 2 */

@@ -155,6 +155,7 @@ void hardware_stop_sampling(void) {
     ADC0_IM = 0;
 }
 
+/* QEMU resets neither timer nor converter with the processor: nothing is taken to be as after power-on. */
 static void begin_converter(void) {
     uint32_t x = DISPLACEMENT_INPUT;
 #if ACCELERATION == ADXL335
@@ -271,8 +272,12 @@ void hardware_begin(int count, char **arguments) {
     begin_clocks();
     begin_pins();
     begin_port();
+    TIMER0_CTL = 0;
     boot_id = new_boot_id();
     begin_converter();
+    ADC0_IM = 0;
+    ADC0_ISC = 1;
+    NVIC_ICPR0 = 1u << IRQ_UART0 | 1u << IRQ_ADC0_SS0;
     NVIC_IPR(IRQ_ADC0_SS0) = 0x00;
     NVIC_IPR(IRQ_UART0) = 0x20;
     NVIC_ISER0 = 1u << IRQ_UART0 | 1u << IRQ_ADC0_SS0;

@@ -31,6 +31,8 @@
 #define GPIO_A 0x40004000u
 #define GPIO_B 0x40005000u
 #define GPIO_E 0x40024000u
+#define GPIO_DATA(port, pins) REGISTER((port) + ((pins) << 2))
+#define GPIO_DIR(port) REGISTER((port) + 0x400)
 #define GPIO_AFSEL(port) REGISTER((port) + 0x420)
 #define GPIO_ODR(port) REGISTER((port) + 0x50C)
 #define GPIO_DEN(port) REGISTER((port) + 0x51C)

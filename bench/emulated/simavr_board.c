@@ -1,13 +1,14 @@
 /* An Arduino in simavr: the image runs instruction by instruction, its UART is a pseudo-terminal, its converter sees
  * the voltages of a file.
  *
- *   simavr_board IMAGE MCU --volts FILE --file-hz HZ --reference-mv MV [--noise-mv MV] [--speed X] [--seed N]
+ *   simavr_board IMAGE MCU --volts FILE --file-hz HZ [--reference-mv MV] [--noise-mv MV] [--speed X] [--seed N]
+ *                [--at "SECONDS COMMAND"]
  *
  * FILE holds pairs of 32-bit floats, volts at pins A0 and A1, HZ pairs a second. Its time begins anew when the
  * converter begins to run after half a second of rest; behind its end the last voltages stay. At each conversion
  * the voltage is taken at the very cycle, with noise.
- * Commands on standard input, one a line: `reset`; `lose N`, the next N bytes to the host are lost; `die`. It ends
- * when standard input is closed, and then says on standard output what it has measured.
+ * Commands on standard input, one a line, or one at a time of the file: `reset`; `lose N`, the next N bytes to the
+ * host are lost; `die`. It ends when standard input is closed, and then says on standard output what it has measured.
  */
 #define _GNU_SOURCE
 #include <fcntl.h>
@@ -31,7 +32,8 @@
 static avr_t *avr;
 static float *volts;
 static size_t pairs;
-static double file_hz = 16384, noise_mv, speed = 1;
+static double file_hz = 16384, noise_mv, speed = 1, at_s;
+static const char *at_command;
 static uint64_t motion_since, last_conversion, conversions;
 static uint64_t random_state = 88172645463325252ull;
 static int port = -1, to_lose, xon = 1;
@@ -145,6 +147,12 @@ static void report(void) {
     fflush(stdout);
 }
 
+static void command(const char *line) {
+    if (!strcmp(line, "reset")) avr_reset(avr);
+    else if (!strcmp(line, "die")) exit(0);
+    else if (sscanf(line, "lose %d", &to_lose) != 1) fprintf(stderr, "no such command: %s\n", line);
+}
+
 static void obey(void) {
     static char line[256];
     static size_t length;
@@ -161,9 +169,11 @@ static void obey(void) {
         }
         line[length] = 0;
         length = 0;
-        if (!strcmp(line, "reset")) avr_reset(avr);
-        else if (!strcmp(line, "die")) exit(0);
-        else if (sscanf(line, "lose %d", &to_lose) != 1) fprintf(stderr, "no such command: %s\n", line);
+        command(line);
+    }
+    if (conversions && at_command && avr->cycle - motion_since > at_s * avr->frequency) {
+        command(at_command);
+        at_command = NULL;
     }
 }
 
@@ -207,7 +217,7 @@ static void read_volts(const char *path) {
 
 int main(int count, char **arguments) {
     elf_firmware_t image;
-    uint32_t flags = 0, reference_mv = 5000;
+    uint32_t flags = 0, reference_mv = 3300;
     int i;
     if (count < 3) return 2;
     for (i = 3; i + 1 < count; i += 2) {
@@ -218,7 +228,10 @@ int main(int count, char **arguments) {
         else if (!strcmp(name, "--speed")) speed = atof(value);
         else if (!strcmp(name, "--seed")) random_state ^= (uint64_t)atoll(value) * 0x9E3779B97F4A7C15ull;
         else if (!strcmp(name, "--reference-mv")) reference_mv = (uint32_t)atoi(value);
-        else return 2;
+        else if (!strcmp(name, "--at") && strchr(value, ' ')) {
+            at_s = atof(value);
+            at_command = strchr(value, ' ') + 1;
+        } else return 2;
     }
     memset(&image, 0, sizeof image);
     if (elf_read_firmware(arguments[1], &image)) return 2;

@@ -1,0 +1,97 @@
+"""The images run: `station capture` records a release from each emulated board, whatever befalls it."""
+
+import json
+from collections.abc import Iterator
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Protocol
+
+import pytest
+from fault_bench import Promise, broken_promises, promises, station_capture
+
+from bench.emulated import boards, motion
+from bench.emulated.boards import Board
+from bench.emulated.images import ToolMissing
+from daq.link import Link
+from daq.port import open_port
+from firmware_protocol import EventKind
+
+pytestmark = pytest.mark.usefixtures("unrendered")
+RATE_HZ = 256.0
+# Seconds of sampling after which the release is being recorded.
+LATER = motion.REST_S + 3.0
+
+
+class Run(Protocol):
+    """Start one of the two boards."""
+
+    def __call__(self, befalls: tuple[float, str] | None = None) -> AbstractContextManager[Board]: ...
+
+
+@pytest.fixture(params=["mega", "launchpad"])
+def run(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Run]:
+    image = request.getfixturevalue(f"{request.param}_image")
+    start = getattr(boards, request.param)
+
+    def started(befalls: tuple[float, str] | None = None) -> AbstractContextManager[Board]:
+        try:
+            return start(tmp_path, image, befalls=befalls)  # type: ignore[no-any-return]
+        except ToolMissing as missing:
+            pytest.skip(str(missing))
+
+    yield started
+
+
+def promised(fault: str) -> Promise:
+    return next(row for row in promises() if row.fault == fault)
+
+
+@pytest.mark.slow
+def test_a_release_is_recorded_and_identified_though_the_wire_lost_frames(run: Run, tmp_path: Path) -> None:
+    with run(befalls=(LATER, "lose 300")) as board:
+        done = station_capture(board.port, tmp_path / "s", "--mass", "21.36")
+    assert not broken_promises(promised("lost bytes"), done), done.said
+    assert done.session is not None
+    assert done.session.manifest().counts.resent > 0, "nothing was lost, so nothing was asked for again"
+    found = json.loads((done.session.folder / "results" / "identification.json").read_text("utf-8"))
+    assert (found["record"]["samples"], found["record"]["lost_samples"]) == (9 * RATE_HZ, 0)
+    bench = motion.BENCH
+    for method in ("wavelet", "restoring_force"):
+        dry, viscous = found[method]["damping"]
+        for value, truth in (
+            (found[method]["stiffness_per_mass"], bench.stiffness),
+            (dry, bench.mu_0),
+            (viscous, bench.mu_1),
+        ):
+            # Five of its own standard errors: six figures, two boards, one seed each.
+            assert abs(value["value"] - truth) < 5 * value["std"], (method, value, truth)
+    # A first-order low-pass is late by atan(w RC) / w at the oscillation's frequency, 3.193 ms; the decay's
+    # harmonics and the order of the readings are worth 0.05 ms.
+    assert found["alignment"]["lag_s"]["value"] == pytest.approx(-3.19e-3, abs=0.06e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("fault", "what"), [("reboot in mid-capture", "reset"), ("unplug", "die")], ids=["reset", "unplug"]
+)
+def test_a_fault_ends_as_the_page_promises(run: Run, tmp_path: Path, fault: str, what: str) -> None:
+    with run(befalls=(LATER - 1, what)) as board:
+        done = station_capture(board.port, tmp_path / "s", "--duration", "3")
+    assert not broken_promises(promised(fault), done), done.said
+
+
+@pytest.mark.slow
+def test_the_board_reports_its_own_jitter_and_what_it_missed(run: Run) -> None:
+    with run() as board, Link(open_port(board.port)) as link:
+        link.handshake()
+        link.configure(RATE_HZ)
+        link.start()
+        link.wait(lambda message: False, 1.0)
+        link.stop()
+        events = [event for event in link.assembly.events if event.kind is EventKind.OTHER]
+        end = link.assembly.end
+    assert end is not None
+    assert end.total_dropped == 0
+    assert len(events) == 1
+    assert events[0].text.endswith(f"; 0 of {end.total_samples} missed")
+    assert "us late, jitter" in events[0].text
