@@ -15,6 +15,7 @@ from bench.emulated.relay import Relay
 
 NOISE_MV = 2.0  # of each reading of the Mega's; of the LaunchPad's mean of 16 readings, half of it
 READY_S = 30.0
+QEMU = ("qemu-system-arm", "-M", "lm3s6965evb", "-display", "none", "-monitor", "stdio")
 
 
 @dataclass
@@ -40,10 +41,10 @@ def mega(
         images.simavr_board(program)
     if not volts.exists():
         motion.write_volts(volts)
+    pins = ("--volts", volts, "--file-hz", str(motion.FILE_HZ), "--noise-mv", str(NOISE_MV), "--seed", "1")
     at = ("--at", f"{befalls[0]} {befalls[1]}") if befalls else ()
     process = subprocess.Popen(
-        [program, image, mcu, "--volts", volts, "--file-hz", str(motion.FILE_HZ)]
-        + ["--noise-mv", str(NOISE_MV), "--seed", "1", *at, *options],
+        [program, image, mcu, *pins, *at, *options],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
@@ -74,10 +75,10 @@ def launchpad(
     images.need("qemu-system-arm")
     motion.readings(rate_hz, NOISE_MV / 2, seed=1).tofile(folder / "converter.bin")
     number = _free_port()
+    serial = ("-serial", f"tcp:127.0.0.1:{number},server=on,wait=off")
+    converter = ("-semihosting-config", "enable=on,target=native")
     process = subprocess.Popen(
-        ["qemu-system-arm", "-M", "lm3s6965evb", "-kernel", image, "-display", "none", "-monitor", "stdio"]
-        + ["-serial", f"tcp:127.0.0.1:{number},server=on,wait=off"]
-        + ["-semihosting-config", "enable=on,target=native", *options],
+        [*QEMU, "-kernel", image, *serial, *converter, *options],
         cwd=folder,
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,

@@ -15,7 +15,14 @@ SIMAVR_BOARD = Path(__file__).parent / "simavr_board.c"
 STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror")
 SMALL = ("-Os", "-ffunction-sections", "-fdata-sections", "-Wl,--gc-sections")
 AVR = ("avr-gcc", *STRICT, *SMALL)
-ARM = ("arm-none-eabi-gcc", "-mthumb", *STRICT, *SMALL, "-ffreestanding", "-fno-tree-loop-distribute-patterns")
+ARM = (
+    "arm-none-eabi-gcc",
+    "-mthumb",
+    *STRICT,
+    *SMALL,
+    "-ffreestanding",
+    "-fno-tree-loop-distribute-patterns",
+)
 ARM_INCLUDES = ("-isystem", str(LAUNCHPAD / "freestanding"), f"-I{CORE}", f"-I{LAUNCHPAD}")
 EMULATED = ("-DBOARD_LM3S6965", "-DEMULATED")
 
@@ -86,10 +93,8 @@ def simavr_board(out: Path) -> Path:
     need("cc")
     if not Path("/usr/include/simavr/sim_avr.h").exists():
         raise ToolMissing("simavr is not on this machine (Debian: libsimavr-dev and libelf-dev)")
-    _run(
-        ["cc", "-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror", str(SIMAVR_BOARD), "-o", str(out)]
-        + ["-lsimavr", "-lelf", "-lm"]
-    )
+    flags, libraries = ("-std=gnu11", "-O2", "-Wall", "-Wextra", "-Werror"), ("-lsimavr", "-lelf", "-lm")
+    _run(["cc", *flags, str(SIMAVR_BOARD), "-o", str(out), *libraries])
     return out
 
 

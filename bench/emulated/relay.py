@@ -15,7 +15,9 @@ class Relay:
     `at` seconds after the host's START, `then` is called, once.
     """
 
-    def __init__(self, board_port: int, at: float = 0.0, then: Callable[["Relay"], None] | None = None) -> None:
+    def __init__(
+        self, board_port: int, at: float = 0.0, then: Callable[["Relay"], None] | None = None
+    ) -> None:
         self.board_port, self.at, self.then = board_port, at, then
         self.to_lose = 0
         self._decoder = Decoder()

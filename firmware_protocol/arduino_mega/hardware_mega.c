@@ -205,7 +205,7 @@ size_t hardware_send(const uint8_t *bytes, size_t count) {
 /* ---- Identity ---- */
 
 static uint16_t read_once(uint8_t pin) {
-    ADMUX = _BV(REFS0) | pin;
+    ADMUX = pin; /* by the AREF pin: another reference would be short-circuited with it */
     ADCSRA = _BV(ADEN) | _BV(ADSC) | _BV(ADPS2) | _BV(ADPS1) | _BV(ADPS0);
     while (ADCSRA & _BV(ADSC)) {
     }

@@ -119,10 +119,12 @@ void converter_interrupt(void) {
         due += period;
         take_sample();
     }
+#ifndef EMULATED
     while (ticks_since_due() > (int64_t)(period / 2)) {
         due += period;
         board_sample(0);
     }
+#endif
 }
 
 /* 5 Hz to 2048 Hz. */

@@ -7,7 +7,9 @@ import pytest
 
 from bench.emulated import images
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "end_to_end"))  # fault_bench: the promises of docs/faults.md
+sys.path.insert(
+    0, str(Path(__file__).parents[1] / "end_to_end")
+)  # fault_bench: the promises of docs/faults.md
 
 
 @pytest.fixture(scope="session")

@@ -52,7 +52,9 @@ def test_both_boards_compile_with_every_sensor(tmp_path: Path, sensor: str) -> N
 @pytest.mark.slow
 @pytest.mark.parametrize("processor", ["cortex-m0plus", "cortex-m3", "cortex-m4"])
 @pytest.mark.parametrize("flags", [(), ("float",)])
-def test_the_board_s_side_compiles_for_cortex_m(tmp_path: Path, processor: str, flags: tuple[str, ...]) -> None:
+def test_the_board_s_side_compiles_for_cortex_m(
+    tmp_path: Path, processor: str, flags: tuple[str, ...]
+) -> None:
     real = ("-DWIRE_REAL=float",) if flags else ()
     command = ["arm-none-eabi-gcc", f"-mcpu={processor}", "-mthumb", *STRICT, "-Os", "-ffreestanding", *real]
     try:
@@ -90,7 +92,9 @@ def ring(tool: str, flags: tuple[str, ...]) -> int:
     target = [f"-mmcu={flags[0]}"] if tool == "avr-size" else ["-mcpu=cortex-m3", "-mthumb"]
     compiler = tool.replace("size", "gcc")
     text = f'#include "{CORE / "sizes.h"}"\nBOARD_RING\n'
-    done = subprocess.run([compiler, *target, "-E", "-P", "-"], input=text, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [compiler, *target, "-E", "-P", "-"], input=text, capture_output=True, text=True, check=True
+    )
     return int(done.stdout.split()[-1])
 
 
@@ -100,8 +104,21 @@ def test_the_sketch_compiles_with_the_arduino_s_own_core(tmp_path: Path) -> None
     if not ARDUINO_CORE.exists():
         pytest.skip("the Arduino core is not on this machine (Debian: arduino-core-avr)")
     core = ARDUINO_CORE / "cores" / "arduino"
-    flags = ["-mmcu=atmega2560", "-Os", "-DF_CPU=16000000L", "-DARDUINO=10819", "-DARDUINO_AVR_MEGA2560", "-w"]
-    flags += ["-ffunction-sections", "-fdata-sections", "-flto", f"-I{core}", f"-I{ARDUINO_CORE / 'variants/mega'}"]
+    flags = [
+        "-mmcu=atmega2560",
+        "-Os",
+        "-DF_CPU=16000000L",
+        "-DARDUINO=10819",
+        "-DARDUINO_AVR_MEGA2560",
+        "-w",
+    ]
+    flags += [
+        "-ffunction-sections",
+        "-fdata-sections",
+        "-flto",
+        f"-I{core}",
+        f"-I{ARDUINO_CORE / 'variants/mega'}",
+    ]
     sketch = tmp_path / "sketch.cpp"
     sketch.write_text(f'#include <Arduino.h>\n#include "{MEGA / "arduino_mega.ino"}"\n')
     objects = []
@@ -114,8 +131,12 @@ def test_the_sketch_compiles_with_the_arduino_s_own_core(tmp_path: Path) -> None
         objects.append(tmp_path / f"{number}.o")
         language = ["-std=gnu++11", "-fpermissive"] if source.suffix == ".cpp" else ["-std=gnu11"]
         subprocess.run(
-            ["avr-gcc", *flags, *language, f"-I{MEGA}", "-c", source, "-o", objects[-1]], check=True, timeout=60
+            ["avr-gcc", *flags, *language, f"-I{MEGA}", "-c", source, "-o", objects[-1]],
+            check=True,
+            timeout=60,
         )
     image = tmp_path / "sketch.elf"
-    subprocess.run(["avr-gcc", *flags, "-Wl,--gc-sections", *objects, "-o", image, "-lm"], check=True, timeout=60)
+    subprocess.run(
+        ["avr-gcc", *flags, "-Wl,--gc-sections", *objects, "-o", image, "-lm"], check=True, timeout=60
+    )
     assert images.size(image, "avr-size").ram < 7500

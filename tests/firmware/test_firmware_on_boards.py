@@ -1,7 +1,6 @@
 """The images run: `station capture` records a release from each emulated board, whatever befalls it."""
 
 import json
-from collections.abc import Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Protocol
@@ -29,7 +28,7 @@ class Run(Protocol):
 
 
 @pytest.fixture(params=["mega", "launchpad"])
-def run(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Run]:
+def run(request: pytest.FixtureRequest, tmp_path: Path) -> Run:
     image = request.getfixturevalue(f"{request.param}_image")
     start = getattr(boards, request.param)
 
@@ -39,7 +38,7 @@ def run(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Run]:
         except ToolMissing as missing:
             pytest.skip(str(missing))
 
-    yield started
+    return started
 
 
 def promised(fault: str) -> Promise:

@@ -17,7 +17,20 @@ from firmware_protocol import ChannelDescription, Config, Decoder, Describe, Sam
 def numbers() -> list[float]:
     """Numbers of all sizes, ties between two 32-bit neighbours, and the edges of the 32-bit range."""
     rng = random.Random(3)
-    edges = [0.0, -0.0, 1.0, 256.0, 1e-6, math.inf, -math.inf, 3.4028235e38, 3.4028236e38, 1e300, 5e-324, 2**-149.0]
+    edges = [
+        0.0,
+        -0.0,
+        1.0,
+        256.0,
+        1e-6,
+        math.inf,
+        -math.inf,
+        3.4028235e38,
+        3.4028236e38,
+        1e300,
+        5e-324,
+        2**-149.0,
+    ]
     edges += [2**-150.0, 1.5 * 2**-150, 2**-126.0, 2**-126.0 - 2**-150, 1.1754943e-38]
     any_bits = [struct.unpack("<d", rng.randbytes(8))[0] for _ in range(2000)]
     in_range = [rng.choice((-1, 1)) * 2 ** rng.uniform(-152, 130) for _ in range(2000)]

@@ -71,6 +71,13 @@ static void refuse(const struct wire_frame *request, uint8_t code, const char *w
     board.answer.as.nack.text = wire_text_of(why);
 }
 
+/* A sixteenth of a second, so that at high rates the frames' headers do not fill the line. */
+static uint16_t usual_frame(uint32_t period) {
+    uint32_t samples = hardware_clock_hz / 16 / period;
+    if (samples < BOARD_SAMPLES_PER_FRAME) return BOARD_SAMPLES_PER_FRAME;
+    return samples < BOARD_MOST_PER_FRAME ? (uint16_t)samples : BOARD_MOST_PER_FRAME;
+}
+
 static void configure(const struct wire_frame *request) {
     const struct wire_config *asked = &request->message.as.config;
     uint32_t period = hardware_period(asked->rate_hz);
@@ -82,7 +89,7 @@ static void configure(const struct wire_frame *request) {
         refuse(request, WIRE_UNSUPPORTED, "so many samples do not fit a frame");
     } else {
         board.period = period;
-        board.samples_per_frame = asked->samples_per_frame ? asked->samples_per_frame : BOARD_SAMPLES_PER_FRAME;
+        board.samples_per_frame = asked->samples_per_frame ? asked->samples_per_frame : usual_frame(period);
         acknowledge(request);
         board.say_describe = true;
     }
@@ -359,7 +366,7 @@ static void send_next(uint64_t now) {
 void board_begin(void) {
     board.boot_id = hardware_boot_id();
     board.period = hardware_period(0);
-    board.samples_per_frame = BOARD_SAMPLES_PER_FRAME;
+    board.samples_per_frame = usual_frame(board.period);
 }
 
 void board_step(void) {

@@ -38,7 +38,7 @@
 #define BOARD_KEEP_MS 12000
 #endif
 
-/* At most, and where CONFIG asks for no number. */
+/* Samples in one frame: at most, and at least where CONFIG asks for no number. */
 #ifndef BOARD_MOST_PER_FRAME
 #define BOARD_MOST_PER_FRAME ((BOARD_FRAME - 12 - 24) / (2 * BOARD_CHANNELS))
 #endif
