@@ -2,10 +2,10 @@
  * the voltages of a file.
  *
  *   simavr_board IMAGE MCU --volts FILE --file-hz HZ [--reference-mv MV] [--noise-mv MV] [--speed X] [--seed N]
- *                [--at "SECONDS COMMAND"]
+ *                [--at "SECONDS COMMAND"] [--sensor ADXL355|MPU6050]
  *
  * FILE holds pairs of 32-bit floats, volts at pins A0 and A1, HZ pairs a second. Its time begins anew when the
- * converter begins to run after half a second of rest; behind its end the last voltages stay. At each conversion
+ * converter begins to read them after half a second of rest; behind its end the last voltages stay. At each conversion
  * the voltage is taken at the very cycle, with noise.
  * Commands on standard input, one a line, or one at a time of the file: `reset`; `lose N`, the next N bytes to the
  * host are lost; `die`. It ends when standard input is closed, and then says on standard output what it has measured.
@@ -23,6 +23,9 @@
 #include <unistd.h>
 
 #include <simavr/avr_adc.h>
+#include <simavr/avr_ioport.h>
+#include <simavr/avr_spi.h>
+#include <simavr/avr_twi.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
@@ -72,12 +75,101 @@ static void on_conversion(avr_irq_t *irq, uint32_t value, void *unused) {
     (void)irq;
     (void)unused;
     memcpy(&mux, &value, sizeof value); /* the kind and the pin stand in the first four bytes */
-    if (conversions == 0 || avr->cycle - last_conversion > avr->frequency / 2) motion_since = avr->cycle;
-    last_conversion = avr->cycle;
-    conversions++;
+    if (mux.src < 2) {
+        if (conversions == 0 || avr->cycle - last_conversion > avr->frequency / 2) motion_since = avr->cycle;
+        last_conversion = avr->cycle;
+        conversions++;
+    }
     /* simavr divides the reference into 1023 steps, the converter into 1024. */
     mv = mux.src < 2 ? (volts_at(avr->cycle, mux.src) * 1000 + noise_mv * normal()) * 1024 / 1023 : 400 * uniform();
     avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0 + mux.src), mv > 0 ? (uint32_t)(mv + 0.5) : 0);
+}
+
+/* ---- Digital accelerometers: registers behind SPI (ADXL355) and I2C (MPU-6050), data at the very cycle ---- */
+
+static uint8_t spi_selected, spi_count, spi_register, twi_selected, twi_count, twi_register;
+static uint8_t adxl_settings[128], mpu_settings[128];
+
+static double gravities(void) { return (volts_at(avr->cycle, 1) - 1.65) / 0.330; }
+
+static int32_t adxl_latched; /* for one transfer */
+
+static uint8_t adxl355(uint8_t address) {
+    int32_t counts = adxl_latched * 16; /* 20 bits, left in 24 */
+    if (address == 0x00) return 0xAD;
+    if (address == 0x01) return 0x1D;
+    if (adxl_settings[0x2D] & 1 || adxl_settings[0x2C] % 4 != 1) return 0; /* standby; another range */
+    return address >= 0x08 && address <= 0x0A ? (uint8_t)(counts >> 8 * (0x0A - address)) : 0;
+}
+
+static uint8_t mpu6050(uint8_t address) {
+    int16_t counts = (int16_t)floor(gravities() * 16384 + 0.5);
+    if (address == 0x75) return 0x68;
+    if (mpu_settings[0x6B] & 0x40) return 0; /* asleep */
+    return address == 0x3B ? (uint8_t)(counts >> 8) : address == 0x3C ? (uint8_t)counts : 0;
+}
+
+static void on_select(avr_irq_t *irq, uint32_t level, void *unused) {
+    (void)irq;
+    (void)unused;
+    spi_selected = !level;
+    spi_count = 0;
+}
+
+static void on_spi(avr_irq_t *irq, uint32_t value, void *unused) {
+    uint8_t answer = 0;
+    (void)irq;
+    (void)unused;
+    if (!spi_selected) return;
+    if (spi_count++ == 0) {
+        spi_register = (uint8_t)value;
+        adxl_latched = (int32_t)floor(gravities() * 256000 + 0.5);
+    } else if (spi_register & 1) answer = adxl355((uint8_t)((spi_register >> 1) + spi_count - 2));
+    else adxl_settings[(spi_register >> 1) + spi_count - 2] = (uint8_t)value;
+    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_SPI_GETIRQ(0), SPI_IRQ_INPUT), answer);
+}
+
+static void answer_twi(uint8_t message, uint8_t data) {
+    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_TWI_GETIRQ(0), TWI_IRQ_INPUT),
+                  avr_twi_irq_msg(message, twi_selected, data));
+}
+
+static void on_twi(avr_irq_t *irq, uint32_t value, void *unused) {
+    avr_twi_msg_irq_t message;
+    (void)irq;
+    (void)unused;
+    message.u.v = value;
+    if (message.u.twi.msg & TWI_COND_STOP) twi_selected = 0;
+    if (message.u.twi.msg & TWI_COND_START) {
+        twi_selected = message.u.twi.addr >> 1 == 0x68 ? message.u.twi.addr : 0;
+        twi_count = 0;
+        if (twi_selected) answer_twi(TWI_COND_ACK, 1);
+    }
+    if (!twi_selected) return;
+    if (message.u.twi.msg & TWI_COND_WRITE) {
+        answer_twi(TWI_COND_ACK, 1);
+        if (twi_count++ == 0) twi_register = message.u.twi.data;
+        else mpu_settings[twi_register++ & 127] = message.u.twi.data;
+    }
+    if (message.u.twi.msg & TWI_COND_READ) answer_twi(TWI_COND_READ, mpu6050(twi_register++));
+}
+
+/* simavr 1.6 leaves the flag standing that a program clears by writing it, so that whoever polls it does not wait. */
+static void on_twi_control(avr_t *which, avr_io_addr_t address, uint8_t value, void *unused) {
+    (void)unused;
+    if (value & 0x80) which->data[address] &= 0x7F;
+}
+
+static void plug_in(const char *sensor) {
+    adxl_settings[0x2D] = 1;
+    mpu_settings[0x6B] = 0x40;
+    if (!strcmp(sensor, "ADXL355")) {
+        avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_SPI_GETIRQ(0), SPI_IRQ_OUTPUT), on_spi, NULL);
+        avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('B'), 0), on_select, NULL);
+    } else if (!strcmp(sensor, "MPU6050")) {
+        avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_TWI_GETIRQ(0), TWI_IRQ_OUTPUT), on_twi, NULL);
+        avr_register_io_write(avr, 0xBC, on_twi_control, avr);
+    }
 }
 
 /* ---- UART ---- */
@@ -218,6 +310,7 @@ static void read_volts(const char *path) {
 int main(int count, char **arguments) {
     elf_firmware_t image;
     uint32_t flags = 0, reference_mv = 3300;
+    const char *sensor = "";
     int i;
     if (count < 3) return 2;
     for (i = 3; i + 1 < count; i += 2) {
@@ -227,6 +320,7 @@ int main(int count, char **arguments) {
         else if (!strcmp(name, "--noise-mv")) noise_mv = atof(value);
         else if (!strcmp(name, "--speed")) speed = atof(value);
         else if (!strcmp(name, "--seed")) random_state ^= (uint64_t)atoll(value) * 0x9E3779B97F4A7C15ull;
+        else if (!strcmp(name, "--sensor")) sensor = value;
         else if (!strcmp(name, "--reference-mv")) reference_mv = (uint32_t)atoi(value);
         else if (!strcmp(name, "--at") && strchr(value, ' ')) {
             at_s = atof(value);
@@ -252,6 +346,7 @@ int main(int count, char **arguments) {
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), on_byte, NULL);
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XON), on_xon, &xon);
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XOFF), on_xon, NULL);
+    plug_in(sensor);
     open_port();
     run();
     return 0;

@@ -62,14 +62,19 @@ static uint8_t step(uint8_t control) {
     return TWSR & 0xF8;
 }
 
-static bool send(uint8_t byte, uint8_t expected) {
+static bool send(uint8_t byte) {
+    uint8_t status;
     TWDR = byte;
-    return step(0) == expected;
+    status = step(0);
+    return status == ADDRESS_TO_WRITE_ANSWERED || status == ADDRESS_TO_READ_ANSWERED || status == BYTE_ANSWERED;
 }
 
 /* Let go of the bus, whatever state it is in. */
 static bool end(bool good) {
+    uint16_t patience = 800;
     TWCR = _BV(TWINT) | _BV(TWEN) | _BV(TWSTO);
+    while ((TWCR & _BV(TWSTO)) && --patience) {
+    }
     if (!good) TWCR = 0;
     return good;
 }
@@ -79,13 +84,11 @@ static bool begin(uint8_t register_) {
     TWSR = 0;
     TWBR = (CLOCK_HZ / 400000 - 16) / 2;
     status = step(_BV(TWSTA));
-    return (status == START_SENT || status == REPEATED_START_SENT) && send(ADDRESS << 1, ADDRESS_TO_WRITE_ANSWERED) &&
-           send(register_, BYTE_ANSWERED);
+    return (status == START_SENT || status == REPEATED_START_SENT) && send(ADDRESS << 1) && send(register_);
 }
 
 bool bus_read(uint8_t first_register, uint8_t *bytes, uint8_t count) {
-    if (!begin(first_register) || step(_BV(TWSTA)) != REPEATED_START_SENT ||
-        !send(ADDRESS << 1 | 1, ADDRESS_TO_READ_ANSWERED))
+    if (!begin(first_register) || step(_BV(TWSTA)) != REPEATED_START_SENT || !send(ADDRESS << 1 | 1))
         return end(false);
     while (count--) {
         if (!step(count ? _BV(TWEA) : 0)) return end(false);
@@ -94,7 +97,7 @@ bool bus_read(uint8_t first_register, uint8_t *bytes, uint8_t count) {
     return end(true);
 }
 
-bool bus_write(uint8_t register_, uint8_t byte) { return end(begin(register_) && send(byte, BYTE_ANSWERED)); }
+bool bus_write(uint8_t register_, uint8_t byte) { return end(begin(register_) && send(byte)); }
 
 #else
 typedef char no_bus_is_needed;

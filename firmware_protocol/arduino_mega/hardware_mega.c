@@ -5,6 +5,7 @@
  * last reading's interrupt gives the sample to board_sample(). A sample that is not finished at the next tick counts
  * as missed.
  */
+#define CONVERTER_BITS 10
 #include "src/hardware.h"
 #include "rig.h"
 #include "src/rig_channels.h"

@@ -7,7 +7,6 @@
 #include "hardware.h"
 #include "registers.h"
 #include "rig.h"
-#include "rig_channels.h"
 
 #ifdef EMULATED
 #include "emulated.h"
@@ -17,13 +16,18 @@
 
 #ifdef BOARD_LM3S6965 /* 8 MHz crystal, converter of 10 bits */
 #define CRYSTAL 0x0Eu
-#define READING_SHIFT 2
 const char hardware_board[] = "LM3S6965 evaluation board";
 #else /* 16 MHz, 12 bits */
 #define CRYSTAL 0x15u
-#define READING_SHIFT 0
 const char hardware_board[] = "EK-TM4C123GXL";
 #endif
+#if defined(BOARD_LM3S6965) && !defined(EMULATED)
+#define CONVERTER_BITS 10
+#else
+#define CONVERTER_BITS 12
+#endif
+#include "rig_channels.h"
+
 #define READINGS 8
 
 const char hardware_firmware[] = "free-decay board 1.0";
@@ -91,7 +95,7 @@ static bool read_converter(uint16_t readings[READINGS]) {
     int i;
     for (i = 0; i < READINGS; i++) {
         if (ADC0_SSFSTAT0 & FIFO_EMPTY) return false;
-        readings[i] = (uint16_t)(ADC0_SSFIFO0 << READING_SHIFT & 0xFFF);
+        readings[i] = (uint16_t)(ADC0_SSFIFO0 << (12 - CONVERTER_BITS) & 0xFFF);
     }
     return true;
 }

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from bench.emulated import images
+from bench.emulated import boards, images
 from bench.emulated.images import ARM_INCLUDES, CORE, MEGA, ROOT, STRICT, ToolMissing
+from daq.link import Link
+from daq.port import open_port
 
 FIRMWARE_PAGE = ROOT / "docs" / "firmware.md"
 ROW = re.compile(r"^\| (.+?) \| ([\d.]+) KB \| ([\d.]+) KB \| (\d+) \|$", re.M)
@@ -140,3 +142,10 @@ def test_the_sketch_compiles_with_the_arduino_s_own_core(tmp_path: Path) -> None
         ["avr-gcc", *flags, "-Wl,--gc-sections", *objects, "-o", image, "-lm"], check=True, timeout=60
     )
     assert images.size(image, "avr-size").ram < 7500
+    built(images.simavr_board, tmp_path / "simavr_board")
+    with boards.mega(tmp_path, image) as board, Link(open_port(board.port)) as link:
+        assert link.handshake().board == "Arduino Mega 2560"
+        link.start()
+        link.wait(lambda message: False, 0.5)
+        link.stop()
+        assert link.assembly.recording().samples.shape[1] > 64

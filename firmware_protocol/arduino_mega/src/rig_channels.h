@@ -1,6 +1,7 @@
 /* The two channels of a board, calculated from its rig.h: volts at the pin, or counts of a sensor, to SI units.
  *
- * Converter readings are summed to 14 bits (0 to 16383 for 0 V to REFERENCE_V) and sent less 8192.
+ * Converter readings are summed to 14 bits (0 to 16383 for 0 V to REFERENCE_V) and sent less 8192. A converter of B bits
+ * rounds down, by half of its step on average: CONVERTER_BITS says how much that is.
  */
 #ifndef RIG_CHANNELS_H
 #define RIG_CHANNELS_H
@@ -9,15 +10,16 @@
 
 #define GRAVITY 9.80665
 #define STEP_V (REFERENCE_V / 16384.0)
+#define MIDDLE_V (REFERENCE_V / 2 + REFERENCE_V / (2L << CONVERTER_BITS)) /* of the number 0 */
 #define TEXT(s) {s, sizeof s - 1}
 
 #define DISPLACEMENT_SCALE (STEP_V * DISPLACEMENT_M_PER_V)
-#define DISPLACEMENT_OFFSET ((REFERENCE_V / 2 - DISPLACEMENT_ZERO_V) * DISPLACEMENT_M_PER_V)
+#define DISPLACEMENT_OFFSET ((MIDDLE_V - DISPLACEMENT_ZERO_V) * DISPLACEMENT_M_PER_V)
 
 #if ACCELERATION == ADXL335
 #define ACCELERATION_SCALE (ACCELERATION_SIGN * STEP_V / ACCELERATION_V_PER_G * GRAVITY)
 #define ACCELERATION_OFFSET \
-    (ACCELERATION_SIGN * (REFERENCE_V / 2 - ACCELERATION_ZERO_V) / ACCELERATION_V_PER_G * GRAVITY)
+    (ACCELERATION_SIGN * (MIDDLE_V - ACCELERATION_ZERO_V) / ACCELERATION_V_PER_G * GRAVITY)
 #define ACCELERATION_SPAN 8176
 #define ACCELERATION_LOWEST 8192
 #define ACCELERATION_DELAY_S 0.0032 /* 32 kOhm inside, 0.1 uF outside */
