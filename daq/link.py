@@ -19,7 +19,7 @@ from daq.errors import (
     VersionRefused,
 )
 from daq.frame_reader import FrameReader
-from daq.port import Port
+from daq.port import Port, may_have_reset_the_board
 from daq.raw_log import Kind, RawLog
 from daq.recording import Gap
 from firmware_protocol import (
@@ -46,6 +46,7 @@ from firmware_protocol import (
 
 HELLO_EVERY_S = 0.25
 HELLO_FOR_S = 5.0
+BOOT_S = 3.0
 ANSWER_S = (0.25, 0.5, 1.0, 2.0)
 END_S = 30.0
 WARN_S = 0.5
@@ -125,6 +126,7 @@ class Link:
         VersionRefused for another major version, ProtocolError for a description that makes no sense,
         NoBoard when nothing answers in time.
         """
+        self._let_a_boot_loader_pass()
         until = time.monotonic() + seconds
         while time.monotonic() < until:
             self.send(HelloRequest(), prefix=b"\0")
@@ -135,6 +137,15 @@ class Link:
                 if hello is not None:
                     return self._at_rest(hello)
         raise NoBoard(self._nobody(seconds))
+
+    def _let_a_boot_loader_pass(self) -> None:
+        """Say nothing to a board that may be booting until it has sent a frame, for BOOT_S at most.
+
+        The boot loader of an Arduino Mega takes what it hears for a new program, and does not start the one that is
+        there while bytes keep coming.
+        """
+        if may_have_reset_the_board(self.port) and not self.assembly.frames:
+            self.wait(lambda message: True, BOOT_S)
 
     def _understand(self, message: Message | OtherVersion) -> Hello | None:
         """Return HELLO once both it and DESCRIBE are there."""

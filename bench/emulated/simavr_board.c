@@ -2,7 +2,7 @@
  * the voltages of a file.
  *
  *   simavr_board IMAGE MCU --volts FILE --file-hz HZ [--reference-mv MV] [--noise-mv MV] [--speed X] [--seed N]
- *                [--at "SECONDS COMMAND"] [--sensor ADXL355|MPU6050]
+ *                [--at "SECONDS COMMAND"] [--sensor ADXL355|MPU6050] [--boot-loader HEX]
  *
  * FILE holds pairs of 32-bit floats, volts at pins A0 and A1, HZ pairs a second. Its time begins anew when the
  * converter begins to read them after half a second of rest; behind its end the last voltages stay. At each conversion
@@ -29,6 +29,7 @@
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
 #include <simavr/sim_elf.h>
+#include <simavr/sim_hex.h>
 #include <simavr/sim_io.h>
 #include <simavr/sim_irq.h>
 
@@ -291,6 +292,16 @@ static void run(void) {
     }
 }
 
+/* A reset leads into the boot loader at the end of the flash, as on a board from the shop. */
+static void boot_by(const char *path) {
+    uint32_t size = 0, base = 0;
+    uint8_t *bytes = read_ihex_file(path, &size, &base);
+    if (!bytes || base + size > avr->flashend + 1) exit(2);
+    memcpy(avr->flash + base, bytes, size);
+    avr->codeend = avr->flashend;
+    avr->pc = avr->reset_pc = base;
+}
+
 static void read_volts(const char *path) {
     FILE *file = fopen(path, "rb");
     long size;
@@ -310,7 +321,7 @@ static void read_volts(const char *path) {
 int main(int count, char **arguments) {
     elf_firmware_t image;
     uint32_t flags = 0, reference_mv = 3300;
-    const char *sensor = "";
+    const char *sensor = "", *boot_loader = NULL;
     int i;
     if (count < 3) return 2;
     for (i = 3; i + 1 < count; i += 2) {
@@ -321,6 +332,7 @@ int main(int count, char **arguments) {
         else if (!strcmp(name, "--speed")) speed = atof(value);
         else if (!strcmp(name, "--seed")) random_state ^= (uint64_t)atoll(value) * 0x9E3779B97F4A7C15ull;
         else if (!strcmp(name, "--sensor")) sensor = value;
+        else if (!strcmp(name, "--boot-loader")) boot_loader = value;
         else if (!strcmp(name, "--reference-mv")) reference_mv = (uint32_t)atoi(value);
         else if (!strcmp(name, "--at") && strchr(value, ' ')) {
             at_s = atof(value);
@@ -347,6 +359,7 @@ int main(int count, char **arguments) {
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XON), on_xon, &xon);
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XOFF), on_xon, NULL);
     plug_in(sensor);
+    if (boot_loader) boot_by(boot_loader);
     open_port();
     run();
     return 0;

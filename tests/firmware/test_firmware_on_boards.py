@@ -6,15 +6,17 @@ from pathlib import Path
 from typing import Protocol
 
 import pytest
+from conftest import or_skip
 from fault_bench import Promise, broken_promises, promises, station_capture
 
-from bench.emulated import boards, motion
+from bench.emulated import boards, images, motion
 from bench.emulated.boards import Board
 from bench.emulated.images import ToolMissing
 from daq.link import Link
 from daq.port import open_port
 from firmware_protocol import EventKind
 
+BOOT_LOADER = Path("/usr/share/arduino/hardware/arduino/avr/bootloaders/stk500v2/stk500boot_v2_mega2560.hex")
 pytestmark = pytest.mark.usefixtures("unrendered")
 RATE_HZ = 256.0
 # Seconds of sampling after which the release is being recorded.
@@ -77,6 +79,22 @@ def test_a_fault_ends_as_the_page_promises(run: Run, tmp_path: Path, fault: str,
     with run(befalls=(LATER - 1, what)) as board:
         done = station_capture(board.port, tmp_path / "s", "--duration", "3")
     assert not broken_promises(promised(fault), done), done.said
+
+
+@pytest.mark.slow
+def test_a_mega_that_opening_the_port_has_reset_gets_past_its_boot_loader(
+    mega_image: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Asked at once, it never answers: the boot loader waits for the end of what it takes for a program."""
+    if not BOOT_LOADER.exists():
+        pytest.skip("the Arduino's boot loader is not on this machine (Debian: arduino-core-avr)")
+    or_skip(images.simavr_board, tmp_path / "simavr_board")
+    monkeypatch.setattr("daq.link.may_have_reset_the_board", lambda port: True)  # as no pty does
+    with (
+        boards.mega(tmp_path, mega_image, options=("--boot-loader", str(BOOT_LOADER))) as board,
+        Link(open_port(board.port)) as link,
+    ):
+        assert link.handshake().board == "Arduino Mega 2560"
 
 
 @pytest.mark.slow
