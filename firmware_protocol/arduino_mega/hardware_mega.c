@@ -15,6 +15,9 @@
 #include <avr/io.h>
 #include <avr/sleep.h>
 
+#if READINGS < 2 || READINGS > 16 || (READINGS & (READINGS - 1))
+#error "READINGS in rig.h: 2, 4, 8 or 16"
+#endif
 #define ANALOG_CHANNELS (ACCELERATION == ADXL335 ? 2 : 1)
 #define READING_CYCLES (13UL * 128UL)
 

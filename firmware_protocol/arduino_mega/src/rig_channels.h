@@ -47,6 +47,13 @@
 #endif
 #endif
 
+/* DESCRIBE: header and checksum, format, count, and for each channel a length, seven numbers and four texts. */
+typedef char texts_fit_a_frame[12 + 2 + BOARD_CHANNELS * (2 + 7 * 8 + 4) + sizeof "xdisplacementm" - 1 +
+                                           sizeof DISPLACEMENT_SENSOR - 1 + sizeof "aaccelerationm/s^2" - 1 +
+                                           sizeof ACCELERATION_SENSOR - 1 <= BOARD_FRAME
+                                   ? 1
+                                   : -1];
+
 #define SIZE_OF(scale) ((scale) < 0 ? -(scale) : (scale))
 
 const struct wire_channel hardware_channels[BOARD_CHANNELS] = {

@@ -15,9 +15,9 @@
  * the board sends, before stuffing: DESCRIBE must fit. BOARD_KEEP_MS: a rate at which the ring would hold less
  * than this is refused. The protocol asks for 12 s; a board without the memory says here what it can do. */
 #if !defined(BOARD_RING) && defined(__AVR_ATmega328P__) /* 2 KB of RAM */
-#define BOARD_RING 64
+#define BOARD_RING 48
 #define BOARD_FRAME 240
-#define BOARD_KEEP_MS 240
+#define BOARD_KEEP_MS 180
 #define BOARD_MOST_PER_FRAME 16
 #elif !defined(BOARD_RING) && defined(__AVR__) /* ATmega2560: 8 KB of RAM */
 #define BOARD_RING 1408
