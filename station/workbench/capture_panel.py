@@ -65,6 +65,7 @@ class CapturePanel:
 
     def _start(self) -> None:
         if self._state.capturing is not None and not self._state.capturing.now.finished:
+            ui.notify("another tab is recording: this click started nothing", type="warning")
             return
         port = str(self._port.value or "").strip()
         if not port:

@@ -70,6 +70,8 @@ class SessionState:
             asyncio.get_running_loop().run_in_executor(None, job.cancel)
 
     async def _run(self, job: Job, task: str, arguments: tuple[Any, ...]) -> None:
+        from station.workbench.build_view_models import results_stamp
+
         title = self.running.title if self.running else task
         try:
             found = await self._workers.do(
@@ -82,7 +84,10 @@ class SessionState:
                     self.force_maps = {}  # a command has diagnosed since
                 self.view = found
         except Cancelled:
-            self.notice = f"{title}: cancelled; nothing was changed"
+            changed = self.view is not None and self.view.stamp != results_stamp(self.folder)
+            self.notice = (
+                f"{title}: cancelled; {'its results are kept already' if changed else 'nothing was changed'}"
+            )
         except Failed as failure:
             if self.view is None:
                 self.problem = str(failure)
