@@ -11,7 +11,6 @@ from fault_bench import Promise, broken_promises, promises, station_capture
 
 from bench.emulated import boards, images, motion
 from bench.emulated.boards import Board
-from bench.emulated.images import ToolMissing
 from daq.link import Link
 from daq.port import open_port
 from firmware_protocol import EventKind
@@ -33,12 +32,13 @@ class Run(Protocol):
 def run(request: pytest.FixtureRequest, tmp_path: Path) -> Run:
     image = request.getfixturevalue(f"{request.param}_image")
     start = getattr(boards, request.param)
+    if request.param == "mega":
+        or_skip(images.simavr_board, tmp_path / "simavr_board")
+    else:
+        or_skip(images.need, "qemu-system-arm")
 
     def started(befalls: tuple[float, str] | None = None) -> AbstractContextManager[Board]:
-        try:
-            return start(tmp_path, image, befalls=befalls)  # type: ignore[no-any-return]
-        except ToolMissing as missing:
-            pytest.skip(str(missing))
+        return start(tmp_path, image, befalls=befalls)  # type: ignore[no-any-return]
 
     return started
 
