@@ -14,6 +14,7 @@ SECTIONS = (
     "wire",
     "firmware",
     "trust",
+    "lies",
     "alignment",
     "identification",
     "diagnosis",

@@ -33,6 +33,7 @@ const char hardware_board[] = "Arduino Mega 2560";
 const char hardware_board[] = "Arduino with ATmega328P";
 #endif
 const uint32_t hardware_clock_hz = CLOCK_HZ;
+const wire_real hardware_clock_error_ppm = CLOCK_ERROR_PPM;
 
 static uint32_t boot_id;
 static uint8_t reset_cause;

@@ -13,6 +13,7 @@
 
 /* Hz. A Mega's ceramic resonator may be off by 0.5 %, which the station reports: put the true number here. */
 #define CLOCK_HZ 16000000
+#define CLOCK_ERROR_PPM 5000 /* by how much it may be off; 300 once measured: it drifts with the temperature */
 
 #define REFERENCE_V 3.3 /* V at the pin AREF, measured */
 #define READINGS 16     /* per channel and sample at 256 Hz and below, fewer above: a power of two */

@@ -8,6 +8,10 @@
 #include "sizes.h"
 #include "wire.h"
 
+#if BOARD_CHANNELS > WIRE_MAX_CHANNELS
+#error "so many channels do not fit the frame of DESCRIBE"
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif

@@ -32,6 +32,7 @@ const char hardware_board[] = "EK-TM4C123GXL";
 
 const char hardware_firmware[] = "free-decay board 1.0";
 const uint32_t hardware_clock_hz = CLOCK_HZ;
+const wire_real hardware_clock_error_ppm = CLOCK_ERROR_PPM;
 
 static uint32_t boot_id;
 

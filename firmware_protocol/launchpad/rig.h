@@ -11,7 +11,8 @@
 #define BAUD 115200
 #define UNIQUE_ID "launchpad-1" /* the station tells boards apart by this */
 
-#define CLOCK_HZ 50000000 /* Hz; the crystal is good to 50 ppm */
+#define CLOCK_HZ 50000000  /* Hz */
+#define CLOCK_ERROR_PPM 50 /* by how much it may be off: a crystal's, by its data sheet */
 #define REFERENCE_V 3.3   /* V at the pin 3.3V, measured */
 
 /* ---- Channel 0: displacement. Any sensor with a voltage: potentiometer, LVDT conditioner, laser ---- */

@@ -11,7 +11,7 @@ import pytest
 from c_compiler import HERE, SANITIZE, STRICT, build
 from wire_lines import line_of
 
-from firmware_protocol import ChannelDescription, Config, Decoder, Describe, SampleFormat, encode
+from firmware_protocol import ChannelDescription, Clock, Config, Decoder, Describe, SampleFormat, encode
 
 
 def numbers() -> list[float]:
@@ -77,6 +77,7 @@ def test_messages_with_fractions_pass_with_32_bits(short_driver: Path) -> None:
     for sent, received in (
         (described(*exact), described(*map(rounded, exact))),
         (Config(rate_hz=1000 / 3), Config(rate_hz=rounded(1000 / 3))),
+        (Clock(100 / 3), Clock(rounded(100 / 3))),
     ):
         (whole,) = Decoder().feed(encode(sent, 7))
         (short,) = Decoder().feed(encode(received, 7))

@@ -18,6 +18,8 @@ extern const char hardware_board[];    /* model of the board */
 /* Frequency of the clock that times the samples, as well as it is known. All times below are its ticks. */
 extern const uint32_t hardware_clock_hz;
 
+extern const wire_real hardware_clock_error_ppm; /* by how much it may be off, by its data sheet; 0: not known */
+
 /* The channels in the order of the numbers given to board_sample(); rate_hz is filled in by board.c. */
 extern const struct wire_channel hardware_channels[BOARD_CHANNELS];
 
