@@ -41,7 +41,10 @@ RANGE = 2.5
 """Largest over smallest amplitude, over all releases, from which on laws of amplitude can be told at all."""
 
 STABLE = 0.5
-"""Share of the resamplings in which an effect must lead to be named."""
+"""Share of the resamplings in which an effect, or one that it is not told apart from, must lead to be named."""
+
+AS_OFTEN = 0.25
+"""Share of the resamplings from which on another effect that leads in them cannot be excluded."""
 
 _CONTENDS = 0.5
 """Share of what the best removes from which on a law is asked again in each resampling."""
@@ -60,8 +63,8 @@ Settled = dict[int, tuple[HeldOut, tuple[Rows, ...]]]
 class ConfirmedEffect:
     """An effect that foretells: the error of what it `explains` ("frequency" or "loss") falls from `before` to `after` %.
 
-    `better` of `parts` left out were foretold better with it. `rivals` foretell nearly as well. It leads in `leads` of
-    `resamplings` of the cycles.
+    `better` of `parts` left out were foretold better with it. `rivals` foretell nearly as well, or lead where other
+    cycles are drawn. It, or one that foretells nearly as well, leads in `leads` of `resamplings` of the cycles.
     """
 
     term: Term
@@ -237,10 +240,12 @@ def _next(
             continue
         lead = chosen.lead
         often = _often(search, (columns, rows), settled, good, held, channel)
-        if often[laws[lead].name] < STABLE * often.total():
+        alike = (laws[lead].name, *chosen.rivals)
+        if sum(often[name] for name in alike) < STABLE * often.total():
             unstable[what] = dict(often.most_common())
             undecided[what] = tuple(name for name in unstable[what] if name) or chosen.names
             continue
+        alike = (*alike, *_as_often(often, alike))
         after, own = settled[lead]
         effect = ConfirmedEffect(
             term=laws[lead].term,
@@ -251,12 +256,17 @@ def _next(
             after=after.typical(channel),
             better=after.better(held, channel),
             parts=len(after.foretold),
-            rivals=chosen.rivals,
-            leads=often[laws[lead].name],
+            rivals=alike[1:],
+            leads=sum(often[name] for name in alike),
             resamplings=often.total(),
         )
         return effect, lead, after, own
     return None
+
+
+def _as_often(often: Counter[str], alike: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the other effects that lead in so many resamplings that they cannot be excluded."""
+    return tuple(n for n, k in often.most_common() if n and n not in alike and k >= AS_OFTEN * often.total())
 
 
 def _often(

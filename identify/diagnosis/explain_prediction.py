@@ -18,12 +18,13 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
             continue
         numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in suspect.parameters.items())
         foretell = "foretells" if len(effect.rivals) == 1 else "foretell"
+        same = "it or one of these leads" if effect.rivals else "the same effect leads"
         also = f"; {_among(effect.rivals)} {foretell} nearly as well" if effect.rivals else ""
         sentences.append(
             f"Missing is {plain_name(suspect.effect.name)} ({numbers}), which moves "
             f"{_KINDS[effect.explains]} with the amplitude: the error of its prediction falls from "
             f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion{also}. In {effect.leads} of "
-            f"{effect.resamplings} resamplings of the cycles the same effect leads."
+            f"{effect.resamplings} resamplings of the cycles {same}."
         )
     return " ".join([*sentences, _prediction(found), *_undecided(found)])
 

@@ -34,8 +34,8 @@ class ForetoldErrors(PredictionErrors):
 class ConfirmedEffectDocument(Part):
     """An effect that foretells: the error of what it explains, in % of the motion, without and with it.
 
-    It is better on so many of the `parts` that were left out; `rivals` foretell nearly as well. It leads in `leads` of
-    `resamplings` of the cycles.
+    It is better on so many of the `parts` that were left out; `rivals` foretell nearly as well, or lead where other
+    cycles are drawn. It, or one that foretells nearly as well, leads in `leads` of `resamplings` of the cycles.
     """
 
     name: str
