@@ -12,6 +12,7 @@ from pathlib import Path
 
 SECTIONS = (
     "wire",
+    "firmware",
     "trust",
     "lies",
     "alignment",

@@ -6,6 +6,7 @@ from daq.capture_settings import CaptureSettings
 from daq.errors import SettingsError
 from daq.raw_log import MAX_LOG
 
+BOOT_S = 3.0
 HELLO_FOR_S = 5.0
 ANSWER_S = (0.25, 0.5, 1.0, 2.0)
 END_S = 30.0
@@ -36,7 +37,7 @@ class Budget:
     @property
     def longest_s(self) -> float:
         """The longest time from the opened port to the sealed session, whatever the board does, s."""
-        handshake = HELLO_FOR_S + END_S + sum(ANSWER_S)
+        handshake = BOOT_S + HELLO_FOR_S + END_S + sum(ANSWER_S)
         settings_and_start = 2 * sum(ANSWER_S) + 3.0
         sampling = self.settings.rest_timeout_s + self.settings.trigger_timeout_s
         window = 2 * self.settings.duration_s + 5.0

@@ -216,6 +216,8 @@ class Assembly:
             self.events.append(event)
         if event.kind == EventKind.OVERRUN:
             self._losses.overrun(event.index, event.index + event.count)
+        if event.kind == EventKind.OTHER and event.text:
+            _list(self.notes, f"the board reports: {event.text}")
 
     def _take_data(self, sequence: int, data: Data, time: float) -> tuple[Block | Gap, ...]:
         if self.end is not None and not self.samples and data.first_index + data.n > self.total:

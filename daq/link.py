@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from typing import Self
 
-from daq.budget import ANSWER_S, END_S, HELLO_FOR_S
+from daq.budget import ANSWER_S, BOOT_S, END_S, HELLO_FOR_S
 from daq.decode import Assembly, Block, is_ours
 from daq.errors import (
     BoardRefused,
@@ -20,7 +20,7 @@ from daq.errors import (
 from daq.frame_reader import FrameReader
 from daq.no_answer import no_answer, unanswered
 from daq.plain_text import one_line
-from daq.port import Port
+from daq.port import Port, may_have_reset_the_board
 from daq.raw_log import Kind, RawLog
 from daq.recording import Gap
 from firmware_protocol import (
@@ -127,6 +127,7 @@ class Link:
         VersionRefused for another major version, ProtocolError for a description that makes no sense,
         NoBoard when nothing answers in time.
         """
+        self._let_a_boot_loader_pass()
         until = time.monotonic() + seconds
         while time.monotonic() < until:
             self.send(HelloRequest(), prefix=b"\0")
@@ -137,6 +138,15 @@ class Link:
                 if hello is not None:
                     return self._at_rest(hello)
         raise no_answer(self.port.name, seconds, self.statistics, self.assembly.hello is not None)
+
+    def _let_a_boot_loader_pass(self) -> None:
+        """Say nothing to a board that may be booting until it has sent a frame, for BOOT_S at most.
+
+        The boot loader of an Arduino Mega takes what it hears for a new program, and does not start the one that is
+        there while bytes keep coming.
+        """
+        if may_have_reset_the_board(self.port) and not self.assembly.frames:
+            self.wait(lambda message: True, BOOT_S)
 
     def _understand(self, message: Message | OtherVersion) -> Hello | None:
         """Return HELLO once both it and DESCRIBE are there."""

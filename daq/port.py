@@ -76,6 +76,11 @@ def open_port(name: str, baud: int = BAUD) -> Port:
             time.sleep(0.2)
 
 
+def may_have_reset_the_board(port: Port) -> bool:
+    """Return whether opening the port may have made the board boot."""
+    return isinstance(port, SerialPort) and port.has_modem_lines
+
+
 def _open(name: str, baud: int) -> Any:
     try:
         device = serial.serial_for_url(name, do_not_open=True)
@@ -144,6 +149,16 @@ class SerialPort:
             ) from error
         except GONE as error:
             raise self._gone(error) from error
+
+    @property
+    def has_modem_lines(self) -> bool:
+        """Whether there is a real serial line behind it: opening one resets boards with the Arduino circuit."""
+        if "://" in self.name:
+            return False
+        with contextlib.suppress(*GONE):
+            self._device.dsr  # noqa: B018  a pseudo-terminal has no such line to ask for
+            return True
+        return False
 
     def close(self) -> None:
         """Give the port back; harmless when done twice."""

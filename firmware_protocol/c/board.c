@@ -3,34 +3,37 @@
 
 #include "hardware.h"
 #include "ring.h"
+#include "timing.h"
 
-#define HEARTBEAT_US 500000u /* while idle */
-#define SILENCE_US 250000u   /* while sampling, when no DATA is due */
-#define DATA_US 100000u      /* a sample waits no longer for its frame to fill */
-#define MOST_PER_FRAME ((WIRE_MAX_FRAME - WIRE_MIN_FRAME - 24) / RING_SAMPLE_BYTES)
+#define HEARTBEAT (hardware_clock_hz / 2) /* while idle: half a second */
+#define SILENCE (hardware_clock_hz / 4)   /* while sampling, when no DATA is due */
+#define LATEST_DATA (hardware_clock_hz / 10) /* a sample waits no longer for its frame to fill */
 
 enum state { IDLE, SAMPLING, FINISHING, RESENDING };
 
 static struct ring ring;
+static struct timing timing;
 static struct wire_receiver receiver;
 
 static struct {
     enum state state;
     uint32_t boot_id, sequence;
-    double rate_hz;
+    uint32_t period; /* from sample to sample, in ticks of the clock, as all times here */
     uint16_t samples_per_frame;
 
     /* the capture */
-    uint64_t first_us;       /* when sample 0 was taken */
+    uint64_t first_at;       /* when sample 0 was taken */
     uint32_t next;           /* first sample that was not sent yet */
     uint32_t dropped_before; /* not sent since the last DATA */
     uint64_t dropped_total;  /* since boot */
+    uint32_t unread;         /* samples that the sensors did not give */
     struct wire_end end;
 
     /* answers that wait for their turn */
-    bool say_hello, say_describe, say_clock, say_answer, say_time, say_end, say_event;
+    bool say_hello, say_describe, say_clock, say_answer, say_time, say_end, say_event, say_timing;
     struct wire_message answer; /* ACK or NACK */
     struct wire_event event;
+    char timing_text[TIMING_TEXT];
     uint64_t host_time_us;
     uint32_t resend_next, resend_end;
     bool resend_incomplete;
@@ -38,10 +41,17 @@ static struct {
     /* the frame on its way out */
     uint8_t out[WIRE_MAX_SENT];
     size_t out_length, out_at;
-    uint64_t last_frame_us, last_data_us, last_heartbeat_us;
+    uint64_t last_frame, last_data, last_heartbeat;
 } board;
 
 void board_sample(const int16_t *numbers) { ring_put(&ring, numbers); }
+void board_late(uint16_t ticks) { timing_note(&timing, ticks); }
+
+static uint64_t microseconds(uint64_t ticks) {
+    uint64_t seconds = ticks / hardware_clock_hz;
+    uint32_t rest = (uint32_t)(ticks - seconds * hardware_clock_hz);
+    return seconds * 1000000u + ((uint64_t)rest * 1000000u + hardware_clock_hz / 2) / hardware_clock_hz;
+}
 
 /* ---- Requests ---- */
 
@@ -61,18 +71,25 @@ static void refuse(const struct wire_frame *request, uint8_t code, const char *w
     board.answer.as.nack.text = wire_text_of(why);
 }
 
+/* A sixteenth of a second, so that at high rates the frames' headers do not fill the line. */
+static uint16_t usual_frame(uint32_t period) {
+    uint32_t samples = hardware_clock_hz / 16 / period;
+    if (samples < BOARD_SAMPLES_PER_FRAME) return BOARD_SAMPLES_PER_FRAME;
+    return samples < BOARD_MOST_PER_FRAME ? (uint16_t)samples : BOARD_MOST_PER_FRAME;
+}
+
 static void configure(const struct wire_frame *request) {
     const struct wire_config *asked = &request->message.as.config;
-    double rate = hardware_rate(asked->rate_hz);
+    uint32_t period = hardware_period(asked->rate_hz);
     if (asked->format != WIRE_ANY_FORMAT && asked->format != WIRE_I16) {
         refuse(request, WIRE_UNSUPPORTED, "this board sends i16 only");
-    } else if (!(rate > 0) || rate * BOARD_KEEP_S > BOARD_RING) {
+    } else if (period == 0 || (uint64_t)hardware_clock_hz * BOARD_KEEP_MS > (uint64_t)period * BOARD_RING * 1000u) {
         refuse(request, WIRE_UNSUPPORTED, "the sampling rate is out of this board's range");
-    } else if (asked->samples_per_frame > MOST_PER_FRAME) {
+    } else if (asked->samples_per_frame > BOARD_MOST_PER_FRAME) {
         refuse(request, WIRE_UNSUPPORTED, "so many samples do not fit a frame");
     } else {
-        board.rate_hz = rate;
-        board.samples_per_frame = asked->samples_per_frame ? asked->samples_per_frame : 16;
+        board.period = period;
+        board.samples_per_frame = asked->samples_per_frame ? asked->samples_per_frame : usual_frame(period);
         acknowledge(request);
         board.say_describe = true;
     }
@@ -81,23 +98,27 @@ static void configure(const struct wire_frame *request) {
 static void start(const struct wire_frame *request) {
     uint64_t count = request->message.as.start.count;
     memset(&board.end, 0, sizeof board.end);
-    ring.taken = 0;
-    ring.limit = count == 0 || count > UINT32_MAX ? UINT32_MAX : (uint32_t)count;
-    board.next = 0;
-    board.dropped_before = 0;
-    if (!hardware_start_sampling(board.rate_hz, &board.first_us)) {
+    ring_clear(&ring, count == 0 || count > UINT32_MAX ? UINT32_MAX : (uint32_t)count);
+    timing_clear(&timing);
+    board.next = board.dropped_before = board.unread = 0;
+    if (!hardware_start_sampling(board.period, &board.first_at)) {
         refuse(request, WIRE_SENSOR, "a sensor does not answer");
         return;
     }
-    board.last_data_us = hardware_time_us();
+    board.last_data = hardware_ticks();
     board.state = SAMPLING;
     acknowledge(request);
 }
 
+static void finish(void) {
+    hardware_stop_sampling();
+    board.state = FINISHING;
+    board.say_timing = timing_was_noted(&timing);
+}
+
 static void stop(const struct wire_frame *request) {
     if (board.state == SAMPLING) {
-        hardware_stop_sampling();
-        board.state = FINISHING;
+        finish();
     } else if (board.state == IDLE) {
         board.say_end = true;
     }
@@ -106,9 +127,10 @@ static void stop(const struct wire_frame *request) {
 
 static void resend(const struct wire_frame *request) {
     uint64_t first = request->message.as.resend.first, end = first + request->message.as.resend.count;
-    board.resend_incomplete = end < first || end > ring.taken;
-    board.resend_next = first < ring.taken ? (uint32_t)first : ring.taken;
-    board.resend_end = end >= first && end < ring.taken ? (uint32_t)end : ring.taken;
+    uint32_t taken = ring_taken(&ring);
+    board.resend_incomplete = end < first || end > taken;
+    board.resend_next = first < taken ? (uint32_t)first : taken;
+    board.resend_end = end >= first && end < taken ? (uint32_t)end : taken;
     board.state = RESENDING;
     acknowledge(request); /* sent after the samples */
 }
@@ -142,8 +164,7 @@ static void obey(const struct wire_frame *request) {
 
 static bool owes_an_answer(void) {
     return board.say_hello || board.say_describe || board.say_answer || board.say_time || board.say_end ||
-           board.say_clock ||
-           board.state == RESENDING;
+           board.say_clock || board.state == RESENDING;
 }
 
 static void receive(void) {
@@ -163,7 +184,7 @@ static void receive(void) {
 static void transmit(const struct wire_message *message) {
     board.out_length = wire_encode(board.out, message, board.sequence++, 0);
     board.out_at = 0;
-    board.last_frame_us = hardware_time_us();
+    board.last_frame = hardware_ticks();
 }
 
 static void send_hello(void) {
@@ -186,7 +207,7 @@ static void send_describe(void) {
     int i;
     for (i = 0; i < BOARD_CHANNELS; i++) {
         channels[i] = hardware_channels[i];
-        channels[i].rate_hz = board.rate_hz;
+        channels[i].rate_hz = (wire_real)hardware_clock_hz / (wire_real)board.period;
     }
     m.type = WIRE_DESCRIBE;
     m.as.describe.format = WIRE_I16;
@@ -195,7 +216,7 @@ static void send_describe(void) {
     transmit(&m);
     if (board.out_length == 0) { /* too long for a frame: the station says so, but not why */
         m.type = WIRE_LOG;
-        m.as.log.text = wire_text_of("DESCRIBE does not fit a frame; use fewer channels or shorter texts");
+        m.as.log.text = wire_text_of("DESCRIBE does not fit a frame: shorten its texts");
         transmit(&m);
     }
 }
@@ -204,7 +225,7 @@ static void send_run(const struct ring_run *run, uint32_t dropped_before, const 
     struct wire_message m;
     m.type = WIRE_DATA;
     m.as.data.first_index = run->first;
-    m.as.data.board_time_us = board.first_us + (uint64_t)((double)run->first * 1e6 / board.rate_hz + 0.5);
+    m.as.data.board_time_us = microseconds(board.first_at + (uint64_t)run->first * board.period);
     m.as.data.dropped_before = dropped_before;
     m.as.data.n = run->n;
     m.as.data.channels = BOARD_CHANNELS;
@@ -218,6 +239,7 @@ static void note_loss(const struct ring_run *run) {
     if (lost == 0) return;
     board.dropped_before += lost;
     board.dropped_total += lost;
+    board.unread += run->unread;
     board.end.total_dropped += lost;
     board.say_event = true;
     board.event.kind = run->overrun ? WIRE_OVERRUN : WIRE_SENSOR_FAULT;
@@ -229,11 +251,11 @@ static void note_loss(const struct ring_run *run) {
 
 /* Samples that were never sent, if a frame of them is due. */
 static bool send_new_samples(uint64_t now) {
-    uint8_t bytes[MOST_PER_FRAME * RING_SAMPLE_BYTES];
-    uint32_t waiting = ring.taken - board.next;
+    uint8_t bytes[BOARD_MOST_PER_FRAME * RING_SAMPLE_BYTES];
+    uint32_t waiting = ring_taken(&ring) - board.next;
     struct ring_run run;
     if (waiting == 0) return false;
-    if (board.state == SAMPLING && waiting < board.samples_per_frame && now - board.last_data_us < DATA_US)
+    if (board.state == SAMPLING && waiting < board.samples_per_frame && now - board.last_data < LATEST_DATA)
         return false;
     run = ring_copy(&ring, board.next, board.next + waiting, board.samples_per_frame, bytes);
     note_loss(&run);
@@ -242,12 +264,12 @@ static bool send_new_samples(uint64_t now) {
     board.end.checksum = wire_crc32(board.end.checksum, bytes, (size_t)run.n * RING_SAMPLE_BYTES);
     send_run(&run, board.dropped_before, bytes);
     board.dropped_before = 0;
-    board.last_data_us = now;
+    board.last_data = now;
     return true;
 }
 
 static bool send_samples_again(void) {
-    uint8_t bytes[MOST_PER_FRAME * RING_SAMPLE_BYTES];
+    uint8_t bytes[BOARD_MOST_PER_FRAME * RING_SAMPLE_BYTES];
     struct ring_run run =
         ring_copy(&ring, board.resend_next, board.resend_end, board.samples_per_frame, bytes);
     board.resend_next = run.first + run.n;
@@ -268,6 +290,20 @@ static bool send_samples_again(void) {
     return true;
 }
 
+/* How evenly the capture was sampled: board_late() and the samples that could not be read. */
+static void send_timing(void) {
+    struct wire_message m;
+    m.type = WIRE_EVENT;
+    m.as.event.kind = WIRE_EVENT_OTHER;
+    m.as.event.channel = WIRE_NO_CHANNEL;
+    m.as.event.index = 0;
+    m.as.event.count = board.unread;
+    m.as.event.text.bytes = board.timing_text;
+    m.as.event.text.length =
+        timing_text(board.timing_text, &timing, hardware_clock_hz, board.unread, board.next);
+    transmit(&m);
+}
+
 static void send_end(void) {
     struct wire_message m;
     m.type = WIRE_END;
@@ -277,13 +313,13 @@ static void send_end(void) {
 
 static void send_heartbeat(uint64_t now) {
     struct wire_message m;
-    uint32_t waiting = ring.taken - board.next;
+    uint32_t waiting = ring_taken(&ring) - board.next;
     m.type = WIRE_HEARTBEAT;
-    m.as.heartbeat.uptime_us = now;
+    m.as.heartbeat.uptime_us = microseconds(now);
     m.as.heartbeat.buffer_fill_percent =
         (uint8_t)(waiting < BOARD_RING ? 100u * waiting / BOARD_RING : 100u);
     m.as.heartbeat.dropped_total = board.dropped_total;
-    board.last_heartbeat_us = now;
+    board.last_heartbeat = now;
     transmit(&m);
 }
 
@@ -311,7 +347,7 @@ static void send_next(uint64_t now) {
     } else if (take(&board.say_time)) {
         m.type = WIRE_TIMESYNC;
         m.as.timesync.host_time_us = board.host_time_us;
-        m.as.timesync.board_time_us = now;
+        m.as.timesync.board_time_us = microseconds(now);
         transmit(&m);
     } else if (take(&board.say_end)) {
         send_end();
@@ -320,14 +356,18 @@ static void send_next(uint64_t now) {
         m.as.event = board.event;
         transmit(&m);
     } else if (board.state == IDLE) {
-        if (now - board.last_heartbeat_us >= HEARTBEAT_US) send_heartbeat(now);
+        if (now - board.last_heartbeat >= HEARTBEAT) send_heartbeat(now);
     } else if (send_new_samples(now)) {
         return;
-    } else if (board.state == FINISHING && board.next == ring.taken) {
-        board.end.total_samples = ring.taken;
+    } else if (board.state == FINISHING && board.next == ring_taken(&ring)) {
+        if (take(&board.say_timing)) {
+            send_timing();
+            return;
+        }
+        board.end.total_samples = board.next;
         board.state = IDLE;
         send_end();
-    } else if (now - board.last_frame_us >= SILENCE_US) {
+    } else if (now - board.last_frame >= SILENCE) {
         send_heartbeat(now);
     }
 }
@@ -336,17 +376,14 @@ static void send_next(uint64_t now) {
 
 void board_begin(void) {
     board.boot_id = hardware_boot_id();
-    board.rate_hz = hardware_rate(0);
-    board.samples_per_frame = 16;
+    board.period = hardware_period(0);
+    board.samples_per_frame = usual_frame(board.period);
 }
 
 void board_step(void) {
     receive();
-    if (board.state == SAMPLING && ring.taken >= ring.limit) {
-        hardware_stop_sampling();
-        board.state = FINISHING;
-    }
-    if (board.out_at == board.out_length) send_next(hardware_time_us());
+    if (board.state == SAMPLING && ring_taken(&ring) >= ring.limit) finish();
+    if (board.out_at == board.out_length) send_next(hardware_ticks());
     if (board.out_at < board.out_length)
         board.out_at += hardware_send(board.out + board.out_at, board.out_length - board.out_at);
 }

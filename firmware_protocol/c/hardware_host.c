@@ -33,8 +33,8 @@ static uint32_t fault_first, fault_count;
 
 const char hardware_firmware[] = "example firmware 1.0";
 const char hardware_board[] = "hardware_host";
-const uint32_t hardware_clock_hz = 1000000;
-const double hardware_clock_error_ppm = 50;
+const uint32_t hardware_clock_hz = 16000000;
+const wire_real hardware_clock_error_ppm = 50;
 
 #define TEXT(s) {s, sizeof s - 1}
 const struct wire_channel hardware_channels[BOARD_CHANNELS] = {
@@ -104,20 +104,20 @@ static void take_sample(double t, uint32_t index) {
 }
 
 static bool sampling;
-static double sampling_rate;
-static uint64_t sampling_since_us;
+static uint32_t sampling_period;
+static uint64_t sampling_since;
 static uint32_t ticks;
 
-double hardware_rate(double asked_hz) {
-    if (asked_hz == 0) return 256;
-    return asked_hz >= 5 && asked_hz <= 256 ? asked_hz : 0;
+uint32_t hardware_period(wire_real asked_hz) {
+    if (asked_hz == 0) asked_hz = 256;
+    return asked_hz >= 5 && asked_hz <= 256 ? (uint32_t)(hardware_clock_hz / asked_hz + 0.5) : 0;
 }
 
-bool hardware_start_sampling(double rate_hz, uint64_t *first_us) {
+bool hardware_start_sampling(uint32_t period, uint64_t *first) {
     sampling = true;
-    sampling_rate = rate_hz;
+    sampling_period = period;
     ticks = 0;
-    *first_us = sampling_since_us = hardware_time_us();
+    *first = sampling_since = hardware_ticks();
     return true;
 }
 
@@ -134,7 +134,7 @@ static double seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-uint64_t hardware_time_us(void) { return (uint64_t)((seconds() - began) * speed * 1e6); }
+uint64_t hardware_ticks(void) { return (uint64_t)((seconds() - began) * speed * hardware_clock_hz); }
 
 uint32_t hardware_boot_id(void) {
     struct timespec now;
@@ -160,8 +160,8 @@ void hardware_wait(void) {
     char byte;
     poll(&input, 1, 1);
     if (input.revents && read(STDIN_FILENO, &byte, 1) <= 0) exit(0);
-    while (sampling && hardware_time_us() - sampling_since_us >= ticks / sampling_rate * 1e6) {
-        take_sample(ticks / sampling_rate, ticks);
+    while (sampling && hardware_ticks() - sampling_since >= (uint64_t)ticks * sampling_period) {
+        take_sample((double)ticks * sampling_period / hardware_clock_hz, ticks);
         ticks++;
     }
 }

@@ -7,9 +7,12 @@
 
 #define RING_SAMPLE_BYTES (2 * BOARD_CHANNELS)
 
+typedef char ring_is_a_multiple_of_8[BOARD_RING % 8 == 0 ? 1 : -1];
+
 struct ring {
-    volatile uint32_t taken; /* index after the newest sample; aligned, so read at once on 32-bit machines */
+    volatile uint32_t taken; /* index after the newest sample */
     volatile uint32_t limit; /* take no sample from this index on */
+    volatile uint16_t slot;  /* where the next one goes: taken % BOARD_RING, without a division */
     volatile int16_t numbers[BOARD_RING][BOARD_CHANNELS];
     volatile uint8_t missing[BOARD_RING / 8]; /* one bit: the sensors could not be read */
 };
@@ -22,8 +25,19 @@ struct ring_run {
     uint32_t unread;  /* never came from the sensors */
 };
 
+/* Only while nothing samples. */
+static inline void ring_clear(struct ring *ring, uint32_t limit) {
+    ring->taken = 0;
+    ring->slot = 0;
+    ring->limit = limit;
+}
+
+static inline uint16_t ring_next_slot(uint16_t slot) { return slot + 1u < BOARD_RING ? (uint16_t)(slot + 1u) : 0; }
+
+/* From the interrupt. */
 static inline void ring_put(struct ring *ring, const int16_t *numbers) {
-    uint32_t at = ring->taken, slot = at % BOARD_RING;
+    uint32_t at = ring->taken;
+    uint16_t slot = ring->slot;
     uint8_t bit = (uint8_t)(1u << (slot % 8));
     if (at >= ring->limit) return;
     if (numbers) {
@@ -33,16 +47,27 @@ static inline void ring_put(struct ring *ring, const int16_t *numbers) {
     } else {
         ring->missing[slot / 8] = (uint8_t)(ring->missing[slot / 8] | bit);
     }
+    ring->slot = ring_next_slot(slot);
     ring->taken = at + 1;
 }
 
-static inline bool ring_is_missing(const struct ring *ring, uint32_t index) {
-    uint32_t slot = index % BOARD_RING;
+/* From the main loop. A machine of 8 bits reads 32 bits in four steps, and the interrupt may come in between: it
+ * comes once in two readings at most, so two that agree are right. */
+static inline uint32_t ring_taken(const struct ring *ring) {
+    uint32_t once, twice = ring->taken;
+    do {
+        once = twice;
+        twice = ring->taken;
+    } while (once != twice);
+    return once;
+}
+
+static inline bool ring_is_missing(const struct ring *ring, uint16_t slot) {
     return ring->missing[slot / 8] >> (slot % 8) & 1;
 }
 
 static inline uint32_t ring_oldest(const struct ring *ring) {
-    uint32_t taken = ring->taken;
+    uint32_t taken = ring_taken(ring);
     return taken > BOARD_RING ? taken - BOARD_RING : 0;
 }
 
@@ -52,15 +77,16 @@ static inline struct ring_run ring_copy(const struct ring *ring, uint32_t from, 
     struct ring_run run;
     do {
         uint32_t oldest = ring_oldest(ring), start = from < oldest ? (oldest < end ? oldest : end) : from;
+        uint16_t slot = (uint16_t)(start % BOARD_RING);
         uint8_t *out = bytes;
         int channel;
         run.overrun = start - from;
         run.first = start;
         run.n = 0;
-        while (run.first < end && ring_is_missing(ring, run.first)) run.first++;
+        for (; run.first < end && ring_is_missing(ring, slot); slot = ring_next_slot(slot)) run.first++;
         run.unread = run.first - start;
-        while (run.n < most && run.first + run.n < end && !ring_is_missing(ring, run.first + run.n)) {
-            const volatile int16_t *numbers = ring->numbers[(run.first + run.n) % BOARD_RING];
+        for (; run.n < most && run.first + run.n < end && !ring_is_missing(ring, slot); slot = ring_next_slot(slot)) {
+            const volatile int16_t *numbers = ring->numbers[slot];
             for (channel = 0; channel < BOARD_CHANNELS; channel++) {
                 uint16_t number = (uint16_t)numbers[channel];
                 *out++ = (uint8_t)number;

@@ -1,7 +1,8 @@
 /* The wire between board and station: messages to frames and back. C99, one header, no allocation.
  *
- * Protocol 1.0, described in docs/protocol.md. Compiles as C99 and as C++11. Needs 8-bit bytes and an
- * IEEE 754 `double` of 64 bits (on AVR: -mdouble=64). Does not depend on the byte order of the machine.
+ * Protocol 1.0, described in docs/protocol.md. Compiles as C99 and as C++11. Needs 8-bit bytes and an IEEE 754
+ * `double` of 64 bits, or of 32 as on AVR: then the 64 bits on the wire are made of it, exactly, and rounded to
+ * it. Does not depend on the byte order of the machine.
  *
  *   sending:    uint8_t out[WIRE_MAX_SENT];
  *               size_t n = wire_encode(out, &message, sequence++, 0);      0: does not fit
@@ -20,7 +21,10 @@
 
 #define WIRE_MAJOR 1
 #define WIRE_MINOR 0
-#define WIRE_MAX_FRAME 1024                  /* header, body and checksum, before stuffing */
+/* Header, body and checksum, before stuffing. A board that sends shorter frames may define less. */
+#ifndef WIRE_MAX_FRAME
+#define WIRE_MAX_FRAME 1024
+#endif
 #define WIRE_MAX_STUFFED (WIRE_MAX_FRAME + 5) /* one byte more for each 254 begun */
 #define WIRE_MAX_SENT (WIRE_MAX_STUFFED + 1) /* and the closing zero */
 #define WIRE_MIN_FRAME 12
@@ -30,7 +34,13 @@
 #define WIRE_RECEIVE_MAX WIRE_MAX_STUFFED
 #endif
 
-typedef char wire_needs_a_double_of_64_bits[sizeof(double) == 8 ? 1 : -1];
+/* The floating-point type of the fields written as f64. */
+#ifdef WIRE_REAL
+typedef WIRE_REAL wire_real;
+#else
+typedef double wire_real;
+#endif
+typedef char wire_real_has_32_or_64_bits[sizeof(wire_real) == 8 || sizeof(wire_real) == 4 ? 1 : -1];
 
 enum wire_type {
     WIRE_HELLO_REQUEST = 0x01,
@@ -79,7 +89,8 @@ enum wire_event_kind {
 };
 
 #define WIRE_NO_CHANNEL 255
-#define WIRE_MAX_CHANNELS 16 /* what a DESCRIBE holds when all texts are empty; 12 with 22 bytes of text each */
+/* What a DESCRIBE holds when all texts are empty: 16 in 1024 bytes. With 22 bytes of text each it holds 12. */
+#define WIRE_MAX_CHANNELS ((WIRE_MAX_FRAME - 14) / 62)
 
 /* UTF-8, not closed by a zero. */
 struct wire_text {
@@ -88,14 +99,14 @@ struct wire_text {
 };
 
 struct wire_channel {
-    double scale, offset, rate_hz;  /* value = scale * number + offset */
-    double low, high, resolution;   /* NaN: unknown */
-    double group_delay_s;
+    wire_real scale, offset, rate_hz; /* value = scale * number + offset */
+    wire_real low, high, resolution;  /* NaN: unknown */
+    wire_real group_delay_s;
     struct wire_text name, quantity, unit, sensor;
 };
 
 struct wire_hello_request { uint8_t major, minor; };
-struct wire_config { double rate_hz; uint16_t samples_per_frame; uint8_t format; };
+struct wire_config { wire_real rate_hz; uint16_t samples_per_frame; uint8_t format; };
 struct wire_start { uint64_t count; };
 struct wire_resend { uint64_t first; uint32_t count; };
 struct wire_timesync { uint64_t host_time_us, board_time_us; };
@@ -123,7 +134,7 @@ struct wire_heartbeat { uint64_t uptime_us; uint8_t buffer_fill_percent; uint64_
 struct wire_event { uint8_t kind, channel; uint64_t index; uint32_t count; struct wire_text text; };
 struct wire_end { uint64_t total_samples, total_dropped; uint32_t checksum; };
 struct wire_log { struct wire_text text; };
-struct wire_clock { double error_ppm; };
+struct wire_clock { wire_real error_ppm; };
 
 struct wire_message {
     uint8_t type; /* enum wire_type; STOP has no fields */
@@ -217,15 +228,16 @@ static inline void wire_put(struct wire_io *io, uint8_t byte) {
 static inline uint64_t wire_integer(struct wire_io *io, uint64_t value, int bytes) {
     int i;
     if (io->writing) {
-        for (i = 0; i < bytes; i++) wire_put(io, (uint8_t)(value >> (8 * i)));
-        return value;
+        for (i = 0; i < bytes; i++, value >>= 8) wire_put(io, (uint8_t)value);
+        return 0;
     }
     value = 0;
     if (io->end - io->at < bytes) {
         io->failed = true;
         return 0;
     }
-    for (i = 0; i < bytes; i++) value |= (uint64_t)*io->at++ << (8 * i);
+    io->at += bytes;
+    for (i = 1; i <= bytes; i++) value = value << 8 | io->at[-i];
     return value;
 }
 
@@ -246,11 +258,54 @@ static inline void wire_u64(struct wire_io *io, uint64_t *value) {
     uint64_t v = wire_integer(io, io->writing ? *value : 0, 8);
     if (!io->writing) *value = v;
 }
-static inline void wire_f64(struct wire_io *io, double *value) {
+
+/* IEEE 754: the bits of the 64-bit number equal to a 32-bit one. */
+static inline uint64_t wire_widened(uint32_t bits) {
+    uint64_t sign = (uint64_t)(bits >> 31) << 63, fraction = bits & 0x7FFFFFu;
+    uint16_t exponent = bits >> 23 & 255;
+    if (exponent == 255) return sign | (uint64_t)0x7FF << 52 | fraction << 29; /* infinite, not a number */
+    if (exponent == 0) {
+        if (fraction == 0) return sign;
+        for (exponent = 897; !(fraction & 0x800000u); exponent--) fraction <<= 1; /* subnormal */
+        return sign | (uint64_t)exponent << 52 | (fraction & 0x7FFFFFu) << 29;
+    }
+    return sign | (uint64_t)(exponent + 896u) << 52 | fraction << 29;
+}
+
+/* The bits of the 32-bit number nearest to a 64-bit one, a tie to the even one. */
+static inline uint32_t wire_narrowed(uint64_t bits) {
+    uint32_t sign = (uint32_t)(bits >> 63) << 31, kept;
+    uint64_t fraction = bits & (((uint64_t)1 << 52) - 1), rest, half;
+    int exponent = (int)(bits >> 52 & 0x7FF) - 896, shift = 29;
+    if (exponent == 2047 - 896)
+        return sign | 0x7F800000u | (fraction ? 0x400000u : 0) | (uint32_t)(fraction >> 29);
+    if (exponent >= 255) return sign | 0x7F800000u;
+    if (exponent < -23) return sign;
+    if (exponent <= 0) { /* subnormal */
+        fraction |= (uint64_t)1 << 52;
+        shift += 1 - exponent;
+        exponent = 0;
+    }
+    kept = (uint32_t)(fraction >> shift);
+    rest = fraction & (((uint64_t)1 << shift) - 1);
+    half = (uint64_t)1 << (shift - 1);
+    if (rest > half || (rest == half && (kept & 1))) kept++;
+    return sign | (((uint32_t)exponent << 23) + kept);
+}
+
+static inline void wire_f64(struct wire_io *io, wire_real *value) {
     uint64_t bits = 0;
-    if (io->writing) memcpy(&bits, value, sizeof bits);
+    uint32_t narrow = 0;
+    if (io->writing && sizeof *value == sizeof bits) {
+        memcpy(&bits, value, sizeof *value);
+    } else if (io->writing) {
+        memcpy(&narrow, value, sizeof narrow);
+        bits = wire_widened(narrow);
+    }
     bits = wire_integer(io, bits, 8);
-    if (!io->writing) memcpy(value, &bits, sizeof bits);
+    if (io->writing) return;
+    narrow = wire_narrowed(bits);
+    memcpy(value, sizeof *value == sizeof bits ? (const void *)&bits : (const void *)&narrow, sizeof *value);
 }
 static inline void wire_raw(struct wire_io *io, const uint8_t **bytes, size_t count) {
     size_t i;
@@ -296,7 +351,7 @@ static inline bool wire_next_channel(const struct wire_describe *m, size_t *at, 
     size_t length;
     memset(&io, 0, sizeof io);
     if (m->records_length - *at < 2) return false;
-    length = (size_t)(m->records[*at] | m->records[*at + 1] << 8);
+    length = (size_t)m->records[*at] | (size_t)m->records[*at + 1] << 8;
     *at += 2;
     if (m->records_length - *at < length) return false;
     io.at = m->records + *at;
@@ -331,6 +386,7 @@ static inline void wire_describe_fields(struct wire_io *io, struct wire_describe
 }
 
 static inline void wire_data_fields(struct wire_io *io, struct wire_data *m) {
+    uint32_t count;
     wire_u64(io, &m->first_index);
     wire_u64(io, &m->board_time_us);
     wire_u32(io, &m->dropped_before);
@@ -338,7 +394,9 @@ static inline void wire_data_fields(struct wire_io *io, struct wire_data *m) {
     wire_u8(io, &m->channels);
     wire_u8(io, &m->format);
     io->failed |= wire_format_size(m->format) == 0;
-    wire_raw(io, &m->samples, (size_t)m->n * m->channels * wire_format_size(m->format));
+    count = (uint32_t)m->n * m->channels * (uint32_t)wire_format_size(m->format);
+    if (count > WIRE_MAX_FRAME) io->failed = true;
+    else wire_raw(io, &m->samples, (size_t)count);
 }
 
 static inline void wire_hello_fields(struct wire_io *io, struct wire_hello *m) {

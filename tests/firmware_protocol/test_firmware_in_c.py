@@ -17,6 +17,7 @@ from wire_messages import frame
 
 from firmware_protocol import (
     Ack,
+    Clock,
     Config,
     Data,
     Describe,
@@ -26,6 +27,7 @@ from firmware_protocol import (
     Heartbeat,
     Hello,
     HelloRequest,
+    Log,
     Nack,
     NackCode,
     Resend,
@@ -85,8 +87,10 @@ def host(firmware: Path, options: tuple[str, ...]) -> Iterator[BenchHost]:
 
 def capture(host: BenchHost, count: int) -> End:
     """Let the board take `count` samples and end by itself."""
+    before = len(host.messages(End))
     assert isinstance(host.ask(Start(count)), Ack)
-    return host.next(End, seconds=count / 256 / SPEED + 5)
+    host.read_until(lambda: len(host.messages(End)) > before, seconds=count / 256 / SPEED + 5)
+    return host.messages(End)[-1]
 
 
 def test_it_says_who_it_is_and_what_it_measures(host: BenchHost) -> None:
@@ -98,6 +102,25 @@ def test_it_says_who_it_is_and_what_it_measures(host: BenchHost) -> None:
     assert [channel.unit for channel in describe.channels] == ["m", "m/s^2"]
     assert {channel.rate_hz for channel in describe.channels} == {256.0}
     assert describe.format is SampleFormat.I16
+
+
+def test_it_states_the_error_of_its_clock_behind_each_description(host: BenchHost) -> None:
+    host.hello()
+    assert host.next(Clock) == Clock(50.0)
+    assert isinstance(host.ask(Config(rate_hz=128)), Ack)
+    host.read_until(lambda: len(host.messages(Clock)) == 2)
+    seen = [type(frame.message) for frame in host.frames if isinstance(frame.message, Describe | Clock)]
+    assert seen == [Describe, Clock] * 2
+
+
+def test_a_description_too_long_for_a_frame_is_complained_of(tmp_path: Path) -> None:
+    board = Board(build(tmp_path / "short", SOURCES, [*STRICT, "-DBOARD_FRAME=150"]))
+    host = BenchHost(board.path)
+    host.send_bytes(b"\0" + encode(HelloRequest(), 0))
+    assert "DESCRIBE does not fit a frame" in host.next(Log).text
+    assert host.messages(Describe) == []
+    host.close()
+    board.end()
 
 
 def test_noise_before_the_greeting_does_no_harm(host: BenchHost) -> None:
@@ -347,7 +370,7 @@ def test_the_firmware_compiles_without_a_warning(tmp_path: Path, flags: list[str
 
 
 def test_the_firmware_asks_for_no_memory() -> None:
-    for name in ("wire.h", "board.h", "board.c", "ring.h", "main.c"):
+    for name in ("wire.h", "board.h", "board.c", "ring.h", "timing.h", "sensors.h", "main.c"):
         assert "alloc" not in (C_FOLDER / name).read_text().replace("no allocation", "")
 
 
@@ -376,15 +399,17 @@ def test_a_request_of_another_stream_is_nobodys(host: BenchHost) -> None:
     assert host.messages(Ack) == []
 
 
-def test_more_channels_than_a_description_carries_do_not_compile(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("channels", "frame"), [(16, 1024), (3, 240)])
+def test_more_channels_than_a_description_carries_do_not_compile(
+    tmp_path: Path, channels: int, frame: int
+) -> None:
     source = tmp_path / "many.c"
-    text = (C_FOLDER / "board.h").read_text().replace("BOARD_CHANNELS 2", "BOARD_CHANNELS 17")
-    (tmp_path / "board.h").write_text(text)
     source.write_text('#include "board.h"\nint main(void) { return 0; }\n')
-    done = subprocess.run(
-        [compiler(), "-fsyntax-only", f"-I{tmp_path}", f"-I{C_FOLDER}", str(source)],
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert "do not fit the frame of DESCRIBE" in done.stderr
+
+    def said(count: int) -> str:
+        sizes = (f"-DBOARD_CHANNELS={count}", f"-DBOARD_FRAME={frame}")
+        command = [compiler(), "-fsyntax-only", *sizes, f"-I{C_FOLDER}", str(source)]
+        return subprocess.run(command, capture_output=True, text=True, timeout=60).stderr
+
+    assert said(channels) == ""
+    assert "do not fit the frame of DESCRIBE" in said(channels + 1)
