@@ -6,8 +6,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from station.results.ladder import KeptLadder
 from station.workbench import view_models
 from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
+
+MOST_UNDONE = 50
 
 
 @dataclass(frozen=True)
@@ -25,7 +28,9 @@ class SessionState:
     def __init__(self, folder: Path, workers: WorkerPool) -> None:
         self.folder = folder
         self.view: view_models.View | None = None
-        self.force_maps: dict[str, view_models.ForceMap] = {}
+        self.frames: dict[str, view_models.Frame] = {}
+        self.suspect_frames: dict[str, str] = {}
+        self.earlier: list[KeptLadder] = []
         self.problem = ""
         self.notice = ""
         self.progress = ""
@@ -75,12 +80,7 @@ class SessionState:
             found = await self._workers.do(
                 job, str(self.folder), task, self.folder, *arguments, progress=self._on_progress
             )
-            if isinstance(found, tuple):
-                self.view, self.force_maps = found
-            else:
-                if self.view is not None and found.diagnosis != self.view.diagnosis:
-                    self.force_maps = {}  # a command has diagnosed since
-                self.view = found
+            self._take(task, found)
         except Cancelled:
             self.notice = f"{title}: cancelled; nothing was changed"
         except Failed as failure:
@@ -91,15 +91,42 @@ class SessionState:
         finally:
             self.running, self._job = None, None
             self.version += 1
-        if self.view is not None and self.view.diagnosis is not None and not self.force_maps:
-            await self._find_force_maps()
+        await self._complete_frames()
 
-    async def _find_force_maps(self) -> None:
+    def _take(self, task: str, found: view_models.View) -> None:
+        """Take what a task returned; what the ladder was before is remembered, so that it can be undone."""
+        before, self.view = self.view, found
+        self.notice = found.note
+        if before is not None and before.ladder != found.ladder:
+            self.earlier = (
+                self.earlier[:-1] if task == "restore" else [*self.earlier, before.ladder][-MOST_UNDONE:]
+            )
+        if before is not None and found.diagnosis != before.diagnosis:
+            self.suspect_frames = {}  # this diagnosis, or one by a command, has other suspects
+        wanted = {*found.rung_frames, *self.suspect_frames.values()}
+        self.frames = {name: frame for name, frame in self.frames.items() if name in wanted} | found.frames
+
+    async def _complete_frames(self) -> None:
+        """Let the frames be drawn that are not at hand: of other rungs, and of the suspects."""
+        view = self.view
+        if view is None:
+            return
+        suspects = view.diagnosis is not None and bool(view.diagnosis.suspects) and not self.suspect_frames
+        if not suspects and all(name in self.frames for name in view.rung_frames):
+            return
         try:
-            self.force_maps = await self._workers.do(Job(), str(self.folder), "force_maps", self.folder)
+            frames, named = await self._workers.do(Job(), str(self.folder), "frames", self.folder)
         except (Cancelled, Failed):
             return
+        if view is not self.view:  # another task has answered meanwhile, and asks for its own
+            return
+        self.frames, self.suspect_frames = self.frames | frames, named
         self.version += 1
+
+    def undo(self) -> None:
+        """Go back to the ladder before the last change."""
+        if self.earlier:
+            self.start("Undoing", "restore", self.earlier[-1])
 
     def _on_progress(self, text: str) -> None:
         self.progress = text

@@ -13,7 +13,6 @@ from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.refining import Refinement, add, go_to, open_refinement, remove
 from station.operations.session_set import SessionSet
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
-from station.results.diagnosis_fits import fits_of, refitted
 from station.results.ladder import LADDER, MODEL, KeptLadder, read_ladder, write_ladder
 from station.settings import Settings
 from station.story.pipeline import Progress
@@ -21,7 +20,9 @@ from station.story.preparation import options_for
 from station.workbench import view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
 from station.workbench.decay_curves import curves_of
-from station.workbench.force_map import MOST, force_maps_of
+from station.workbench.frame_store import FrameStore, of_ladder, of_suspects
+from station.workbench.frames import frame_id
+from station.workbench.pruning import drop_needless
 from station.workbench.session_thumbnails import thumbnail_of
 from station.workbench.warm_up import warm_up
 
@@ -34,6 +35,7 @@ class _Opened:
 
     stamp: tuple[int, ...]
     refinement: Refinement
+    store: FrameStore
 
 
 _opened: dict[Path, _Opened] = {}
@@ -46,7 +48,8 @@ def _open(settings: Settings, folder: Path) -> _Opened:
     stamp = (raw.st_mtime_ns, raw.st_size, hash(ladder.gain_percent if ladder else None))
     known = _opened.get(folder)
     if known is None or known.stamp != stamp:
-        known = _Opened(stamp, open_refinement(session, settings))
+        refinement = open_refinement(session, settings)
+        known = _Opened(stamp, refinement, FrameStore(options_for(session, settings).mass))
         while len(_opened) >= MOST_OPEN:
             _opened.pop(next(iter(_opened)))
         _opened[folder] = known
@@ -63,10 +66,13 @@ def look(settings: Settings, progress: Progress, folder: Path) -> view_models.Vi
 
 
 def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> view_models.View:
-    session = opened.refinement.session
+    """Return what the page shows; the frame of the present rung comes with it, the others when `frames` is asked."""
+    session, store = opened.refinement.session, opened.store
     model = _present_model(session)
     compared, _ = compare_session(session, settings, model, prepared=opened.refinement.prepared)
     diagnosis = _diagnosis(session)
+    names = tuple(frame_id(rung.model) for rung in ladder.rungs)
+    store.put(names[ladder.present], opened.refinement.prepared, compared.baseline.fit)
     return view_models.View(
         ladder,
         picture_of(compared),
@@ -74,6 +80,9 @@ def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> view_model
         equations_of(ladder),
         results_stamp(session.folder),
         curves_of(settings, opened.refinement, diagnosis),
+        None if store.ground is None else store.ground.stage,
+        {name: store.frames[name] for name in names if name in store.frames},
+        names,
     )
 
 
@@ -127,31 +136,43 @@ def begin_again(settings: Settings, progress: Progress, folder: Path) -> view_mo
     return _view(settings, opened, refinement.ladder)
 
 
-def diagnose(
-    settings: Settings, progress: Progress, folder: Path
-) -> tuple[view_models.View, dict[str, view_models.ForceMap]]:
-    """Ask what the present model lacks, keep the answer, and return it with its maps of force."""
+def prune(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
+    """Take out the effects without which the misfit hardly rises."""
+    progress("trying to do without each effect")
+    opened = _open(settings, folder)
+    ladder, words = drop_needless(opened.refinement)
+    return replace(_view(settings, opened, ladder), note=words)
+
+
+def restore(settings: Settings, progress: Progress, folder: Path, ladder: KeptLadder) -> view_models.View:
+    """Keep a ladder as it was before a change."""
+    progress("undoing the last change")
+    opened = _open(settings, folder)
+    write_ladder(opened.refinement.session, ladder)
+    return _view(settings, opened, ladder)
+
+
+def diagnose(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
+    """Ask what the present model lacks, keep the answer, and return it."""
     opened = _open(settings, folder)
     refinement = opened.refinement
     session = refinement.session
     sessions = SessionSet((session,), (refinement.prepared,))
-    found, document = diagnose_sessions(sessions, _present_model(session), None, progress)
+    _, document = diagnose_sessions(sessions, _present_model(session), None, progress)
     keep(sessions, document)
-    return _view(settings, opened, refinement.ladder), force_maps_of(fits_of(found, document, MOST))
+    return _view(settings, opened, refinement.ladder)
 
 
-def force_maps(settings: Settings, progress: Progress, folder: Path) -> dict[str, view_models.ForceMap]:
-    """Return the maps of force of the diagnosis that a session keeps; none where it cannot be read."""
+def frames(
+    settings: Settings, progress: Progress, folder: Path
+) -> tuple[dict[str, view_models.Frame], dict[str, str]]:
+    """Return the frames of all rungs and of the kept diagnosis' suspects, and the names of the latter by effect."""
     opened = _open(settings, folder)
-    refinement = opened.refinement
+    refinement, store = opened.refinement, opened.store
+    of_ladder(store, refinement, refinement.ladder, progress)
     document = _diagnosis(refinement.session)
-    if document is None:
-        return {}
-    try:
-        fits = refitted(document, refinement.prepared, refinement.library, MOST)
-    except UsageProblem:  # an effect of a file that is not at hand
-        return {}
-    return {} if fits is None else force_maps_of(fits)
+    suspects = {} if document is None else of_suspects(store, refinement, document, progress)
+    return dict(store.frames), suspects
 
 
 def thumbnail(settings: Settings, progress: Progress, folder: Path) -> view_models.Thumbnail:
@@ -225,7 +246,9 @@ TASKS: dict[str, Callable[..., Any]] = {
     "refine": refine_to_floor,
     "again": begin_again,
     "diagnose": diagnose,
-    "force_maps": force_maps,
+    "frames": frames,
+    "restore": restore,
+    "prune": prune,
     "thumbnail": thumbnail,
     "import": import_file,
     "example": open_example,

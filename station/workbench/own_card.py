@@ -1,4 +1,4 @@
-"""An effect of one's own, typed as an expression and checked as it is typed; parsed, never evaluated."""
+"""A card for an effect of one's own: typed as an expression, checked and previewed as it is typed; parsed, never run."""
 
 import asyncio
 
@@ -10,10 +10,11 @@ from station.workbench import widgets
 from station.workbench.session_state import SessionState
 
 EXAMPLE = "magnet = a*u/(1 + (u/b)**2)"
-PAUSE_S = 0.25
+PAUSE_S = 0.3
+HELP = "A force per unit mass from displacement u, velocity v, time t and parameters of your own."
 
 
-class OwnPanel:
+class OwnCard:
     """A line to type in, what is wrong with it beneath, and Add."""
 
     def __init__(self, session: SessionState) -> None:
@@ -21,32 +22,34 @@ class OwnPanel:
         self._typed = ""
 
     def build(self) -> None:
-        """Make the panel."""
-        widgets.head("An effect of your own")
-        self._field = ui.input(placeholder=EXAMPLE, on_change=lambda e: self._changed(e.value or ""))
-        self._field.props(
-            'dense outlined clearable spellcheck=false autocomplete=off aria-label="Effect of your own"'
-        )
-        self._field.classes("mono").style("width:100%").on("keydown.enter", self._add)
-        with widgets.line("top"):
-            self._message = widgets.label("", "small grow wrap").props("aria-live=polite")
-            self._button = widgets.button("Add", self._add, "Add the effect of your own")
-            self._button.disable()
-        self._show_verdict("", _HELP)
+        """Make the card."""
+        with ui.element("div").classes("card-suspect own") as self._card:
+            with widgets.line():
+                widgets.label("One of your own", "name grow")
+                self._button = widgets.button("Add", self._add, "Add the effect of your own")
+            self._field = ui.input(placeholder=EXAMPLE, on_change=lambda e: self._changed(e.value or ""))
+            self._field.props(
+                'dense outlined clearable spellcheck=false autocomplete=off aria-label="Effect of your own"'
+            )
+            self._field.classes("mono").style("width:100%").on("keydown.enter", self._add)
+            self._message = widgets.label("", "small wrap").props("aria-live=polite")
+        self._button.disable()
+        self._show_verdict("", HELP)
 
     async def _changed(self, text: str) -> None:
         self._typed = text
         self._button.disable()
         if not text.strip():
-            self._show_verdict("", _HELP)
+            self._show_verdict("", HELP)
             return
         await asyncio.sleep(PAUSE_S)
         if text != self._typed:
             return
         fault, verdict = await asyncio.to_thread(check, text)
-        if text == self._typed:
-            self._show_verdict("bad" if fault else "good", verdict)
-            self._button.set_enabled(not fault)
+        if text != self._typed:
+            return
+        self._show_verdict("bad" if fault else "good", verdict)
+        self._button.set_enabled(not fault)
 
     def _show_verdict(self, kind: str, text: str) -> None:
         self._message.classes(remove="bad good faint", add=kind or "faint")
@@ -55,9 +58,6 @@ class OwnPanel:
     def _add(self) -> None:
         if self._button.enabled:
             self._session.start(f"Adding {name_of(self._typed)}", "add", self._typed)
-
-
-_HELP = "The force per unit mass on the left of u'' + ... = 0, from u, v, t and parameters of your own."
 
 
 def check(text: str) -> tuple[bool, str]:
