@@ -32,6 +32,7 @@ class CardsPanel:
                 self._head = widgets.label("", "strong wrap grow verdict").props("aria-live=polite")
                 self._more = ui.element("div")
                 self._ask = widgets.button("Diagnose", self._diagnose, strong=True)
+                self._again = widgets.button("Diagnose again", self._diagnose)
                 self._all = widgets.button(
                     "Add all that is missing", lambda: self._session.start("Refining", "refine", long=True)
                 )
@@ -52,8 +53,8 @@ class CardsPanel:
         self._shown = now
         self._head.text = _headline(document, view.ladder, floor)
         self._head.classes(remove="good bad", add="good" if floor else "")
-        self._ask.text = "Diagnose again" if document is not None else "Diagnose"
-        self._ask.set_visibility(not floor)
+        self._ask.set_visibility(not floor and document is None)
+        self._again.set_visibility(not floor and document is not None)
         self._all.set_visibility(document is not None and not floor and bool(document.suspects))
         self._details(document)
         self._row.clear()

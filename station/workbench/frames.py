@@ -66,9 +66,9 @@ def ground_of(prepared: PreparedDecay, fit: Fit, mass: float | None) -> Ground:
     size, angle = np.hypot(u, w), np.mod(np.arctan2(-w, u), 2.0 * np.pi)
     coarse = min(1.0, math.sqrt(len(u) / (FEWEST * RINGS * SECTORS)))
     rings, sectors = max(4, round(RINGS * coarse)), max(12, round(SECTORS * coarse))
-    slots, quarters = max(5, round(SLOTS * coarse)), max(8, round(QUARTERS * coarse))
+    quarters = max(8, round(QUARTERS * coarse))
     amplitude = np.linspace(0.0, float(np.nanmax(size)) * (1.0 + 1e-9), rings + 1)
-    moments = np.linspace(window.clock[0], window.clock[-1], slots + 1)
+    moments = _whole_cycles(window.clock, frequency, max(5, round(SLOTS * coarse)))
     phase = np.linspace(0.0, 2.0 * np.pi, sectors + 1)
     quarter = np.linspace(0.0, 2.0 * np.pi, quarters + 1)
     cycle = _cells(size, amplitude, angle, phase)
@@ -89,6 +89,15 @@ def ground_of(prepared: PreparedDecay, fit: Fit, mass: float | None) -> Ground:
         over_time=_map(moments, quarter, time),
     )
     return Ground(prepared, stage, cycle, time, units.force_scale)
+
+
+def _whole_cycles(clock: NDArray[np.float64], frequency: float, most: int) -> NDArray[np.float64]:
+    """Return at most about so many edges that are whole cycles apart; what is over at the end goes to the last."""
+    cycle = 2.0 * math.pi / frequency
+    step = cycle * max(1, math.ceil((clock[-1] - clock[0]) / cycle / most))
+    edges = clock[0] + step * np.arange(max(1, int((clock[-1] - clock[0]) / step)) + 1)
+    edges[-1] = max(edges[-1], clock[-1])
+    return np.asarray(edges)
 
 
 def _cells(

@@ -7,17 +7,20 @@ from nicegui import ui
 from station.workbench import widgets
 from station.workbench.app_state import AppState
 from station.workbench.capture_panel import CapturePanel
+from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
 from station.workbench.details_panel import DetailsPanel
 from station.workbench.floor_card import FloorCard
 from station.workbench.ladder_panel import LadderPanel
 from station.workbench.report_button import ReportButton
 from station.workbench.rerun_tab import RerunTab
+from station.workbench.scope_panel import ScopePanel
 from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import SessionsPanel
-from station.workbench.stage_feed import StageFeed, run
+from station.workbench.stage_feed import StageFeed
 from station.workbench.story_panel import StoryPanel
 from station.workbench.theme import theme
+from station.workbench.widgets import run
 
 TICK_S = 0.05
 SLOW_S = 0.4
@@ -42,8 +45,9 @@ class Page:
         self._header()
         with ui.element("div").classes("bench-columns").props("id=columns"):
             with ui.element("aside").classes("bench-column rail").props('id=rail aria-label="The bench"'):
-                CapturePanel(self._state).build()
-                SessionsPanel(self._state.session_list, self._state.workers, self._key).build()
+                self._capture = CapturePanel(self._state, self._record, self._key)
+                self._capture.build()
+                SessionsPanel(self._state, self._key).build()
             with ui.element("main").classes("bench-column story"):
                 self._build_middle()
             with (
@@ -88,6 +92,8 @@ class Page:
             self._notice_label = widgets.label("", "grow wrap")
             widgets.button("Close", self._close_notice, "Close the message")
         self._notice.set_visibility(False)
+        self._scope = ScopePanel()
+        self._scope.build()
         self._empty = ui.element("div").classes("empty grow")
         self._tabs = ui.element("div").classes("story-tabs")
         if self._session is not None:
@@ -135,15 +141,27 @@ class Page:
                 widgets.label(f"There is no session called {self._key}", "strong wrap")
                 widgets.label("Choose one on the left.")
             else:
-                widgets.label("Choose a session on the left,", "strong")
-                widgets.label("drop a file there, or capture a release from a board.")
+                widgets.label(
+                    "Where does the usual model of a vibration fail, and what is missing in it?", "welcome"
+                )
+                widgets.label(
+                    "Record a release from a board, drop a file, or choose a session on the left. Then: see where the "
+                    "model fails, point at what it may lack, add it, and watch the error fall to the noise.",
+                    "wrap",
+                ).style("max-width:560px")
+                with widgets.line():
+                    widgets.button("No board? Solve a mystery", self._capture.solve_mystery, strong=True)
+                    widgets.button("Open an example", lambda: run("bench.toExamples()"))
 
     async def _begin(self) -> None:
-        self._dark = bool(await ui.run_javascript("bench.dark()", timeout=5.0))
+        try:
+            self._dark = bool(await ui.run_javascript("bench.dark()", timeout=20.0))
+        except TimeoutError:  # the tab was closed before it had read the page
+            return
         self._set_theme()
         if self._session is not None:
             self._session.open()
-            ui.timer(TICK_S, self._tick)
+        ui.timer(TICK_S, self._tick)
 
     def _turn_theme(self) -> None:
         self._dark = not self._dark
@@ -156,6 +174,14 @@ class Page:
     def _set_theme(self) -> None:
         self._mode.value = self._dark
         self._theme_button.text = "Light" if self._dark else "Dark"
+
+    def _record(self, capture: CaptureRun) -> None:
+        """Give the middle to the scope; the session of the recording is opened when it is sealed."""
+        self._empty.set_visibility(False)
+        self._tabs.set_visibility(False)
+        self._right.set_visibility(False)
+        self._scope.follow(capture)
+        self._seen = -1
 
     def _write_report(self) -> object:
         return self._report.write() if self._report is not None else None
@@ -181,6 +207,9 @@ class Page:
     def _tick(self) -> None:
         session = self._session
         if session is None:
+            if self._seen == -1 and not self._scope.visible:
+                self._seen = 0
+                self._empty.set_visibility(True)
             return
         running = session.running
         if running is not None:
@@ -194,7 +223,7 @@ class Page:
         else:
             self._busy.set_visibility(False)
             self._hold_still(False)
-        if session.version == self._seen:
+        if session.version == self._seen or self._scope.visible:
             return
         self._seen = session.version
         self._show(session)
@@ -203,6 +232,7 @@ class Page:
         self._notice_label.text = session.notice
         self._notice.set_visibility(bool(session.notice))
         if session.view is None:
+            self._empty.set_visibility(True)
             self._say_empty()
             return
         self._empty.set_visibility(False)

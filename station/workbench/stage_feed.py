@@ -4,12 +4,11 @@ import json
 from dataclasses import asdict
 from typing import Any
 
-from nicegui import ui
-
 from station.workbench import view_models
 from station.workbench.names import plain
 from station.workbench.session_state import SessionState
 from station.workbench.statements import says_of
+from station.workbench.widgets import run
 
 
 class StageFeed:
@@ -45,8 +44,3 @@ class StageFeed:
     def _offered(self, view: view_models.View) -> dict[str, str]:
         present = view.ladder.top.effects
         return {e: name for e, name in self._session.suspect_frames.items() if e not in present}
-
-
-def run(script: str) -> None:
-    """Run a script in the tab once its own scripts are there."""
-    ui.run_javascript(script)

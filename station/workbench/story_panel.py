@@ -5,7 +5,7 @@ import json
 from nicegui import ui
 
 from station.workbench import view_models, widgets
-from station.workbench.stage_feed import run
+from station.workbench.widgets import run
 
 MAPS = {
     "plane": "displacement, velocity",

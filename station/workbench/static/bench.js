@@ -26,6 +26,16 @@
     if (open) document.querySelector("#rail a, #rail button, #rail input")?.focus();
   };
 
+  bench.toExamples = () => {
+    const open = document.querySelector("#examples .q-item");
+    if (!document.getElementById("columns").classList.contains("rail-open") && !document.getElementById("rail").offsetParent) bench.turnRail();
+    if (open && open.getAttribute("aria-expanded") !== "true") open.click();
+    setTimeout(() => { const first = document.querySelector("#examples .q-btn"); if (first) { first.scrollIntoView({ block: "nearest" }); first.focus(); } }, 350);
+  };
+  const closeRail = () => document.querySelector(".rail-open") && bench.turnRail();
+  document.addEventListener("mousedown", (event) => { if (!event.target.closest("#rail, .rail-button, .q-menu")) closeRail(); });
+  document.addEventListener("keydown", (event) => { if (event.key === "Escape") closeRail(); });
+
   bench.copy = async (text) => {
     try { await navigator.clipboard.writeText(text); return true; } catch { return false; }
   };

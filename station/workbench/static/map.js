@@ -4,8 +4,8 @@
   const SURE = [1.6, 2.6], TURN = 2 * Math.PI;
   const QUARTERS = [[0, "0"], [TURN / 4, "¼"], [TURN / 2, "½"], [(3 * TURN) / 4, "¾"], [TURN, "1"]];
 
-  function mixer() {
-    const low = bench.rgb("map-low"), middle = bench.rgb("map-middle"), high = bench.rgb("map-high");
+  function mixer(neutral = "map-middle") {
+    const low = bench.rgb("map-low"), middle = bench.rgb(neutral), high = bench.rgb("map-high");
     return (force, std) => {
       const sure = Math.min(1, Math.max(0, (Math.abs(force) / std - SURE[0]) / (SURE[1] - SURE[0])));
       const share = sure * Math.min(1, Math.abs(force) / S.reach), end = force > 0 ? high : low;
@@ -38,8 +38,8 @@
       p.axes({ xTicks: QUARTERS });
     } else {
       const rows = (S.map === "time" ? stage.over_time : stage.cycle).rows;
-      p.begin([rows[0], rows[rows.length - 1]], [0, TURN], [S.map === "time" ? "time since the release [s]" : `amplitude [${u.u}]`, "phase [rad]; 0 at the largest displacement"]);
-      p.axes();
+      p.begin([rows[0], rows[rows.length - 1]], [0, TURN], [S.map === "time" ? "time since the release [s]" : `amplitude [${u.u}]`, "phase [cycles]; 0 at the largest displacement"]);
+      p.axes({ yTicks: QUARTERS });
     }
   }
 
@@ -50,7 +50,7 @@
     const time = S.map === "time", axes = time ? stage.over_time : stage.cycle;
     const force = time ? frame.time : bench.faded ? bench.faded.cycle : frame.cycle;
     const std = time ? frame.time_std : bench.faded ? bench.faded.cycle_std : frame.cycle_std, colour = mixer();
-    if (S.map === "phase") return phasePoints(p, axes, force, std, colour, stage);
+    if (S.map === "phase") return phasePoints(p, axes, force, std, mixer("ghost"), stage);
     p.clip((c) => {
       axes.cells.forEach((code, i) => {
         if (force[i] === null) return;

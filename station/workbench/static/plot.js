@@ -53,17 +53,17 @@
       if (!b || px < b.x - 1 || px > b.x + b.w + 1 || py < b.y - 1 || py > b.y + b.h + 1) return null;
       return [this.x[0] + ((px - b.x) / b.w) * (this.x[1] - this.x[0]), this.y[1] - ((py - b.y) / b.h) * (this.y[1] - this.y[0])];
     }
-    axes({ xTicks = null, hideX = false } = {}) {
+    axes({ xTicks = null, yTicks = null, hideX = false } = {}) {
       const { c, box: b } = this;
       c.font = "11px " + getComputedStyle(document.body).fontFamily;
       c.lineWidth = 1;
-      const [ys, yp] = ticks(this.y[0], this.y[1], Math.max(3, b.h / 30));
+      const [ys, yp] = yTicks ? [yTicks.map((t) => t[0]), 0] : ticks(this.y[0], this.y[1], Math.max(3, b.h / 30));
       c.textBaseline = "middle"; c.textAlign = "right";
-      for (const y of ys) {
+      ys.forEach((y, i) => {
         const at = Math.round(this.py(y)) + 0.5;
         c.strokeStyle = bench.colour("grid"); c.beginPath(); c.moveTo(b.x, at); c.lineTo(b.x + b.w, at); c.stroke();
-        c.fillStyle = bench.colour("faint"); c.fillText(written(y, yp), b.x - 5, at);
-      }
+        c.fillStyle = bench.colour("faint"); c.fillText(yTicks ? yTicks[i][1] : written(y, yp), b.x - 5, at);
+      });
       const [xs, xp] = xTicks ? [xTicks.map((t) => t[0]), 0] : ticks(this.x[0], this.x[1], Math.max(2, b.w / 70));
       c.textAlign = "center"; c.textBaseline = "top";
       xs.forEach((x, i) => {
