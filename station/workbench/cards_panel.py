@@ -12,7 +12,9 @@ from station.text.numbers import typeset
 from station.workbench import view_models, widgets
 from station.workbench.explained import explained_words
 from station.workbench.names import plain, title
+from station.workbench.others_menu import OthersMenu
 from station.workbench.own_card import OwnCard
+from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
 from station.workbench.statements import at_floor
 
@@ -20,8 +22,9 @@ from station.workbench.statements import at_floor
 class CardsPanel:
     """What the present model may lack."""
 
-    def __init__(self, session: SessionState) -> None:
+    def __init__(self, session: SessionState, session_list: SessionList) -> None:
         self._session = session
+        self._others = OthersMenu(session, session_list)
         self._shown: object = None
         self._own = OwnCard(session)
 
@@ -31,6 +34,7 @@ class CardsPanel:
             with widgets.line("suspects-head"):
                 self._head = widgets.label("", "strong wrap grow verdict").props("aria-live=polite")
                 self._more = ui.element("div")
+                self._others.build()
                 self._ask = widgets.button("Diagnose", self._diagnose, strong=True)
                 self._again = widgets.button("Diagnose again", self._diagnose)
                 self._all = widgets.button(
@@ -41,7 +45,7 @@ class CardsPanel:
                 self._own.build()
 
     def _diagnose(self) -> None:
-        self._session.start("Trying every effect", "diagnose", long=True)
+        self._session.start("Trying every effect", "diagnose", self._session.others, long=True)
 
     def show(self, view: view_models.View) -> None:
         """Show the suspects of the present model, or that nobody has asked about it yet."""

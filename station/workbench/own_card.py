@@ -1,16 +1,24 @@
 """A card for an effect of one's own: typed as an expression, checked and previewed as it is typed; parsed, never run."""
 
 import asyncio
+import json
+from dataclasses import asdict
 
 from nicegui import ui
 
 from identify.effects.library import LIBRARY
 from station.results.models import name_of, parsed_effect
 from station.workbench import widgets
+from station.workbench.ladder_bars import share
 from station.workbench.session_state import SessionState
+from station.workbench.widgets import run
+from station.workbench.worker import Cancelled, Failed, Job
 
 EXAMPLE = "magnet = a*u/(1 + (u/b)**2)"
 PAUSE_S = 0.3
+OWN = "(own)"
+"""The name under which the expression in the line is previewed; no effect can have it."""
+
 HELP = "A force per unit mass from displacement u, velocity v, time t and parameters of your own."
 
 
@@ -39,6 +47,7 @@ class OwnCard:
     async def _changed(self, text: str) -> None:
         self._typed = text
         self._button.disable()
+        run("bench.own(null)")
         if not text.strip():
             self._show_verdict("", HELP)
             return
@@ -50,6 +59,29 @@ class OwnCard:
             return
         self._show_verdict("bad" if fault else "good", verdict)
         self._button.set_enabled(not fault)
+        if not fault:
+            await self._preview(text)
+
+    async def _preview(self, text: str) -> None:
+        """Show the model with the expression, fitted, as long as it stands in the line."""
+        view = self._session.view
+        if view is None or self._session.busy or name_of(text) in view.ladder.top.effects:
+            return
+        try:
+            frame = await self._session.ask(Job(), "preview", text)
+        except (Failed, Cancelled) as failure:
+            if text == self._typed:
+                self._show_verdict("bad", str(failure))
+            return
+        if text != self._typed or self._session.view is not view:
+            return
+        says = dict(frame.says)
+        filled, _ = share(float(says["chi2"]), view.ladder)
+        says["share"] = f"{filled:.1f}"
+        self._card.props["data-preview"] = OWN
+        self._card.update()
+        self._show_verdict("good", f"{says['what']}. Point here to see it again.")
+        run(f"bench.own({json.dumps({'frame': asdict(frame), 'says': says, 'name': name_of(text)})})")
 
     def _show_verdict(self, kind: str, text: str) -> None:
         self._message.classes(remove="bad good faint", add=kind or "faint")

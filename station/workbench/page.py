@@ -11,27 +11,30 @@ from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
 from station.workbench.details_panel import DetailsPanel
 from station.workbench.floor_card import FloorCard
+from station.workbench.identification_panel import IdentificationPanel
 from station.workbench.ladder_panel import LadderPanel
 from station.workbench.report_button import ReportButton
 from station.workbench.rerun_tab import RerunTab
 from station.workbench.scope_panel import ScopePanel
+from station.workbench.session_menu import SessionMenu
 from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.stage_feed import StageFeed
 from station.workbench.story_panel import StoryPanel
 from station.workbench.theme import theme
+from station.workbench.validate_dialog import ValidateDialog
 from station.workbench.widgets import run
 
 TICK_S = 0.05
 SLOW_S = 0.4
-STORY, DETAILS, RERUN = "Story", "Curves and cycles", "3-D / Rerun"
+STORY, DETAILS, NUMBERS, RERUN = "Story", "Curves", "Identification", "3-D / Rerun"
 
 
 class Page:
     """One browser tab."""
 
-    def __init__(self, state: AppState, key: str | None, host: str) -> None:
-        self._state, self._key, self._host = state, key, host
+    def __init__(self, state: AppState, key: str | None, host: str, rung: int | None = None) -> None:
+        self._state, self._key, self._host, self._rung = state, key, host, rung
         folder = state.session_list.folder_of(key) if key else None
         self._session: SessionState | None = state.sessions.at(folder) if folder else None
         self._seen = -1
@@ -56,6 +59,8 @@ class Page:
                 .props('aria-label="The ladder"') as self._right
             ):
                 if self._session is not None:
+                    self._validation = ValidateDialog(self._session, self._state.session_list)
+                    self._validation.build()
                     self._ladder = LadderPanel(
                         self._session, FloorCard(self._write_report, self._validate, self._prune)
                     )
@@ -76,6 +81,7 @@ class Page:
             self._build_tabs()
             self._report: ReportButton | None = None
             if self._session is not None and self._key is not None:
+                SessionMenu(self._state, self._session, self._key).build()
                 self._report = ReportButton(self._state, self._session, self._key)
                 self._report.build()
             self._theme_button = widgets.button("Dark", self._turn_theme, "Switch between light and dark")
@@ -108,12 +114,17 @@ class Page:
             .props("dense no-caps inline-label narrow-indicator")
             .classes("head-tabs") as self._head_tabs
         ):
-            for name in (STORY, DETAILS, RERUN):
+            for name in (STORY, DETAILS, NUMBERS, RERUN):
                 ui.tab(name)
         self._head_tabs.set_visibility(self._session is not None)
 
     def _build_panels(self, session: SessionState) -> None:
-        self._story, self._details, self._cards = StoryPanel(), DetailsPanel(), CardsPanel(session)
+        self._story, self._details, self._cards = (
+            StoryPanel(),
+            DetailsPanel(),
+            CardsPanel(session, self._state.session_list),
+        )
+        self._identified = IdentificationPanel(session, self._state.session_list)
         self._feed = StageFeed(session)
         with ui.tab_panels(self._head_tabs, value=STORY, animated=False, keep_alive=True).classes("panels"):
             with ui.tab_panel(STORY).classes("story-panel"):
@@ -121,11 +132,14 @@ class Page:
                 self._cards.build()
             with ui.tab_panel(DETAILS):
                 self._details.build()
+            with ui.tab_panel(NUMBERS):
+                self._identified.build()
             with ui.tab_panel(RERUN):
                 if self._key is not None:
                     viewer = RerunTab(self._state, session, self._key, self._host)
                     viewer.build()
-                    self._head_tabs.on_value_change(lambda e: viewer.open() if e.value == RERUN else None)
+                    opens = {RERUN: viewer.open, NUMBERS: self._identified.open}
+                    self._head_tabs.on_value_change(lambda e: opens[e.value]() if e.value in opens else None)
 
     def _say_empty(self) -> None:
         self._empty.clear()
@@ -187,7 +201,7 @@ class Page:
         return self._report.write() if self._report is not None else None
 
     def _validate(self) -> None:
-        return None
+        self._validation.open()
 
     def _prune(self) -> None:
         if self._session is not None:
@@ -248,3 +262,6 @@ class Page:
             self._shown = now
             self._details.show(view.picture, view.curves, theme(self._dark), view.ladder.top.error.chi2)
         self._feed.send()
+        if self._rung is not None and 0 <= self._rung < len(view.ladder.rungs) and self._feed.whole:
+            run(f"bench.filmTo({self._rung})")
+            self._rung = None

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from station.results.ladder import KeptLadder
+from station.story.pipeline import Progress, silent
 from station.workbench import view_models
 from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
 
@@ -31,6 +32,7 @@ class SessionState:
         self.frames: dict[str, view_models.Frame] = {}
         self.suspect_frames: dict[str, str] = {}
         self.earlier: list[KeptLadder] = []
+        self.others: tuple[Path, ...] = ()
         self.problem = ""
         self.notice = ""
         self.progress = ""
@@ -122,6 +124,10 @@ class SessionState:
             return
         self.frames, self.suspect_frames = self.frames | frames, named
         self.version += 1
+
+    async def ask(self, job: Job, task: str, *arguments: Any, progress: Progress = silent) -> Any:
+        """Return what a task beside the ladder finds, while the ladder stays as it is; raises Failed or Cancelled."""
+        return await self._workers.do(job, str(self.folder), task, self.folder, *arguments, progress=progress)
 
     def undo(self) -> None:
         """Go back to the ladder before the last change."""

@@ -19,6 +19,12 @@ class StageFeed:
         self._stage: view_models.Stage | None = None
         self._sent: set[str] = set()
 
+    @property
+    def whole(self) -> bool:
+        """Whether every rung's frame was sent."""
+        view = self._session.view
+        return view is not None and all(name in self._sent for name in view.rung_frames)
+
     def send(self) -> None:
         """Send what is new since the last time."""
         view = self._session.view

@@ -105,7 +105,8 @@ class Stage:
 class Frame:
     """What one model leaves: its readings and the misfit of each channel, and the force that it lacks in each cell.
 
-    Forces and their standard errors are in the stage's unit, None where nothing is known.
+    Forces and their standard errors are in the stage's unit, None where nothing is known. `says` is what to say of a model
+    that is on no rung.
     """
 
     model: tuple[Numbers, ...]
@@ -114,6 +115,7 @@ class Frame:
     cycle_std: Numbers
     time: Numbers
     time_std: Numbers
+    says: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -160,6 +162,24 @@ class View:
     frames: dict[str, Frame] = field(default_factory=dict)
     rung_frames: tuple[str, ...] = ()
     note: str = ""
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """A table as it is read: its caption, the names of its columns, its rows."""
+
+    caption: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What both identifications find: the lag with what is said of it, tables, and reasons in sentences."""
+
+    lag: tuple[str, str]
+    tables: tuple[TextTable, ...]
+    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,13 @@
   document.addEventListener("mousedown", (event) => { if (!event.target.closest("#rail, .rail-button, .q-menu")) closeRail(); });
   document.addEventListener("keydown", (event) => { if (event.key === "Escape") closeRail(); });
 
+  // The address of what is shown: the session and the rung.
+  bench.address = () => {
+    const here = new URL(location.href), S = bench.state;
+    if (S.stage) here.searchParams.set("rung", S.film === null ? S.present : S.film);
+    return here.href;
+  };
+
   bench.copy = async (text) => {
     try { await navigator.clipboard.writeText(text); return true; } catch { return false; }
   };

@@ -27,6 +27,7 @@
   bench.receive = (news) => {
     if (news.stage) { S.stage = news.stage; S.frames = {}; S.film = S.preview = S.pinned = S.trial = S.zoom = null; }
     Object.assign(S.frames, news.frames || {});
+    if (news.rungs) news.suspects = Object.assign({}, news.suspects);  // what was typed belongs to the model before
     for (const key of ["rungs", "suspects", "says", "names"]) if (news[key]) S[key] = news[key];
     if (news.present !== undefined) { S.present = news.present; S.film = null; S.pinned = null; S.trial = null; }
     if (news.trial !== undefined) S.trial = news.trial;
@@ -120,6 +121,17 @@
     if (film && document.activeElement !== film) film.value = filmAt();
     const words = document.getElementById("film-words");
     if (words) words.textContent = S.film === null || S.film === S.present ? "" : `looking at rung ${S.film}`;
+  };
+
+  // An expression of the user's own, fitted: it is shown at once, and again when its card is pointed at.
+  bench.own = (found) => {
+    delete S.suspects["(own)"];
+    if (found) {
+      S.frames["(own)"] = found.frame; S.suspects["(own)"] = "(own)"; S.says["(own)"] = found.says; S.names["(own)"] = found.name;
+      S.preview = "(own)";
+    } else if (S.preview === "(own)") S.preview = null;
+    bench.fade();
+    bench.say();
   };
 
   bench.filmTo = (n) => { S.film = Number(n) === S.present ? null : Number(n); bench.fade(); };
