@@ -16,7 +16,6 @@ from station.workbench.others_menu import OthersMenu
 from station.workbench.own_card import OwnCard
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
-from station.workbench.statements import at_floor
 
 
 class CardsPanel:
@@ -49,8 +48,8 @@ class CardsPanel:
 
     def show(self, view: view_models.View) -> None:
         """Show the suspects of the present model, or that nobody has asked about it yet."""
-        document = view.diagnosis if asked_about(view) else None
-        floor = at_floor(view.ladder.top)
+        document = view.diagnosis if view.about_present else None
+        floor = view.at_floor
         now = (document, view.ladder.top.effects, floor)
         if now == self._shown:
             return
@@ -124,11 +123,6 @@ class CardsPanel:
 
     def _add(self, name: str) -> None:
         self._session.start(f"Adding {plain(name)}", "add", name)
-
-
-def asked_about(view: view_models.View) -> bool:
-    """Return whether the kept diagnosis is about the present model."""
-    return view.diagnosis is not None and list(view.diagnosis.model.effects) == list(view.ladder.top.effects)
 
 
 def _headline(document: DiagnosisDocument | None, ladder: KeptLadder, floor: bool) -> str:

@@ -7,7 +7,6 @@ from nicegui import ui
 from station.text.numbers import three_figures, typeset, with_unit
 from station.workbench import view_models, widgets
 from station.workbench.names import plain
-from station.workbench.statements import at_floor
 
 
 class FloorCard:
@@ -35,8 +34,8 @@ class FloorCard:
     def show(self, view: view_models.View) -> None:
         """Show the card where the present model reaches the floor."""
         top = view.ladder.top
-        self._card.set_visibility(at_floor(top))
-        if not at_floor(top):
+        self._card.set_visibility(view.at_floor)
+        if not view.at_floor:
             return
         self._words.text = (
             f"The model leaves {three_figures(top.error.chi2)} times the noise (1.00 ± {top.chi2_std:.2f} is noise "

@@ -12,7 +12,6 @@ from station.workbench.ladder_bars import share
 from station.workbench.model_card import ModelCard
 from station.workbench.names import plain, title
 from station.workbench.session_state import SessionState
-from station.workbench.statements import at_floor
 
 
 class LadderPanel:
@@ -66,7 +65,7 @@ class LadderPanel:
     def _rung(self, ladder: KeptLadder, place: int) -> None:
         rung = ladder.rungs[place]
         kind = "present" if place == ladder.present else "above" if place > ladder.present else ""
-        floor = " reached" if at_floor(rung) else ""
+        floor = " reached" if view_models.reaches_floor(rung) else ""
         row = ui.element("button").classes(f"rung {kind}{floor}").on("click", partial(self._go, place))
         row.props["type"] = "button"
         row.props["aria-label"] = (

@@ -80,7 +80,7 @@ class ModelCard:
 
         def moved(event: object) -> None:
             step = int(event.args)  # type: ignore[attr-defined]
-            now = value.value + reach * step / STEPS
+            now = value.value + reach * (step / STEPS) ** 3  # fine near the fitted value
             unit = typeset(value.unit)
             words.text = (
                 f"{name} = {now:.6g} {unit} (moved)" if step else f"{name} = {typeset(with_unit(value))}"

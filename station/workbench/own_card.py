@@ -89,7 +89,9 @@ class OwnCard:
 
     def _add(self) -> None:
         if self._button.enabled:
-            self._session.start(f"Adding {name_of(self._typed)}", "add", self._typed)
+            text, self._typed = self._typed, ""
+            self._field.value = ""
+            self._session.start(f"Adding {name_of(text)}", "add", text)
 
 
 def check(text: str) -> tuple[bool, str]:

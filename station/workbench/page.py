@@ -13,6 +13,7 @@ from station.workbench.details_panel import DetailsPanel
 from station.workbench.floor_card import FloorCard
 from station.workbench.identification_panel import IdentificationPanel
 from station.workbench.ladder_panel import LadderPanel
+from station.workbench.raw_pictures import RawPictures
 from station.workbench.report_button import ReportButton
 from station.workbench.rerun_tab import RerunTab
 from station.workbench.scope_panel import ScopePanel
@@ -91,6 +92,9 @@ class Page:
         with self._busy, widgets.line():
             ui.spinner(size="18px")
             self._busy_label = widgets.label("", "grow")
+            self._bar = (
+                ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded").classes("share")
+            )
             widgets.button("Cancel", lambda: self._session.cancel() if self._session else None)
         self._busy.set_visibility(False)
         self._notice = widgets.card("tight notice")
@@ -136,7 +140,7 @@ class Page:
                 self._identified.build()
             with ui.tab_panel(RERUN):
                 if self._key is not None:
-                    viewer = RerunTab(self._state, session, self._key, self._host)
+                    viewer = RerunTab(self._state, session, self._key, self._host, lambda: self._dark)
                     viewer.build()
                     opens = {RERUN: viewer.open, NUMBERS: self._identified.open}
                     self._head_tabs.on_value_change(lambda e: opens[e.value]() if e.value in opens else None)
@@ -148,6 +152,7 @@ class Page:
                 widgets.label("This recording does not allow an analysis", "strong")
                 widgets.label(self._session.problem, "wrap").style("max-width:520px")
                 widgets.label("What was recorded is kept. Choose another session, or record again.", "small")
+                RawPictures(self._session).build()
             elif self._session is not None:
                 ui.spinner(size="32px")
                 widgets.label("The session is read, and the usual model fitted to it.")
@@ -231,6 +236,9 @@ class Page:
             self._busy_label.text = (
                 f"{running.title}: {session.progress or 'waiting for a free worker'} ({seconds:.0f} s)"
             )
+            done = session.share_done
+            self._bar.set_visibility(done is not None)
+            self._bar.value = done or 0.0
             slow = running.long or seconds > SLOW_S
             self._busy.set_visibility(slow)
             self._hold_still(slow)

@@ -11,13 +11,6 @@ from station.workbench.explained import explained_words
 from station.workbench.ladder_bars import share
 from station.workbench.names import plain
 
-ADEQUATE = 3.0
-
-
-def at_floor(rung: KeptRung) -> bool:
-    """Return whether a rung leaves no more than noise does."""
-    return rung.error.chi2 is not None and rung.error.chi2 <= 1.0 + ADEQUATE * rung.chi2_std
-
 
 def says_of(view: view_models.View) -> dict[str, dict[str, Any]]:
     """Return the words of each rung, as "rung0", and of each suspect, by its effect."""
@@ -31,7 +24,7 @@ def says_of(view: view_models.View) -> dict[str, dict[str, Any]]:
 
 
 def _rung(view: view_models.View, place: int, rung: KeptRung) -> dict[str, Any]:
-    error, floor = rung.error, at_floor(rung)
+    error, floor = rung.error, view_models.reaches_floor(rung)
     present = place == view.ladder.present
     if floor:
         what = "Nothing but noise is left"

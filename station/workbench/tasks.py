@@ -6,23 +6,24 @@ from pathlib import Path
 from typing import Any
 
 from daq.session import Session
-from station.operations import refining
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
 from station.operations.refining import add, go_to, open_refinement, remove
 from station.operations.session_set import SessionSet, open_sessions
-from station.results.diagnosis_document import with_differences
+from station.results.diagnosis_document import DiagnosisDocument, with_differences
 from station.results.ladder import KeptLadder, write_ladder
 from station.settings import Settings
 from station.story.pipeline import Progress
 from station.story.preparation import options_for
 from station.workbench import further_tasks, view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
+from station.workbench.climbing import climb
 from station.workbench.decay_curves import curves_of
 from station.workbench.frame_store import of_ladder, of_suspects
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session, present_model
 from station.workbench.pruning import drop_needless
+from station.workbench.raw_trace import raw_traces
 from station.workbench.session_thumbnails import thumbnail_of
 from station.workbench.warm_up import warm_up
 
@@ -77,10 +78,15 @@ def go_to_rung(settings: Settings, progress: Progress, folder: Path, number: int
 
 
 def refine_to_floor(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
-    """Add what is missing until nothing is."""
+    """Add what is missing until nothing is; each rung is sent as a view as soon as it is found."""
     progress("looking for what is missing")
     opened = open_session(settings, folder)
-    return _view(settings, opened, refining.refine_to_floor(opened.refinement, progress))
+
+    def seen(ladder: KeptLadder, words: str) -> None:
+        progress(_view(settings, opened, ladder))  # type: ignore[arg-type]
+        progress(words)
+
+    return _view(settings, opened, climb(opened.refinement, seen))
 
 
 def begin_again(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
@@ -128,13 +134,12 @@ def diagnose(
 
 
 def frames(
-    settings: Settings, progress: Progress, folder: Path
+    settings: Settings, progress: Progress, folder: Path, document: DiagnosisDocument | None = None
 ) -> tuple[dict[str, view_models.Frame], dict[str, str]]:
-    """Return the frames of all rungs and of the kept diagnosis' suspects, and the names of the latter by effect."""
+    """Return the frames of all rungs and of a diagnosis' suspects, and the names of the latter by effect."""
     opened = open_session(settings, folder)
     refinement, store = opened.refinement, opened.store
     of_ladder(store, refinement, refinement.ladder, progress)
-    document = kept_diagnosis(refinement.session)
     suspects = {} if document is None else of_suspects(store, refinement, document, progress)
     return dict(store.frames), suspects
 
@@ -213,6 +218,7 @@ TASKS: dict[str, Callable[..., Any]] = {
     "frames": frames,
     "restore": restore,
     "prune": prune,
+    "raw": raw_traces,
     "identify": further_tasks.identify,
     "export": further_tasks.export,
     "trial": further_tasks.trial,

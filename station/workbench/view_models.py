@@ -3,9 +3,12 @@
 from dataclasses import dataclass, field
 
 from station.results.diagnosis_document import DiagnosisDocument
-from station.results.ladder import KeptLadder
+from station.results.ladder import KeptLadder, KeptRung
 
 Numbers = list[float | None]
+
+ADEQUATE = 3.0
+"""Standard errors by which the reduced chi-square may exceed 1 at the floor."""
 
 MOST_CARDS = 8
 """Suspects that have a card, and so a frame."""
@@ -162,6 +165,33 @@ class View:
     frames: dict[str, Frame] = field(default_factory=dict)
     rung_frames: tuple[str, ...] = ()
     note: str = ""
+
+    @property
+    def about_present(self) -> bool:
+        """Whether the diagnosis is about the present model."""
+        return self.diagnosis is not None and list(self.diagnosis.model.effects) == list(
+            self.ladder.top.effects
+        )
+
+    @property
+    def at_floor(self) -> bool:
+        """Whether the present model leaves no more than noise does."""
+        return reaches_floor(self.ladder.top)
+
+
+def reaches_floor(rung: KeptRung) -> bool:
+    """Return whether a rung leaves no more than noise does."""
+    return rung.error.chi2 is not None and rung.error.chi2 <= 1.0 + ADEQUATE * rung.chi2_std
+
+
+@dataclass(frozen=True)
+class RawTrace:
+    """One channel as it was recorded, in `unit`, against the time since the start of the record (s)."""
+
+    channel: str
+    unit: str
+    time: Numbers
+    values: Numbers
 
 
 @dataclass(frozen=True)

@@ -61,10 +61,24 @@ def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
 
 
 @dataclass
+class Named:
+    """A model by the names of its effects."""
+
+    effects: list[str]
+
+
+@dataclass
+class Top:
+    """A ladder of which only the present model matters."""
+
+    top: Named
+
+
+@dataclass
 class Asked:
     """A diagnosis: only its identity and that it has suspects matter here."""
 
-    named: list[str]
+    model: Named
     suspects: tuple[str, ...] = ("any",)
 
 
@@ -73,7 +87,9 @@ class Looked:
     """What a look at a session returns: only its diagnosis matters here."""
 
     diagnosis: Asked | None
-    ladder: str = ""
+    ladder: Top = field(default_factory=lambda: Top(Named([])))
+    about_present: bool = True
+    at_floor: bool = False
     note: str = ""
     frames: dict[str, str] = field(default_factory=lambda: {"rung": "drawn"})
     rung_frames: tuple[str, ...] = ("rung",)
@@ -97,7 +113,7 @@ def test_frames_are_drawn_again_when_a_command_has_diagnosed_since():
         session = SessionState(Path("none"), pool)  # type: ignore[arg-type]
         for diagnosis, drawn in ((["a"], "first"), (["b"], "second"), (["b"], "second")):
             frames = ({drawn: "frame"}, {diagnosis[0]: drawn})
-            pool.answers = {"look": Looked(Asked(diagnosis)), "frames": frames}
+            pool.answers = {"look": Looked(Asked(Named(diagnosis)), Top(Named(diagnosis))), "frames": frames}
             assert session.start("Reading", "look")
             await asyncio.gather(*session._tasks)
             assert session.suspect_frames == {diagnosis[0]: drawn}

@@ -11,6 +11,25 @@
 
   bench.choose = (key, value) => { bench.state[key] = value; bench.draw(); };
 
+  // Rerun's viewer says when it has started.
+  window.addEventListener("message", (event) => {
+    if (event.origin === location.origin && event.data === "READY") document.querySelectorAll(".viewer-wait").forEach((el) => (el.style.display = "none"));
+  });
+
+  // A record that allows no analysis, as it is.
+  bench.raw = (traces) => requestAnimationFrame(() => traces.forEach((trace, k) => {
+    const host = document.querySelector(`[data-plot=raw${k}]`);
+    if (!host) return;
+    const plot = new bench.Plot(host, { bottom: 32 }), seen = trace.values.filter((y) => y !== null);
+    const low = Math.min(...seen), high = Math.max(...seen), room = 0.06 * (high - low) || 1;
+    plot.redraw = () => {
+      plot.begin([trace.time[0], trace.time[trace.time.length - 1]], [low - room, high + room], ["time since the start of the record [s]", `${trace.channel} [${trace.unit}]`]);
+      plot.axes();
+      plot.line(trace.time, trace.values, bench.colour("left"), 1.2);
+    };
+    plot.redraw();
+  }));
+
   // From card to card with the arrows.
   document.addEventListener("keydown", (event) => {
     const card = document.activeElement && document.activeElement.closest(".card-suspect");

@@ -64,7 +64,7 @@
         c.strokeStyle = bench.colour("grid"); c.beginPath(); c.moveTo(b.x, at); c.lineTo(b.x + b.w, at); c.stroke();
         c.fillStyle = bench.colour("faint"); c.fillText(yTicks ? yTicks[i][1] : written(y, yp), b.x - 5, at);
       });
-      const [xs, xp] = xTicks ? [xTicks.map((t) => t[0]), 0] : ticks(this.x[0], this.x[1], Math.max(2, b.w / 70));
+      const [xs, xp] = xTicks ? [xTicks.map((t) => t[0]), 0] : ticks(this.x[0], this.x[1], Math.max(2, b.w / 52));
       c.textAlign = "center"; c.textBaseline = "top";
       xs.forEach((x, i) => {
         const at = Math.round(this.px(x)) + 0.5;
