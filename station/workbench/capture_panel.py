@@ -31,6 +31,7 @@ class CapturePanel:
     def __init__(self, state: AppState, began: Callable[[CaptureRun], None], chosen: str | None) -> None:
         self._state, self._began, self._chosen = state, began, chosen
         self._shown: Progress | None = None
+        self._own: CaptureRun | None = None
 
     def build(self) -> None:
         """Make the panel."""
@@ -115,7 +116,8 @@ class CapturePanel:
             wanted = replace(wanted, check_clock=False)
         prefix = "release" if mystery is None else f"mystery_{mystery}"
         self._state.capturing = CaptureRun(board, wanted, settings.sessions, prefix)
-        self._began(self._state.capturing)
+        self._own = self._state.capturing
+        self._began(self._own)
 
     def _tick(self) -> None:
         run = self._state.capturing
@@ -130,6 +132,9 @@ class CapturePanel:
         ):
             return
         self._form.set_visibility(now.finished)
+        if not now.finished and run is self._own:
+            self._say([("recording: see the scope", "faint")])
+            return
         if now.finished:
             self._finished(now)
         else:

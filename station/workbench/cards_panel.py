@@ -37,7 +37,9 @@ class CardsPanel:
                 self._ask = widgets.button("Diagnose", self._diagnose, strong=True)
                 self._again = widgets.button("Diagnose again", self._diagnose)
                 self._all = widgets.button(
-                    "Add all that is missing", lambda: self._session.start("Refining", "refine", long=True)
+                    "Add all",
+                    lambda: self._session.start("Refining", "refine", long=True),
+                    "Add all that is missing",
                 )
             with ui.element("div").classes("cards"):
                 self._row = ui.element("div").classes("cards-row")
@@ -133,4 +135,6 @@ def _headline(document: DiagnosisDocument | None, ladder: KeptLadder, floor: boo
     if not document.named:
         return "What is missing has no name here." if document.suspects else typeset(document.explanation)
     named = " and ".join(plain(name) for name in document.named)
-    return f"What is missing looks like {named}. Point at the cards."
+    if document.verdict == "sensor_fault":
+        return f"A sensor is at fault: {named}. Point at the cards."
+    return f"It looks like {named}. Point at the cards."

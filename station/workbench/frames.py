@@ -2,7 +2,7 @@
 
 import hashlib
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.comparison.multiple_shooting import MultipleShooting, shoot
 from identify.comparison.residual_force import estimate_extra_force
 from identify.fitting.fit import Fit
+from identify.fitting.problem import Problem
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.models import ModelFile
 from station.text.numbers import scale, typeset
@@ -65,8 +66,11 @@ def ground_of(prepared: PreparedDecay, fit: Fit, mass: float | None) -> Ground:
     u, w = motion.displacement, motion.velocity / frequency
     size, angle = np.hypot(u, w), np.mod(np.arctan2(-w, u), 2.0 * np.pi)
     coarse = min(1.0, math.sqrt(len(u) / (FEWEST * RINGS * SECTORS)))
-    rings, sectors = max(4, round(RINGS * coarse)), max(12, round(SECTORS * coarse))
-    quarters = max(8, round(QUARTERS * coarse))
+    rings, sectors = (
+        max(4, round(RINGS * coarse)),
+        4 * max(3, round(SECTORS * coarse / 4)),
+    )  # reversals are edges
+    quarters = 4 * max(2, round(QUARTERS * coarse / 4))
     amplitude = np.linspace(0.0, float(np.nanmax(size)) * (1.0 + 1e-9), rings + 1)
     moments = _whole_cycles(window.clock, frequency, max(5, round(SLOTS * coarse)))
     phase = np.linspace(0.0, 2.0 * np.pi, sectors + 1)
@@ -152,11 +156,32 @@ def frame_of(ground: Ground, fit: Fit) -> view_models.Frame:
     The force is estimated as `identify.comparison` does it: the model is run afresh every cycle, and a constant force in
     each cell takes up what is left; so its standard error is that of the readings' noise.
     """
-    shooting = shoot(ground.prepared, fit)
+    shooting = shoot(*without_faults(ground.prepared, fit))
     cycle, cycle_std = _missing(shooting, ground.cycle, ground.force_scale)
     time, time_std = _missing(shooting, ground.time, ground.force_scale)
     model, left = motion_of(fit)
     return view_models.Frame(model, left, cycle, cycle_std, time, time_std)
+
+
+def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:
+    """Return a release and its fit, corrected for the sensors' faults in the model, which then has forces alone.
+
+    A fault would be taken for a force otherwise: what is left of a reading is laid to the motion.
+    """
+    faults = [term.effect.name for term in fit.model.terms if not term.is_force]
+    if not faults:
+        return prepared, fit
+    model, window, motion = fit.model, fit.windows[0], prepared.motion
+    for name in faults:
+        model = model.minus(name)
+    clean = Problem(model, fit.windows[:1], fit.frequency)
+    theta = clean.theta(fit.of_release(0))
+    seen = clean.read(theta, 0, clean.respond(theta, 0))
+    error = {c: fit.predicted[0][c] - seen[c] for c in window.channels}
+    readings = {c: window.readings[c] - error[c] for c in window.channels}
+    moved = {c: getattr(motion, c) - error[c] for c in ("displacement", "velocity") if c in error}
+    right = replace(prepared, motion=replace(motion, **moved))
+    return right, replace(fit, model=model, windows=(window.with_(readings=readings),))
 
 
 def motion_of(fit: Fit) -> tuple[tuple[view_models.Numbers, ...], tuple[view_models.Numbers, ...]]:

@@ -148,8 +148,10 @@ def test_two_tabs_on_two_sessions_do_not_disturb_each_other(visit, bench):
     second.locator(".rung").first.click()
     second.wait_for_selector(".rung.present:first-of-type")
     assert second.locator(".rung").count() == rungs
-    first.get_by_role("button", name="Diagnose").click()
     first.wait_for_selector("button.card-suspect")
+    first.get_by_role("button", name="Diagnose again").click()
+    first.wait_for_function("!document.querySelector('[inert]')")
+    assert first.locator(".verdict").count() == 1
 
 
 @pytest.mark.slow

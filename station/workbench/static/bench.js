@@ -1,4 +1,5 @@
 // What the page needs of the browser beside its pictures: the colour scheme, and commands for the keyboard.
+document.documentElement.lang = "en";
 (() => {
   const bench = (window.bench = window.bench || {});
 

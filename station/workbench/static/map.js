@@ -119,6 +119,14 @@
     requestAnimationFrame(step);
   };
 
+  // Cards come and go with the page; what stands on them is drawn as soon as they are there.
+  let waiting = false;
+  const soon = () => { if (!waiting) { waiting = true; requestAnimationFrame(() => { waiting = false; bench.fingerprints(); }); } };
+  document.addEventListener("DOMContentLoaded", () =>
+    new MutationObserver((news) => {
+      if (news.some((n) => [...n.addedNodes].some((el) => el.querySelector && (el.matches(".fingerprint") || el.querySelector(".fingerprint"))))) soon();
+    }).observe(document.body, { childList: true, subtree: true }));
+
   // The force that a suspect takes off the map, as a small disc on its card.
   bench.fingerprints = () => {
     const base = S.frames[S.rungs[S.present]];
