@@ -31,6 +31,10 @@ document.documentElement.lang = "en";
     plot.redraw();
   }));
 
+  // Names for those who do not see the signs on a library's buttons.
+  const name = () => document.querySelectorAll(".q-uploader a.q-btn").forEach((el) => el.setAttribute("aria-label", "Choose files to import"));
+  document.addEventListener("DOMContentLoaded", () => { name(); new MutationObserver(name).observe(document.body, { childList: true, subtree: true }); });
+
   // From card to card with the arrows.
   document.addEventListener("keydown", (event) => {
     const card = document.activeElement && document.activeElement.closest(".card-suspect");

@@ -108,7 +108,7 @@
       const hit = plotAt(event);
       if (drag && hit && hit.at && hit.plot === drag.plot) { drag.to = hit.at[0]; shade(); }
       if (hit && hit.at) bench.mark(momentAt(hit.name, hit.at));
-      else if (bench.moment !== null && !(document.activeElement && document.activeElement.dataset.plot)) bench.mark(null);
+      else if (bench.moment !== null) bench.mark(null);
     });
   });
   function shade() {
