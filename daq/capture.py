@@ -4,6 +4,7 @@ Everything that arrives is in the raw log before anything here looks at it, so w
 (a stall, an unplugged board, Ctrl-C, a full disk) leaves what was received.
 """
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +19,11 @@ from daq.link import Link
 from daq.observer import CaptureObserver
 from daq.port import Port, open_port
 from daq.quality import summary
-from daq.raw_log import RawLog
+from daq.raw_log import Kind, RawLog
 from daq.rest_detection import RestPeriod
 from daq.session import Session
 from daq.session_info import BoardInfo, SensorInfo, SessionInfo, State
+from daq.sources.source_board import SourceBoard
 from daq.trigger import Trigger
 
 __all__ = ["CaptureObserver", "CaptureSettings", "capture"]
@@ -48,6 +50,8 @@ def capture(
     """
     opened = open_port(port) if isinstance(port, str) else port
     log = RawLog()
+    if isinstance(opened, SourceBoard):
+        opened.keep = partial(log.append, Kind.SOURCE)
     with Link(opened, log) as link:
         link.handshake()
         link.configure(settings.rate_hz)

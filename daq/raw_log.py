@@ -39,6 +39,10 @@ class Kind(IntEnum):
     RECEIVED = 1
     SENT = 2
     NOTE = 3
+    SOURCE = 4  # what a source that is no board of the protocol gave, before it was made DATA
+
+
+_KINDS = frozenset(Kind)
 
 
 @dataclass(frozen=True)
@@ -118,7 +122,7 @@ def _pieces(data: bytes) -> Iterator[Record | int]:
             yield start - HEAD_SIZE - end
             return
         payload = data[start:at]
-        if crc32(payload) == check and kind in (1, 2, 3):
+        if crc32(payload) == check and kind in _KINDS:
             yield Record(Kind(kind), when, payload)
         else:
             yield 1

@@ -10,12 +10,16 @@ WIDTH = 80
 
 @dataclass(frozen=True)
 class Summary:
-    """A title, sentences, and a table: its head and its rows, a cell a text. The first column is set to the left."""
+    """A title, sentences, and a table: its head and its rows, a cell a text. The first column is set to the left.
+
+    `then` is what follows below, None where nothing does.
+    """
 
     title: str
     sentences: Sequence[str] = ()
     head: Sequence[str] = ()
     rows: Sequence[Sequence[str]] = ()
+    then: "Summary | None" = None
 
     def text(self) -> str:
         """Return the summary in lines of at most 80 characters (a table's row may be longer)."""
@@ -23,6 +27,8 @@ class Summary:
         parts += [fill(sentence, WIDTH) for sentence in self.sentences if sentence]
         if self.rows:
             parts.append("\n".join(self._lines()))
+        if self.then is not None:
+            parts.append(self.then.text())
         return "\n\n".join(parts)
 
     def _lines(self) -> list[str]:
@@ -45,6 +51,8 @@ class Summary:
                 "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in self.rows
             )
             parts.append(f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>")
+        if self.then is not None:
+            parts.append(self.then.html())
         return "".join(parts)
 
 

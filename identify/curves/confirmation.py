@@ -6,7 +6,8 @@ Of laws that do so nearly as well the simplest leads, and the others are its riv
 as well as with the amplitude names nothing.
 """
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from identify.curves.curve_regression import Rows
@@ -14,7 +15,9 @@ from identify.curves.curve_search import CurveSearch
 from identify.curves.decay_curve import DecayCurve
 from identify.curves.held_out import HeldOut
 from identify.curves.isolated_mode import IsolatedMode
-from identify.effects.effect import Effect, Scales
+from identify.curves.leading_law import choose
+from identify.curves.stability import Contender, leaders
+from identify.effects.effect import Scales
 from identify.errors import NotIdentifiable
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -28,15 +31,6 @@ WORTH = 0.5
 MOST_PARTS = 0.66
 """Share of the parts left out that an effect must foretell better."""
 
-NEARLY = 0.8
-"""Laws that remove this share of what the best removes are not told apart from it."""
-
-DRIFT_NEARLY = 0.7
-"""The same for a law of time: what may be a drift is no law of the amplitude."""
-
-CLEARLY = 1.0 / 3.0
-"""Share of the error of every law without inner parameters below which a law with some is taken: it can bend to much."""
-
 MOST_RIVALS = 3
 """Rivals of an effect; where more laws foretell as well, none of them is the name."""
 
@@ -46,18 +40,28 @@ SECOND_WORTH = 2.0
 RANGE = 2.5
 """Largest over smallest amplitude, over all releases, from which on laws of amplitude can be told at all."""
 
+STABLE = 0.5
+"""Share of the resamplings in which an effect must lead to be named."""
+
+_CONTENDS = 0.5
+"""Share of what the best removes from which on a law is asked again in each resampling."""
+
 _SHORTLIST = 6
 _MOST = 4
 _SPOILS = 0.05
 _CHANNELS = ("phase", "envelope")
 _WORDS = {"phase": "frequency", "envelope": "loss"}
 
+Settled = dict[int, tuple[HeldOut, tuple[Rows, ...]]]
+"""Errors and corrected rows of each column, added to what was taken before."""
+
 
 @dataclass(frozen=True, eq=False)
 class ConfirmedEffect:
     """An effect that foretells: the error of what it `explains` ("frequency" or "loss") falls from `before` to `after` %.
 
-    `better` of `parts` left out were foretold better with it. `rivals` foretell nearly as well.
+    `better` of `parts` left out were foretold better with it. `rivals` foretell nearly as well. It leads in `leads` of
+    `resamplings` of the cycles.
     """
 
     term: Term
@@ -69,6 +73,8 @@ class ConfirmedEffect:
     better: int
     parts: int
     rivals: tuple[str, ...]
+    leads: int
+    resamplings: int
 
     @property
     def name(self) -> str:
@@ -88,8 +94,9 @@ class Confirmation:
     `effects` in the order in which they were taken. `usual` and `found` are the errors of the model as given and with
     the effects, for each part that was left out; `one_record` says that these are halves of a record, not releases.
     `undecided` maps "frequency" or "loss" to the names of laws that explain it and that these releases do not part
-    from a drift in time. `laws` are the effects that were tried; `linear_strengths` those of the model's own forces with
-    the effects, by unknown's name. `releases` are the places, among those that were given, of those that have a curve.
+    from a drift in time, or from one another; `unstable` says of the latter in how many resamplings each leads ("": none).
+    `laws` are the effects that were tried; `linear_strengths` those of the model's own forces with the effects, by
+    unknown's name. `releases` are the places, among those that were given, of those that have a curve.
     """
 
     curves: tuple[DecayCurve, ...]
@@ -101,6 +108,7 @@ class Confirmation:
     laws: tuple[str, ...] = ()
     linear_strengths: dict[str, float] = field(default_factory=dict)
     releases: tuple[int, ...] = ()
+    unstable: dict[str, dict[str, int]] = field(default_factory=dict)
 
     def has_law(self, name: str) -> bool:
         """Whether the curves can show an effect at all."""
@@ -164,9 +172,10 @@ def confirm(
     held = usual
     effects: list[ConfirmedEffect] = []
     undecided: dict[str, tuple[str, ...]] = {}
+    unstable: dict[str, dict[str, int]] = {}
     if search.span >= RANGE:
         while len(effects) < _MOST:
-            taken = _next(search, columns, held, rows, [e.explains for e in effects], undecided)
+            taken = _next(search, columns, held, rows, [e.explains for e in effects], undecided, unstable)
             if taken is None:
                 break
             effect, column, held, rows = taken
@@ -185,6 +194,7 @@ def confirm(
             for law, strength in zip(search.base, held.strengths.shared, strict=False)
         },
         places,
+        unstable,
     )
 
 
@@ -202,6 +212,7 @@ def _next(
     rows: tuple[Rows, ...],
     explained: list[str],
     undecided: dict[str, tuple[str, ...]],
+    unstable: dict[str, dict[str, int]],
 ) -> tuple[ConfirmedEffect, int, HeldOut, tuple[Rows, ...]] | None:
     """Return the next effect, its column, the errors with it and the corrected rows; None where none is worth it."""
     settled = {c: search.settled((*columns, c), rows) for c in _screened(search, columns, held, rows)}
@@ -218,24 +229,17 @@ def _next(
             continue
         laws = search.regression.laws
         left = {c: settled[c][0].mean(channel) for c in settled}
-        removed = {c: held.mean(channel) - left[c] for c in settled}
-        best = max(removed[c] for c in good)
-        near = _as_central([c for c in good if removed[c] >= NEARLY * best], settled, held)
-        drifts = [c for c in settled if laws[c].term.effect.of_time and removed[c] >= DRIFT_NEARLY * best]
-        if drifts:
-            undecided[what] = tuple(dict.fromkeys(laws[c].name for c in (*near, *drifts)))
+        chosen = choose(search.regression.laws, good, _central(settled, held), left, held.mean(channel))
+        if chosen.drifts or len(chosen.rivals) > MOST_RIVALS:
+            undecided[what] = chosen.names
             continue
-        plain = [c for c in good if not laws[c].term.effect.inner]
-        if plain and min(left[c] for c in near) > CLEARLY * min(left[c] for c in plain):
-            near = [*near, min(plain, key=lambda c: left[c])]
-        elif not plain and min(left[c] for c in near) > CLEARLY * held.mean(channel):
-            near = []
-        if not near:
+        if chosen.lead is None:
             continue
-        lead = min(near, key=lambda c: (complexity(laws[c].term.effect), -removed[c]))
-        rivals = tuple(dict.fromkeys(laws[c].name for c in near if laws[c].name != laws[lead].name))
-        if len(rivals) > MOST_RIVALS:
-            undecided[what] = (laws[lead].name, *rivals)
+        lead = chosen.lead
+        often = _often(search, (columns, rows), settled, good, held, channel)
+        if often[laws[lead].name] < STABLE * often.total():
+            unstable[what] = dict(often.most_common())
+            undecided[what] = tuple(name for name in unstable[what] if name) or chosen.names
             continue
         after, own = settled[lead]
         effect = ConfirmedEffect(
@@ -247,24 +251,54 @@ def _next(
             after=after.typical(channel),
             better=after.better(held, channel),
             parts=len(after.foretold),
-            rivals=rivals,
+            rivals=chosen.rivals,
+            leads=often[laws[lead].name],
+            resamplings=often.total(),
         )
         return effect, lead, after, own
     return None
 
 
-def _as_central(
-    near: list[int], settled: dict[int, tuple[HeldOut, tuple[Rows, ...]]], before: HeldOut
-) -> list[int]:
-    """Return the columns that leave of the centre's error hardly more than the best: a one-sided spring moves it."""
-    left = {c: settled[c][0].mean("centre") for c in near}
-    most = min(left.values(), default=0.0) + max(WORTH, SHARE * before.mean("centre"))
-    return [c for c in near if left[c] <= most]
+def _often(
+    search: CurveSearch,
+    so_far: tuple[tuple[int, ...], tuple[Rows, ...]],
+    settled: Settled,
+    good: Sequence[int],
+    held: HeldOut,
+    channel: str,
+) -> Counter[str]:
+    """Return in how many resamplings of the cycles each effect leads, by name; "" where none does."""
+    best = max(held.mean(channel) - settled[c][0].mean(channel) for c in good)
+    drifts = [c for c in settled if search.regression.laws[c].term.effect.of_time]
+    close = [
+        c
+        for c in dict.fromkeys((*good, *drifts))
+        if held.mean(channel) - settled[c][0].mean(channel) >= _CONTENDS * best
+    ]
+    columns, rows = so_far
+    contenders = [Contender(c, (*columns, c), settled[c][1]) for c in close]
+
+    def lead(left: Mapping[int, float], before: float) -> int | None:
+        still = [c for c in good if c in left and before - left[c] >= SHARE * before]
+        return (
+            choose(search.regression.laws, still, _central(settled, held), left, before).lead
+            if still
+            else None
+        )
+
+    places = leaders(search, contenders, Contender(-1, columns, rows), channel, lead)
+    return Counter("" if place is None else search.regression.laws[place].name for place in places)
 
 
-def complexity(effect: Effect) -> int:
-    """Return how much an effect can bend, and how rare it is: of effects that are not told apart the least leads."""
-    return len(effect.inner) + effect.rarity
+def _central(settled: Settled, before: HeldOut) -> Callable[[list[int]], list[int]]:
+    """Return what keeps columns that leave of the centre's error hardly more than the best: one side moves it."""
+
+    def keep(near: list[int]) -> list[int]:
+        left = {c: settled[c][0].mean("centre") for c in near}
+        most = min(left.values(), default=0.0) + max(WORTH, SHARE * before.mean("centre"))
+        return [c for c in near if left[c] <= most]
+
+    return keep
 
 
 def _worth(before: HeldOut, after: HeldOut, channel: str, again: bool) -> bool:

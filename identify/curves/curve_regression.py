@@ -240,11 +240,16 @@ class CurveRegression:
         values[free] = np.linalg.solve(normal, aim)
         return Strengths(strengths.columns, values, {})
 
+    def _counted(self, release: int) -> Array:
+        """Return how much each point of a curve counts in the errors, one in all."""
+        power = self.curves[release].amplitude ** 2
+        return np.asarray(power / np.sum(power))
+
     def error(self, strengths: Array, columns: tuple[int, ...], release: int, rows: Rows) -> MotionError:
         """Return what laws leave of one release, its start left free; `rows` are what they are to explain."""
         at = list(columns)
         curve, (loss, stiffness, centre) = self.curves[release], self.designs[release]
-        weight = curve.amplitude**2 / np.sum(curve.amplitude**2)
+        weight = self._counted(release)
         decay = np.cumsum(-0.5 * (loss[:, at] @ strengths - rows.loss) * curve.step)
         decay = np.concatenate([[0.0], decay])
         decay -= weight @ decay

@@ -64,12 +64,28 @@ def hold_out(
     """Return what some laws foretell of each curve from the others, and what they leave of all when fitted to all."""
     count = len(regression.curves)
     everything = list(range(count))
+    foretold = foretold_errors(
+        regression, columns, rows, everything if count > 1 else (), one_record=one_record
+    )
+    whole = regression.solve(columns, everything, rows, one_record=one_record)
+    fitted = tuple(regression.error(whole.of(i), columns, i, rows[i]) for i in everything)
+    return HeldOut(whole, foretold, fitted, one_record)
+
+
+def foretold_errors(
+    regression: CurveRegression,
+    columns: tuple[int, ...],
+    rows: Sequence[Rows],
+    lefts: Sequence[int],
+    *,
+    one_record: bool,
+) -> tuple[MotionError, ...]:
+    """Return what some laws foretell of each curve of `lefts` from all others."""
     foretold = []
-    for left in everything if count > 1 else []:
-        found = regression.solve(columns, [i for i in everything if i != left], rows, one_record=one_record)
+    for left in lefts:
+        others = [i for i in range(len(regression.curves)) if i != left]
+        found = regression.solve(columns, others, rows, one_record=one_record)
         if not one_record:
             found = regression.foretell(found, left, rows[left])
         foretold.append(regression.error(found.shared, columns, left, rows[left]))
-    whole = regression.solve(columns, everything, rows, one_record=one_record)
-    fitted = tuple(regression.error(whole.of(i), columns, i, rows[i]) for i in everything)
-    return HeldOut(whole, tuple(foretold), fitted, one_record)
+    return tuple(foretold)

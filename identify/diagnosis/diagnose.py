@@ -12,8 +12,10 @@ from identify.diagnosis.judgement import judge
 from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, without_needless_effects
 from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
 from identify.diagnosis.ranking import Ranked, alpha, rank, rivals_of
 from identify.diagnosis.search import chances, singles
+from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import candidate_terms
 from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
@@ -22,6 +24,7 @@ from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
 from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
+from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
 from identify.fitting.segments import prepared_of, segments_of, what_was_used
 from identify.formatting import three_figures
@@ -35,6 +38,7 @@ _FEWEST_CYCLES = 5.0
 _HELD_OUT = 3
 _MOST_RUNGS = 5
 _SHOWN = 6
+_EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_missing")
 _WORTH_A_MENTION = 6.0
 """Nats from which on a fault that every fit corrects is listed before suspects that are not claimed."""
 
@@ -47,7 +51,10 @@ class Diagnosis(Summarised):
     names a second effect when it takes two to reach the floor. `findings` are sensors' faults that are corrected in
     every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
     shows. `shape` is the free form, when something is missing that has no name. `confirmation` is what the curves of
-    the decay foretell, None where they were not asked. `decays` are the whole releases, prepared.
+    the decay foretell, None where they were not asked. `decays` are the whole releases, prepared. `shares` say what each
+    effect of the final model does at the largest and at the smallest amplitude; none where the model misses something
+    without a name. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
+    None where the floor itself decides. `modes` are other modes of the structure that what is left shows.
     """
 
     baseline: Baseline
@@ -62,6 +69,9 @@ class Diagnosis(Summarised):
     library: tuple[Effect, ...] = LIBRARY
     confirmation: Confirmation | None = None
     decays: tuple[PreparedDecay, ...] = ()
+    shares: tuple[AmplitudeShares, ...] = ()
+    harmonics: HarmonicResidual | None = None
+    modes: tuple[OtherMode, ...] = ()
 
     @property
     def named_suspects(self) -> tuple[Suspect, ...]:
@@ -116,7 +126,7 @@ class Diagnosis(Summarised):
         return ""
 
     def brief(self) -> Summary:
-        """Return the verdict, why, and the first few suspects."""
+        """Return the verdict, why, the first few suspects, and what each effect does."""
         rows = [
             (
                 suspect.effect.name,
@@ -132,11 +142,14 @@ class Diagnosis(Summarised):
             f"{HEADLINES[self.verdict]}{named}",
             (
                 self.explanation,
+                *(f"Used: {decay.use.words}." for decay in self.decays if decay.use is not None),
                 what_was_used(self.baseline.decays),
+                modes_sentence(self.modes),
                 f"Record next: {self.next_experiment}",
             ),
             ("suspect", "chi-square after", "evidence (nats)", "p", "claimed"),
             rows,
+            shares_summary(self.shares),
         )
 
 
@@ -172,6 +185,8 @@ def diagnose(
         verdict = "not_enough_data"
     findings = tuple(f for f in faults if f.significant or f.remarked)
     together, shape, confirmation = judgement.together, judgement.shape, judgement.confirmation
+    harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
+    why = explain(baseline, verdict, suspects, together, findings, settled, shape, confirmation)
     return Diagnosis(
         baseline=baseline,
         verdict=verdict,
@@ -180,11 +195,14 @@ def diagnose(
         findings=findings,
         final=settled.fit,
         shape=shape,
-        explanation=explain(baseline, verdict, suspects, together, findings, settled, shape, confirmation),
+        explanation=why if harmonics is None else f"{why} {harmonics.sentence}".strip(),
         next_experiment=next_experiment(baseline, verdict, suspects),
         library=library,
         confirmation=confirmation,
         decays=whole,
+        shares=shares(whole, baseline.stated(settled.fit)) if verdict in _EXPLAINED else (),
+        harmonics=harmonics,
+        modes=() if verdict == "driven" else other_modes(settled.fit),
     )
 
 

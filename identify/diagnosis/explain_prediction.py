@@ -22,7 +22,8 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         sentences.append(
             f"Missing is {suspect.effect.title} ({suspect.effect.name}: {numbers}), which moves "
             f"{_KINDS[effect.explains]} with the amplitude: the error of its prediction falls from "
-            f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion{also}."
+            f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion{also}. In {effect.leads} of "
+            f"{effect.resamplings} resamplings of the cycles the same effect leads."
         )
     return " ".join([*sentences, _prediction(found), *_undecided(found)])
 
@@ -66,11 +67,26 @@ def _undecided(found: Confirmation) -> list[str]:
     sentences, too = [], " too" if found.effects else ""
     another = "a second release" if found.one_record else "another release"
     for what, names in found.undecided.items():
+        if what in found.unstable:
+            sentences.append(_unstable(what, found, too))
+            continue
         sentences.append(
             f"{_KINDS[what].capitalize()} changes{too}, and {_among(names)} explain it alike, so none is named; "
             f"{another} from a quarter of the amplitude tells time from amplitude."
         )
     return sentences
+
+
+def _unstable(what: str, found: Confirmation, too: str) -> str:
+    """Return that no effect leads often enough when the cycles are drawn again, and in how many each does."""
+    leads = found.unstable[what]
+    count = sum(leads.values())
+    often = [f"{name} in {count}" for name, count in leads.items() if name]
+    led = f" ({', '.join(often)})" if often else ""
+    return (
+        f"{_KINDS[what].capitalize()} changes{too}, but in {count} resamplings of the cycles no effect leads in half"
+        f"{led}, so none is named; another release tells them apart."
+    )
 
 
 def _share(found: Confirmation) -> float:

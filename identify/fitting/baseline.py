@@ -8,8 +8,9 @@ from identify.arrays import Array
 from identify.fitting.corrected_faults import FEWEST_LOST, allowance
 from identify.fitting.fit import Fit, fit
 from identify.fitting.floor import Floor, refine_floor
+from identify.fitting.harmonic_residual import HarmonicResidual, harmonic_residual
 from identify.fitting.initial_values import initial_values, regress_model
-from identify.fitting.misfit_errors import with_misfit_errors
+from identify.fitting.misfit_errors import misfit_density, with_misfit_errors
 from identify.fitting.noise_colour import noise_colours
 from identify.model.model import Model
 from identify.preprocessing.lost_readings import stale
@@ -20,6 +21,11 @@ ADEQUATE = 3.0
 
 DOUBT = 0.5
 """Excess of the reduced chi-square that is left to the noise where its floor could only be guessed."""
+
+_LOUD = 2.0
+"""Density of a residual at the motion's frequency, over the noise's, from which on a guessed floor does not excuse it."""
+
+_DRAWS = 100
 
 _STALE_OFF = 3.5
 """Noise standard deviations off the fit at which a stale reading counts as lost."""
@@ -48,7 +54,8 @@ class Baseline:
 
     def stated(self, found: Fit) -> Fit:
         """Return a fit with the standard errors to state: its own where it reaches the floor, else those of the misfit."""
-        return found if self.adequate(found) else with_misfit_errors(found)
+        quiet = self._reaches(found.reduced) and (self.floor_is_sure or misfit_density(found) < _LOUD)
+        return found if quiet else with_misfit_errors(found)
 
     def reduced(self, found: Fit) -> float:
         """Reduced chi-square with the faults that are corrected but not named in the model counted in."""
@@ -58,11 +65,24 @@ class Baseline:
     @property
     def at_floor(self) -> bool:
         """Whether the fitted model reaches the floor, faults that it does not name counted in."""
-        return self._reaches(self.reduced(self.fit))
+        return self._reaches(self.reduced(self.fit)) and not self._denied(self.fit)
 
     def adequate(self, found: Fit) -> bool:
-        """Whether a fit reaches the floor, corrected faults left out; one that is not sure gets the benefit of doubt."""
-        return self._reaches(found.reduced)
+        """Whether a fit reaches the floor, corrected faults left out.
+
+        A floor that is a guess gives the benefit of doubt, unless the residual stands at the motion's harmonics.
+        """
+        return self._reaches(found.reduced) and not self._denied(found)
+
+    def harmonics(self, found: Fit) -> HarmonicResidual | None:
+        """Return how a residual near a guessed floor stands at the motion's harmonics; None where the floor decides."""
+        if self.floor_is_sure or not self._reaches(found.reduced):
+            return None
+        return harmonic_residual(found, draws=_DRAWS)
+
+    def _denied(self, found: Fit) -> bool:
+        harmonics = self.harmonics(found)
+        return harmonics is not None and harmonics.against
 
     def _reaches(self, reduced: float) -> bool:
         doubt = 0.0 if self.floor_is_sure else DOUBT

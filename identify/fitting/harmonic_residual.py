@@ -14,6 +14,7 @@ from identify.arrays import Array, Mask
 from identify.fitting.fit import Fit
 from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
+from identify.formatting import three_figures
 from identify.preprocessing.fit_window import FitWindow
 
 _HARMONICS = 3
@@ -26,6 +27,9 @@ _BINS_AT, _BINS_BETWEEN = 2.5, 4.0
 _HIGHEST = 8.0
 _LINE = 14.0
 """Times the median power from which on a bin between the harmonics holds a line, which is no noise."""
+
+SPEAKS_AGAINST = 1e-3
+"""Probability below which a residual at the harmonics is no noise, and the model that left it not adequate."""
 
 _DRAWS = 200
 _FEWEST = 6
@@ -42,6 +46,22 @@ class HarmonicResidual:
     ratio: float
     p_value: float
     channels: dict[str, float]
+
+    @property
+    def against(self) -> bool:
+        """Whether it speaks against the model: noise alone hardly ever leaves as much at the harmonics."""
+        return self.p_value < SPEAKS_AGAINST
+
+    @property
+    def sentence(self) -> str:
+        """What it says, for a record whose noise floor is a guess; "" where the record is too short to tell."""
+        if not self.channels:
+            return ""
+        odds = "p < 1e-6" if self.p_value < 1e-6 else f"p = {self.p_value:.1g}"
+        times = f"{three_figures(self.ratio)} times what noise of the level between them gives, {odds}"
+        if self.against:
+            return f"The noise floor is a guess here, but at the motion's harmonics the residual is {times}: not noise."
+        return f"The noise floor is a guess here; at the motion's harmonics the residual is {times}, as noise leaves it."
 
 
 def harmonic_residual(fit: Fit, *, seed: int = 0, draws: int = _DRAWS) -> HarmonicResidual:

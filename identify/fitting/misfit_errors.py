@@ -15,7 +15,7 @@ _BAND = (0.5, 1.5)
 
 def with_misfit_errors(found: Fit) -> Fit:
     """Return a fit whose covariance counts the misfit as noise; the same where only noise is left."""
-    factor = _density(found)
+    factor = misfit_density(found)
     if factor <= 1.0:
         return found
     return replace(
@@ -28,7 +28,7 @@ def with_misfit_errors(found: Fit) -> Fit:
     )
 
 
-def _density(found: Fit) -> float:
+def misfit_density(found: Fit) -> float:
     """Return the spectral density of the residual around the motion's frequency, in units of the noise's."""
     power, count = 0.0, 0
     for i, window in enumerate(found.windows):

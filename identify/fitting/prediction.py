@@ -84,11 +84,13 @@ class _Problem(Problem):
 def predict(
     model: Model,
     values: Mapping[str, float | Estimate],
-    decay: FreeDecay | PreparedDecay,
+    decay: FreeDecay | PreparedDecay | Sequence[PreparedDecay],
     *,
     hold: bool = False,
 ) -> Prediction:
     """Return what a model with its values foretells of one release; long ones in the segments that a fit sees.
+
+    A long one may be given as its segments.
 
     `values` are the parameters of its effects by "effect.parameter". They are held; only what the release has of its own
     is refitted: the state at its start, zero, lag, gain and offsets, faults of its sensors. The linear spring and the

@@ -69,7 +69,10 @@ def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
 
 
 def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
-    """Return which readings of the free motion are fitted, in a sentence; "" where all are, as they were recorded."""
+    """Return which readings of the free motion are fitted, in a sentence; "" where all are, as they were recorded.
+
+    How far into its record each release is used: `PreparedDecay.use`.
+    """
     words = []
     if any(piece.block > 1 for piece in pieces):
         words.append(f"means of up to {max(piece.block for piece in pieces)} readings are fitted")

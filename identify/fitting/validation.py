@@ -1,14 +1,14 @@
 """Validation: whether a model foretells releases that it was not fitted to, and better than the usual model does."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
-from identify.fitting.baseline import fit_baseline
+from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.prediction import Prediction, predict
 from identify.fitting.segments import prepared_of, segments_of
 from identify.formatting import three_figures
@@ -156,9 +156,10 @@ def validate(
     if not whole:
         raise NotIdentifiable("There is no release to foretell.")
     _check_units(model, whole)
-    usual, basis = _usual(whole, prepared_of(fitted_to))
+    each = [fit_baseline(segments_of(decay), base_model()) for decay in whole]
+    usual, basis = _usual(each, prepared_of(fitted_to))
     releases = []
-    for index, decay in enumerate(whole):
+    for index, decay in enumerate(at_floor(one) for one in each):
         one = Validated(
             index,
             predict(model, values, decay, hold=hold),
@@ -176,13 +177,26 @@ def _check_units(model: Model, decays: tuple[PreparedDecay, ...]) -> None:
             raise ValueError(f"{', '.join(wrong)} has no meaning for a displacement in {unit}")
 
 
+def at_floor(found: Baseline) -> tuple[PreparedDecay, ...]:
+    """Return the releases of a baseline, in pieces where they are long, with the noise that its floor has settled.
+
+    It is the noise by which a diagnosis of them counts, so that both state the same chi-square.
+    """
+    pairs = zip(found.decays, found.fit.windows, strict=True)
+    return tuple(replace(decay, window=window) for decay, window in pairs)
+
+
 def _usual(
-    decays: tuple[PreparedDecay, ...], fitted_to: tuple[PreparedDecay, ...]
+    alone: Sequence[Baseline], fitted_to: tuple[PreparedDecay, ...]
 ) -> tuple[list[dict[str, float]], UsualFrom]:
-    """Return the parameters of the usual model with which each release is foretold, and where they are from."""
+    """Return the parameters of the usual model with which each release is foretold, and where they are from.
+
+    `alone` are its fits to each release by itself.
+    """
     if fitted_to:
-        return [_fitted(fitted_to)] * len(decays), "the_same_releases"
-    each = [_fitted((decay,)) for decay in decays]
+        together = fit_baseline(segments_of(fitted_to), base_model())
+        return [_values(together)] * len(alone), "the_same_releases"
+    each = [_values(found) for found in alone]
     if len(each) == 1:
         return each, "the_release_itself"
     medians = []
@@ -192,9 +206,8 @@ def _usual(
     return medians, "the_other_releases"
 
 
-def _fitted(decays: tuple[PreparedDecay, ...]) -> dict[str, float]:
-    found = fit_baseline(segments_of(decays), base_model()).fit
-    return {name: estimate.value for name, estimate in found.parameters.items()}
+def _values(found: Baseline) -> dict[str, float]:
+    return {name: estimate.value for name, estimate in found.fit.parameters.items()}
 
 
 def _from_to(before: float, after: float) -> str:

@@ -175,6 +175,21 @@ def _second_order(
     return float(np.mean(change * shape) / np.mean(shape**2) / amplitude)
 
 
+def force_over_cycle(
+    effect: ForceEffect, parameters: dict[str, float], frequency: float, amplitude: float, time: float = 0.0
+) -> Array:
+    """Return the force (n,), m/s^2, of one effect over a cycle of a harmonic motion, at equal steps of its phase.
+
+    Arguments as for `average`. Internal states are periodic; dry friction is on the side of the velocity.
+    """
+    p = effect.table(parameters, parameters)
+    if effect.linear_part is not None:
+        _, u, v = (values[:-1:2] for values in _harmonic(frequency, amplitude))
+        along = (u, v, np.sign(v))[effect.linear_part]
+        return np.asarray(p[0] * along)
+    return _around(effect, p, frequency, amplitude, time)[0]
+
+
 def mean_force(
     effect: ForceEffect, parameters: dict[str, float], frequency: float, amplitudes: Array
 ) -> Array:

@@ -17,7 +17,11 @@ from identify.preprocessing.fit_window import CHANNELS, FitWindow, PreReleaseMot
 from identify.preprocessing.motion import Motion, reconstruct
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import RestColour, colour_at_rest
+from identify.preprocessing.record_use import RecordUse, record_use
 from identify.preprocessing.release import Release
+from identify.preprocessing.sampling import too_coarse
+from identify.preprocessing.usable import valid_samples
+from identify.signal.fractional_delay import bridge
 from identify.summary import Summarised, Summary
 
 _SHORTEST_CYCLES = 4.0
@@ -49,7 +53,8 @@ class PreparedDecay(Summarised):
     channel. `zero` is the displacement reading at the spring's zero, `noise` what was known of the noise before any
     fit, and `lost` marks the readings of each channel that its sensor repeated or lost. `rest` is None where none was
     recorded. `block` is how many readings of the record each one here is the mean of, and `share` the share of its
-    motion that is fitted where this is one of several pieces of a long release.
+    motion that is fitted where this is one of several pieces of a long release. `mass` is in kg (kg m^2 for angles), None
+    where it is unknown. `use` says which part of the record this is, and why it ends there.
     """
 
     window: FitWindow
@@ -62,6 +67,8 @@ class PreparedDecay(Summarised):
     rest: Rest | None = None
     block: int = 1
     share: float = 1.0
+    mass: float | None = None
+    use: RecordUse | None = None
 
     def brief(self) -> Summary:
         """Return what will be fitted."""
@@ -109,29 +116,32 @@ def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -
     on, it is taken into account, and the mass is estimated unless it is known. Raises NotIdentifiable when fewer than
     four cycles remain.
     """
-    aligned, block = averaged(decay if isinstance(decay, AlignedDecay) else locate_and_align(decay))
+    located = decay if isinstance(decay, AlignedDecay) else locate_and_align(decay)
+    aligned, block = averaged(located)
     record, corrected, noise = aligned.recorded, aligned.decay, aligned.noise
     release = _most_active(record, aligned.release) if record.driven else aligned.release
     motion = reconstruct(corrected.with_(release=release.settle))
     motion = motion.part(slice(max(release.end - release.settle, 0)))
     if len(motion.displacement) < 16:
-        raise NotIdentifiable("The motion after the release is too short; record at least four cycles.")
+        raise _refusal(record, "The motion after the release is too short; record at least four cycles.")
     force = _force(record, release, motion)
     restoring = -motion.acceleration if force is None else force - motion.acceleration
     base = regress(restoring, _base_columns(motion), moving(motion))
     k, _, mu_0 = base.strengths
     if not k > 0.0:
-        raise NotIdentifiable("The motion shows no restoring force: is the displacement's sign reversed?")
+        raise _refusal(record, "The motion shows no restoring force: is the displacement's sign reversed?")
     frequency = float(np.sqrt(k))
     zero = -base.constant / k
     sigma = {name: max(found.std, 1e-300) for name, found in noise.items()}
     length = _length(motion, frequency, max(mu_0, 0.0) / k, sigma)
     cycles = length * frequency / (2.0 * np.pi * record.rate)
+    begin = (release.settle - release.time_s * record.rate) / record.rate
+    to_the_end = length == len(motion.displacement)
+    use = record_use(
+        located, begin, begin + length / record.rate, 2.0 * np.pi / frequency, to_the_end=to_the_end
+    )
     if cycles < _SHORTEST_CYCLES:
-        raise NotIdentifiable(
-            f"Only {cycles:.1f} cycles of free motion stand above friction "
-            "and noise; record at least four, from a larger release."
-        )
+        raise _refusal(record, _too_few(cycles, frequency, use))
     motion = replace(motion.part(slice(length)), displacement=motion.displacement[:length] - zero)
     lost = {name: mask[release.settle :][: len(motion.displacement)] for name, mask in aligned.lost.items()}
     window = _window(
@@ -148,6 +158,30 @@ def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -
         lost,
         _rest_of(record, release),
         block,
+        mass=record.mass,
+        use=use,
+    )
+
+
+def _refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
+    """Return the refusal of a record: what is wrong with its sampling, if that is, else the `reason`."""
+    derivative, reading = next(
+        (i, r) for i, c in enumerate(CHANNELS) if (r := getattr(record, c)) is not None
+    )
+    known = valid_samples(record)
+    return NotIdentifiable(too_coarse(bridge(reading, known), record.rate, derivative) or reason)
+
+
+def _too_few(cycles: float, frequency: float, use: RecordUse) -> str:
+    if use.ended == "readings_missing":
+        before = (use.end_s - use.begin_s) * frequency / (2.0 * np.pi)
+        return (
+            f"Only {before:.1f} cycles of free motion lie before {use.end_s:.2f} s, where {use.missing_s:.2g} s of readings "
+            "are missing; at least four are needed: cut the record so that it begins after them, or record again."
+        )
+    return (
+        f"Only {cycles:.1f} cycles of free motion stand above friction "
+        "and noise; record at least four, from a larger release."
     )
 
 

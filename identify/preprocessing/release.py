@@ -11,6 +11,7 @@ from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
+from identify.preprocessing.sampling import too_coarse
 from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree
@@ -122,7 +123,8 @@ def _search(
     bursts = _bursts(lead, period)
     if not bursts:
         raise NotIdentifiable(
-            "Nothing in the record oscillates above its noise: check the channel, or release from further away."
+            too_coarse(lead.values, rate, lead.derivative)
+            or "Nothing in the record oscillates above its noise: check the channel, or release from further away."
         )
     return [
         (burst.amplitude, _release(rate, channels, period, burst, i, bursts))

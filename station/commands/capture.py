@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.commands.options import CONDITIONS, MASS, MASS_STD
+from station.commands.options import BAUD, COLUMNS, CONDITIONS, MASS, MASS_STD, UNITS, pairs
 from station.output import json_option, print_json, progress, screen
 
 MOST_TAKES = 3
@@ -36,6 +36,16 @@ if TYPE_CHECKING:
 @click.option("--pre-trigger", type=float, metavar="S", help="Seconds kept before the release (1).")
 @click.option("--patience", type=float, metavar="S", help="How long to wait for the release (60).")
 @click.option("--level", type=float, metavar="M", help="Smallest swing taken for a release.")
+@click.option(
+    "--lines", is_flag=True, help="The board prints numbers, a line a sample; PORT may be a file that grows."
+)
+@click.option(
+    "--profile", metavar="NAME", help="What its lines mean, as kept by `station profile` (implies --lines)."
+)
+@click.option("--source", metavar="SOURCE", help="Instead of a port: audio, audio:DEVICE, or FILE.py:CLASS.")
+@COLUMNS
+@UNITS
+@BAUD
 @click.option("--specimen", help="What is tested.")
 @click.option("--operator", help="Who tests it.")
 @CONDITIONS
@@ -67,6 +77,12 @@ def command(
     no_viewer: bool,
     again: bool | None,
     as_json: bool,
+    lines: bool,
+    profile: str | None,
+    source: str | None,
+    columns: tuple[str, ...],
+    units: tuple[str, ...],
+    baud: int | None,
     **timing: Any,
 ) -> None:
     """Record one release, judge the recording, and identify it.
@@ -75,19 +91,30 @@ def command(
     """
     from daq.ports import choose_port
     from station.operations.capturing import record
+    from station.operations.line_boards import LineChoice, board_behind
     from station.operations.new_session import capture_settings, new_folder, session_info
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     info = session_info(settings, mass, mass_std, specimen, operator, conditions)
-    chosen = choose_port(port or settings.capture.port)
+    choice = LineChoice(
+        lines, profile, source, pairs("--column", columns), pairs("--unit", units), timing["rate"], baud
+    )
+    named = port or settings.capture.port
+    chosen = named or "" if choice.any else choose_port(named)
     wanted = capture_settings(settings, info, **timing)
-    session, url = record(chosen, wanted, folder or new_folder(settings.sessions), not no_viewer, spare)
+    session, url = record(
+        board_behind(chosen, choice, settings),
+        wanted,
+        folder or new_folder(settings.sessions),
+        not no_viewer,
+        spare,
+    )
     for number in range(2, MOST_TAKES + 1):
         if not take_again(session, again, as_json):
             break
         place = folder.with_name(f"{folder.name}_{number}") if folder else new_folder(settings.sessions)
-        session, url = record(chosen, wanted, place, not no_viewer, spare)
+        session, url = record(board_behind(chosen, choice, settings), wanted, place, not no_viewer, spare)
     finish(session, url, settings, as_json)
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.commands.options import CONDITIONS, MASS, MASS_STD
+from station.commands.options import COLUMNS, CONDITIONS, MASS, MASS_STD, UNITS, number_or_name, pairs
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
@@ -24,16 +24,8 @@ if TYPE_CHECKING:
 )
 @MASS
 @MASS_STD
-@click.option(
-    "--column",
-    "columns",
-    multiple=True,
-    metavar="QUANTITY=COLUMN",
-    help="Column of a quantity (time, displacement, velocity, acceleration, force): its name, its number from 1, or none.",
-)
-@click.option(
-    "--unit", "units", multiple=True, metavar="QUANTITY=UNIT", help="Unit of a column, as mm, deg, g."
-)
+@COLUMNS
+@UNITS
 @click.option(
     "--rate",
     type=click.FloatRange(min=0, min_open=True),
@@ -94,9 +86,9 @@ def command(
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
-    chosen = {name: _number(value) for name, value in _pairs("--column", columns).items()}
+    chosen = {name: number_or_name(value) for name, value in pairs("--column", columns).items()}
     options = ImportOptions(
-        columns=chosen, units=_pairs("--unit", units), angle_from=_two("--angle-from", angle_from), **others
+        columns=chosen, units=pairs("--unit", units), angle_from=_two("--angle-from", angle_from), **others
     )
     info = session_info(settings, mass, mass_std, specimen, operator, conditions)
     try:
@@ -109,16 +101,6 @@ def command(
         _say(file, imported)
 
 
-def _pairs(option: str, given: tuple[str, ...]) -> dict[str, str]:
-    pairs = {}
-    for pair in given:
-        name, separator, value = pair.partition("=")
-        if not separator or not name.strip() or not value.strip():
-            raise UsageProblem(f"{option} {pair}: write QUANTITY=VALUE, as displacement=2")
-        pairs[name.strip()] = value.strip()
-    return pairs
-
-
 def _two(option: str, given: str | None) -> tuple[str, str] | None:
     if given is None:
         return None
@@ -126,10 +108,6 @@ def _two(option: str, given: str | None) -> tuple[str, str] | None:
     if not separator or not x or not y:
         raise UsageProblem(f"{option} {given}: write two columns, as x,y or 2,3")
     return x, y
-
-
-def _number(value: str) -> str | int:
-    return int(value) if value.isdigit() else value
 
 
 def _document(file: Path, imported: "Imported") -> dict[str, Any]:

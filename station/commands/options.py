@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from station.exits import UsageProblem
+
 MODEL = click.option(
     "--model",
     "model_file",
@@ -45,3 +47,38 @@ CONDITIONS = click.option(
     metavar="NAME=NUMBER",
     help='Known of the test, as "temperature [degC]=21.5".',
 )
+
+
+COLUMNS = click.option(
+    "--column",
+    "columns",
+    multiple=True,
+    metavar="QUANTITY=COLUMN",
+    help="Column of a quantity (time, displacement, velocity, acceleration, force): its name, its number from 1, or none.",
+)
+UNITS = click.option(
+    "--unit",
+    "units",
+    multiple=True,
+    metavar="QUANTITY=UNIT",
+    help="Unit of a column, as mm, deg, g, '0.005 mm'.",
+)
+BAUD = click.option(
+    "--baud", type=click.IntRange(min=50), metavar="BAUD", help="Baud rate of the lines (115200)."
+)
+
+
+def pairs(option: str, given: tuple[str, ...]) -> dict[str, str]:
+    """Return what an option with QUANTITY=VALUE was given. Raises UsageProblem for anything else."""
+    found = {}
+    for pair in given:
+        name, separator, value = pair.partition("=")
+        if not separator or not name.strip() or not value.strip():
+            raise UsageProblem(f"{option} {pair}: write QUANTITY=VALUE, as displacement=2")
+        found[name.strip()] = value.strip()
+    return found
+
+
+def number_or_name(value: str) -> str | int:
+    """Return a column's number where it is one, else its name."""
+    return int(value) if value.isdigit() else value

@@ -11,6 +11,7 @@ import click
 from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.errors import StorageError
 from daq.failover import temporary_folder
+from daq.port import Port
 from daq.session import Session
 from station.operations.new_session import new_folder
 from station.output import progress
@@ -27,7 +28,7 @@ class Screen:
 
 
 def record(
-    port: str, settings: CaptureSettings, folder: Path, with_viewer: bool, spare: Path | None = None
+    port: str | Port, settings: CaptureSettings, folder: Path, with_viewer: bool, spare: Path | None = None
 ) -> tuple[Session, str | None]:
     """Capture one release; return the sealed session and the URL of the live viewer, None without one.
 

@@ -11,10 +11,12 @@ from station.text.diagnosis_text import (
     headline,
     not_told_apart,
     shown_suspects,
+    used,
 )
 from station.text.ladder_text import step
 from station.text.layout import sentence
 from station.text.numbers import (
+    DASH,
     change,
     evidence,
     probability,
@@ -23,6 +25,7 @@ from station.text.numbers import (
     typeset_symbol,
     typeset_with_unit,
 )
+from station.text.shares_text import WHICH, at_amplitude
 
 SUSPECTS = "Suspects: which effect is missing"
 LADDER = "The ladder: the error, rung by rung"
@@ -39,6 +42,13 @@ def suspects(found: Findings) -> Section:
     parts: list[Part] = [Paragraph(typeset(document.explanation), label=headline(document), strong=True)]
     if len(document.sessions) > 1:
         parts.append(Paragraph(", ".join(document.sessions), label="Diagnosed together"))
+    if document.used:
+        parts.append(Paragraph(sentence(used(document)), label="Used of the record"))
+    if document.modes:
+        seen = " and ".join(mode.words for mode in document.modes)
+        parts.append(
+            Paragraph(f"Beside the motion's, {seen}; one mode is followed here.", label="Other modes")
+        )
     parts += _foretold(document)
     if document.suspects:
         rows = tuple(
@@ -73,7 +83,7 @@ def suspects(found: Findings) -> Section:
     if found.curves is not None:
         words = curves_caption(found.curves.names, found.curves.curves)
         parts.append(Figure(words, draw.curves(found.curves)))
-    parts += _findings(document)
+    parts += _findings(document) + _shares(document)
     return Section("suspects", SUSPECTS, tuple(parts))
 
 
@@ -132,6 +142,31 @@ def _findings(document: DiagnosisDocument) -> list[Part]:
         caption = f"The free form of what has no name; it explains {100 * shape.explained:.0f} % of the rest."
         parts.append(Figure(caption, draw.shape(shape.curves[0])))
     return parts
+
+
+def _shares(document: DiagnosisDocument) -> list[Part]:
+    """Show what each effect of the model that was found does, at the largest and at the smallest amplitude."""
+    rows = [
+        (
+            at_amplitude(which, at),
+            one.effect,
+            typeset_with_unit(one.force),
+            *(
+                DASH if share.value is None else "0" if share.value == 0.0 else typeset_with_unit(share)
+                for share in (one.force_percent, one.loss_percent, one.frequency_percent)
+            ),
+        )
+        for which, at in zip(WHICH, document.shares, strict=False)
+        for one in at.effects
+    ]
+    if not rows:
+        return []
+    caption = (
+        "What each effect does over a cycle: its largest force, that in % of the largest of all forces but the linear "
+        "spring's, its part of the energy that is lost, and by how much it raises the frequency"
+    )
+    head = ("amplitude", "effect", "largest force", "of all forces", "of the loss", "frequency")
+    return [Table(caption, head, tuple(rows), texts=2)]
 
 
 def ladder(found: Findings) -> Section:

@@ -2,6 +2,8 @@
 
 from typing import Literal
 
+from pydantic import Field
+
 from identify.curves.confirmation import Confirmation
 from identify.curves.held_out import HeldOut
 from station.results.documents import Number, Part
@@ -32,7 +34,8 @@ class ForetoldErrors(PredictionErrors):
 class ConfirmedEffectDocument(Part):
     """An effect that foretells: the error of what it explains, in % of the motion, without and with it.
 
-    It is better on so many of the `parts` that were left out; `rivals` foretell nearly as well.
+    It is better on so many of the `parts` that were left out; `rivals` foretell nearly as well. It leads in `leads` of
+    `resamplings` of the cycles.
     """
 
     name: str
@@ -43,13 +46,16 @@ class ConfirmedEffectDocument(Part):
     better: int
     parts: int
     rivals: list[str]
+    leads: int | None = None
+    resamplings: int | None = None
 
 
 class ConfirmationDocument(Part):
     """What was confirmed; `usual` and `found` are the errors of the model that was asked about and with the effects.
 
     In `one_record` the parts are its large and its small amplitudes. `undecided` names by "frequency" or "loss" laws
-    that explain it and that are not told apart. The amplitude of some release `beats`, or does not die away (`driven`).
+    that explain it and that are not told apart; `unstable`, of those that none leads in half of the resamplings of the
+    cycles, in how many each does. The amplitude of some release `beats`, or does not die away (`driven`).
     """
 
     one_record: bool
@@ -61,6 +67,7 @@ class ConfirmationDocument(Part):
     found: ForetoldErrors
     effects: list[ConfirmedEffectDocument]
     undecided: dict[str, list[str]]
+    unstable: dict[str, dict[str, int]] = Field(default_factory=dict)
 
 
 def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> ConfirmationDocument:
@@ -84,10 +91,13 @@ def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> Con
                 better=effect.better,
                 parts=effect.parts,
                 rivals=list(effect.rivals),
+                leads=effect.leads,
+                resamplings=effect.resamplings,
             )
             for effect in found.effects
         ],
         undecided={what: list(names) for what, names in found.undecided.items()},
+        unstable=found.unstable,
     )
 
 

@@ -17,6 +17,7 @@ from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.leave_one_out import LeftOut
 from identify.fitting.model_error import errors_of, motion_percent
 from identify.model.model import Model
+from identify.preprocessing.record_use import End
 from station.results.confirmation_document import ConfirmationDocument, confirmation_document
 from station.results.documents import (
     ChannelNoise,
@@ -30,6 +31,7 @@ from station.results.documents import (
     write_document,
 )
 from station.results.models import ModelFile, model_file
+from station.results.shares_document import SharesDocument
 
 NAME = "diagnosis.json"
 MOST_POINTS = 40
@@ -58,12 +60,26 @@ class ChannelFloor(ChannelNoise):
     unit: str
 
 
+class HarmonicsDocument(Part):
+    """Power of what is left at the motion's harmonics, over what noise of the level between them gives; its p-value."""
+
+    ratio: Number
+    p_value: Number
+    against: bool
+
+
 class NoiseFloorDocument(Part):
-    """The floor of chi2 with its standard error, and the noise of each channel (of the first session)."""
+    """The floor of chi2 with its standard error, and the noise of each channel (of the first session).
+
+    `sure` is false where the floor is a guess (one channel, or no rest); `harmonics` then says whether what is left near
+    it speaks against the model, None where it was not asked.
+    """
 
     chi2: float
     chi2_std: float
     channels: dict[str, ChannelFloor]
+    sure: bool | None = None
+    harmonics: HarmonicsDocument | None = None
 
 
 class SuspectDocument(Part):
@@ -138,6 +154,31 @@ class DifferenceDocument(Part):
     sigmas: Number
 
 
+class UsedDocument(Part):
+    """The part of a session's record that was analysed, s from its first reading, and why it ends there.
+
+    `share` is that part of what follows the release; `missing_s` how long readings are missing where that ends it.
+    """
+
+    session: str
+    begin_s: Number
+    end_s: Number
+    length_s: Number
+    share: Number
+    ended: End
+    missing_s: Number
+    words: str
+
+
+class ModeDocument(Part):
+    """Another mode of the structure: its frequency, and its amplitude in % of the motion in one channel at first."""
+
+    frequency_hz: Number = Field(validation_alias=AliasChoices("frequency_hz", "frequency"))
+    percent: Number
+    channel: str
+    words: str
+
+
 class DiagnosisDocument(Document):
     """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named.
 
@@ -145,6 +186,8 @@ class DiagnosisDocument(Document):
     it was not asked. `fitted` is the model that was asked about, `final` the one with all that is named; None where nothing
     is.
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
+    `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
+    `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     """
 
     sessions: list[str]
@@ -167,6 +210,9 @@ class DiagnosisDocument(Document):
     differences: list[DifferenceDocument] | None = None
     confirmed: list[str] = Field(default_factory=list)
     confirmation: ConfirmationDocument | None = None
+    shares: list[SharesDocument] = Field(default_factory=list)
+    used: list[UsedDocument] = Field(default_factory=list)
+    modes: list[ModeDocument] = Field(default_factory=list)
 
 
 def diagnosis_document(
@@ -188,7 +234,7 @@ def diagnosis_document(
             "sessions": names,
             "model": ModelSummary.model_validate(fitted),
             "error": errors_of(baseline),
-            "noise_floor": _noise_floor(baseline),
+            "noise_floor": _noise_floor(baseline) | {"harmonics": found.harmonics},
             "verdict": found.verdict,
             "named": found.named,
             "rivals": found.suspects[0].rivals if found.named else (),
@@ -204,6 +250,9 @@ def diagnosis_document(
             "next_experiment": found.next_experiment,
             "fitted": fitted,
             "final": model_file(baseline.stated(found.final), expressions) if found.named else None,
+            "shares": found.shares,
+            "modes": found.modes,
+            "used": _used(names, found),
         }
     )
 
@@ -259,7 +308,12 @@ def _noise_floor(baseline: Baseline) -> dict[str, Any]:
         name: {"std": n.std, "uncertainty": n.uncertainty, "unit": units[name], "source": n.source}
         for name, n in baseline.floors[0].channels.items()
     }
-    return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels}
+    return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels, "sure": baseline.floor_is_sure}
+
+
+def _used(names: tuple[str, ...], found: Diagnosis) -> list[dict[str, Any]]:
+    uses = zip(names, (decay.use for decay in found.decays), strict=False)
+    return [{"session": name, "words": use.words} | vars(use) for name, use in uses if use is not None]
 
 
 def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from station.results.diagnosis_document import (
 )
 from station.text.layout import labelled
 from station.text.numbers import DASH, evidence, probability, three_figures, with_unit
+from station.text.shares_text import shares_table
 
 STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
 MOST_SUSPECTS = 6
@@ -38,6 +39,9 @@ def show_diagnosis(console: Console, document: DiagnosisDocument) -> None:
         console.print(Padding(_errors(document, document.noise_floor), (0, 0, 0, 1)))
         console.print()
         console.print(Padding(_suspects(document), (0, 0, 0, 1)))
+    if document.shares:
+        console.print()
+        console.print(Padding(shares_table(document.shares), (0, 0, 0, 1)))
     console.print()
     for label, text in _facts(document):
         console.print(labelled(label, text, LABEL_WIDTH))
@@ -149,7 +153,10 @@ def _parameters(suspect: SuspectDocument, most: int | None) -> str:
 
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
-    facts = []
+    facts = [("used", used(document))] if document.used else []
+    if document.modes:
+        seen = " and ".join(mode.words for mode in document.modes)
+        facts.append(("modes", f"beside the motion's, {seen}; one mode is followed here"))
     foretold = foretold_parts(document)
     if foretold:
         facts.append(("foretold", foretold))
@@ -170,6 +177,16 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         facts.append(("left out", f"physics of the others leaves of each one's motion {', '.join(parts)}"))
     facts.append(("record next", document.next_experiment))
     return facts
+
+
+def used(document: DiagnosisDocument) -> str:
+    """Return which part of the record was analysed; of several the shares, and which end where readings are missing."""
+    if len(document.used) == 1:
+        return document.used[0].words
+    cut = [f"{one.session}: {one.words}" for one in document.used if one.ended == "readings_missing"]
+    shares = [100.0 * (one.share or 0.0) for one in document.used]
+    whole = f"{min(shares):.0f} to {max(shares):.0f} % of each record after its release"
+    return "; ".join([whole, *cut])
 
 
 def not_told_apart(document: DiagnosisDocument) -> str:

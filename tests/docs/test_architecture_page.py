@@ -85,7 +85,7 @@ def test_no_line_of_the_drawing_is_longer_than_its_boxes():
     ("change", "complaint"),
     [
         (("comparison | diagnosis", "comparison            "), "identify.diagnosis is not drawn"),
-        (("importing : raw_log", "raw_log            "), "daq.importing is not drawn"),
+        (("importing : exporting", "exporting            "), "daq.importing is not drawn"),
         (("signal | effects", "signal | effects | attic"), "identify.attic is nowhere"),
         (("preprocessing | model              ", "preprocessing | model | comparison "), "is not one layer"),
         (("│ commands ", "│ story    "), "station: the rows are not in the order of the layers"),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from identify.curves import confirmation
 from identify.curves.averaged_law import law_of
 from identify.curves.confirmation import confirm
 from identify.curves.curve_regression import CurveRegression
@@ -126,6 +127,9 @@ def test_an_effect_foretells_the_small_amplitudes_and_is_named(name):
     if name == "quadratic_damping":
         assert found.names[0] == name
         assert found.found.typical("motion") < 0.3 * found.usual.typical("motion")
+        assert (
+            found.effects[0].leads > 0.7 * found.effects[0].resamplings
+        )  # next is cubic damping, a third as good
     else:  # one release does not part a cubic spring from a stiffness that drifts
         assert found.undecided["frequency"][0] == "cubic_stiffness"
 
@@ -147,6 +151,20 @@ def test_what_three_releases_share_foretells_the_one_left_out():
     assert found.parts == 3
     assert found.names[0] == "cubic_stiffness"
     assert found.effects[0].strength == pytest.approx(1.2e5, rel=0.05)
+    assert (
+        found.effects[0].leads >= 0.9 * found.effects[0].resamplings
+    )  # nothing else moves three releases alike
+
+
+@pytest.mark.slow
+def test_an_effect_that_leads_in_fewer_than_half_of_the_drawings_is_not_named(monkeypatch):
+    monkeypatch.setattr(
+        confirmation, "leaders", lambda search, contenders, *given: (contenders[0].column, None, None)
+    )
+    found = confirmed((displacement_only("quadratic_damping", 0.03, 11, amplitude=0.02, mu_0=0.01),))
+    assert found.names == ()
+    assert found.unstable["loss"][""] == 2
+    assert len(found.undecided["loss"]) == 1
 
 
 def test_strengths_keep_their_bounds():

@@ -1,5 +1,7 @@
 """Prediction: the right physics foretells the next release, a wrong pair that fitted as well does not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -151,3 +153,22 @@ def test_a_release_of_another_bench_is_said_to_look_like_one(large):
     other = prepared(7, 0.012, stiffness=1.5 * 613.6)
     found = identify.validate(model_of(*RIGHT), truth(), other, fitted_to=[large])
     assert found.sentence.endswith("Both miss more than half of the motion: is this another bench?")
+
+
+@pytest.mark.parametrize("stated_by", [1.0, 3.0])
+def test_chi_square_is_that_of_a_diagnosis_of_the_same_release(stated_by):
+    """Readings whose noise before a fit was stated `stated_by` times too high: the floor is what the residual shows."""
+    sample = draw(None, 0.0, 81)
+    decay = identify.prepare(
+        identify.FreeDecay(sample.rate, displacement=np.asarray(sample.displacement)[230:])
+    )
+    noise = {name: replace(n, std=stated_by * n.std) for name, n in decay.noise.items()}
+    sigma = {name: stated_by * std for name, std in decay.window.sigma.items()}
+    told = replace(decay, noise=noise, window=decay.window.with_(sigma=sigma))
+    baseline = fit_baseline((told,), identify.base_model())
+    values = {name: value.value for name, value in baseline.fit.parameters.items()}
+    (one,) = identify.validate(identify.base_model(), values, told).releases
+    # k, mu_0 and mu_1 are held or nearly so, which leaves three degrees of freedom more of some 1500
+    assert one.model.chi_square == pytest.approx(baseline.fit.reduced, rel=0.01)
+    assert one.usual.chi_square == pytest.approx(baseline.fit.reduced, rel=0.01)
+    assert one.usual.chi_square == pytest.approx(1.0, abs=0.15)

@@ -11,6 +11,7 @@ from rich.console import Console
 from identify.curves.confirmation import Confirmation, ConfirmedEffect
 from identify.curves.curve_regression import MotionError, Strengths
 from identify.curves.held_out import HeldOut
+from identify.diagnosis.explain_prediction import explain_unconfirmed
 from identify.effects.library import find_effect
 from identify.model.model import Term, base_model
 from station.report.loop import suspects
@@ -35,7 +36,7 @@ def confirmation(*, one_record: bool = False, effects: bool = True) -> Confirmat
         usual = held((3.0, 4.0), (0.0, 6.0), one_record=True)
         found = held((0.0, 1.0), (0.0, 2.0), one_record=True)
     drag = ConfirmedEffect(
-        Term(find_effect("quadratic_damping")), 0.3, {}, "loss", 6.0, 2.0, 2, 3, ("cubic_damping",)
+        Term(find_effect("quadratic_damping")), 0.3, {}, "loss", 6.0, 2.0, 2, 3, ("cubic_damping",), 48, 50
     )
     undecided = {"frequency": ("cubic_stiffness", "time_varying_stiffness")}
     return Confirmation((), (drag,) if effects else (), usual, found, one_record, undecided)
@@ -169,3 +170,23 @@ def test_the_report_has_a_table_of_what_was_foretold():
     assert table.rows[-1][0] == "median"
     labels = [part.label for part in section.parts if part.kind == "paragraph"]
     assert "Confirmed" in labels
+
+
+def test_what_leads_too_seldom_is_told_with_how_often_each_leads():
+    leads = {"quadratic_damping": 20, "cubic_damping": 18, "": 12}
+    found = replace(
+        confirmation(effects=False),
+        undecided={"loss": ("quadratic_damping", "cubic_damping")},
+        unstable={"loss": leads},
+    )
+    told = explain_unconfirmed(found)
+    assert (
+        "in 50 resamplings of the cycles no effect leads in half (quadratic_damping in 20, cubic_damping in 18)"
+        in told
+    )
+    assert confirmation_document(found, NAMES).unstable == {"loss": leads}
+
+
+def test_a_confirmed_effect_says_in_how_many_resamplings_it_leads():
+    (effect,) = confirmation_document(confirmation(), NAMES).effects
+    assert (effect.leads, effect.resamplings) == (48, 50)

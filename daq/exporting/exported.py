@@ -1,0 +1,76 @@
+"""What goes into a file: the samples on one clock, their names and units, and where they come from."""
+
+import re
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from daq.recording import Array, Channel, Recording
+
+
+@dataclass(frozen=True, eq=False)
+class Exported:
+    """A recording with what is known of it: `facts` are short texts by name (session, operator, mass, lag ...)."""
+
+    recording: Recording
+    facts: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def time(self) -> Array:
+        """Time of each sample since the first, shape (n,), s."""
+        return np.arange(len(self.recording.valid)) / self.recording.rate
+
+    @property
+    def samples(self) -> Array:
+        """The samples, shape (channels, n), in SI units; NaN where they were lost."""
+        return np.asarray(np.where(self.recording.valid, self.recording.samples, np.nan))
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """One name a channel that is unlike the others, and that every format takes as a variable's name.
+
+        The first channel of a quantity, which identification uses, has the quantity's name.
+        """
+        found: list[str] = []
+        for channel in self.recording.channels:
+            plain = channel.quantity if channel.quantity != "other" else _identifier(channel.name)
+            name, number = plain, 1
+            while name in (*found, "time", "valid"):
+                number += 1
+                name = f"{plain}_{number}"
+            found.append(name)
+        return tuple(found)
+
+    @property
+    def all_facts(self) -> dict[str, str]:
+        """Facts of the recording itself, then those that were given."""
+        recording = self.recording
+        own = {"rate_hz": f"{recording.rate!r}"}
+        if recording.rate_std is not None:
+            own["rate_std_hz"] = f"{recording.rate_std!r}"
+        own["samples_lost"] = str(int((~recording.valid).sum()))
+        return own | self.facts
+
+    def channel_facts(self, channel: Channel) -> dict[str, str]:
+        """Return what is known of a channel and its calibration, as short texts by name."""
+        known = {
+            "quantity": channel.quantity,
+            "unit": channel.unit,
+            "recorded_as": channel.name,
+            "sensor": channel.sensor,
+            "calibration_uncertainty": _number(channel.calibration_uncertainty),
+            "resolution": _number(channel.resolution),
+            "low": _number(channel.low),
+            "high": _number(channel.high),
+        }
+        return {name: text for name, text in known.items() if text}
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else repr(value)
+
+
+def _identifier(text: str) -> str:
+    plain = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_")[:24].lower()
+    return plain if plain[:1].isalpha() else f"channel_{plain}".rstrip("_")

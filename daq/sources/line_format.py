@@ -1,0 +1,235 @@
+"""Which column of a board's lines is what: told by options or a profile, or found from names and from the numbers."""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from daq.errors import SettingsError
+from daq.importing.columns import INDEX, meaning, words
+from daq.importing.options import QUANTITIES
+from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
+from daq.recording import Array, Channel
+
+COUNTER = "counter"
+NONE = "none"
+CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+ALIKE = 0.25
+"""Relative difference between a column's steps and the arrivals up to which it may be a time in that unit."""
+
+
+class LineChannel(BaseModel):
+    """One channel: its column, and `value = scale * number` in `unit` (SI)."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    column: str = Field(max_length=255)
+    name: str = Field(max_length=255)
+    quantity: str = Field(pattern="^(displacement|velocity|acceleration|force)$")
+    unit: str = Field(max_length=24)
+    scale: float = Field(allow_inf_nan=False)
+
+    def channel(self) -> Channel:
+        """Return the channel of a recording."""
+        return Channel(self.name, self.quantity, self.unit)
+
+
+class LineClock(BaseModel):
+    """What tells when a line's sample was taken: its stamp (numbers times `scale` are s), its counter, or its arrival."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    kind: Literal["stamps", "counter", "arrival"]
+    column: str | None = None
+    scale: float = Field(default=1.0, gt=0, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _has_its_column(self) -> Self:
+        if (self.kind == "arrival") != (self.column is None):
+            raise ValueError(f"a clock by {self.kind} and column {self.column}")
+        return self
+
+
+class LineFormat(BaseModel):
+    """What the lines of a board mean; kept as a profile.
+
+    `names` are those of separated columns, in order, where a header gave them. `rate_hz` is the rate where it is known.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    channels: tuple[LineChannel, ...] = Field(min_length=1, max_length=64)
+    clock: LineClock
+    names: tuple[str, ...] = Field(default=(), max_length=64)
+    rate_hz: float | None = Field(default=None, gt=0, allow_inf_nan=False)
+    baud: int | None = Field(default=None, gt=0)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """All columns that are read, the clock's last."""
+        clock = () if self.clock.column is None else (self.clock.column,)
+        return (*(c.column for c in self.channels), *clock)
+
+
+class Sample(BaseModel):
+    """Lines that were listened to: columns by name, each (n,), and when each line arrived (n,), s."""
+
+    model_config = ConfigDict(frozen=True, arbitrary_types_allowed=True)
+
+    columns: dict[str, Array]
+    arrivals: Array
+    header: tuple[str, ...] = ()
+
+
+def find_format(
+    sample: Sample,
+    columns: Mapping[str, str | int] | None = None,
+    units: Mapping[str, str] | None = None,
+    rate_hz: float | None = None,
+) -> LineFormat:
+    """Return what the lines mean.
+
+    `columns` maps time, counter, displacement, velocity, acceleration, force to a column's name or number ("none"
+    leaves it out), `units` a quantity to its unit or its scale with a unit ("0.0049 mm"). Raises SettingsError where
+    no column is a motion, or a unit is not known; the message lists what comes.
+    """
+    wanted = {quantity: str(column) for quantity, column in (columns or {}).items()}
+    for name in (*wanted, *(units or {})):
+        if name not in (*QUANTITIES, COUNTER):
+            raise SettingsError(f"'{name}' is no quantity; there are {', '.join((*QUANTITIES, COUNTER))}")
+    names = sample.header if len(sample.header) == len(sample.columns) else ()
+    at = dict(zip(names, sample.columns, strict=False)) | {name: name for name in sample.columns}
+    label = {column: name for name, column in zip(names, sample.columns, strict=False)}
+    chosen = {q: _column(q, name, at, sample) for q, name in wanted.items() if name.lower() != NONE}
+    left_out = {q for q, name in wanted.items() if name.lower() == NONE}
+    motions = _motions(sample, label, chosen, left_out, dict(units or {}))
+    free = [c for c in sample.columns if c not in {m.column for m in motions}]
+    clock = _clock(sample, label, free, chosen, left_out, dict(units or {}))
+    return LineFormat(channels=motions, names=names, rate_hz=rate_hz, clock=clock)
+
+
+def describe_columns(sample: Sample) -> str:
+    """Return the columns with the range of their numbers, for a sentence."""
+    label = dict(zip(sample.columns, sample.header, strict=False))
+    said = [
+        f"{label.get(name, name)} ({np.nanmin(values):.6g} to {np.nanmax(values):.6g})"
+        for name, values in sample.columns.items()
+        if np.isfinite(values).any()
+    ]
+    return ", ".join(said) or "none with numbers"
+
+
+def _column(quantity: str, name: str, at: Mapping[str, str], sample: Sample) -> str:
+    if name in at:
+        return at[name]
+    numbered = list(sample.columns)
+    if name.isdigit() and 1 <= int(name) <= len(numbered):
+        return numbered[int(name) - 1]
+    raise SettingsError(f"{quantity}: there is no column '{name}'; what comes is {describe_columns(sample)}")
+
+
+def _motions(
+    sample: Sample,
+    label: Mapping[str, str],
+    chosen: dict[str, str],
+    left_out: set[str],
+    units: dict[str, str],
+) -> tuple[LineChannel, ...]:
+    found = dict(chosen)
+    for column in [c for c in sample.columns if c not in chosen.values()]:
+        said = meaning(label.get(column, column))
+        if said.quantity in QUANTITIES[1:] and said.quantity not in (*found, *left_out):
+            found[said.quantity] = column
+    motions = []
+    for quantity in QUANTITIES[1:]:
+        if quantity in found:
+            unit = _unit(quantity, label.get(found[quantity], found[quantity]), units.get(quantity))
+            column = found[quantity]
+            name = label.get(column, quantity if column.isdigit() else column)
+            motions.append(
+                LineChannel(column=column, name=name, quantity=quantity, unit=unit.si, scale=unit.scale)
+            )
+    if not any(m.quantity != "force" for m in motions):
+        raise SettingsError(
+            f"no column is known to be a motion; what comes is {describe_columns(sample)}. Say which one is, as "
+            "--column displacement=2 --unit displacement='0.005 mm' (what one count is)"
+        )
+    return tuple(motions)
+
+
+def _unit(quantity: str, header: str, given: str | None) -> Unit:
+    said = meaning(header)
+    if given is not None:
+        unit = parse_scaled_unit(given)
+        if unit is None or unit.quantity not in (quantity, None):
+            raise SettingsError(
+                f"{quantity}: '{given}' is no unit of a {quantity}; say mm, deg, g, or '0.005 mm'"
+            )
+        return unit if unit.quantity else Unit(unit.scale, unit.si, quantity)
+    if said.unit is not None and said.unit.quantity == quantity:
+        return said.unit
+    raise SettingsError(
+        f"{quantity}: the unit of column '{header}' is not known; say it, as --unit {quantity}=mm, or what one count "
+        f"is, as --unit {quantity}='0.005 {(SI_ANGULAR if said.angular else SI_LINEAR)[quantity].si}'"
+    )
+
+
+def _clock(
+    sample: Sample,
+    label: Mapping[str, str],
+    free: Sequence[str],
+    chosen: dict[str, str],
+    left_out: set[str],
+    units: dict[str, str],
+) -> LineClock:
+    """Return the clock: stamps where a column is a time, else a counter, else arrivals."""
+    if "time" in chosen:
+        asked = _stamps(sample, label, chosen["time"], units.get("time"), asked=True)
+        return asked or LineClock(kind="arrival")
+    if COUNTER in chosen:
+        return LineClock(kind="counter", column=chosen[COUNTER])
+    by_name = [c for c in free if meaning(label.get(c, c)).quantity == "time"]
+    for column in [*by_name, *(c for c in free if c not in by_name)] if "time" not in left_out else []:
+        found = _stamps(sample, label, column, units.get("time"), asked=False)
+        if found is not None:
+            return found
+    for column in free if COUNTER not in left_out else []:
+        if _counts(sample.columns[column]):
+            return LineClock(kind="counter", column=column)
+    return LineClock(kind="arrival")
+
+
+def _stamps(
+    sample: Sample, label: Mapping[str, str], column: str, given: str | None, *, asked: bool
+) -> LineClock | None:
+    """Return a clock by stamps if a column's steps are the arrivals' in some unit of time; a counter's may be, too."""
+    values = sample.columns[column]
+    said = meaning(label.get(column, column))
+    scale = None
+    if given is not None:
+        unit = parse_scaled_unit(given)
+        if unit is None or unit.si != "s":
+            raise SettingsError(f"time: '{given}' is no unit of time; say s, ms or us")
+        scale = unit.scale
+    elif said.unit is not None and said.unit.quantity == "time":
+        scale = said.unit.scale
+    span = float(sample.arrivals[-1] - sample.arrivals[0])
+    rises = bool(np.isfinite(values).all() and (np.diff(values) >= 0).all() and values[-1] > values[0])
+    if scale is None and rises and span > 0:
+        fits = [s for s in CLOCKS.values() if abs((values[-1] - values[0]) * s / span - 1) < ALIKE]
+        plain_counter = set(words(label.get(column, column))) & INDEX and _counts(values)
+        scale = fits[0] if fits and not (plain_counter and not asked) else None
+    if scale is None:
+        if asked:
+            raise SettingsError(f"time: the unit of column '{column}' is not known; say --unit time=ms")
+        return None
+    if not asked and not rises:
+        return None
+    return LineClock(kind="stamps", column=column, scale=scale)
+
+
+def _counts(values: Array) -> bool:
+    """Whether a column counts the lines: steps of one, but where it begins anew or lines were lost."""
+    steps = np.diff(values)
+    return bool(len(steps) > 8 and np.isfinite(values).all() and np.mean(steps == 1.0) > 0.9)

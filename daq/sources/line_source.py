@@ -1,0 +1,203 @@
+"""A board that prints numbers, a line a sample, as a source."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from daq.clock import fit_clock
+from daq.errors import BoardError, NoBoard, ProtocolError, Stalled
+from daq.port import Port
+from daq.recording import Array
+from daq.sources.line_format import LineFormat, Sample
+from daq.sources.sample_index import CountedIndex, StampedIndex
+from daq.sources.source import Reading, SourceDescription
+from daq.sources.text_lines import Line, LineCutter, header_of, parse_line
+
+LISTEN_S = 3.0
+LEAST_LINES = 24
+MOST_LINES = 20_000
+QUIET_S = 5.0
+MOST_UNREAD = 200
+COUNTER_BITS = 32
+
+
+class LineSource:
+    """Lines from a port. Without a `form` it is found by `decide`, from some seconds of lines that are listened to."""
+
+    def __init__(
+        self, port: Port, decide: Callable[[Sample], LineFormat], listen_s: float = LISTEN_S
+    ) -> None:
+        self._port = port
+        self._cutter = LineCutter()
+        self._unread = 0
+        self.sample = self._listen(listen_s)
+        self.form = decide(self.sample)
+        self._rate, self._rate_std = self._found_rate()
+        self._begin()
+
+    def describe(self) -> SourceDescription:
+        """Return channels and rate, with a sentence on whose clock it is."""
+        form, rate = self.form, self._rate
+        channels = tuple(c.channel() for c in form.channels)
+        whose = {
+            "stamps": f"time from the board's stamps: {rate:.6g} Hz",
+            "counter": f"samples counted by the board; {self._whose_rate()}",
+            "arrival": f"no counter and no stamps: lines that are lost are not noticed, and {self._whose_rate()}",
+        }
+        return SourceDescription(f"lines from {self._port.name}", channels, rate, (whose[form.clock.kind],))
+
+    def start(self) -> None:
+        """Take the next line as the first sample."""
+        self._begin()
+
+    def read(self) -> list[Reading]:
+        """Return the samples of the lines that have come, a reading for each run of indices without a hole."""
+        data = self._port.read()
+        runs: list[list[tuple[int, float, list[float]]]] = []
+        for text in self._cutter.feed(data):
+            line = self._understood(text)
+            if line is None:
+                continue
+            index, stamp = self._placed(line)
+            row = (index, stamp, [c.scale * line[c.column] for c in self.form.channels])
+            if runs and runs[-1][-1][0] == index - 1:
+                runs[-1].append(row)
+            else:
+                runs.append([row])
+        readings = [self._reading(run) for run in runs]
+        return [replace(readings[0], raw=data), *readings[1:]] if readings else [self._nothing_new(data)]
+
+    def _reading(self, run: list[tuple[int, float, list[float]]]) -> Reading:
+        samples = np.array([values for _, _, values in run], dtype=np.float64)
+        stamps = np.array([stamp for _, stamp, _ in run]) * 1e6
+        return Reading(run[0][0], samples, stamps if self.form.clock.kind == "stamps" else None)
+
+    def _nothing_new(self, data: bytes) -> Reading:
+        return Reading(0, np.empty((0, len(self.form.channels))), raw=data)
+
+    def close(self) -> None:
+        """Give the port back."""
+        self._port.close()
+
+    def _begin(self) -> None:
+        self._counted = CountedIndex()
+        wrap = self.form.clock.scale * 2.0**COUNTER_BITS
+        self._stamped = StampedIndex(self._rate, wrap)
+        self._next = 0
+
+    def _placed(self, line: dict[str, float]) -> tuple[int, float]:
+        clock = self.form.clock
+        if clock.column is not None and clock.kind == "stamps":
+            return self._stamped.next(clock.scale * line[clock.column])
+        if clock.column is not None:
+            index = self._counted.next(line[clock.column])
+            return index, index / self._rate
+        self._next += 1
+        return self._next - 1, (self._next - 1) / self._rate
+
+    def _understood(self, text: str) -> dict[str, float] | None:
+        """Return the numbers of a line by column; None for one that lacks a column, of which only so many may come."""
+        if not text:
+            return None
+        line = parse_line(text)
+        clock = self.form.clock.column
+        whole = line is not None and all(c in line.values for c in self.form.columns)
+        if line is not None and whole and (clock is None or np.isfinite(line.values[clock])):
+            return line.values
+        self._unread += 1
+        if self._unread > MOST_UNREAD:
+            raise ProtocolError(
+                f"{self._port.name}: {self._unread} lines are not as they were, the last one '{text[:40]}'; what came "
+                "before is kept"
+            )
+        return None
+
+    def _listen(self, seconds: float) -> Sample:
+        """Return the lines of some seconds. Raises NoBoard where nothing comes, BoardError where it is no numbers."""
+        began = time.monotonic()
+        last = began
+        lines: list[tuple[float, Line]] = []
+        header: tuple[str, ...] = ()
+        odd = ""
+        while (now := time.monotonic()) - began < seconds or (
+            len(lines) < LEAST_LINES and now - last < QUIET_S
+        ):
+            data = self._port.read()
+            last = now if data else last
+            for text in self._cutter.feed(data):
+                line = parse_line(text) if text else None
+                if line is not None:
+                    lines.append((now, line))
+                elif text:
+                    header, odd = header_of(text) or header, text
+            if now - last > QUIET_S or len(lines) >= MOST_LINES or now - began > 3 * (seconds + QUIET_S):
+                break
+        if len(lines) < LEAST_LINES:
+            raise self._nothing(len(lines), odd)
+        names = list(lines[-1][1].values)
+        kept = [(when, line.values) for when, line in lines if all(n in line.values for n in names)]
+        columns = {name: np.array([values[name] for _, values in kept]) for name in names}
+        return Sample(columns=columns, arrivals=np.array([when for when, _ in kept]), header=header)
+
+    def _nothing(self, count: int, odd: str) -> Exception:
+        name = self._port.name
+        if odd:
+            return BoardError(
+                f"{name}: what comes is no lines of numbers, as '{odd[:40]}'; check the baud rate (--baud), or what "
+                "the board prints"
+            )
+        if count:
+            return Stalled(
+                f"{name}: only {count} lines came; the board must print all the time, a line a sample"
+            )
+        return NoBoard(f"{name}: no line came in {QUIET_S:g} s; check cable, port and baud rate (--baud)")
+
+    def _found_rate(self) -> tuple[float, float]:
+        """Return the rate and its standard error, Hz: from stamps, as given, or by the arrival of lines."""
+        form, clock, sample = self.form, self.form.clock, self.sample
+        number = np.arange(len(sample.arrivals), dtype=np.float64)
+        if clock.column is not None and clock.kind == "stamps":
+            return _rate_of(clock.scale * sample.columns[clock.column])
+        if form.rate_hz is not None:
+            return form.rate_hz, 0.0
+        if clock.column is not None:
+            number = _unwrapped(sample.columns[clock.column])
+        late = slice(len(number) // 8, None)  # what lay in a buffer came at once
+        found = fit_clock(number[late].astype(int).tolist(), sample.arrivals[late].tolist())
+        if found is None or not np.isfinite(found.std):
+            raise ProtocolError(f"{self._port.name}: the lines come too unevenly to tell a rate; give --rate")
+        return found.rate, found.std
+
+    def _whose_rate(self) -> str:
+        if self.form.rate_hz is not None:
+            return f"{self._rate:g} Hz as given"
+        return (
+            f"the rate is that at which lines arrive here, {self._rate:.5g} ± {self._rate_std:.2g} Hz "
+            f"({100 * self._rate_std / self._rate:.2g} %); --rate gives a better one"
+        )
+
+
+def _rate_of(times: Array) -> tuple[float, float]:
+    """Return the rate of evenly taken samples by least squares over their stamps, and its standard error, Hz."""
+    step = np.diff(times)
+    typical = float(np.median(step[step > 0])) if (step > 0).any() else 0.0
+    if not typical > 0:
+        raise ProtocolError("the time stamps do not rise; name another column, as --column time=1")
+    ones = step[
+        (step > 0.5 * typical) & (step < 1.5 * typical)
+    ]  # stamps in whole ms alternate between two steps
+    placed = StampedIndex(1.0 / float(np.mean(ones)), np.inf)
+    index = np.array([placed.next(stamp)[0] for stamp in times], dtype=np.float64)
+    index -= index.mean()
+    late = times - times.mean()
+    period = float(index @ late / (index @ index))
+    left = late - period * index
+    error = np.sqrt(left @ left / max(len(times) - 2, 1) / (index @ index))
+    return 1.0 / period, float(error) / period**2
+
+
+def _unwrapped(counter: Array) -> Array:
+    counted = CountedIndex()
+    return np.array([counted.next(value) for value in counter], dtype=np.float64)

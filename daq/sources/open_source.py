@@ -1,0 +1,86 @@
+"""Sources by what the operator says: lines of a port or of a growing file, a sound card, a class of one's own."""
+
+import importlib.util
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from daq.errors import SettingsError
+from daq.port import BAUD, Port, open_port
+from daq.sources.audio_input import AudioInput
+from daq.sources.growing_file import GrowingFile
+from daq.sources.line_format import LineFormat, Sample, find_format
+from daq.sources.line_source import LineSource
+from daq.sources.source import Source
+
+AUDIO = "audio"
+AUDIO_RATE = 8000.0
+
+
+@dataclass(frozen=True)
+class LineOptions:
+    """What is told of the lines: a profile's format, or columns and units as in an import; the rate and the baud rate."""
+
+    form: LineFormat | None = None
+    columns: Mapping[str, str | int] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    rate_hz: float | None = None
+    baud: int | None = None
+
+    def decide(self, sample: Sample) -> LineFormat:
+        """Return the format of lines that were listened to. Raises SettingsError where a profile does not fit them."""
+        if self.form is None:
+            return find_format(sample, self.columns, self.units, self.rate_hz)
+        missing = [c for c in self.form.columns if c not in sample.columns]
+        if missing:
+            raise SettingsError(
+                f"the lines have no column {', '.join(missing)}, which the profile names; they have "
+                f"{', '.join(sample.columns)}"
+            )
+        return self.form
+
+
+def open_lines(port: str, options: LineOptions) -> LineSource:
+    """Open a port, or a file that grows, whose lines are samples, and listen for some seconds."""
+    return LineSource(open_bytes(port, options), options.decide)
+
+
+def open_bytes(port: str, options: LineOptions) -> Port:
+    """Open what the bytes of lines come from."""
+    path = Path(port)
+    if "://" not in port and path.is_file():
+        return GrowingFile(path)
+    known = options.form.baud if options.form is not None else None
+    return open_port(port, options.baud or known or BAUD)
+
+
+def open_source(text: str, options: LineOptions) -> Source:
+    """Open `audio`, `audio:DEVICE`, or `FILE.py:CLASS`, a class with the four calls of `daq.sources.source`."""
+    if text == AUDIO or text.startswith(f"{AUDIO}:"):
+        return AudioInput(text[len(AUDIO) + 1 :] or None, options.rate_hz or AUDIO_RATE, options.units)
+    file, _, name = text.rpartition(":")
+    path = Path(file)
+    if not name.isidentifier() or path.suffix != ".py" or not path.is_file():
+        raise SettingsError(f"'{text}' is no source; say audio, audio:DEVICE or FILE.py:CLASS")
+    spec = importlib.util.spec_from_file_location(f"source_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise SettingsError(f"{path}: cannot be read as Python")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise SettingsError(f"{path}: {type(error).__name__}: {error}") from error
+    made = getattr(module, name, None)
+    if made is None:
+        raise SettingsError(f"{path}: has no class {name}")
+    found: Source = made()
+    lacking = [
+        call for call in ("describe", "start", "read", "close") if not callable(getattr(found, call, None))
+    ]
+    if lacking:
+        raise SettingsError(
+            f"{path}: {name} lacks {', '.join(lacking)}; a source has describe, start, read and close"
+        )
+    return found

@@ -1,0 +1,218 @@
+"""A source behind the protocol: it answers requests and sends its samples as DATA, as a board would.
+
+So a capture from any source has the same trigger, the same session and the same verdict. Samples travel as 64-bit
+numbers in SI units. The source's own bytes are handed to `keep` before its samples are.
+"""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from zlib import crc32
+
+import numpy as np
+
+from daq.sources.source import Reading, Source, SourceDescription
+from firmware_protocol import (
+    TYPE_OF,
+    Ack,
+    ChannelDescription,
+    Config,
+    Data,
+    Decoder,
+    Describe,
+    End,
+    Frame,
+    Heartbeat,
+    Hello,
+    HelloRequest,
+    Log,
+    Message,
+    Nack,
+    NackCode,
+    OtherVersion,
+    Resend,
+    SampleFormat,
+    Start,
+    Stop,
+    TimeSync,
+    encode,
+)
+
+ROOM = 900
+"""Bytes of samples in a frame."""
+
+HEARTBEAT_S = 0.4
+IDLE_S = 0.02
+
+
+@dataclass
+class _Run:
+    """What was sampled since START."""
+
+    sampling: bool = False
+    total: int = 0
+    dropped: int = 0
+    checksum: int = 0
+    count: int = 0
+
+
+@dataclass
+class _Out:
+    """Frames that wait to be read, numbered."""
+
+    frames: list[bytes] = field(default_factory=list)
+    sequence: int = 0
+
+    def say(self, message: Message) -> None:
+        self.frames.append(encode(message, self.sequence))
+        self.sequence = (self.sequence + 1) & 0xFFFFFFFF
+
+
+class SourceBoard:
+    """A port (see `daq.port.Port`) at which a source answers as a board. Safe for one reader and one writer thread."""
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._description: SourceDescription = source.describe()
+        self.name = self._description.name
+        self.keep: Callable[[bytes], object] = len
+        self._decoder = Decoder()
+        self._out = _Out()
+        self._run = _Run()
+        self._lock = threading.Lock()
+        self._booted = time.monotonic()
+        self._beat = self._booted
+        self._closed = False
+
+    @property
+    def description(self) -> SourceDescription:
+        """What the source gives."""
+        return self._description
+
+    def read(self) -> bytes:
+        """Return the frames that are due; b"" when nothing came within about 50 ms."""
+        if self._run.sampling:
+            readings = self._source.read()
+            with self._lock:
+                for reading in readings:
+                    if reading.raw:
+                        self.keep(reading.raw)
+                    if self._run.sampling:
+                        self._take(reading)
+        elif not self._out.frames:
+            time.sleep(IDLE_S)
+        with self._lock:
+            now = time.monotonic()
+            if now - self._beat > HEARTBEAT_S:
+                self._beat = now
+                self._out.say(Heartbeat(self._uptime_us(), 0, self._run.dropped))
+            frames, self._out.frames = self._out.frames, []
+        return b"".join(frames)
+
+    def write(self, data: bytes) -> None:
+        """Take requests."""
+        with self._lock:
+            for frame in self._decoder.feed(data):
+                self._answer(frame)
+
+    def close(self) -> None:
+        """Give the source back."""
+        if not self._closed:
+            self._closed = True
+            self._source.close()
+
+    def _uptime_us(self) -> int:
+        return int((time.monotonic() - self._booted) * 1e6)
+
+    def _answer(self, frame: Frame) -> None:
+        message = frame.message
+        if isinstance(message, OtherVersion):
+            return
+        if isinstance(message, HelloRequest):
+            self._out.say(
+                Hello(boot_id=1, clock_hz=1_000_000, firmware="a source of samples", board=self.name[:200])
+            )
+            self._out.say(self._describe())
+            for remark in self._description.remarks:
+                self._out.say(Log(remark[:250]))
+        elif isinstance(message, TimeSync):
+            self._out.say(TimeSync(message.host_time_us, self._uptime_us()))
+        elif isinstance(message, Stop):
+            self._ack(frame, message)
+            self._end()
+        elif isinstance(message, Start):
+            self._source.start()
+            self._run = _Run(sampling=True, count=message.count)
+            self._ack(frame, message)
+        elif isinstance(message, Config):
+            self._ack(frame, message)
+            self._out.say(self._describe())
+        elif isinstance(message, Resend):
+            text = "a source keeps no samples"
+            self._out.say(Nack(frame.sequence, TYPE_OF[Resend], NackCode.NOT_HELD, text))
+
+    def _ack(self, frame: Frame, message: Message) -> None:
+        self._out.say(Ack(frame.sequence, TYPE_OF[type(message)]))
+
+    def _end(self) -> None:
+        run = self._run
+        run.sampling = False
+        self._out.say(End(run.total, run.dropped, run.checksum))
+
+    def _describe(self) -> Describe:
+        rate = self._description.rate_hz
+        return Describe(
+            SampleFormat.F64,
+            tuple(
+                ChannelDescription(
+                    c.name,
+                    c.quantity,
+                    c.unit,
+                    1.0,
+                    0.0,
+                    rate,
+                    low=c.low,
+                    high=c.high,
+                    resolution=c.resolution,
+                    group_delay_s=c.group_delay_s,
+                    sensor=c.sensor,
+                )
+                for c in self._description.channels
+            ),
+        )
+
+    def _take(self, reading: Reading) -> None:
+        """Send samples as DATA; indices that were skipped are said to be dropped."""
+        run = self._run
+        samples = np.ascontiguousarray(reading.samples, dtype="<f8")
+        if run.count:
+            samples = samples[: max(run.count - reading.first, 0)]
+        if not len(samples):
+            return
+        skipped = reading.first - run.total
+        run.dropped += skipped
+        size = max(1, ROOM // (8 * samples.shape[1]))
+        for at in range(0, len(samples), size):
+            part = samples[at : at + size]
+            first = reading.first + at
+            times = reading.times_us
+            stamp = (
+                round(first * 1e6 / self._description.rate_hz) if times is None else round(float(times[at]))
+            )
+            content = part.tobytes()
+            run.checksum = crc32(content, run.checksum)
+            self._out.say(
+                Data(
+                    first,
+                    stamp,
+                    skipped if at == 0 else 0,
+                    len(part),
+                    samples.shape[1],
+                    SampleFormat.F64,
+                    content,
+                )
+            )
+        run.total = reading.first + len(samples)
+        if run.count and run.total >= run.count:
+            self._end()

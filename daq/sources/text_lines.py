@@ -1,0 +1,112 @@
+"""Lines of text with numbers in them, as boards print them: separated, `name:value`, or a JSON object."""
+
+import json
+import math
+import re
+from dataclasses import dataclass
+
+LONGEST = 4096
+MOST_COLUMNS = 64
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_PAIR = re.compile(rf"([^\W\d][\w .²^/°-]*?)\s*[:=]\s*({_NUMBER})(?![\w.])")
+_BETWEEN = re.compile(r"\s*[,;\t|]\s*|\s+")
+_MISSING = frozenset(("nan", "ovf", "inf", "null", "none", "-"))
+
+
+class LineCutter:
+    """Bytes as they come, to whole lines. What is longer than LONGEST is no line and is thrown away."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+        self._skipping = True  # the first line may have begun before we listened
+
+    def feed(self, data: bytes) -> list[str]:
+        """Return the lines that are complete now."""
+        *whole, self._rest = (self._rest + data).split(b"\n")
+        if len(self._rest) > LONGEST:
+            self._rest, self._skipping = b"", True
+            return self._text(whole)
+        if whole and self._skipping:
+            whole, self._skipping = whole[1:], False
+        return self._text(whole)
+
+    def restart(self) -> None:
+        """Forget the line that is not complete."""
+        self._rest, self._skipping = b"", True
+
+    @staticmethod
+    def _text(lines: list[bytes]) -> list[str]:
+        return [line.decode("utf-8", "replace").strip("\r\0 \t") for line in lines if len(line) <= LONGEST]
+
+
+@dataclass(frozen=True)
+class Line:
+    """The values of one line by the name of their column; "1", "2" ... where the line has no names."""
+
+    values: dict[str, float]
+    named: bool
+
+
+def parse_line(text: str) -> Line | None:
+    """Return the numbers of a line; None where it is none of the forms. What is not a number there reads as NaN."""
+    if text.startswith("{"):
+        return _from_json(text)
+    pairs = _PAIR.findall(text)
+    if pairs and not _NUMBER_FIRST.match(text):
+        values = {name.strip(): float(number) for name, number in pairs[:MOST_COLUMNS]}
+        return Line(values, named=True)
+    fields = [field for field in _BETWEEN.split(text) if field]
+    if not fields or len(fields) > MOST_COLUMNS:
+        return None
+    numbers = [_number(field) for field in fields]
+    if any(number is None for number in numbers):
+        return None
+    return Line({str(i): n for i, n in enumerate(numbers, 1) if n is not None}, named=False)
+
+
+def header_of(text: str) -> tuple[str, ...]:
+    """Return the names in a line that is a header: separated words, none of them a number; () where it is none."""
+    fields = [field.strip().strip('"') for field in re.split(r"[,;\t|]", text)]
+    if len(fields) == 1:
+        fields = text.split()
+    wordy = all(re.search(r"[^\W\d_]", field) and _number(field) is None for field in fields)
+    return tuple(fields) if fields and wordy and len(fields) <= MOST_COLUMNS else ()
+
+
+_NUMBER_FIRST = re.compile(rf"{_NUMBER}\s*(?:[,;\t| ]|$)")
+
+
+def _from_json(text: str) -> Line | None:
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    values: dict[str, float] = {}
+    for name, value in found.items() if isinstance(found, dict) else ():
+        for key, one in _flat(str(name), value):
+            values[key] = one
+    return Line(dict(list(values.items())[:MOST_COLUMNS]), named=True) if values else None
+
+
+def _flat(name: str, value: object) -> list[tuple[str, float]]:
+    if isinstance(value, bool):
+        return []
+    if isinstance(value, int | float):
+        number = float(value) if abs(value) < 1e300 else math.nan
+        return [(name, number)]
+    if isinstance(value, list):
+        return [pair for i, one in enumerate(value[:MOST_COLUMNS], 1) for pair in _flat(f"{name}.{i}", one)]
+    if value is None:
+        return [(name, math.nan)]
+    return []
+
+
+def _number(text: str) -> float | None:
+    if text.lower() in _MISSING:
+        return math.nan
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if re.fullmatch(_NUMBER, text) else None

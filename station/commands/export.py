@@ -1,0 +1,74 @@
+"""`station export`: a session's channels for another program."""
+
+from pathlib import Path
+
+import click
+
+from station.exits import UsageProblem
+from station.output import json_option, print_json, progress
+
+FORMATS = ("csv", "mat", "uff", "hdf5", "parquet", "mcap")
+
+
+@click.command("export")
+@click.argument("session")
+@click.option(
+    "--to", "form", type=click.Choice(FORMATS), help="Format (default: by the ending of FILE, else csv)."
+)
+@click.option(
+    "--file",
+    type=click.Path(path_type=Path),
+    help="File to write (default: the session's name with the format's ending, here).",
+)
+@click.option("--as-recorded", is_flag=True, help="Do not move the displacement by its lag.")
+@click.option("--overwrite", is_flag=True, help="Replace a file that is there.")
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    session: str,
+    form: str | None,
+    file: Path | None,
+    as_recorded: bool,
+    overwrite: bool,
+    as_json: bool,
+) -> None:
+    """Write the channels of SESSION, on one clock, into a file.
+
+    Units, calibration, the lag that was taken out, and where the data come
+    from go into the file as far as the format has a place for them. Samples
+    that were lost are empty, or not a number.
+    """
+    from daq.exporting import FORMATS as ENDINGS
+    from daq.exporting import form_of
+    from station.operations.exporting import exported_session, write_exported
+    from station.results.sessions import open_session
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    if form is None:
+        form = "csv" if file is None else form_of(file)
+        if form is None:
+            raise UsageProblem(f"{file}: the ending tells no format; say --to {', '.join(FORMATS)}")
+    opened = open_session(session, settings.sessions)
+    target = file if file is not None else Path(f"{opened.folder.name}{ENDINGS[form][0]}")
+    exported, said = exported_session(opened, settings, aligned=not as_recorded)
+    size = write_exported(exported, form, target, overwrite=overwrite)
+    recording = exported.recording
+    if as_json:
+        print_json(
+            {
+                "file": str(target),
+                "format": form,
+                "bytes": size,
+                "samples": len(recording.valid),
+                "rate_hz": recording.rate,
+                "channels": {n: c.unit for n, c in zip(exported.names, recording.channels, strict=True)},
+                "facts": exported.all_facts,
+            }
+        )
+        return
+    columns = ", ".join(f"{n} [{c.unit}]" for n, c in zip(exported.names, recording.channels, strict=True))
+    progress(f"{columns}: {len(recording.valid)} samples at {recording.rate:g} Hz")
+    progress(said)
+    click.echo(f"written: {target} ({form}, {size / 1000:.0f} kB)")

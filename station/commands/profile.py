@@ -1,0 +1,107 @@
+"""`station profile`: listen to a board that prints lines, say what comes, and keep what it means."""
+
+import sys
+from typing import Any
+
+import click
+
+from station.commands.options import BAUD, COLUMNS, UNITS, pairs
+from station.output import json_option, print_json, progress, screen
+
+
+@click.command("profile")
+@click.argument("name", required=False)
+@click.option("--port", required=True, metavar="URL", help="Port of the board, or a file that grows.")
+@COLUMNS
+@UNITS
+@click.option(
+    "--rate", type=click.FloatRange(min=0, min_open=True), metavar="HZ", help="Rate, where it is known."
+)
+@BAUD
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    name: str | None,
+    port: str,
+    columns: tuple[str, ...],
+    units: tuple[str, ...],
+    rate: float | None,
+    baud: int | None,
+    as_json: bool,
+) -> None:
+    """Listen to a board that prints numbers, a line a sample, and show what comes.
+
+    With NAME what the lines mean is kept, for `station capture --profile
+    NAME`. At a terminal you are asked for what cannot be found out.
+    """
+    from daq.errors import SettingsError
+    from daq.sources.line_format import LineFormat, Sample, find_format
+    from daq.sources.line_source import LineSource
+    from daq.sources.open_source import LineOptions, open_bytes
+    from daq.sources.profiles import profile_file, save_profile
+    from station.operations.line_boards import profiles_of
+    from station.settings import load_settings
+    from station.text.lines_text import show_format, show_lines
+
+    settings = load_settings(settings_file)
+    if name is not None:
+        profile_file(name, profiles_of(settings))
+    told = LineOptions(None, pairs("--column", columns), pairs("--unit", units), rate, baud)
+
+    def decide(sample: Sample) -> LineFormat:
+        if not as_json:
+            show_lines(screen(), sample)
+        options = told
+        while True:
+            try:
+                form = find_format(sample, options.columns, options.units, options.rate_hz)
+                return form.model_copy(update={"baud": baud})
+            except SettingsError as refusal:
+                if as_json or not (sys.stdin.isatty() and sys.stderr.isatty()):
+                    raise
+                options = _asked(str(refusal), options)
+
+    progress(f"listening to {port} for some seconds")
+    source = LineSource(open_bytes(port, told), decide)
+    found = source.describe()
+    source.close()
+    kept = None if name is None else save_profile(source.form, name, profiles_of(settings))
+    if as_json:
+        print_json(
+            {
+                "format": source.form.model_dump(mode="json"),
+                "rate_hz": found.rate_hz,
+                "remarks": list(found.remarks),
+                "profile": None if kept is None else str(kept),
+            }
+        )
+        return
+    show_format(screen(), source.form, found)
+    told_name = name or "NAME"
+    if kept is not None:
+        progress(f"kept: {kept}")
+        click.echo(f"next: station capture --port {port} --profile {told_name}")
+    else:
+        click.echo(f"next: station profile {told_name} --port {port} (the same options keep it)")
+
+
+def _asked(refusal: str, options: Any) -> Any:
+    """Return the options with what the operator answers."""
+    from dataclasses import replace
+
+    progress(refusal)
+    quantity = click.prompt(
+        "Which quantity do you know?",
+        type=click.Choice(["displacement", "velocity", "acceleration", "force", "time", "counter"]),
+        default="displacement",
+        err=True,
+    )
+    column = click.prompt("Its column (number from 1, or name)", err=True)
+    unit = (
+        ""
+        if quantity == "counter"
+        else click.prompt("Its unit, or what one count is (0.005 mm)", default="", err=True)
+    )
+    units = dict(options.units) | ({quantity: unit} if unit else {})
+    return replace(options, columns=dict(options.columns) | {quantity: column}, units=units)

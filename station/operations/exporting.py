@@ -1,0 +1,104 @@
+"""Write a session's channels, on one clock, into a file of another program's format."""
+
+import os
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from daq.exporting import Exported, encode
+from daq.recording import Recording
+from daq.session import Session
+from identify.errors import NotIdentifiable
+from identify.preprocessing.aligned_decay import locate_and_align
+from identify.preprocessing.alignment import Alignment
+from identify.signal.fractional_delay import read_at_shift
+from station.exits import UsageProblem
+from station.settings import Settings
+from station.story.preparation import free_decay, options_for
+
+_MOVED = ("displacement", "velocity")
+
+
+def exported_session(session: Session, settings: Settings, *, aligned: bool = True) -> tuple[Exported, str]:
+    """Return what goes into the file, and a sentence on the channels' clock.
+
+    With `aligned` the displacement (or velocity) is moved earlier by its lag behind the acceleration, where a lag can
+    be estimated; values are not rescaled otherwise.
+    """
+    recording = session.recording()
+    facts = _facts(session)
+    if not aligned:
+        return Exported(recording, facts | {"channels": "as recorded"}), "The channels are as recorded."
+    try:
+        found = locate_and_align(free_decay(recording, options_for(session, settings)))
+    except NotIdentifiable as refusal:
+        said = f"The channels are as recorded, for they could not be aligned: {refusal}"
+        return Exported(recording, facts | {"channels": "as recorded, not aligned"}), said
+    facts["release_s"] = f"{found.release.time_s:.6g}"
+    if found.alignment is None:
+        return Exported(recording, facts | {"channels": "as recorded"}), f"As recorded: {found.not_aligned}"
+    moved, name = _moved(recording, found.alignment)
+    lag = found.alignment.lag
+    facts |= {
+        "channels": f"{name} moved earlier by its lag behind the acceleration",
+        "lag_s": f"{lag.value:.9g}",
+        "lag_std_s": f"{lag.std:.3g}",
+        "gain_of_the_acceleration": f"{found.alignment.gain.value:.9g} (estimated, not applied)",
+    }
+    said = f"The {name} was moved earlier by its lag of {lag.value * 1e3:.4g} ± {lag.std * 1e3:.1g} ms."
+    return Exported(moved, facts), said
+
+
+def write_exported(exported: Exported, form: str, file: Path, *, overwrite: bool) -> int:
+    """Write the file as a whole or not at all and return its size in bytes. Raises UsageProblem where it is there."""
+    if file.is_dir() or not file.parent.is_dir():
+        where = "is a folder" if file.is_dir() else f"the folder {file.parent} is not there"
+        raise UsageProblem(f"{file}: {where}; name a file in a folder that exists")
+    if file.exists() and not overwrite:
+        raise UsageProblem(f"{file} is there already; choose another name, or --overwrite")
+    content = encode(exported, form)
+    descriptor, name = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
+    try:
+        with os.fdopen(descriptor, "wb") as part:
+            part.write(content)
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(name).chmod(0o666 & ~mask)
+        Path(name).replace(file)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+    return len(content)
+
+
+def _moved(recording: Recording, alignment: Alignment) -> tuple[Recording, str]:
+    """Return the recording with its first displacement (or velocity) moved earlier by the lag, and what was moved."""
+    quantities = [channel.quantity for channel in recording.channels]
+    name = next(quantity for quantity in _MOVED if quantity in quantities)
+    place = quantities.index(name)
+    samples = np.array(recording.samples)
+    shift = alignment.lag.value * recording.rate
+    samples[place], known = read_at_shift(samples[place], shift, recording.valid)
+    return replace(recording, samples=samples, valid=recording.valid & known), name
+
+
+def _facts(session: Session) -> dict[str, str]:
+    info = session.info
+    board = info.board
+    known = {
+        "session": session.folder.name,
+        "recorded": info.created.isoformat(),
+        "operator": info.operator,
+        "specimen": info.specimen,
+        "remarks": info.remarks,
+        "mass_kg": "" if info.mass_kg is None else repr(info.mass_kg),
+        "mass_std_kg": "" if info.mass_std_kg is None else repr(info.mass_std_kg),
+        "verdict": info.verdict,
+        "source": info.source,
+        "board": "" if board is None else f"{board.board} {board.firmware} {board.unique_id}".strip(),
+        **{f"condition {name}": repr(value) for name, value in info.conditions.items()},
+        "written_by": "Free-Decay Station",
+    }
+    return {name: text for name, text in known.items() if text}
