@@ -103,7 +103,7 @@
     bench.drawn = after;
     running += 1;
     if (still.matches || !before || before === after || before.cycle.length !== after.cycle.length) { bench.faded = null; bench.draw(); return; }
-    const mine = running, begun = performance.now(), lasts = 70;
+    const mine = running, begun = performance.now(), lasts = 50;
     const mix = (k, key) => after[key].map((x, i) => (x === null || before[key][i] === null ? x : before[key][i] + k * (x - before[key][i])));
     bench.faded = { cycle: mix(0.35, "cycle"), cycle_std: after.cycle_std };
     bench.draw();
