@@ -11,11 +11,12 @@ from station.text.layout import sentence
 from station.text.numbers import typeset
 from station.workbench import view_models, widgets
 from station.workbench.explained import explained_words
-from station.workbench.names import plain, title
+from station.workbench.names import plain
 from station.workbench.others_menu import OthersMenu
 from station.workbench.own_card import OwnCard
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
+from station.workbench.unkept import MEASURED_CURVE
 
 
 class CardsPanel:
@@ -52,7 +53,8 @@ class CardsPanel:
         """Show the suspects of the present model, or that nobody has asked about it yet."""
         document = view.diagnosis if view.about_present else None
         floor = view.at_floor
-        now = (document, view.ladder.top.effects, floor)
+        curve = self._session.frames.get(self._session.suspect_frames.get(MEASURED_CURVE, ""))
+        now = (document, view.ladder.top.effects, floor, curve is not None)
         if now == self._shown:
             return
         self._shown = now
@@ -66,6 +68,8 @@ class CardsPanel:
         with self._row:
             if document is not None and not floor:
                 self._cards(document, view)
+                if curve is not None:
+                    self._curve(curve.says["words"])
             elif not floor:
                 self._invite()
 
@@ -103,28 +107,40 @@ class CardsPanel:
         for suspect in offered[: view_models.MOST_CARDS]:
             self._card(suspect, view)
 
-    def _card(self, suspect: SuspectDocument, view: view_models.View) -> None:
-        name = suspect.effect
-        words = explained_words(view.ladder.top.error.chi2, suspect.error_after, view.ladder.top.chi2_std)
-        card = ui.element("button").classes("card-suspect" + ("" if suspect.claimed else " weak"))
+    def _curve(self, words: str) -> None:
+        """Offer what the model lacks as it was measured, where nothing that has a name may fit."""
+        called = "the measured curve"
+        with self._button(MEASURED_CURVE, called, words, ""):
+            widgets.label("a spline of what is left, over the coordinate that it depends on", "taken")
+            widgets.label("has no name; other releases test it", "taken")
+
+    def _button(self, name: str, called: str, words: str, classes: str) -> ui.element:
+        """Return a card with its fingerprint and what it would explain; used as a context."""
+        card = ui.element("button").classes(f"card-suspect {classes}")
         card.props["type"] = "button"
         card.props["data-preview"] = name
         card.props["data-commits"] = "1"
-        card.props["aria-label"] = f"Add {plain(name)}: {words}"
-        card.on("click", partial(self._add, name))
+        card.props["aria-label"] = f"Add {called}: {words}"
+        card.on("click", partial(self._add, name, called))
         with card:
             picture = ui.element("canvas").classes("fingerprint")
             picture.props["data-effect"] = name
             with ui.element("div").classes("card-top"):
-                widgets.label(title(name), "name")
+                widgets.label(f"{called[:1].upper()}{called[1:]}", "name")
                 widgets.label(words, "explains")
+        return card
+
+    def _card(self, suspect: SuspectDocument, view: view_models.View) -> None:
+        name = suspect.effect
+        words = explained_words(view.ladder.top.error.chi2, suspect.error_after, view.ladder.top.chi2_std)
+        with self._button(name, plain(name), words, "" if suspect.claimed else "weak"):
             widgets.label(view.equations.get(name, suspect.title), "mono equation")
             close = [plain(other) for other in suspect.confusable_with[:2]]
             taken = f"taken for: {', '.join(close)}" if close else ""
             widgets.label(taken if suspect.claimed else "no better than chance", "taken")
 
-    def _add(self, name: str) -> None:
-        self._session.start(f"Adding {plain(name)}", "add", name)
+    def _add(self, name: str, called: str) -> None:
+        self._session.start(f"Adding {called}", "add", name)
 
 
 def _headline(document: DiagnosisDocument | None, ladder: KeptLadder, floor: bool) -> str:

@@ -7,19 +7,17 @@ import numpy as np
 
 from identify.fitting.fit import Fit
 from identify.fitting.problem import Problem
-from station.exits import UsageProblem
-from station.operations.refining import rung_again
 from station.operations.validating import validate_sessions
-from station.results.models import name_of, parsed_effect
+from station.results.models import name_of
 from station.settings import Settings
 from station.story.pipeline import Progress
 from station.text.numbers import three_figures
 from station.workbench import identified, view_models
-from station.workbench.explained import explained_words
 from station.workbench.export import as_csv
-from station.workbench.frame_store import fit_of, of_rung
+from station.workbench.frame_store import of_rung
 from station.workbench.frames import frame_id, frame_of
 from station.workbench.opened_session import Opened, open_session
+from station.workbench.unkept import frame_of_tried
 
 
 def identify(
@@ -77,33 +75,9 @@ def _at(fit: Fit, values: dict[str, float]) -> Fit | None:
 
 def preview(settings: Settings, progress: Progress, folder: Path, wanted: str) -> view_models.Frame:
     """Return the frame of the present model with an expression of the user's own; nothing is kept."""
-    from identify.diagnosis.ladder import add_effect
-
     opened = open_session(settings, folder)
-    refinement = opened.refinement
-    top = refinement.ladder.top
-    try:
-        effect = parsed_effect(wanted)
-        rung = add_effect(rung_again(refinement, top), effect, library=refinement.library)
-    except ValueError as error:
-        raise UsageProblem(str(error)) from error
-    from station.results.ladder import kept_rung
-
-    kept = kept_rung(rung, (*top.model.expressions, wanted))
-    ground = opened.store.ground
-    fit = fit_of(refinement, kept.model, kept.nuisances)
-    if ground is None:
-        _present_fit(opened)
-        ground = opened.store.ground
-    assert ground is not None
-    words = explained_words(top.error.chi2, kept.error.chi2, top.chi2_std)
-    says = {
-        "big": f"{three_figures(kept.error.chi2)} ×",
-        "what": f"with {name_of(wanted)}: {words}",
-        "more": "Fitted as it was typed; Add keeps it.",
-        "chi2": three_figures(kept.error.chi2),
-    }
-    return replace(frame_of(ground, fit), says=says)
+    _present_fit(opened)
+    return frame_of_tried(opened.store, opened.refinement, wanted, name_of(wanted))[1]
 
 
 def validate(

@@ -9,7 +9,6 @@ from nicegui import ui
 from identify.effects.library import LIBRARY
 from station.results.models import name_of, parsed_effect
 from station.workbench import widgets
-from station.workbench.ladder_bars import share
 from station.workbench.session_state import SessionState
 from station.workbench.widgets import run
 from station.workbench.worker import Cancelled, Failed, Job
@@ -75,9 +74,7 @@ class OwnCard:
             return
         if text != self._typed or self._session.view is not view:
             return
-        says = dict(frame.says)
-        filled, _ = share(float(says["chi2"]), view.ladder)
-        says["share"] = f"{filled:.1f}"
+        says = frame.says
         self._card.props["data-preview"] = OWN
         self._card.update()
         self._show_verdict("good", f"{says['what']}. Point here to see it again.")

@@ -36,6 +36,11 @@ class StageFeed:
             "suspects": self._offered(view),
             "says": says_of(view),
         }
+        for effect, frame in news[
+            "suspects"
+        ].items():  # what stands in no diagnosis says of itself what it leaves
+            if effect not in news["says"] and frame in self._session.frames:
+                news["says"][effect] = self._session.frames[frame].says
         news["names"] = {name: plain(name) for name in news["says"]}
         if self._stage is None or self._stage.time != view.stage.time:
             news["stage"] = asdict(view.stage)

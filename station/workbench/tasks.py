@@ -1,11 +1,14 @@
 """What a worker does for the page: each task calls what the commands call, and returns plain values."""
 
+import contextlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from daq.session import Session
+from identify.errors import NotIdentifiable
+from station.exits import Problem
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
 from station.operations.refining import add, go_to, open_refinement, remove
@@ -25,6 +28,8 @@ from station.workbench.opened_session import Opened, kept_diagnosis, open_sessio
 from station.workbench.pruning import drop_needless
 from station.workbench.raw_trace import raw_traces
 from station.workbench.session_thumbnails import thumbnail_of
+from station.workbench.unkept import MEASURED_CURVE, frame_of_tried
+from station.workbench.view_models import reaches_floor
 from station.workbench.warm_up import warm_up
 
 
@@ -141,7 +146,13 @@ def frames(
     refinement, store = opened.refinement, opened.store
     of_ladder(store, refinement, refinement.ladder, progress)
     suspects = {} if document is None else of_suspects(store, refinement, document, progress)
-    return dict(store.frames), suspects
+    found = dict(store.frames)
+    if document is not None and document.suspects and not reaches_floor(refinement.ladder.top):
+        progress("drawing the measured curve")
+        with contextlib.suppress(Problem, NotIdentifiable):  # it has no card then
+            name, frame = frame_of_tried(store, refinement, MEASURED_CURVE, "the measured curve")
+            found[name], suspects[MEASURED_CURVE] = frame, name
+    return found, suspects
 
 
 def thumbnail(settings: Settings, progress: Progress, folder: Path) -> view_models.Thumbnail:
