@@ -23,9 +23,7 @@ class OthersMenu:
 
     def build(self) -> None:
         """Make the button."""
-        self._button = widgets.button(
-            "With other releases", lambda: None, "Choose releases to look at together"
-        )
+        self._button = widgets.button("With others", lambda: None, "Choose releases to look at together")
         with self._button, ui.menu().props("max-height=360px") as menu:
             self._body = ui.element("div").classes("why")
         menu.on_value_change(lambda e: self._fill() if e.value else None)
@@ -58,6 +56,4 @@ class OthersMenu:
 
     def _name(self) -> None:
         count = len(self._session.others)
-        self._button.text = (
-            f"With {count} other{'s' if count > 1 else ''}" if count else "With other releases"
-        )
+        self._button.text = f"With {count} other{'s' if count > 1 else ''}" if count else "With others"

@@ -57,7 +57,7 @@
       const { c, box: b } = this;
       c.font = "11px " + getComputedStyle(document.body).fontFamily;
       c.lineWidth = 1;
-      const [ys, yp] = yTicks ? [yTicks.map((t) => t[0]), 0] : ticks(this.y[0], this.y[1], Math.max(3, b.h / 30));
+      const [ys, yp] = yTicks ? [yTicks.map((t) => t[0]), 0] : ticks(this.y[0], this.y[1], Math.max(3, b.h / (b.h > 240 ? 46 : 30)));
       c.textBaseline = "middle"; c.textAlign = "right";
       ys.forEach((y, i) => {
         const at = Math.round(this.py(y)) + 0.5;
