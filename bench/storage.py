@@ -17,6 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from bench.writers import rows
 from daq.raw_log import Kind, read
 from daq.session import Session, verify
 from firmware_protocol import Data, Decoder, Stop, encode
@@ -266,6 +267,11 @@ def run(quick: bool) -> str:
     for fault in FAULTS:
         mine = [what for case, what in zip(cases, ended, strict=True) if case[0] == fault]
         lines.append(f"| {fault} | {len(mine)} | {sum(not what for what in mine)} |")
+    with tempfile.TemporaryDirectory() as name:
+        of_writers, wrong = rows(Path(name), quick)
+    lines, bad = lines + of_writers, bad + wrong
+    for line in wrong:
+        print(line, file=sys.stderr)
     due, kept = sum(k.due for k in killed), sum(k.kept for k in killed)
     lines.append("")
     lines.append(

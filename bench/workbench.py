@@ -4,7 +4,7 @@ import os
 import statistics
 import time
 
-from bench.workbench_server import browser, workbench
+from bench.workbench_server import admitted, browser, workbench
 
 TITLE = "The workbench"
 
@@ -28,8 +28,8 @@ READY = "!document.querySelector('[inert]') && bench.plots?.left?.names"
 def run(quick: bool) -> str:
     """Return the section of the benchmark page."""
     repetitions = 3 if quick else 12
-    with workbench() as address, browser() as started:
-        page = started.new_page(viewport={"width": 1280, "height": 720})
+    with workbench() as printed, browser() as started:
+        page, address = admitted(started, printed, viewport={"width": 1280, "height": 720})
         page.set_default_timeout(90_000)
         page.goto(f"{address}/?session=mystery_7")
         page.wait_for_function(READY)

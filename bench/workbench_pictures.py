@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from bench.workbench_server import ROOT, browser, workbench
+from bench.workbench_server import ROOT, admitted, browser, workbench
 
 PICTURES = ROOT / "docs" / "pictures"
 SIZE = {"width": 1280, "height": 720}
@@ -11,8 +11,8 @@ SIZE = {"width": 1280, "height": 720}
 
 def main(folder: Path) -> None:
     """Walk through a mystery, light, then look at the end of it, dark."""
-    with workbench() as address, browser() as started:
-        page = started.new_page(viewport=SIZE, color_scheme="light")
+    with workbench() as printed, browser() as started:
+        page, address = admitted(started, printed, viewport=SIZE, color_scheme="light")
         page.set_default_timeout(90_000)
         page.goto(address)
         page.wait_for_function("document.querySelectorAll('.session polyline').length == 3")
@@ -41,7 +41,7 @@ def main(folder: Path) -> None:
         _keep(page, folder / "workbench_floor.png")
         page.locator(".rung").first.click()
         page.wait_for_selector(".rung.above")
-        dark = started.new_page(viewport={"width": 1920, "height": 1080}, color_scheme="dark")
+        dark, _ = admitted(started, printed, viewport={"width": 1920, "height": 1080}, color_scheme="dark")
         dark.goto(f"{address}/?session=mystery_7")
         dark.wait_for_selector("button.card-suspect")
         dark.wait_for_function("Object.keys(bench.state.suspects).length >= 3")

@@ -9,8 +9,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 
 from daq.capture import CaptureSettings, capture
 from daq.session_info import SessionInfo
@@ -24,7 +25,7 @@ SOFTWARE_GL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swi
 
 @contextmanager
 def workbench() -> Iterator[str]:
-    """Record mysteries from the double, serve them, and give the address."""
+    """Record mysteries from the double, serve them, and give the address that was printed, with its token."""
     with TemporaryDirectory() as name:
         folder = Path(name)
         for seed in SEEDS:
@@ -40,10 +41,17 @@ def workbench() -> Iterator[str]:
         )  # fmt: skip
         assert process.stderr is not None
         try:
-            yield process.stderr.readline().split()[1].rstrip("/")
+            yield process.stderr.readline().split()[1]
         finally:
             process.send_signal(signal.SIGINT)
             process.communicate(timeout=20)
+
+
+def admitted(browser: Browser, printed: str, **options: Any) -> tuple[Page, str]:
+    """Return a tab that has the token's cookie, and the address without the token; `options` are the tab's."""
+    context = browser.new_context(**options)
+    context.request.get(printed, max_redirects=0)
+    return context.new_page(), printed.partition("/?")[0]
 
 
 @contextmanager

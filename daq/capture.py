@@ -213,8 +213,8 @@ class _Capture:
             session = self._finish(writer, State.ABORTED, reason)
         except StationError as worse:
             raise worse from error
-        if isinstance(error, StationError):
-            error.session = session.folder
+        if isinstance(error, StationError | KeyboardInterrupt):
+            error.session = session.folder  # type: ignore[union-attr]
 
     def seal(self, writer: SessionWriter) -> Session:
         """Seal the session; DataLost when more stayed lost than the settings allow."""

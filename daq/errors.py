@@ -10,6 +10,7 @@
     |- PortError               3  no board, or a port that cannot be had
     |  |- NoBoard                 nothing there, or nothing that answers
     |  |- SeveralBoards           more than one answers: name one
+    |  |- PortNotAllowed          a name that is none of a port
     |  |- PortBusy                another program has it
     |  `- PortForbidden           no permission
     |- BoardError              4  the board's fault
@@ -22,7 +23,8 @@
     |  |- Stalled                 silent
     |  `- Rebooted                the board started anew in mid-capture
     `- StorageError            7  the disk's fault
-       |- SessionLocked           another process is writing this session
+       |- SessionLocked        9  another process is writing this session
+       |- SessionChanged       9  another process changed it since it was read
        `- SessionDamaged          what is stored is not what was written
 
 Each message says what happened, what was kept and what to do, in one sentence or two.
@@ -79,6 +81,10 @@ class NoBoard(PortError):
 
 class SeveralBoards(PortError):
     """More than one board answers and none was named."""
+
+
+class PortNotAllowed(PortError):
+    """What was named as a port is none; nothing was opened."""
 
 
 class PortBusy(PortError):
@@ -139,6 +145,14 @@ class StorageError(StationError):
 
 class SessionLocked(StorageError):
     """Another process is writing this session."""
+
+    exit_code = 9
+
+
+class SessionChanged(StorageError):
+    """Another process changed what a change was to be based on; nothing was written."""
+
+    exit_code = 9
 
 
 class SessionDamaged(StorageError):

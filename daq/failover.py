@@ -14,14 +14,20 @@ from daq.storage import require_space
 
 FallbackFolder = Callable[[StorageError], Path | None]
 PLACES = 10
+PREFIX = "free-decay-session-"
 
 
 def temporary_folder(error: StorageError) -> Path | None:
     """Return a new folder among the system's temporary files, or None when there is none either."""
     try:
-        return Path(tempfile.mkdtemp(prefix="free-decay-session-"))
+        return Path(tempfile.mkdtemp(prefix=PREFIX))
     except OSError:
         return None
+
+
+def is_temporary(folder: Path) -> bool:
+    """Return whether `temporary_folder` made this folder."""
+    return folder.name.startswith(PREFIX) and folder.parent == Path(tempfile.gettempdir())
 
 
 class SessionWriter:
@@ -57,15 +63,14 @@ class SessionWriter:
         failure = self._log.failure
         for _ in range(PLACES):
             try:
-                if failure is None:
-                    self._session.update(**changes)
-                    self._session.seal(state, reason, **counts)
-                    return self._session
-                place = self._fallback(failure)
-                if place is None:
-                    break
-                self._move(place, failure)
-                failure = None
+                if failure is not None:
+                    place = self._fallback(failure)
+                    if place is None:
+                        break
+                    self._move(place, failure)
+                self._session.update(**changes)
+                self._session.seal(state, reason, **counts)
+                return self._session
             except (StorageError, OperatorError) as error:
                 failure = error if isinstance(error, StorageError) else StorageError(str(error))
         self._session.release()

@@ -2,6 +2,9 @@
 
 import json
 import os
+import stat
+import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,11 +14,13 @@ from daq.errors import NotASession, SessionDamaged, StationError
 from daq.quality import Verdict
 from daq.raw_log import MAX_LOG
 from daq.session_info import State
-from daq.storage import Lock, digest, read_regular, write_whole
+from daq.storage import TEMPORARY, Lock, digest, read_regular, staged, write_whole
 
 NAME = "manifest.json"
 MAX_MANIFEST = 1 << 24
-TEMPORARY = ".new"
+LOOKS = 5
+LOOK_AGAIN_S = 0.05
+CUT_OFF = "its change was cut off half-way; recover the session"
 
 
 class FileEntry(BaseModel):
@@ -69,9 +74,10 @@ class Manifest(BaseModel):
         plain = json.dumps(content, indent=1, sort_keys=True).encode()
         return json.dumps({**content, "sha256": digest(plain)}, indent=1, sort_keys=True).encode() + b"\n"
 
-    def with_file(self, name: str, data: bytes) -> "Manifest":
-        """Return a copy in which the file has this content."""
-        return self.model_copy(update={"files": {**self.files, name: entry(data)}})
+    def with_files(self, contents: Mapping[str, bytes]) -> "Manifest":
+        """Return a copy in which these files have these contents."""
+        changed = {name: entry(data) for name, data in contents.items()}
+        return self.model_copy(update={"files": {**self.files, **changed}})
 
 
 @dataclass(frozen=True)
@@ -114,9 +120,28 @@ def write_manifest(folder: Path, manifest: Manifest) -> None:
 def verify(folder: Path) -> Verification:
     """Compare every file of a session with the manifest; finds one flipped bit anywhere.
 
-    Files in `results` that the manifest does not know are remarks, elsewhere problems. Never raises for
-    what is in the folder.
+    Plain files in `results` that the manifest does not know are remarks; elsewhere they are problems, as links,
+    pipes and devices are everywhere. A change by another process is waited for. Never raises for what is in the folder.
     """
+    for _ in range(LOOKS - 1):
+        before = _state(folder)
+        found = _verify_once(folder)
+        if found.ok or (_state(folder) == before and not any(CUT_OFF in p for p in found.problems)):
+            return found
+        time.sleep(LOOK_AGAIN_S)
+    return _verify_once(folder)
+
+
+def _state(folder: Path) -> tuple[int, int] | None:
+    """Return what tells one manifest from the next."""
+    try:
+        status = (folder / NAME).lstat()
+    except OSError:
+        return None
+    return status.st_ino, status.st_mtime_ns
+
+
+def _verify_once(folder: Path) -> Verification:
     try:
         manifest = read_manifest(folder)
     except NotASession:
@@ -128,21 +153,32 @@ def verify(folder: Path) -> Verification:
     for name in session_files(folder):
         if name in manifest.files:
             continue
-        text = f"{name}: not in the manifest"
-        (remarks if name.startswith("results/") else problems).append(text)
+        if not _is_plain(folder / name):
+            problems.append(f"{name}: no plain file, but a link, a pipe or the like; remove it")
+        else:
+            (remarks if name.startswith("results/") else problems).append(f"{name}: not in the manifest")
     return Verification(folder, tuple(problems), len(manifest.files) + 1, tuple(remarks))
 
 
 def _compare(folder: Path, name: str, known: FileEntry) -> str:
     if not is_plain_name(name):
         return f"{name!r}: the manifest names a file outside the session"
+    wrong = _differs(folder / name, known)
+    if wrong and not _differs(staged(folder / name, known.sha256), known):
+        return f"{name}: {CUT_OFF}"
+    wrong = wrong and _differs(folder / name, known)  # another process may have moved it there in between
+    return f"{name}: {wrong}" if wrong else ""
+
+
+def _differs(path: Path, known: FileEntry) -> str:
+    """Return in words how a file differs from what was written; empty when it does not."""
     try:
-        data = read_regular(folder / name, max(known.size, 1) if known.size <= MAX_LOG else MAX_LOG)
+        data = read_regular(path, max(known.size, 1) if known.size <= MAX_LOG else MAX_LOG)
     except StationError as error:
-        return f"{name}: {str(error).removeprefix(str(folder / name)).strip(': ')}"
+        return str(error).removeprefix(str(path)).strip(": ")
     if len(data) != known.size:
-        return f"{name}: {len(data)} bytes, but {known.size} were written"
-    return "" if digest(data) == known.sha256 else f"{name}: its checksum does not agree; it was altered"
+        return f"{len(data)} bytes, but {known.size} were written"
+    return "" if digest(data) == known.sha256 else "its checksum does not agree; it was altered"
 
 
 def is_plain_name(name: str) -> bool:
@@ -152,15 +188,24 @@ def is_plain_name(name: str) -> bool:
 
 
 def session_files(folder: Path) -> list[str]:
-    """Return the files of a session but the manifest, the lock and temporaries; links are not followed."""
+    """Return the files of a session but the manifest, the lock and temporaries; linked folders count as files."""
     names = []
-    for top, _, files in os.walk(folder):
-        for file in files:
-            name = (Path(top) / file).relative_to(folder).as_posix()
+    for top, folders, files in os.walk(folder):
+        linked = [name for name in folders if (Path(top) / name).is_symlink()]
+        for file in (*files, *linked):
+            path = Path(top) / file
+            name = path.relative_to(folder).as_posix()
             passing = name == Lock.NAME or (file.startswith(".") and file.endswith(TEMPORARY))
-            if not passing and name != NAME:
+            if name != NAME and not (passing and _is_plain(path)):
                 names.append(name)
     return sorted(names)
+
+
+def _is_plain(path: Path) -> bool:
+    try:
+        return stat.S_ISREG(path.lstat().st_mode)
+    except OSError:  # gone meanwhile
+        return True
 
 
 def _first(error: ValidationError) -> str:

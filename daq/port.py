@@ -12,6 +12,7 @@ import serial
 from serial.tools import list_ports as serial_list
 
 from daq.errors import Disconnected, NoBoard, PortBusy, PortError, PortForbidden
+from daq.port_names import require_port
 
 BAUD = 115200
 GONE = (serial.SerialException, OSError, TypeError, AttributeError)
@@ -59,10 +60,12 @@ def _plain(text: str | None) -> str:
 
 
 def open_port(name: str, baud: int = BAUD) -> Port:
-    """Open a device or any pyserial URL (`socket://host:port`, `rfc2217://...`) for this program alone.
+    """Open a device, `socket://HOST:PORT` or `rfc2217://HOST:PORT` for this program alone.
 
-    NoBoard when it is not there, PortBusy when another program has it, PortForbidden without permission.
+    PortNotAllowed for any other name, NoBoard when it is not there, PortBusy when another program has it,
+    PortForbidden without permission.
     """
+    require_port(name)
     until = time.monotonic() + (REOPEN_S if sys.platform == "win32" else 0.0)
     while True:
         try:

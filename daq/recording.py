@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from daq.plain_text import one_line
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
@@ -32,6 +34,11 @@ class Channel:
     group_delay_s: float = 0.0
     sensor: str = ""
     calibration_uncertainty: float | None = None
+
+    def __post_init__(self) -> None:
+        """Make the texts one line each: they come from boards and files."""
+        for name in ("name", "quantity", "unit", "sensor"):
+            object.__setattr__(self, name, one_line(getattr(self, name)))
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,19 @@ source/         for an import, a copy of the file
 results/        derived, can be made again
 manifest.json   checksums, counts, gaps, verdict
 .lock           while a process writes the session
+.NAME.MARK.new  the content of NAME that waits until the manifest names it, see `session_changes`
 """
 
 from daq.manifest import Verification, verify
 from daq.session_folder import Session
 from daq.session_info import BoardInfo, SensorInfo, SessionInfo, State
-from daq.session_recovery import SessionSummary, list_sessions, recover, unsealed_sessions
+from daq.session_recovery import (
+    SessionSummary,
+    finish_change,
+    list_sessions,
+    recover,
+    unsealed_sessions,
+)
 
 __all__ = [
     "BoardInfo",
@@ -21,6 +28,7 @@ __all__ = [
     "SessionSummary",
     "State",
     "Verification",
+    "finish_change",
     "list_sessions",
     "recover",
     "unsealed_sessions",

@@ -1,13 +1,14 @@
-"""One session's folder: opened, created, filled, sealed; the layout is drawn in `session`."""
+"""One session's folder: created, filled, sealed, changed; the layout is drawn in `session`."""
 
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
 
 from pydantic import ValidationError
 
-from daq.decode import Assembly, assemble
-from daq.errors import DataLost, NotASession, SessionDamaged, SettingsError, StorageError
+from daq.decode import Assembly
+from daq.errors import DataLost, NotASession, SessionChanged, SettingsError, StorageError
 from daq.import_log import import_log
 from daq.manifest import (
     Counts,
@@ -16,37 +17,34 @@ from daq.manifest import (
     Manifest,
     entry,
     is_plain_name,
-    read_manifest,
     session_files,
     write_manifest,
 )
 from daq.noise_history import typical_noise
 from daq.quality import Grade, Verdict, judge
-from daq.raw_log import MAX_LOG, RawLog, Record, read
+from daq.raw_log import MAX_LOG, RawLog
 from daq.recording import Channel, Recording
+from daq.session_changes import commit, complete
 from daq.session_info import SensorInfo, SessionInfo, State
-from daq.storage import Lock, make_folder, read_regular, refused, write_whole
+from daq.session_reading import INFO, RAW, RESULTS, SOURCE, SessionReader, read_info
+from daq.storage import Lock, digest, make_folder, read_regular, refused, require_empty, write_whole
 
-INFO = "session.json"
-RAW = "raw.log"
-RESULTS = "results"
-SOURCE = "source"
-MAX_INFO = 1 << 20
+WAIT_S = 10.0
+"""How long a change waits for another process that changes the same session."""
 
 
-class Session:
-    """One session's folder. Reading takes no lock; whoever writes the raw log holds one until it seals."""
+class Session(SessionReader):
+    """One session's folder. Reading takes no lock; a change holds one, and a capture from the raw log until it seals.
 
-    def __init__(self, folder: Path, info: SessionInfo, lock: Lock | None = None) -> None:
-        self.folder = folder
-        self.info = info
+    `completed` are the files whose change a killed program had left half-way, and which `recover` completed.
+    """
+
+    def __init__(
+        self, folder: Path, info: SessionInfo, lock: Lock | None = None, completed: tuple[str, ...] = ()
+    ) -> None:
+        super().__init__(folder, info)
+        self.completed = completed
         self._lock = lock
-
-    @classmethod
-    def open(cls, folder: Path | str) -> Self:
-        """Open a session for reading; NotASession or SessionDamaged when it is none."""
-        folder = Path(folder)
-        return cls(folder, read_info(folder))
 
     @classmethod
     def create(cls, folder: Path | str, info: SessionInfo, log: RawLog) -> Self:
@@ -60,9 +58,10 @@ class Session:
         lock.acquire()
         session = cls(folder, info.model_copy(update={"name": info.name or folder.name}), lock)
         try:
+            require_empty(folder)  # another process may have made a session here in between
             log.note(event="session", info=session.info.model_dump(mode="json"))
             session._make_results()
-            session._write_info()
+            write_whole(folder / INFO, _to_bytes(session.info))
             log.store(folder / RAW)
         except BaseException:
             lock.release()
@@ -101,72 +100,43 @@ class Session:
             session.release()
         return session
 
-    @property
-    def results(self) -> Path:
-        """The folder of results; it is there."""
-        return self.folder / RESULTS
-
-    @property
-    def source_file(self) -> Path | None:
-        """The copy of the imported file, or None."""
-        name = self.info.source_file
-        return self.folder / SOURCE / name if name and is_plain_name(name) else None
-
-    def records(self) -> tuple[Record, ...]:
-        """The records of the raw log, in order."""
-        return read(self.folder / RAW).records
-
-    def assembly(self) -> Assembly:
-        """Decode the raw log; what is damaged in it is listed in the notes."""
-        raw = read(self.folder / RAW)
-        assembly = assemble(raw.records)
-        if raw.damaged:
-            assembly.notes.append(f"{raw.damaged} damaged pieces of the raw log were skipped")
-        return assembly
-
-    def recording(self) -> Recording:
-        """Return the recording, decoded from the raw bytes; DataLost when they hold no sample."""
-        try:
-            return self.complete(self.assembly().recording())
-        except DataLost as error:
-            raise DataLost(f"{self.folder}: {error}", self.folder) from error
-
-    def complete(self, recording: Recording) -> Recording:
-        """Add what the metadata know: calibrations and the uncertainty of the rate."""
-        known = {sensor.channel: sensor for sensor in self.info.sensors}
-        channels = tuple(_calibrated(channel, known.get(channel.name)) for channel in recording.channels)
-        return replace(recording, channels=channels, rate_std=self.info.rate_std_hz)
-
-    @property
-    def verdict(self) -> Verdict | None:
-        """The verdict of the manifest; None when the session is not sealed."""
-        try:
-            return self.manifest().verdict
-        except NotASession:
-            return None
-
-    def manifest(self) -> Manifest:
-        """Read the manifest; NotASession when the session is not sealed, SessionDamaged when altered."""
-        return read_manifest(self.folder)
-
     def update(self, **changes: Any) -> None:
-        """Change metadata; SettingsError when a value is out of range."""
-        try:
-            self.info = SessionInfo.model_validate({**self.info.model_dump(), **changes})
-        except ValidationError as error:
-            first = error.errors(include_url=False, include_input=False)[0]
-            raise SettingsError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from error
-        self._note(INFO, self._write_info())
+        """Change metadata; SettingsError when a value is out of range, SessionLocked as in `write_results`."""
+        with self._writing() as begun:
+            known = self.info if begun else read_info(self.folder)
+            try:
+                self.info = SessionInfo.model_validate({**known.model_dump(), **changes})
+            except ValidationError as error:
+                first = error.errors(include_url=False, include_input=False)[0]
+                raise SettingsError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+            self._change({INFO: _to_bytes(self.info)})
 
     def write_result(self, name: str, data: str | bytes) -> Path:
-        """Write `results/name` as a whole and note its checksum; overwrites a result of that name."""
-        if not is_plain_name(name) or "/" in name or "\\" in name:
-            raise SettingsError(f"{name!r} is no name for a result; use letters, digits, dots and dashes")
-        content = data.encode() if isinstance(data, str) else data
-        self._make_results()
-        write_whole(self.results / name, content)
-        self._note(f"{RESULTS}/{name}", content)
+        """Write one result as `write_results` does, and return its file."""
+        self.write_results({name: data})
         return self.results / name
+
+    def write_results(
+        self, contents: Mapping[str, str | bytes], seen: Mapping[str, str | None] | None = None
+    ) -> None:
+        """Write files of `results` and their checksums in the manifest as one change; what is there is overwritten.
+
+        `seen` holds, for results on which the change is based, the checksum of what was read (`daq.storage.digest`;
+        None for no file). SessionChanged when one is another by now, SessionLocked when another process does not end
+        its own change in time; nothing is written then.
+        """
+        for name in contents:
+            if not is_plain_name(name) or "/" in name or "\\" in name:
+                raise SettingsError(f"{name!r} is no name for a result; use letters, digits, dots and dashes")
+        plain = {
+            f"{RESULTS}/{name}": data.encode() if isinstance(data, str) else data
+            for name, data in contents.items()
+        }
+        with self._writing():
+            for name, checksum in (seen or {}).items():
+                self._expect(name, checksum)
+            self._make_results()
+            self._change(plain)
 
     def seal(
         self,
@@ -180,22 +150,22 @@ class Session:
 
         On a session that is sealed already it only notes the checksums of new results.
         """
-        known = self._known_manifest()
-        if known is not None and self.info.state is not State.RECORDING and state is State.SEALED:
-            write_manifest(self.folder, known.model_copy(update={"files": self._entries(known.files)}))
-            return known.verdict
-        assembly = self.assembly()
-        verdict, gaps, counts = _judge(self.folder, self.info, assembly, check_clock)
-        counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
-        self.info = self.info.model_copy(
-            update={"state": state, "reason": reason[:2000], "verdict": verdict.grade.value}
-        )
-        self._write_info()
-        files = self._entries(known.files if known else {})
-        sealed = Manifest(state=state, files=files, counts=counts, gaps=gaps, verdict=verdict)
-        write_manifest(self.folder, sealed)
-        self.release()
-        return verdict
+        with self._writing():
+            known = self._known_manifest()
+            if known is not None and self.info.state is not State.RECORDING and state is State.SEALED:
+                write_manifest(self.folder, known.model_copy(update={"files": self._entries(known.files)}))
+                return known.verdict
+            verdict, gaps, counts = _judge(self.folder, self.info, self.assembly(), check_clock)
+            counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
+            self.info = self.info.model_copy(
+                update={"state": state, "reason": reason[:2000], "verdict": verdict.grade.value}
+            )
+            files = self._entries(known.files if known else {})
+            sealed = Manifest(state=state, files=files, counts=counts, gaps=gaps, verdict=verdict)
+            changed = {INFO: _to_bytes(self.info)}
+            commit(self.folder, changed, sealed.with_files(changed))
+            self.release()
+            return verdict
 
     def release(self) -> None:
         """Give the lock back; harmless when it is not held."""
@@ -217,15 +187,36 @@ class Session:
         except NotASession:
             return None
 
-    def _note(self, name: str, content: bytes) -> None:
+    @contextmanager
+    def _writing(self) -> Iterator[bool]:
+        """Hold the lock; whether it was held before is given. A change that was cut off is completed first."""
+        if self._lock is not None:
+            yield True
+            return
+        lock = Lock(self.folder)
+        lock.acquire(WAIT_S)
+        self._lock = lock
+        try:
+            complete(self.folder)
+            yield False
+        finally:
+            self.release()
+
+    def _change(self, contents: Mapping[str, bytes]) -> None:
         known = self._known_manifest()
         if known is not None:
-            write_manifest(self.folder, known.with_file(name, content))
+            commit(self.folder, contents, known.with_files(contents))
+            return
+        for name, data in contents.items():
+            write_whole(self.folder / name, data)
 
-    def _write_info(self) -> bytes:
-        content = self.info.model_dump_json(indent=1).encode() + b"\n"
-        write_whole(self.folder / INFO, content)
-        return content
+    def _expect(self, name: str, checksum: str | None) -> None:
+        data = self.read_result(name, MAX_LOG)
+        if (None if data is None else digest(data)) != checksum:
+            raise SessionChanged(
+                f"{self.folder.name}: another program has changed {RESULTS}/{name} meanwhile; nothing was written,"
+                " look at it and do this step again"
+            )
 
     def _make_results(self) -> None:
         if self.results.is_symlink():
@@ -236,18 +227,8 @@ class Session:
             raise refused(self.results, error) from error
 
 
-def read_info(folder: Path) -> SessionInfo:
-    """Read and check `session.json`."""
-    try:
-        data = read_regular(folder / INFO, MAX_INFO)
-    except NotASession as error:
-        raise NotASession(f"{folder} is no session: there is no {INFO} in it") from error
-    try:
-        return SessionInfo.model_validate_json(data)
-    except ValidationError as error:
-        first = error.errors(include_url=False, include_input=False)[0]
-        where = ".".join(str(part) for part in first["loc"])[:200] or "it"
-        raise SessionDamaged(f"{folder / INFO}: {where}: {first['msg']}; recover the session") from error
+def _to_bytes(info: SessionInfo) -> bytes:
+    return info.model_dump_json(indent=1).encode() + b"\n"
 
 
 def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
@@ -255,13 +236,6 @@ def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
         SensorInfo(channel=c.name[:255], sensor=c.sensor[:255], uncertainty=c.calibration_uncertainty)
         for c in channels
     )
-
-
-def _calibrated(channel: Channel, sensor: SensorInfo | None) -> Channel:
-    if sensor is None:
-        return channel
-    uncertainty = channel.calibration_uncertainty if sensor.uncertainty is None else sensor.uncertainty
-    return replace(channel, sensor=channel.sensor or sensor.sensor, calibration_uncertainty=uncertainty)
 
 
 def _judge(

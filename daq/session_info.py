@@ -5,6 +5,8 @@ from enum import StrEnum
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from daq.plain_text import Line
+
 FORMAT = 1
 
 
@@ -22,9 +24,9 @@ class SensorInfo(BaseModel):
 
     model_config = ConfigDict(frozen=True)
 
-    channel: str = Field(max_length=255)
-    sensor: str = Field(default="", max_length=255)
-    calibrated: str = Field(default="", max_length=255)
+    channel: Line = Field(max_length=255)
+    sensor: Line = Field(default="", max_length=255)
+    calibrated: Line = Field(default="", max_length=255)
     uncertainty: float | None = Field(default=None, ge=0, le=10, allow_inf_nan=False)
 
 
@@ -33,11 +35,11 @@ class BoardInfo(BaseModel):
 
     model_config = ConfigDict(frozen=True)
 
-    board: str = Field(default="", max_length=255)
-    firmware: str = Field(default="", max_length=255)
-    unique_id: str = Field(default="", max_length=255)
+    board: Line = Field(default="", max_length=255)
+    firmware: Line = Field(default="", max_length=255)
+    unique_id: Line = Field(default="", max_length=255)
     boot_id: int = 0
-    protocol: str = Field(default="", max_length=16)
+    protocol: Line = Field(default="", max_length=16)
 
 
 class SessionInfo(BaseModel):
@@ -51,22 +53,22 @@ class SessionInfo(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore")
 
     format: int = Field(default=FORMAT, ge=1, le=FORMAT)
-    name: str = Field(default="", max_length=255)
+    name: Line = Field(default="", max_length=255)
     created: datetime = Field(default_factory=lambda: datetime.now(UTC).replace(microsecond=0))
     state: State = State.RECORDING
-    operator: str = Field(default="", max_length=255)
-    specimen: str = Field(default="", max_length=1000)
+    operator: Line = Field(default="", max_length=255)
+    specimen: Line = Field(default="", max_length=1000)
     remarks: str = Field(default="", max_length=10000)
     mass_kg: float | None = Field(default=None, gt=0, allow_inf_nan=False)
     mass_std_kg: float | None = Field(default=None, ge=0, allow_inf_nan=False)
     sensors: tuple[SensorInfo, ...] = Field(default=(), max_length=256)
-    source: str = Field(default="", max_length=4096)
+    source: Line = Field(default="", max_length=4096)
     source_file: str = Field(default="", max_length=255)
     board: BoardInfo | None = None
     rate_hz: float | None = Field(default=None, gt=0, allow_inf_nan=False)
     rate_std_hz: float | None = Field(default=None, ge=0, allow_inf_nan=False)
-    conditions: dict[str, FiniteFloat] = Field(default_factory=dict, max_length=256)
+    conditions: dict[Line, FiniteFloat] = Field(default_factory=dict, max_length=256)
     planned_samples: int | None = Field(default=None, ge=0, le=1 << 53)
     noise: dict[str, float] = Field(default_factory=dict, max_length=256)
-    verdict: str = Field(default="", max_length=64)
-    reason: str = Field(default="", max_length=2000)
+    verdict: Line = Field(default="", max_length=64)
+    reason: Line = Field(default="", max_length=2000)

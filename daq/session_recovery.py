@@ -6,11 +6,16 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from daq.errors import NotASession, SessionDamaged, StationError, StorageError
+from daq.errors import NotASession, SessionDamaged, SessionLocked, StationError, StorageError
+from daq.manifest import NAME as MANIFEST
 from daq.raw_log import MAX_LOG, Record, unpack
-from daq.session_folder import INFO, RAW, Session, read_info
+from daq.session_changes import complete, is_cut_off
+from daq.session_folder import Session
 from daq.session_info import SessionInfo, State
+from daq.session_reading import INFO, RAW, read_info
 from daq.storage import Lock, read_regular, refused
+
+_UNSEALED = "the program ended before the session was sealed"
 
 
 @dataclass(frozen=True)
@@ -43,26 +48,54 @@ def list_sessions(folder: Path | str) -> tuple[SessionSummary, ...]:
 
 
 def unsealed_sessions(folder: Path | str) -> tuple[Path, ...]:
-    """Return the sessions in a folder that were never sealed and that no process is writing."""
+    """Return the sessions in a folder that a program left unfinished and that none is writing.
+
+    These were never sealed, or have no manifest, or hold a change that was cut off.
+    """
     waiting = []
     for summary in list_sessions(folder):
-        if summary.info is not None and summary.info.state is not State.RECORDING:
+        if not _is_unfinished(summary.folder):
             continue
         lock = Lock(summary.folder)
         try:
             lock.acquire()
-        except StorageError:
+        except SessionLocked:
             continue
+        except StorageError:  # `recover` says why
+            waiting.append(summary.folder)
+            continue
+        if _is_unfinished(summary.folder):  # and was not just being changed
+            waiting.append(summary.folder)
         lock.release()
-        waiting.append(summary.folder)
     return tuple(waiting)
 
 
-def recover(folder: Path | str) -> Session:
-    """Make an unsealed session whole: everything up to the last whole record of its raw log.
+def _is_unfinished(folder: Path) -> bool:
+    try:
+        recording = read_info(folder).state is State.RECORDING
+    except StationError:
+        recording = True
+    return recording or not os.path.lexists(folder / MANIFEST) or is_cut_off(folder)
 
-    A sealed or recovered session is returned as it is. SessionLocked while a process writes it,
-    NotASession or SessionDamaged when there is no raw log. The raw log itself is never touched.
+
+def finish_change(folder: Path) -> tuple[str, ...]:
+    """Complete a change that a process left half-way; return the files that it changed. Errors as `recover`."""
+    if not is_cut_off(folder):
+        return ()
+    lock = Lock(folder)
+    lock.acquire()
+    try:
+        return complete(folder)
+    finally:
+        lock.release()
+
+
+def recover(folder: Path | str) -> Session:
+    """Make an unfinished session whole: everything up to the last whole record of its raw log.
+
+    A change of results that was cut off is completed: see `completed` of what is returned. A sealed or recovered
+    session is otherwise returned as it is. SessionLocked while a process writes it, NotASession or SessionDamaged
+    when there is no raw log. The raw log itself is never touched.
     """
     folder = Path(folder)
     if not (folder / RAW).exists():
@@ -70,13 +103,16 @@ def recover(folder: Path | str) -> Session:
     lock = Lock(folder)
     lock.acquire()
     try:
+        completed = complete(folder)
         raw = unpack(read_regular(folder / RAW, MAX_LOG))
         info = _info_again(folder, raw.records)
-        session = Session(folder, info, lock)
-        if info.state in (State.SEALED, State.RECOVERED) and (folder / "manifest.json").exists():
+        session = Session(folder, info, lock, completed)
+        if info.state in (State.SEALED, State.RECOVERED) and os.path.lexists(folder / MANIFEST):
+            session.release()
             return session
         session._make_results()
-        what = info.reason or "the program ended before the session was sealed"
+        lost = "the manifest was missing" if info.state is State.SEALED else _UNSEALED
+        what = info.reason or lost
         session.seal(State.RECOVERED, f"{what}; {len(raw.records)} records recovered, {raw.cut} bytes cut")
         return session
     finally:

@@ -3,17 +3,22 @@
 import errno
 import hashlib
 import os
+import secrets
 import shutil
 import stat
+import time
 from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
 from daq.errors import NotASession, SessionExists, SessionLocked, StorageError
 
-_BINARY = getattr(os, "O_BINARY", 0)
-_NO_FOLLOW = getattr(os, "O_NOFOLLOW", 0)
-_NO_WAIT = getattr(os, "O_NONBLOCK", 0)
+TEMPORARY = ".new"
+LOOK_AGAIN_S = 0.02
+
+_CAREFUL = sum(
+    getattr(os, name, 0) for name in ("O_BINARY", "O_NOFOLLOW", "O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC")
+)
 
 
 def refused(path: Path, error: OSError) -> StorageError:
@@ -29,14 +34,17 @@ def make_folder(folder: Path) -> None:
     """Make a new folder for a session; SessionExists when it holds something already."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        if any(folder.iterdir()):
-            raise SessionExists(
-                f"{folder} holds something already; nothing was overwritten, name a new folder"
-            )
+        require_empty(folder)
     except FileExistsError as error:
         raise SessionExists(f"{folder} is a file; name a new folder for the session") from error
     except OSError as error:
         raise refused(folder, error) from error
+
+
+def require_empty(folder: Path) -> None:
+    """SessionExists when a folder holds anything but a lock."""
+    if any(path.name != Lock.NAME for path in folder.iterdir()):
+        raise SessionExists(f"{folder} holds something already; nothing was overwritten, name a new folder")
 
 
 def require_space(folder: Path, spare: int) -> None:
@@ -55,10 +63,38 @@ def require_space(folder: Path, spare: int) -> None:
         )
 
 
+def open_regular(path: Path, flags: int, mode: int = 0o644) -> int:
+    """Open a plain file and return its descriptor; no link is followed, no pipe waited for, no device kept open.
+
+    Raises OSError as the system does, and StorageError where there is something else of that name.
+    """
+    if not hasattr(os, "O_NOFOLLOW") and path.is_symlink():
+        raise StorageError(_no_plain_file(path))
+    try:
+        fd = os.open(path, flags | _CAREFUL, mode)
+    except OSError as error:
+        if error.errno in (
+            errno.ELOOP,
+            errno.EMLINK,
+            errno.ENXIO,
+            errno.EISDIR,
+        ):  # link, link, socket, folder
+            raise StorageError(_no_plain_file(path)) from error
+        raise
+    if not stat.S_ISREG(os.fstat(fd).st_mode):
+        os.close(fd)
+        raise StorageError(_no_plain_file(path))
+    return fd
+
+
+def _no_plain_file(path: Path) -> str:
+    return f"{path} is no plain file, but a link, a pipe or the like, and was not opened; remove it"
+
+
 def open_new(path: Path) -> int:
     """Open a file that must not exist yet for appending, and return its descriptor."""
     try:
-        return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | _BINARY, 0o644)
+        return open_regular(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND)
     except FileExistsError as error:
         raise SessionExists(f"{path} exists already; nothing was overwritten, name a new folder") from error
     except OSError as error:
@@ -68,38 +104,54 @@ def open_new(path: Path) -> int:
 def read_regular(path: Path, limit: int) -> bytes:
     """Return the bytes of a plain file of at most `limit` bytes; links, pipes and devices are refused."""
     try:
-        fd = os.open(path, os.O_RDONLY | _BINARY | _NO_FOLLOW | _NO_WAIT)
+        fd = open_regular(path, os.O_RDONLY)
     except FileNotFoundError as error:
         raise NotASession(f"{path} is not there") from error
     except OSError as error:
         raise StorageError(f"{path} cannot be read: {error.strerror or error}") from error
     with os.fdopen(fd, "rb") as file:
-        status = os.fstat(file.fileno())
-        if not stat.S_ISREG(status.st_mode):
-            raise StorageError(f"{path} is no plain file; a session holds plain files only")
-        if status.st_size > limit:
-            raise StorageError(f"{path} has {status.st_size} bytes, more than the {limit} that are sensible")
+        size = os.fstat(file.fileno()).st_size
+        if size > limit:
+            raise StorageError(f"{path} has {size} bytes, more than the {limit} that are sensible")
         try:
-            return file.read()
+            return file.read(limit + 1)[:limit]
         except OSError as error:
             raise StorageError(f"{path} cannot be read: {error.strerror or error}") from error
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write a file so that after any crash the old or the new content is there: temporary, sync, rename."""
-    temporary = path.with_name(f".{path.name}.new")
+    """Write a file so that after any crash, and with any other writer, one whole content is there."""
+    temporary = staged(path, secrets.token_hex(16))
+    write_new(temporary, data, path)
     try:
-        temporary.unlink(missing_ok=True)  # it may be a link to another place
-        with temporary.open("xb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
         os.replace(temporary, path)
     except OSError as error:
         with suppress(OSError):
             temporary.unlink()
         raise refused(path, error) from error
     sync_directory(path.parent)
+
+
+def staged(path: Path, mark: str) -> Path:
+    """Return where the content of a file waits until it is moved there: in the same folder, by 32 digits of its mark."""
+    return path.with_name(f".{path.name}.{mark[:32]}{TEMPORARY}")
+
+
+def write_new(temporary: Path, data: bytes, path: Path) -> None:
+    """Write a file that must not be there yet and force it to the disk; `path` is what a refusal names."""
+    try:
+        fd = open_regular(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
+    except OSError as error:
+        raise refused(path, error) from error
+    try:
+        with os.fdopen(fd, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        with suppress(OSError):
+            temporary.unlink()
+        raise refused(path, error) from error
 
 
 def sync_directory(folder: Path) -> None:
@@ -126,30 +178,39 @@ class Lock:
         self.path = folder / self.NAME
         self._file: IO[bytes] | None = None
 
-    def acquire(self) -> None:
-        """Take the lock at once or raise SessionLocked."""
-        for _ in range(10):
-            try:
-                file = self.path.open("ab")
-            except OSError as error:
-                raise refused(self.path, error) from error
-            try:
-                _lock_file(file)
-            except OSError as error:
-                file.close()
+    def acquire(self, wait_s: float = 0.2) -> None:
+        """Take the lock, within `wait_s` seconds where another has it, or raise SessionLocked."""
+        until = time.monotonic() + wait_s
+        while not self._taken():
+            if time.monotonic() >= until:
                 raise SessionLocked(
-                    f"{self.path.parent} is being written by another process; wait for it to end"
-                ) from error
-            if self._is_current(file):
-                self._file = file
-                return
+                    f"{self.path.parent} is being written by another process; nothing was changed, wait for it to end"
+                )
+            time.sleep(LOOK_AGAIN_S)
+
+    def _taken(self) -> bool:
+        """Try once: open, lock, and see whether what was locked is still the file of that name."""
+        try:
+            file = os.fdopen(open_regular(self.path, os.O_RDWR | os.O_CREAT), "r+b")
+        except OSError as error:
+            raise refused(self.path, error) from error
+        try:
+            _lock_file(file)
+        except OSError as error:
             file.close()
-        raise SessionLocked(f"{self.path.parent} is being locked and unlocked by others; try again")
+            if error.errno in (errno.EAGAIN, errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK):
+                return False
+            raise refused(self.path, error) from error  # a disk that knows no locks
+        if not self._is_current(file):
+            file.close()
+            return False
+        self._file = file
+        return True
 
     def _is_current(self, file: IO[bytes]) -> bool:
         """Return whether nobody removed the lock's file between opening and locking it."""
         try:
-            return os.path.samestat(os.fstat(file.fileno()), self.path.stat())
+            return os.path.samestat(os.fstat(file.fileno()), self.path.lstat())
         except OSError:
             return False
 

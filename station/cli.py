@@ -90,6 +90,9 @@ def station(ctx: click.Context, settings_file: str | None, debug: bool) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with the code that says how it ended."""
+    from station.library_messages import say_in_one_line
+
+    say_in_one_line()
     given = list(sys.argv[1:] if arguments is None else arguments)
     sys.exit(run(given))
 
@@ -102,15 +105,16 @@ def run(arguments: list[str]) -> int:
         return result if isinstance(result, int) else exits.DONE
     except click.exceptions.Exit as leaving:
         return int(leaving.exit_code)
-    except click.exceptions.Abort:
-        return _failed(KeyboardInterrupt(), exits.INTERRUPTED, "interrupted", arguments)
+    except click.exceptions.Abort as error:
+        interrupt = error.__cause__ or error
+        return _failed(interrupt, exits.INTERRUPTED, _kept("interrupted", interrupt), arguments)
     except click.ClickException as error:
         return _failed(error, exits.USAGE, _usage_sentence(error), arguments)
     except BrokenPipeError:  # the reader of a pipe has left, as `head` does
         sys.stderr.close()
         return exits.DONE
     except KeyboardInterrupt as error:
-        return _failed(error, exits.INTERRUPTED, str(error) or "interrupted", arguments)
+        return _failed(error, exits.INTERRUPTED, _kept(str(error) or "interrupted", error), arguments)
     except Exception as error:
         return _failed(error, exits.code_of(error), _sentence(error), arguments)
 
@@ -125,7 +129,7 @@ def _sentence(error: Exception) -> str:
     )
 
 
-def _kept(sentence: str, error: Exception) -> str:
+def _kept(sentence: str, error: BaseException) -> str:
     """Add where the data are, when an error of the acquisition left some."""
     folder = getattr(error, "session", None)
     return sentence if folder is None or str(folder) in sentence else f"{sentence} (kept: {folder})"

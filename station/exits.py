@@ -9,6 +9,8 @@ LOST_DATA = 5
 DISCONNECTED = 6
 STORAGE = 7
 NOT_IDENTIFIABLE = 8
+CONFLICT = 9
+ELSEWHERE = 10
 INTERRUPTED = 130
 
 MEANING = {
@@ -21,6 +23,8 @@ MEANING = {
     DISCONNECTED: "the board was disconnected or stalled",
     STORAGE: "the disk refused: full, read-only or damaged",
     NOT_IDENTIFIABLE: "the record does not allow an identification",
+    CONFLICT: "another program writes the session, or changed it meanwhile; nothing was written",
+    ELSEWHERE: "done, but the disk refused and the session lies in a temporary folder",
     INTERRUPTED: "interrupted by the operator",
 }
 

@@ -40,10 +40,10 @@ def finite(value: Any) -> Any:
 
 
 def progress(text: str) -> None:
-    """Print on stderr what is going on."""
+    """Print on stderr what is going on, in one line whatever names it holds."""
     from station.safe_text import harmless
 
-    click.echo(harmless(text), err=True)
+    click.echo(harmless(text).replace("\n", "\N{REPLACEMENT CHARACTER}"), err=True)
 
 
 def screen() -> "Console":

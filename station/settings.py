@@ -2,15 +2,22 @@
 
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
+from daq.port_names import fault_of
 from station.exits import UsageProblem
 
 DEFAULT_FILE = Path("station.toml")
 LARGEST = 1 << 20
 LONGEST = 200
+
+
+def _port(name: str) -> str:
+    if fault := fault_of(name):
+        raise ValueError(fault)
+    return name
 
 
 class _Section(BaseModel):
@@ -29,7 +36,7 @@ class Specimen(_Section):
 class Capture(_Section):
     """How a release is recorded: port, rate (Hz), duration after the release (s), patience (s)."""
 
-    port: str | None = None
+    port: Annotated[str, AfterValidator(_port)] | None = None
     rate: float = Field(default=256.0, ge=5, le=20_000, allow_inf_nan=False)
     duration: float = Field(default=8.0, gt=0, le=3600, allow_inf_nan=False)
     pre_trigger: float = Field(default=1.0, ge=0.5, le=60, allow_inf_nan=False)

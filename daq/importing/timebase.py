@@ -106,7 +106,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     if coarse and uneven and not column.clock:
         steps = rounding(column.values)[rows] * unit.scale
         exact = rate_within_rounding(index.astype(np.float64), time, steps)
-        if exact is not None:
+        if exact is not None and exact[0] > SHORTEST_PERIOD:
             slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
         nominal = nominal_rate(1.0 / slope, rate_std) if stray > TOO_IRREGULAR * slope else None
         if nominal is not None:

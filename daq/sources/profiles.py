@@ -7,6 +7,7 @@ from pydantic import ValidationError
 
 from daq.errors import SettingsError
 from daq.sources.line_format import LineFormat
+from daq.storage import write_whole
 
 BIGGEST = 1 << 20
 
@@ -22,9 +23,7 @@ def save_profile(form: LineFormat, name: str, folder: Path) -> Path:
     """Write a profile and return its file; one of that name is replaced."""
     file = profile_file(name, folder)
     folder.mkdir(parents=True, exist_ok=True)
-    part = file.with_suffix(".part")
-    part.write_text(form.model_dump_json(indent=1) + "\n", encoding="utf-8")
-    part.replace(file)
+    write_whole(file, form.model_dump_json(indent=1).encode() + b"\n")
     return file
 
 

@@ -3,8 +3,10 @@
 import re
 from pathlib import Path
 
-from daq.storage import refused, write_whole
+from daq.errors import StationError
+from daq.storage import read_regular, refused, write_whole
 from station.results.campaign_document import NAME, CampaignDocument, SessionResult
+from station.results.documents import LARGEST
 
 SESSIONS = "sessions"
 LONGEST_NAME = 80
@@ -31,8 +33,8 @@ class Kept:
     def read(self, name: str, key: str) -> SessionResult | None:
         """Return the result of a session, None where there is none that can be read: it is made again."""
         try:
-            found = SessionResult.model_validate_json(self.file(name, key).read_bytes())
-        except (OSError, ValueError):
+            found = SessionResult.model_validate_json(read_regular(self.file(name, key), LARGEST))
+        except (StationError, ValueError):
             return None
         return found if found.key == key else None
 

@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import Self
 
 from station.campaign.work import Answer, Work, perform
+from station.library_messages import say_in_one_line
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 AHEAD = 2
@@ -138,6 +139,7 @@ def cores() -> int:
 def _begin() -> None:
     """Leave Ctrl-C to the process that gave the work, and end with it, however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    say_in_one_line()
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

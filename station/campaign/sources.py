@@ -5,8 +5,8 @@ from pathlib import Path
 
 from daq.errors import StationError
 from daq.session import Session, list_sessions
-from daq.session_folder import INFO, RAW
 from daq.session_info import SessionInfo, State
+from daq.session_reading import INFO, RAW
 from daq.storage import read_regular
 from station.campaign.keys import key_of
 from station.campaign.work import Work

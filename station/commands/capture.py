@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from station import exits
 from station.commands.options import BAUD, COLUMNS, CONDITIONS, MASS, MASS_STD, UNITS, pairs
 from station.output import json_option, print_json, progress, screen
 
@@ -53,7 +54,7 @@ if TYPE_CHECKING:
     "--spare",
     type=click.Path(path_type=Path),
     metavar="FOLDER",
-    help="Where the session goes when its own disk fails (default: asked at a terminal).",
+    help="Where the session goes when its disk fails (default: a terminal asks, else a temporary folder: exit 10).",
 )
 @click.option("--no-viewer", is_flag=True, help="No live view.")
 @click.option(
@@ -84,11 +85,12 @@ def command(
     units: tuple[str, ...],
     baud: int | None,
     **timing: Any,
-) -> None:
+) -> int:
     """Record one release, judge the recording, and identify it.
 
     Hold the mass still until the station is armed, then let it go.
     """
+    from daq.failover import is_temporary
     from daq.ports import choose_port
     from station.operations.capturing import record
     from station.operations.line_boards import LineChoice, board_behind
@@ -116,6 +118,7 @@ def command(
         place = folder.with_name(f"{folder.name}_{number}") if folder else new_folder(settings.sessions)
         session, url = record(board_behind(chosen, choice, settings), wanted, place, not no_viewer, spare)
     finish(session, url, settings, as_json)
+    return exits.ELSEWHERE if is_temporary(session.folder) else exits.DONE
 
 
 def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:

@@ -1,10 +1,21 @@
-"""`station recover`: seal what a power cut or a crash left open."""
+"""`station recover`: finish what a power cut or a crash left half done."""
 
 from typing import Any
 
 import click
 
+from station.exits import Problem, code_of
 from station.output import json_option, print_json, screen
+
+
+class NotRecovered(Problem):
+    """Some sessions could not be recovered; each was named with its reason."""
+
+    reported = True
+
+    def __init__(self, message: str, exit_code: int) -> None:
+        super().__init__(message)
+        self.exit_code = exit_code
 
 
 @click.command("recover")
@@ -12,11 +23,13 @@ from station.output import json_option, print_json, screen
 @json_option
 @click.pass_obj
 def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool) -> None:
-    """Seal SESSIONS that were cut off (default: all unsealed ones).
+    """Finish SESSIONS that were cut off (default: all of them).
 
-    Everything up to the last whole record is kept; the raw bytes are never
-    touched.
+    An unsealed session is sealed: everything up to the last whole record is
+    kept; the raw bytes are never touched. A change of results that was cut
+    off is completed.
     """
+    from daq.errors import StationError
     from daq.session import recover, unsealed_sessions
     from station.results.session_names import session_folder
     from station.settings import load_settings
@@ -26,19 +39,39 @@ def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool)
         folders = [session_folder(name, root) for name in sessions]
     else:
         folders = list(unsealed_sessions(root)) if root.is_dir() else []
-    recovered = [recover(folder) for folder in folders]
+    entries, problems = [], []
+    for folder in folders:
+        try:
+            entries.append(_entry(recover(folder)))
+        except StationError as error:
+            problems.append((folder, error))
     if as_json:
-        print_json({"sessions": [_entry(session) for session in recovered]})
-        return
-    if not recovered:
-        screen().print("nothing to recover: every session is sealed", markup=False)
-    for session in recovered:
-        entry = _entry(session)
-        screen().print(
+        told = [{"session": str(folder), "message": str(error)} for folder, error in problems]
+        print_json({"sessions": entries, "problems": told})
+    else:
+        _show(entries, problems)
+    if problems:
+        raise NotRecovered(
+            f"{len(problems)} of {len(folders)} sessions could not be recovered", code_of(problems[0][1])
+        )
+
+
+def _show(entries: list[dict[str, Any]], problems: list[tuple[Any, Any]]) -> None:
+    console = screen()
+    if not entries and not problems:
+        console.print("nothing to recover: every session is whole", markup=False)
+    for entry in entries:
+        console.print(
             f"{entry['session']}: {entry['state']}, {entry['samples']} samples", markup=False, soft_wrap=True
         )
+        if entry["completed"]:
+            console.print(
+                f"  a change was cut off and is complete now: {', '.join(entry['completed'])}", markup=False
+            )
         if entry["reason"]:
-            screen().print(f"  {entry['reason']}", markup=False)
+            console.print(f"  {entry['reason']}", markup=False)
+    for folder, error in problems:
+        console.print(f"{folder}: NOT recovered: {error}", markup=False, soft_wrap=True)
 
 
 def _entry(session: Any) -> dict[str, Any]:
@@ -48,6 +81,7 @@ def _entry(session: Any) -> dict[str, Any]:
         "session": str(session.folder),
         "state": session.info.state.value,
         "reason": session.info.reason,
+        "completed": list(session.completed),
         "samples": counts.samples,
         "lost_samples": counts.lost,
         "verdict": None if verdict is None else verdict.grade.value,

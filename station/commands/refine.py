@@ -66,8 +66,8 @@ def command(
         ladder = refine_to_floor(refinement, progress)
     elif number is not None:
         ladder = go_to(refinement, number)
-    else:
-        write_ladder(opened, ladder)
+    elif reset or model_file is not None or ladder.seen is None:
+        ladder = write_ladder(opened, ladder)
     if as_json:
         print_json(ladder_document(opened, ladder))
     else:

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from station.commands.options import MASS_INSTEAD
-from station.output import json_option, print_json, progress
+from station.output import json_option, print_json, progress, screen
 
 
 @click.command("report")
@@ -47,9 +47,10 @@ def command(
             {"session": opened.folder.name, "report": str(report.path.resolve()), "left_out": report.left_out}
         )
     else:
-        click.echo(f"report: {report.path}")
+        console = screen()
+        console.print(f"report: {report.path}", markup=False, soft_wrap=True)
         for name, reason in sorted(report.left_out.items()):
-            click.echo(f"left out: {name.replace('_', ' ')}: {reason}")
+            console.print(f"left out: {name.replace('_', ' ')}: {reason}", markup=False, soft_wrap=True)
     if with_browser:
         import webbrowser
 

@@ -16,7 +16,7 @@ from station.output import progress
     "--host",
     default="127.0.0.1",
     metavar="ADDRESS",
-    help="Let other computers in; whoever reaches this address can use the page.",
+    help="Let other computers in; whoever has the address with its token can use the page.",
 )
 @click.option("--no-browser", is_flag=True, help="Do not open the browser.")
 @click.pass_obj
@@ -26,7 +26,8 @@ def command(
     """Serve a page on which sessions are captured, compared, diagnosed and refined.
 
     SESSION is a session or a data file; without one the page offers those in
-    ./sessions. The page answers on 127.0.0.1 only.
+    ./sessions. The page answers on 127.0.0.1 only, and only to who has the
+    address that is printed: it holds a token.
     """
     from station.results.sessions import open_session
     from station.settings import load_settings
@@ -36,5 +37,7 @@ def command(
     settings = settings.model_copy(update={"sessions": settings.sessions.resolve()})
     named: tuple[Path, ...] = tuple(open_session(name, settings.sessions).folder for name in sessions)
     if host != "127.0.0.1":
-        progress(f"whoever reaches {host} can use this page: it has no password")
+        progress(
+            f"other computers that reach {host} can use this page by the address below; nothing on the way is encrypted"
+        )
     serve(settings, named, host, port, not no_browser, progress)

@@ -10,7 +10,7 @@ import click
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.errors import StorageError
-from daq.failover import temporary_folder
+from daq.failover import is_temporary, temporary_folder
 from daq.port import Port
 from daq.session import Session
 from station.operations.new_session import new_folder
@@ -32,10 +32,16 @@ def record(
 ) -> tuple[Session, str | None]:
     """Capture one release; return the sealed session and the URL of the live viewer, None without one.
 
-    Where the disk fails, the session goes into a new folder under `spare`, or where the operator says.
+    Where the disk fails, the session goes into a new folder under `spare`, or where the operator says, at last into a
+    temporary one (`is_temporary`), which is said.
     """
     with live_screen(settings.rate_hz, with_viewer) as screen, Watch() as watch:
         session = capture(port, settings, folder, Several((watch, *screen.observers)), another_place(spare))
+    if is_temporary(session.folder):
+        progress(
+            f"the disk refused {folder}: the session lies in {session.folder}, a temporary folder;"
+            " move it before this computer is restarted"
+        )
     return session, screen.url
 
 

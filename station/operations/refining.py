@@ -13,8 +13,8 @@ from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.session_set import chosen_model, whole_library
-from station.results.documents import Errors
-from station.results.ladder import KeptLadder, KeptRung, kept_rung, read_ladder, write_ladder
+from station.results.documents import Errors, seen
+from station.results.ladder import LADDER, KeptLadder, KeptRung, kept_rung, read_ladder, write_ladder
 from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress, refine
@@ -46,6 +46,7 @@ def open_refinement(
     Raises NotIdentifiable when the session holds too little.
     """
     library = whole_library(effects_file)
+    replaced = seen(session, LADDER) if reset or model_file is not None else None
     ladder = None if reset or model_file is not None else read_ladder(session)
     if gain_percent is None and ladder is not None:
         gain_percent = ladder.gain_percent
@@ -59,6 +60,7 @@ def open_refinement(
             present=0,
             floor=floor_of(prepared, rung),
             gain_percent=gain_percent,
+            seen=replaced,
         )
     return Refinement(session, prepared, library, ladder)
 
@@ -139,16 +141,14 @@ def go_to(refinement: Refinement, number: int) -> KeptLadder:
     changed = ladder.with_(present=number, stopped_because=f"gone back to rung {number}", verdict=None)
     if number == ladder.present:
         changed = ladder
-    write_ladder(refinement.session, changed)
-    return changed
+    return write_ladder(refinement.session, changed)
 
 
 def _extended(refinement: Refinement, new: tuple[KeptRung, ...], why: tuple[str, str | None]) -> KeptLadder:
     ladder = refinement.ladder
     rungs = (*ladder.rungs[: ladder.present + 1], *new)
     changed = ladder.with_(rungs=rungs, present=len(rungs) - 1, stopped_because=why[0], verdict=why[1])
-    write_ladder(refinement.session, changed)
-    return changed
+    return write_ladder(refinement.session, changed)
 
 
 def _manual(rung: Rung, done: str) -> tuple[str, str | None]:

@@ -6,7 +6,9 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from pydantic import AliasChoices, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
+from daq.errors import StorageError
 from daq.session import Session
+from daq.storage import digest
 from station.exits import UsageProblem
 
 LARGEST = 50 << 20
@@ -75,19 +77,32 @@ def read_document(session: Session, name: str, kind: type[Kept], remedy: str) ->
 
     Raises UsageProblem, which ends with the `remedy`, when it was altered or another version wrote it.
     """
-    file = session.results / name
-    if not file.is_file():
-        return None
+    found = read_with_checksum(session, name, kind, remedy)
+    return None if found is None else found[0]
+
+
+def read_with_checksum(session: Session, name: str, kind: type[Kept], remedy: str) -> tuple[Kept, str] | None:
+    """Return a result as `read_document` does, and the checksum of its file."""
     try:
-        if file.stat().st_size > LARGEST:
-            raise ValueError(f"more than {LARGEST} bytes")
-        return kind.model_validate_json(file.read_bytes())
-    except (ValidationError, ValueError, OSError) as error:
+        content = session.read_result(name, LARGEST)
+        return None if content is None else (kind.model_validate_json(content), digest(content))
+    except (ValidationError, ValueError, StorageError) as error:
         raise UsageProblem(
             f"{session.folder.name}: results/{name} was altered, or another version wrote it; {remedy}"
         ) from error
 
 
 def write_document(session: Session, name: str, document: Document) -> None:
-    """Write a result into a session."""
-    session.write_result(name, document.model_dump_json(indent=2) + "\n")
+    """Write a result into a session, whatever stands there."""
+    session.write_result(name, to_text(document))
+
+
+def to_text(document: Document) -> str:
+    """Return the text of a document as it is kept."""
+    return document.model_dump_json(indent=2) + "\n"
+
+
+def seen(session: Session, name: str) -> str | None:
+    """Return the checksum of a result as it stands, readable or not; None where there is none."""
+    content = session.read_result(name, LARGEST)
+    return None if content is None else digest(content)

@@ -5,9 +5,10 @@ from typing import Any, Self
 from pydantic import Field
 
 from daq.session import Session
+from daq.storage import digest
 from identify.diagnosis.ladder import Rung
 from station.exits import UsageProblem
-from station.results.documents import Document, Errors, Part, read_document, write_document
+from station.results.documents import Document, Errors, Part, read_with_checksum, to_text
 from station.results.models import ModelFile, Value, model_file, written
 
 LADDER = "ladder.json"
@@ -41,7 +42,10 @@ class KeptRung(Part):
 
 
 class KeptLadder(Document):
-    """All rungs, the place of the present one, the floor, and why the refinement stopped."""
+    """All rungs, the place of the present one, the floor, and why the refinement stopped.
+
+    `seen` is the checksum of the file that it was read from, or is to replace (None for no file); it is not kept.
+    """
 
     rungs: tuple[KeptRung, ...] = Field(min_length=1)
     present: int = Field(ge=0)
@@ -49,6 +53,7 @@ class KeptLadder(Document):
     gain_percent: float | None = None
     stopped_because: str = ""
     verdict: str | None = None
+    seen: str | None = Field(default=None, exclude=True)
 
     @property
     def top(self) -> KeptRung:
@@ -74,18 +79,26 @@ def kept_rung(rung: Rung, expressions: tuple[str, ...]) -> KeptRung:
 
 def read_ladder(session: Session) -> KeptLadder | None:
     """Return the ladder of a session, None when there is none yet; UsageProblem when it was damaged."""
-    ladder = read_document(session, LADDER, KeptLadder, REMEDY)
-    if ladder is not None and ladder.present >= len(ladder.rungs):
+    found = read_with_checksum(session, LADDER, KeptLadder, REMEDY)
+    if found is None:
+        return None
+    ladder, checksum = found
+    if ladder.present >= len(ladder.rungs):
         raise UsageProblem(
             f"{session.folder.name}: the present rung of results/{LADDER} is not among its {len(ladder.rungs)}; {REMEDY}"
         )
-    return ladder
+    return ladder.with_(seen=checksum)
 
 
-def write_ladder(session: Session, ladder: KeptLadder) -> None:
-    """Write results/ladder.json, and the present model to results/model.json."""
-    write_document(session, LADDER, ladder)
-    session.write_result(MODEL, written(ladder.top.model))
+def write_ladder(session: Session, ladder: KeptLadder) -> KeptLadder:
+    """Write results/ladder.json and the present model, results/model.json, as one change; return it as it is kept.
+
+    SessionChanged when the ladder that it continues is another by now: nothing is written then.
+    """
+    text = to_text(ladder)
+    contents = {LADDER: text, MODEL: written(ladder.top.model)}
+    session.write_results(contents, seen={LADDER: ladder.seen})
+    return ladder.with_(seen=digest(text.encode()))
 
 
 def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:

@@ -120,6 +120,8 @@ def read_model(
 
 def read_model_file(file: Path) -> ModelFile:
     """Read a model file as it stands, its effects not looked up yet; UsageProblem as `read_model`."""
+    if file.exists() and not file.is_file():  # a pipe would be waited for
+        raise UsageProblem(f"the model {file} is no plain file; give the file that refine wrote")
     try:
         with file.open("rb") as stream:
             content = stream.read(LARGEST + 1)

@@ -180,7 +180,7 @@ def _damping(stream: rr.RecordingStream, result: Identification) -> None:
     axis.grid(axis="y", visible=False)
     left, right = axis.get_xlim()
     axis.set_xlim(left, right + 0.45 * (right - left))
-    axis.set_xlabel(f"viscous damping mu_1 [{known[0][1].unit}], bars: 2 standard errors")
+    axis.set_xlabel(literal(f"viscous damping mu_1 [{known[0][1].unit}], bars: 2 standard errors"))
     numbers = {"value": [value.value for _, value, _ in known], "std": [value.std for _, value, _ in known]}
     log.picture(stream, f"{CURVES}/damping", drawn, numbers)
 

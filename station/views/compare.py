@@ -160,8 +160,8 @@ def _sections(stream: rr.RecordingStream, compared: Compared, root: str) -> None
     plots.missing_section(axes[0], up, factor, units, SCREEN, "^-", "moving to the positive side")
     plots.missing_section(axes[0], down, factor, units, SCREEN, "v--", "moving to the negative side")
     plots.missing_section(axes[1], middle, 1.0, units, SCREEN, "o-", "")
-    axes[0].set(xlabel=f"displacement [{length}]", title="at velocity 0: stiffness, 2 std")
-    axes[1].set(xlabel=f"velocity [{found.unit}/s]", title="at displacement 0: damping, 2 std")
+    axes[0].set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness, 2 std")
+    axes[1].set(xlabel=literal(f"velocity [{found.unit}/s]"), title="at displacement 0: damping, 2 std")
     for axis in axes:
         axis.set_ylabel(literal(f"measured less model [{units.force_unit}]"))
     legend(axes[0], "upper left")
@@ -193,7 +193,11 @@ def _cycles(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
     )
     for axis, (values, std, per_si, label, title) in zip(axes, rows, strict=True):
         plots.cycle_by_cycle(axis, done.amplitude * factor, values * per_si, std * per_si, SCREEN)
-        axis.set(xlabel=f"amplitude of the cycle [{length}]", ylabel=literal(label), title=f"{title}, 2 std")
+        axis.set(
+            xlabel=literal(f"amplitude of the cycle [{length}]"),
+            ylabel=literal(label),
+            title=f"{title}, 2 std",
+        )
     numbers = {
         "amplitude": done.amplitude,
         "frequency_error": done.frequency_error,

@@ -16,6 +16,7 @@ from station.text.numbers import scale, three_figures, with_unit
 from station.views import log, palette
 from station.views.figure import figure, legend
 from station.views.log import Array
+from station.views.plots import literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -109,10 +110,10 @@ def _motion(fitted: FittedLadder, place: int, close_up: slice, reach: float) -> 
     whole, close, left = axes
     _overlay(whole, time, measured * factor, model * factor, 1.0)
     whole.axvspan(time[close_up][0], time[close_up][-1], color=palette.FAINT, alpha=0.35, lw=0)
-    whole.set(ylabel=f"{channel} [{unit}]", xlim=(time[0], time[-1]))
+    whole.set(ylabel=literal(f"{channel} [{unit}]"), xlim=(time[0], time[-1]))
     whole.set_title(f"rung {place}: {step(fitted.rungs[place])}", loc="left", fontsize=13)
     _overlay(close, time[close_up], measured[close_up] * factor, model[close_up] * factor, 4.0)
-    close.set(ylabel=f"{channel} [{unit}]", xlim=(time[close_up][0], time[close_up][-1]))
+    close.set(ylabel=literal(f"{channel} [{unit}]"), xlim=(time[close_up][0], time[close_up][-1]))
     close.set_title("where the first model is farthest off", loc="left")
     legend(close, "upper right", ["measured", "model, run freely"])
     noise = NOISE * window.sigma[channel] * fine
@@ -122,7 +123,7 @@ def _motion(fitted: FittedLadder, place: int, close_up: slice, reach: float) -> 
     )
     left.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(noise)))
     left.set(
-        xlabel="time since the release [s]", ylabel=f"measured less model [{fine_unit}]",
+        xlabel="time since the release [s]", ylabel=literal(f"measured less model [{fine_unit}]"),
         xlim=(time[0], time[-1]), ylim=(-reach * fine, reach * fine),
     )  # fmt: skip
     _number_ends(left, 10.0 ** np.ceil(np.log10(noise)), reach * fine)

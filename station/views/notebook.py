@@ -19,7 +19,7 @@ from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 from station.views import plots
 from station.views.curve_panels import draw_panels
-from station.views.plots import PAPER
+from station.views.plots import PAPER, literal
 
 WIDTH = 7.5
 MOST_SUSPECTS = 3
@@ -69,7 +69,7 @@ def _free_decay(decay: FreeDecay) -> Picture:
     picture, axes = _axes(1.7 * len(present) + 0.4, len(present), sharex=True)
     for axis, name in zip(axes, present, strict=True):
         axis.plot(decay.time, getattr(decay, name), color=MEASURED, linewidth=0.8)
-        axis.set_ylabel(f"{name} [{units[name]}]")
+        axis.set_ylabel(literal(f"{name} [{units[name]}]"))
         if decay.start:
             axis.axvline(
                 decay.start / decay.rate, color=MODEL, linewidth=0.8, linestyle="--", label="release"
@@ -83,9 +83,11 @@ def _prepared(prepared: PreparedDecay) -> Picture:
     motion, unit = prepared.motion, prepared.window.unit
     picture, axes = _axes(3.2, 1, 2)
     axes[0].plot(prepared.time, motion.displacement, color=MEASURED, linewidth=0.8)
-    axes[0].set(xlabel="time since the release [s]", ylabel=f"displacement [{unit}]")
+    axes[0].set(xlabel="time since the release [s]", ylabel=literal(f"displacement [{unit}]"))
     axes[1].plot(motion.displacement, prepared.restoring, ".", color=MEASURED, markersize=1.5)
-    axes[1].set(xlabel=f"displacement [{unit}]", ylabel=f"restoring force per unit mass [{unit}/s²]")
+    axes[1].set(
+        xlabel=literal(f"displacement [{unit}]"), ylabel=literal(f"restoring force per unit mass [{unit}/s²]")
+    )
     return picture
 
 
@@ -128,8 +130,8 @@ def _comparison(found: Comparison) -> Picture:
         vmin=-reach,
         vmax=reach,
     )
-    picture.colorbar(mesh, ax=axes[0], label=f"missing force per unit mass [{unit}/s²]")
-    axes[0].set(xlabel=f"displacement [{length}]", ylabel=f"velocity [{unit}/s]")
+    picture.colorbar(mesh, ax=axes[0], label=literal(f"missing force per unit mass [{unit}/s²]"))
+    axes[0].set(xlabel=literal(f"displacement [{length}]"), ylabel=literal(f"velocity [{unit}/s]"))
     axes[1].plot(found.cycles.time, found.free_run_misfit, "o-", color=MODEL, markersize=3)
     axes[1].axhline(1.0, color=MEASURED, linestyle="--", linewidth=0.8, label="noise")
     axes[1].set(xlabel="time since the release [s]", ylabel="free-run misfit [noise rms]", yscale="log")
@@ -154,9 +156,9 @@ def _diagnosis(found: Diagnosis) -> Picture:
         axis.set_xticks([0, 180, 360])
         axis.grid(visible=False)
     unit = prepared.window.unit
-    axes[0].set_ylabel(f"amplitude [{unit}]")
+    axes[0].set_ylabel(literal(f"amplitude [{unit}]"))
     axes[len(panels) // 2].set_xlabel("phase of the cycle [°]")
-    picture.colorbar(mesh, ax=axes, label=f"force per unit mass [{unit}/s²]")
+    picture.colorbar(mesh, ax=axes, label=literal(f"force per unit mass [{unit}/s²]"))
     return picture
 
 

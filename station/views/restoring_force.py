@@ -149,8 +149,8 @@ def _sections(stream: rr.RecordingStream, found: RestoringForceResult, length: s
     drawn, axes = figure(8.4, 3.6, 1, 2)
     plots.force_section(axes[0], found.section_zero_velocity, factor, SCREEN)
     plots.force_section(axes[1], found.section_zero_displacement, 1.0, SCREEN)
-    axes[0].set(xlabel=f"displacement [{unit}]", title="at velocity 0: the springs")
-    axes[1].set(xlabel=f"velocity [{length}/s]", title="at displacement 0: the damping")
+    axes[0].set(xlabel=literal(f"displacement [{unit}]"), title="at velocity 0: the springs")
+    axes[1].set(xlabel=literal(f"velocity [{length}/s]"), title="at displacement 0: the damping")
     axes[0].set_ylabel(literal(f"force per unit mass [{length}/s^2]"))
     legend(axes[0], "upper left")
     numbers: dict[str, Array] = {}

@@ -16,7 +16,7 @@ from station.text.layout import sentence
 from station.text.numbers import evidence, probability, scale, three_figures, with_unit
 from station.views import log, palette, plots
 from station.views.figure import figure, legend
-from station.views.plots import SCREEN
+from station.views.plots import SCREEN, literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,10 +76,10 @@ def _force_maps(stream: rr.RecordingStream, fits: DiagnosisFits, root: str) -> N
         plots.force_over_cycle(axes[len(maps) + column], found, SCREEN)
         axes[len(maps) + column].set_ylim(SIDE[0] * reach, SIDE[1] * reach)
     bar = drawn.colorbar(mesh, ax=axes[: len(maps)], pad=0.01, aspect=30)
-    bar.set_label(f"force per unit mass [{unit}]", color=palette.INK)
+    bar.set_label(literal(f"force per unit mass [{unit}]"), color=palette.INK)
     bar.ax.tick_params(colors=palette.INK)
     bar.outline.set_visible(False)
-    axes[len(maps)].set_ylabel(f"force per unit mass [{unit}]")
+    axes[len(maps)].set_ylabel(literal(f"force per unit mass [{unit}]"))
     legend(axes[len(maps)], "upper right")
     log.picture(stream, f"{root}/force_maps", drawn, numbers)
 
@@ -98,8 +98,8 @@ def _disc(axis: "Axes", prepared: PreparedDecay, found: ForceMap, reach: float) 
         radius * np.cos(angle) * factor, -radius * np.sin(angle) * prepared.frequency, np.ma.masked_invalid(found.force),
         cmap="RdBu_r", vmin=-reach, vmax=reach, rasterized=True,
     )  # fmt: skip
-    axis.set(xlabel=f"displacement [{unit}]")
-    axis.set_ylabel(f"velocity [{prepared.window.unit}/s]", labelpad=1)
+    axis.set(xlabel=literal(f"displacement [{unit}]"))
+    axis.set_ylabel(literal(f"velocity [{prepared.window.unit}/s]"), labelpad=1)
     axis.grid(visible=False)
     return mesh
 

@@ -27,15 +27,20 @@ ICON = (
 
 
 def make(
-    settings: Settings, named: tuple[Path, ...], names: frozenset[str], any_address: bool, temporary: Path
+    settings: Settings,
+    named: tuple[Path, ...],
+    names: frozenset[str],
+    token: str,
+    any_address: bool,
+    temporary: Path,
 ) -> tuple[FastAPI, AppState]:
-    """Return the application and the state behind it; `names` are the hosts by which it may be called."""
+    """Return the application and the state behind it; `names` are the hosts by which it may be called, with `token`."""
     workers = WorkerPool(settings)
     state = AppState(
         settings, workers, SessionList(settings.sessions, named, workers), SessionStates(workers), temporary
     )
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
-    app.add_middleware(Guard, names=names, any_address=any_address)
+    app.add_middleware(Guard, names=names, token=token, any_address=any_address)
     nicegui_app.add_static_files("/static/bench", STATIC)
     serve_viewer(app, temporary, state.session_list)
     serve_reports(app, state.session_list)

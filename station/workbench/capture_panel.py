@@ -77,6 +77,9 @@ class CapturePanel:
         self._say(lines or [("no board answers; plug it in, type its port, or solve a mystery", "bad")])
 
     def _start(self) -> None:
+        if self._state.capturing is not None and not self._state.capturing.now.finished:
+            ui.notify("another tab is recording: this click started nothing", type="warning")
+            return
         port = str(self._port.value or "").strip()
         if not port:
             self._say([("choose the port of the board, or let Find look for it", "bad")])

@@ -20,8 +20,10 @@ def climb(refinement: Refinement, seen: Callable[[KeptLadder, str], None]) -> Ke
     def on_rung(rung: Rung, words: str) -> None:
         if not rung.added and not rung.removed:
             return
+        nonlocal ladder
         rungs.append(kept_rung(rung, top.model.expressions))
-        seen(_kept(refinement, rungs, f"as found so far, {words}", None), _said(rung))
+        ladder = _kept(refinement, ladder, rungs, (f"as found so far, {words}", None))
+        seen(ladder, _said(rung))
 
     found = refine(
         refinement.prepared,
@@ -30,15 +32,14 @@ def climb(refinement: Refinement, seen: Callable[[KeptLadder, str], None]) -> Ke
         known=known.values | top.nuisances,
         progress=on_rung,
     )
-    return _kept(refinement, rungs, found.stopped_because, found.verdict)
+    return _kept(refinement, ladder, rungs, (found.stopped_because, found.verdict))
 
 
-def _kept(refinement: Refinement, rungs: list[KeptRung], why: str, verdict: str | None) -> KeptLadder:
-    changed = refinement.ladder.with_(
-        rungs=tuple(rungs), present=len(rungs) - 1, stopped_because=why, verdict=verdict
-    )
-    write_ladder(refinement.session, changed)
-    return changed
+def _kept(
+    refinement: Refinement, ladder: KeptLadder, rungs: list[KeptRung], why: tuple[str, str | None]
+) -> KeptLadder:
+    changed = ladder.with_(rungs=tuple(rungs), present=len(rungs) - 1, stopped_because=why[0], verdict=why[1])
+    return write_ladder(refinement.session, changed)
 
 
 def _said(rung: Rung) -> str:

@@ -1,15 +1,27 @@
 """The guard at the door: who may speak to the server, and what its pages may fetch.
 
 A page of another site can reach a server on 127.0.0.1: by a name that it points there (DNS rebinding), or by opening
-a websocket. Both show in their headers.
+a websocket. Both show in their headers. So can any other user of this computer, who shows in nothing: hence the token.
+The address that is printed holds it; the first request with it is answered by a cookie and the address without it, and
+no request of any kind passes without the one or the other.
 """
 
 from collections.abc import Iterable
 from ipaddress import ip_address
-from urllib.parse import urlsplit
+from secrets import compare_digest
+from urllib.parse import parse_qsl, quote, urlencode, urlsplit
 
-from starlette.responses import PlainTextResponse
+from starlette.exceptions import HTTPException
+from starlette.requests import cookie_parser
+from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+LARGEST_BODY = 201 << 20
+"""Bytes of one request: a file of 200 MB, and what the browser writes around it."""
+
+OWN_PAGE = "this workbench answers requests of its own page only\n"
+NO_TOKEN = "this workbench is opened by the address that it printed, with its token\n"
+TOO_LARGE = "that is too large: at most 200 MB\n"
 
 PAGE = "; ".join(
     (
@@ -31,12 +43,13 @@ PAGE = "; ".join(
 
 
 class Guard:
-    """ASGI middleware: refuses foreign names and origins, and adds the Content-Security-Policy."""
+    """ASGI middleware: refuses foreign names and origins, who has no token, and what is too large; adds the policy."""
 
-    def __init__(self, app: ASGIApp, names: Iterable[str], any_address: bool = False) -> None:
+    def __init__(self, app: ASGIApp, names: Iterable[str], token: str, any_address: bool = False) -> None:
         """Let in the host `names` (with port); with `any_address` any that is a plain IP address."""
         self._app = app
         self._names = {name.lower() for name in names}
+        self._token = token.encode()
         self._any_address = any_address
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -46,27 +59,77 @@ class Guard:
             return
         headers = {key.decode("latin-1"): value.decode("latin-1") for key, value in scope["headers"]}
         host = headers.get("host", "").lower()
+        answer = self._refusal(scope, headers, host)
+        if answer is not None and scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008})
+        elif answer is not None:
+            await answer(scope, receive, send)
+        else:
+            await self._app(scope, _limited(receive), _with_policy(send, host))
+
+    def _refusal(self, scope: Scope, headers: dict[str, str], host: str) -> Response | None:
+        """Return the answer to what may not pass; None to what may."""
         if not self._known(host) or not _own_origin(headers.get("origin"), host):
-            await _refuse(scope, receive, send)
-            return
+            return PlainTextResponse(OWN_PAGE, 403)
+        cookie = f"workbench-{scope['server'][1]}"  # a cookie is of a host, whatever the port
+        if not self._is_token(cookie_parser(headers.get("cookie", "")).get(cookie, "")):
+            return self._admission(scope, cookie) or PlainTextResponse(NO_TOKEN, 403)
+        length = headers.get("content-length", "0")
+        if not length.isdecimal() or len(length) > 15 or int(length) > LARGEST_BODY:
+            return PlainTextResponse(TOO_LARGE, 413, {"connection": "close"})
+        return None
 
-        async def with_policy(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                policy = PAGE.format(socket=f"ws://{host}")
-                message["headers"] = [
-                    *message.get("headers", ()),
-                    (b"content-security-policy", policy.encode("latin-1")),
-                    (b"x-content-type-options", b"nosniff"),
-                    (b"referrer-policy", b"no-referrer"),
-                ]
-            await send(message)
+    def _admission(self, scope: Scope, cookie: str) -> Response | None:
+        """Return the cookie, and the address without its token, to who comes with the token; None to others."""
+        if scope["type"] != "http" or scope["method"] not in ("GET", "HEAD"):
+            return None
+        given = parse_qsl(scope["query_string"].decode("latin-1"))
+        if not any(self._is_token(value) for name, value in given if name == "token"):
+            return None
+        rest = urlencode([(name, value) for name, value in given if name != "token"])
+        place = "/" + quote(scope["path"].lstrip("/\\"))
+        answer = RedirectResponse(f"{place}?{rest}" if rest else place, 303, {"cache-control": "no-store"})
+        answer.set_cookie(cookie, self._token.decode(), httponly=True, samesite="lax")
+        return answer
 
-        await self._app(scope, receive, with_policy)
+    def _is_token(self, given: str) -> bool:
+        return compare_digest(given.encode(), self._token)
 
     def _known(self, host: str) -> bool:
         if host in self._names:
             return True
         return self._any_address and _is_address(urlsplit(f"//{host}").hostname or "")
+
+
+def _limited(receive: Receive) -> Receive:
+    """Count a body whose length was not said."""
+    taken = 0
+
+    async def counted() -> Message:
+        nonlocal taken
+        message = await receive()
+        taken += len(message.get("body", b"")) if message["type"] == "http.request" else 0
+        if taken > LARGEST_BODY:
+            raise HTTPException(413, TOO_LARGE)
+        return message
+
+    return counted
+
+
+def _with_policy(send: Send, host: str) -> Send:
+    async def with_policy(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            policy = PAGE.format(socket=f"ws://{host}")
+            message["headers"] = [
+                *message.get("headers", ()),
+                (b"content-security-policy", policy.encode("latin-1")),
+                (b"x-content-type-options", b"nosniff"),
+                (b"referrer-policy", b"no-referrer"),
+            ]
+        await send(message)
+
+    return with_policy
 
 
 def _own_origin(origin: str | None, host: str) -> bool:
@@ -79,12 +142,3 @@ def _is_address(name: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-async def _refuse(scope: Scope, receive: Receive, send: Send) -> None:
-    if scope["type"] == "websocket":
-        await receive()
-        await send({"type": "websocket.close", "code": 1008})
-        return
-    answer = PlainTextResponse("this workbench answers requests of its own page only\n", 403)
-    await answer(scope, receive, send)

@@ -19,5 +19,4 @@ def drop_needless(refinement: Refinement) -> tuple[KeptLadder, str]:
         plain(r.removed) for r in dropped
     )
     changed = ladder.with_(rungs=rungs, present=len(rungs) - 1, stopped_because=words, verdict=None)
-    write_ladder(refinement.session, changed)
-    return changed, f"{words[:1].upper()}{words[1:]}."
+    return write_ladder(refinement.session, changed), f"{words[:1].upper()}{words[1:]}."

@@ -1,7 +1,9 @@
 """The server: one process on 127.0.0.1 that serves the page until it is interrupted."""
 
 import asyncio
+import html
 import os
+import secrets
 import signal
 import socket
 import tempfile
@@ -10,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from station.exits import UsageProblem
+from station.library_messages import say_in_one_line
 from station.settings import Settings
 
 HOST = "127.0.0.1"
@@ -53,6 +56,13 @@ def serve(
         _run(settings, named, opened, place, Path(temporary), open_browser, say)
 
 
+def _way_to(address: str, temporary: Path) -> str:
+    """Return a page, readable by this user only, that leads to the address: every user sees a program's arguments."""
+    page = temporary / "open.html"
+    page.write_text(f'<meta http-equiv="refresh" content="0;url={html.escape(address)}">', encoding="utf-8")
+    return page.as_uri()
+
+
 def _run(
     settings: Settings,
     named: tuple[Path, ...],
@@ -72,16 +82,21 @@ def _run(
     names = {place, f"localhost:{port}"}
     if everywhere:
         names.add(f"{socket.gethostname()}:{port}")
-    app, state = make(settings, named, frozenset(names), everywhere, temporary)
-    address = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
-    config = uvicorn.Config(app, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2)
+    token = secrets.token_urlsafe(24)
+    app, state = make(settings, named, frozenset(names), token, everywhere, temporary)
+    page = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
+    address = f"{page}{'&' if '?' in page else '?'}token={token}"
+    say_in_one_line(say)
+    config = uvicorn.Config(
+        app, log_config=None, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2
+    )
     server = uvicorn.Server(config)
 
     async def run() -> None:
         say(f"workbench: {address}")
         say("end it with Ctrl-C")
         if open_browser:
-            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, address)
+            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, _way_to(address, temporary))
         await server.serve(sockets=[opened])
 
     try:

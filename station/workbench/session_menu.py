@@ -27,6 +27,7 @@ class SessionMenu:
             ui.menu_item("Name, notes, specimen …", self._edit)
             ui.menu_item("Share: copy the address", self._share)
             ui.menu_item("Export samples as CSV", self._export)
+            ui.menu_item("Begin the ladder again", lambda: self._session.start("Beginning again", "again"))
             ui.menu_item("Delete …", self._delete)
         with ui.dialog() as self._dialog, ui.element("div").classes("card dialog"):
             self._body = ui.element("div").classes("dialog-body")

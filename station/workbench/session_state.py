@@ -87,6 +87,8 @@ class SessionState:
             asyncio.get_running_loop().run_in_executor(None, job.cancel)
 
     async def _run(self, job: Job, task: str, arguments: tuple[Any, ...]) -> None:
+        from station.workbench.build_view_models import results_stamp
+
         title, begun = self.running.title if self.running else task, time.monotonic()
         try:
             found = await self._workers.do(
@@ -95,8 +97,10 @@ class SessionState:
             self._lasted[task] = time.monotonic() - begun
             self._take(task, found)
         except Cancelled:
-            kept = "what was added so far stays" if task == "refine" else "nothing was changed"
-            self.notice = f"{title}: cancelled; {kept}"
+            changed = self.view is not None and self.view.stamp != results_stamp(self.folder)
+            self.notice = (
+                f"{title}: cancelled; {'its results are kept already' if changed else 'nothing was changed'}"
+            )
         except Failed as failure:
             if self.view is None:
                 self.problem = str(failure)
@@ -124,8 +128,8 @@ class SessionState:
             if known is not None and not found.about_present:
                 found = replace(found, diagnosis=known)  # that of the model that one has gone back to
         before, self.view = self.view, found
-        self.notice = found.note
-        if before is not None and before.ladder != found.ladder:
+        self.notice = found.note or self.notice
+        if before is not None and _steps(before.ladder) != _steps(found.ladder):
             self.earlier = (
                 self.earlier[:-1] if task == "restore" else [*self.earlier, before.ladder][-MOST_UNDONE:]
             )
@@ -184,6 +188,11 @@ class SessionState:
         if self.busy:
             self._take("refine", found)
             self.version += 1
+
+
+def _steps(ladder: KeptLadder) -> object:
+    """Return what makes two ladders different to the operator."""
+    return ladder.present, ladder.rungs
 
 
 @dataclass

@@ -99,8 +99,7 @@ def begin_again(settings: Settings, progress: Progress, folder: Path) -> view_mo
     progress("beginning again")
     opened = open_session(settings, folder)
     refinement = open_refinement(opened.refinement.session, settings, reset=True)
-    write_ladder(refinement.session, refinement.ladder)
-    return _view(settings, opened, refinement.ladder)
+    return _view(settings, opened, write_ladder(refinement.session, refinement.ladder))
 
 
 def prune(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
@@ -115,8 +114,8 @@ def restore(settings: Settings, progress: Progress, folder: Path, ladder: KeptLa
     """Keep a ladder as it was before a change."""
     progress("undoing the last change")
     opened = open_session(settings, folder)
-    write_ladder(opened.refinement.session, ladder)
-    return _view(settings, opened, ladder)
+    before = ladder.with_(seen=opened.refinement.ladder.seen)  # it follows what is kept now
+    return _view(settings, opened, write_ladder(opened.refinement.session, before))
 
 
 def diagnose(

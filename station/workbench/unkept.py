@@ -29,9 +29,8 @@ class Unkept:
         """The folder of the results."""
         return self.folder / "results"
 
-    def write_result(self, name: str, data: str | bytes) -> Path:
-        """Write nothing; return where it would be."""
-        return self.results / name
+    def write_results(self, contents: dict[str, str], seen: dict[str, str | None] | None = None) -> None:
+        """Write nothing."""
 
 
 def tried(refinement: Refinement, wanted: str) -> KeptRung:

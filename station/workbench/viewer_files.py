@@ -4,7 +4,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from fastapi import FastAPI
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 
 from station.operations.identifying import VIEW
 from station.workbench.session_list import SessionList
@@ -16,6 +16,11 @@ TYPES = {
     "favicon.ico": "image/x-icon",
 }
 PLACE = "/viewer"
+WITH_COOKIE = (
+    "<script>const ask = window.fetch; "
+    "window.fetch = (what, how) => ask(new Request(what, {...how, credentials: 'same-origin'}))</script>"
+)
+"""The viewer asks for a recording without cookies, and so without the token that the guard wants to see."""
 
 
 def address_of(key: str, stamp: int, host: str, *, dark: bool = True) -> str:
@@ -39,4 +44,7 @@ def serve_viewer(app: FastAPI, folder: Path, session_list: SessionList) -> None:
     def part(name: str) -> Response:
         if name not in TYPES or not (folder / name).is_file():
             return PlainTextResponse("no such file\n", 404)
+        if name == "index.html":
+            page = (folder / name).read_text(encoding="utf-8").replace("<head>", f"<head>{WITH_COOKIE}", 1)
+            return HTMLResponse(page)
         return FileResponse(folder / name, media_type=TYPES[name])

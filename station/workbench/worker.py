@@ -9,9 +9,13 @@ import traceback
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
+from daq.errors import StationError
+from daq.session import finish_change
 from station import exits
+from station.library_messages import say_in_one_line
 from station.settings import Settings
 from station.story.pipeline import Progress, silent
 
@@ -79,6 +83,7 @@ class Worker:
 def _serve(pipe: Connection, settings: Settings) -> None:
     """Do what comes through the pipe until it is closed; runs in the worker's process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then ends its workers
+    say_in_one_line()
     from station.workbench import tasks
 
     def progress(text: str) -> None:
@@ -104,6 +109,14 @@ def _sentence(error: Exception) -> str:
     place = traceback.extract_tb(error.__traceback__)[-1]
     what = f"{type(error).__name__}: {text}; {place.name}, line {place.lineno}"
     return f"a fault of this program ({what}); nothing recorded is lost"
+
+
+def _finish_changes(arguments: tuple[Any, ...]) -> None:
+    """Complete what a worker that was ended had begun to write into the session of its task."""
+    for folder in arguments:
+        if isinstance(folder, Path) and folder.is_dir():
+            with contextlib.suppress(StationError):  # told by whoever opens the session next
+                finish_change(folder)
 
 
 @dataclass(eq=False)
@@ -141,6 +154,7 @@ class WorkerPool:
             loop = asyncio.get_running_loop()
             result = await loop.run_in_executor(self._threads, worker.do, task, arguments, progress)
         except Cancelled:
+            await asyncio.to_thread(_finish_changes, arguments)
             if job.cancelled:
                 raise
             raise Failed(

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from daq.errors import Disconnected, NoBoard, PortBusy, PortForbidden
+from daq.errors import Disconnected, NoBoard, PortBusy, PortForbidden, PortNotAllowed
 from daq.port import Port, SerialPort, open_port
+from daq.port_names import fault_of
 
 pty_only = pytest.mark.skipif(os.name == "nt", reason="this system has no pty")
 
@@ -92,10 +93,40 @@ def test_a_file_is_no_port(tmp_path: Path) -> None:
         open_port(str(tmp_path / "file"))
 
 
-@pytest.mark.parametrize("name", ["", "socket://", "socket://127.0.0.1:notaport", "nonsense://x"])
+@pytest.mark.parametrize(
+    "name",
+    ["", "a\nb", "x" * 300, "socket://", "socket://127.0.0.1:notaport", "socket://h:70000", "nonsense://x",
+     "loop://", "hwgrep://.", "alt:///dev/ttyS0?class=PosixPollSerial", "file://h:1", "socket://h:1/etc/passwd",
+     "socket://h:1?logging=debug", "socket://me:secret@h:1"],
+)  # fmt: skip
 def test_a_name_that_is_no_port_is_reported_in_words(name: str) -> None:
-    with pytest.raises(NoBoard):
+    with pytest.raises(PortNotAllowed, match=r"is no port|no name of a port"):
         open_port(name)
+
+
+@pytest.mark.parametrize(
+    "name", ["COM3", "/dev/ttyACM0", "socket://[::1]:5000", "RFC2217://h:1?ign_set_control"]
+)
+def test_a_name_of_a_port_is_let_through(name: str) -> None:
+    assert fault_of(name) == ""
+
+
+def test_no_port_makes_or_overwrites_a_file(pty: "tuple[int, str]", tmp_path: Path) -> None:
+    """pyserial's `spy://` writes what passes a port into a file of the caller's choice."""
+    kept = tmp_path / "precious"
+    kept.write_text("mine")
+    for scheme in ("spy", "SPY", " spy"):
+        for file in (kept, tmp_path / "new"):
+            with pytest.raises(PortNotAllowed):
+                open_port(f"{scheme}://{pty[1]}?file={file}")
+    assert kept.read_text() == "mine"
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_pipe_in_place_of_a_device_is_refused_at_once(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(NoBoard, match="no device"):
+        open_port(str(tmp_path / "pipe"))
 
 
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="needs a user whom permissions bind")

@@ -128,6 +128,8 @@ HOSTILE = [
     "x = eval(u)",
     "x = sin(u)(v)",
     "x = sin(*u)",
+    "x = a*sin(**u)",
+    "x = a*sin(x=u)",
     "x = sin(u, v)",
     "x = max(u)",
     "x = a*sin",

@@ -84,11 +84,13 @@ def test_an_interruption_ends_with_130(monkeypatch, capsys):
     import station.commands.list_ as module
 
     def interrupted(*_arguments, **_options):
-        raise KeyboardInterrupt
+        interrupt = KeyboardInterrupt()
+        interrupt.session = "where it lies"  # as a capture says
+        raise interrupt
 
     monkeypatch.setattr(module, "print_json", interrupted)
     assert run(["list", "--json"]) == exits.INTERRUPTED
-    assert "interrupted" in capsys.readouterr().err
+    assert "interrupted (kept: where it lies)" in capsys.readouterr().err
 
 
 def test_a_fault_of_the_program_ends_with_1_in_a_sentence(monkeypatch, capsys):
@@ -117,6 +119,8 @@ def test_errors_have_the_code_of_whose_fault_they_are():
     assert exits.code_of(errors.Stalled("silent")) == exits.DISCONNECTED
     assert exits.code_of(errors.StorageError("full")) == exits.STORAGE
     assert exits.code_of(OSError("full")) == exits.STORAGE
+    assert exits.code_of(errors.SessionChanged("changed")) == exits.CONFLICT
+    assert exits.code_of(errors.SessionLocked("locked")) == exits.CONFLICT
     assert exits.code_of(NotIdentifiable("too short")) == exits.NOT_IDENTIFIABLE
     assert exits.code_of(errors.NoRelease("waited")) == exits.USAGE
     assert exits.code_of(ValueError("?")) == exits.UNEXPECTED

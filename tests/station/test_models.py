@@ -1,6 +1,7 @@
 """Model files: what is written is read back, and what is wrong is refused in a sentence."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from identify.fitting.parameter_layout import Unknown
 from identify.model.model import Model, Term, base_model
 from identify.model.parameter_id import ParameterId
 from station.exits import UsageProblem
-from station.results.models import KnownModel, known_model, model_file, read_model, written
+from station.results.models import KnownModel, known_model, model_file, read_model, read_model_file, written
 
 VALUES = {
     "linear_stiffness.k": Estimate(613.9, 0.002, "1/s^2"),
@@ -148,3 +149,10 @@ def test_an_expression_is_kept_with_the_model_that_uses_it():
 
 def _refuse(text):
     raise ValueError("no such thing")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a pipe of POSIX")
+def test_a_pipe_in_place_of_a_model_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "model.json")
+    with pytest.raises(UsageProblem, match="no plain file"):
+        read_model_file(tmp_path / "model.json")

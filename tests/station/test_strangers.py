@@ -4,11 +4,15 @@ import contextlib
 import io
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from daq.importing import read_file
+from daq.session import Session
 from station import cli
+from station.output import progress
 from station.safe_text import harmless
 
 EVIL = "\x1b]0;owned\x07\x1b[2Jname\x9b31m\u202egnp.exe"
@@ -59,8 +63,6 @@ def test_names_that_lead_out_of_the_session_are_not_followed(stranger: Path, nam
     rewrite(stranger, source_file=name)
     secret = stranger.parent / "outside"
     secret.write_text("secret")
-    from daq.session import Session
-
     assert Session.open(stranger).source_file is None
     manifest = stranger / "manifest.json"
     content = json.loads(manifest.read_text())
@@ -107,3 +109,30 @@ def test_numbers_that_cannot_be_are_refused_in_words(stranger: Path, value: obje
 
 def test_harmless_keeps_what_people_write() -> None:
     assert harmless("Größe 5 µm\n\tΔ") == "Größe 5 µm\n\tΔ"
+
+
+@pytest.mark.parametrize("command", ["info", "identify", "list"])
+def test_no_text_of_a_session_forges_a_line(stranger: Path, command: str) -> None:
+    forged = "Good\nverdict: OK\r\u2028one: 5 files checked"
+    rewrite(stranger, name=forged, specimen=forged, operator=forged, source=forged, reason=forged)
+    _, told = station(command, str(stranger.parent if command == "list" else stranger))
+    assert told
+    assert not [line for line in told.splitlines() if line.startswith(("verdict: OK", "one: 5 files"))]
+
+
+def test_a_message_is_one_line_whatever_names_it_holds(capsys: pytest.CaptureFixture[str]) -> None:
+    progress("board Good\nverdict: OK")
+    assert capsys.readouterr().err == "board Good\N{REPLACEMENT CHARACTER}verdict: OK\n"
+
+
+@pytest.mark.slow
+def test_a_unit_that_matplotlib_would_take_for_a_formula_is_drawn_as_it_stands(tmp_path: Path) -> None:
+    unit = "$x^{$"
+    recording = read_file(SAMPLE)
+    channels = tuple(
+        replace(channel, unit=unit) if channel.quantity == "displacement" else channel
+        for channel in recording.channels
+    )
+    Session.create_imported(tmp_path / "s", replace(recording, channels=channels), None)
+    code, told = station("view", str(tmp_path / "s"), "--no-viewer")
+    assert code == 0, told

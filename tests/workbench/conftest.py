@@ -27,8 +27,9 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 @dataclass(frozen=True)
 class Bench:
-    """A running workbench: its address and its folder."""
+    """A running workbench: the address that it printed, the same without its token, and its folder."""
 
+    printed: str
     address: str
     folder: Path
     mysteries: Path
@@ -72,7 +73,8 @@ def bench(mysteries: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     said = process.stderr.readline()
     assert said.startswith("workbench: http://127.0.0.1:"), said + process.stderr.read()
     try:
-        yield Bench(said.split()[1].rstrip("/"), folder, mysteries)
+        printed = said.split()[1]
+        yield Bench(printed, printed.partition("/?")[0], folder, mysteries)
     finally:
         process.send_signal(signal.SIGINT)
         rest = process.communicate(timeout=20)[1]
@@ -108,6 +110,7 @@ def visit(browser, bench: Bench) -> Iterator[Visit]:
     context.on("request", lambda request: asked.append(request.url))
     context.on("weberror", lambda error: complaints.append(str(error.error)))
     context.on("dialog", lambda dialog: complaints.append(f"dialog: {dialog.message}"))
+    context.request.get(bench.printed, max_redirects=0)  # the token's cookie
     page = context.new_page()
     page.set_default_timeout(120_000)  # no test asserts a time: a busy computer is only slow
     page.on("websocket", lambda socket: asked.append(socket.url))

@@ -72,6 +72,8 @@ class Top:
     """A ladder of which only the present model matters."""
 
     top: Named
+    present: int = 0
+    rungs: tuple[str, ...] = ()
 
 
 @dataclass
@@ -119,5 +121,52 @@ def test_frames_are_drawn_again_when_a_command_has_diagnosed_since():
             assert session.suspect_frames == {diagnosis[0]: drawn}
             assert drawn in session.frames
         assert pool.asked.count("frames") == 2  # not a third time: nothing had changed
+
+    alone(story)
+
+
+def test_a_change_that_a_cancelled_worker_left_half_way_is_completed(monkeypatch, tmp_path):
+    import numpy as np
+
+    from daq import session_changes
+    from daq.recording import Channel, Recording
+    from daq.session import Session, verify
+
+    samples = np.sin(np.arange(64) / 5.0)[np.newaxis]
+    recording = Recording(64.0, (Channel("u", "displacement", "m"),), samples, np.ones(64, dtype=bool))
+    session = Session.create_imported(tmp_path / "s", recording, None)
+
+    class Ended(Occupied):
+        def do(self, task: str, arguments: tuple[Any, ...], progress: worker.Progress) -> str:
+            with monkeypatch.context() as killed:
+                killed.setattr(session_changes, "_move", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+                with pytest.raises(KeyboardInterrupt):
+                    session.write_results({"ladder.json": "new", "model.json": "new"})
+            assert not verify(session.folder).ok
+            raise worker.Cancelled
+
+    monkeypatch.setattr(worker, "Worker", Ended)
+
+    async def story() -> None:
+        pool = worker.WorkerPool(Settings(), most=1)
+        with pytest.raises(worker.Failed):
+            await pool.do(worker.Job(), "a", "add", session.folder, "effect")
+        pool.end()
+
+    Occupied.gate = threading.Event()
+    alone(story)
+    assert verify(session.folder).ok
+    assert (session.results / "ladder.json").read_text() == "new"
+
+
+def test_a_click_of_a_second_tab_that_is_dropped_is_told_and_stays_told():
+    async def story() -> None:
+        session = SessionState(Path("none"), Answering({"look": Looked(None)}))  # type: ignore[arg-type]
+        assert session.start("Adding cubic stiffness", "look")
+        version = session.version
+        assert not session.start("Taking friction out", "look")
+        assert session.version > version  # every tab shows it
+        await asyncio.gather(*session._tasks)
+        assert session.notice.startswith("Adding cubic stiffness is under way")
 
     alone(story)

@@ -168,7 +168,9 @@ def _call(found: ast.Call, name: str, first: int, depth: int, at: int) -> Call:
             f"character {at}: there is no function '{name[:20]}'; there are {', '.join(FUNCTIONS)}"
             + (" (multiplication is written *)" if len(name) <= 2 else "")
         )
-    wanted, given = FUNCTIONS[name], len(found.args) + len(found.keywords)
+    if found.keywords:
+        raise ValueError(f"character {at}: {name} takes plain arguments, without = or **")
+    wanted, given = FUNCTIONS[name], len(found.args)
     if given != wanted:
         raise ValueError(
             f"character {at}: {name} takes {wanted} argument{'s' if wanted > 1 else ''}, not {given}"

@@ -166,3 +166,9 @@ def test_a_few_rows_without_a_stamp_are_left_out(tmp_path: Path) -> None:
 def test_stamps_that_hardly_advance_are_refused(tmp_path: Path, step: float) -> None:
     t = np.concatenate(([-step], np.zeros(7)))
     assert "do not advance" in refusal(tmp_path, table("time_s,displacement_m", t, U[:8], form="%.3g"))
+
+
+@pytest.mark.parametrize("step", [1e-300, 1e-154, 1e-50])
+def test_stamps_written_twice_that_hardly_advance_are_refused(tmp_path: Path, step: float) -> None:
+    rows = "\n".join(f"{(i // 2) * step!r},{u:.9f}" for i, u in enumerate(U[:40]))
+    assert refusal(tmp_path, f"time_s,displacement_m\n{rows}\n")

@@ -1,0 +1,18 @@
+"""Text of strangers in one line: what a file or a session's metadata say can forge no line of what is printed."""
+
+from typing import Annotated
+
+from pydantic import AfterValidator
+
+_CONTROL = [*range(0x20), *range(0x7F, 0xA0)]
+_BREAKS_AND_TURNS = [*range(0x2028, 0x202F), *range(0x2066, 0x206A)]
+_REPLACED = dict.fromkeys([*_CONTROL, *_BREAKS_AND_TURNS], "\N{REPLACEMENT CHARACTER}")
+
+
+def one_line(text: str) -> str:
+    """Return `text` with every control character, line break and turn of direction replaced by a mark."""
+    return text.translate(_REPLACED)
+
+
+Line = Annotated[str, AfterValidator(one_line)]
+"""A text that is made one line when it is read."""

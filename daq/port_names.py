@@ -1,0 +1,49 @@
+"""Which ports may be opened: a device of this computer, or a board behind a network address, and nothing else.
+
+A port's name reaches the program from an option, from settings and from the page. pyserial takes more than ports:
+`spy://` writes a file of one's choice, `alt://` loads a class, `hwgrep://` searches.
+"""
+
+import os
+import stat
+from urllib.parse import parse_qs, urlsplit
+
+from daq.errors import NoBoard, PortNotAllowed
+
+NETWORK = ("socket", "rfc2217")
+OPTIONS = {"ign_set_control", "poll_modem", "timeout"}
+"""What some servers of rfc2217 need."""
+
+LONGEST = 200
+
+
+def fault_of(name: str) -> str:
+    """Return in words why a name is none of a port; empty when it may be opened."""
+    if not name or len(name) > LONGEST or not name.isprintable():
+        return f"{name[:LONGEST]!r} is no name of a port"
+    if "://" not in name:
+        return ""
+    try:
+        parts = urlsplit(name)
+        host = parts.scheme in NETWORK and parts.hostname and parts.port and "@" not in parts.netloc
+        more = set(parse_qs(parts.query, keep_blank_values=True)) - OPTIONS
+        plain = host and not more and not parts.fragment and parts.path in ("", "/")
+    except ValueError:  # a port that is no number
+        plain = False
+    if plain:
+        return ""
+    return f"{name} is no port: a device as /dev/ttyACM0 or COM3, socket://HOST:PORT and rfc2217://HOST:PORT can be opened"
+
+
+def require_port(name: str) -> None:
+    """Raise PortNotAllowed for what is no port, NoBoard for a device's name under which there is none."""
+    if fault := fault_of(name):
+        raise PortNotAllowed(fault)
+    if "://" in name or os.name == "nt":
+        return
+    try:
+        is_device = stat.S_ISCHR(os.stat(name).st_mode)
+    except OSError:  # opening says why
+        return
+    if not is_device:
+        raise NoBoard(f"{name}: this is no device; plug the board in or list the ports")
