@@ -32,7 +32,11 @@ document.documentElement.lang = "en";
   }));
 
   // Names for those who do not see the signs on a library's buttons.
-  const name = () => document.querySelectorAll(".q-uploader a.q-btn").forEach((el) => el.setAttribute("aria-label", "Choose files to import"));
+  const NAMES = { ".q-uploader .q-btn": "Choose files to import", ".q-uploader__input": "Files to import", ".q-loading-bar": "Loading", "[role=progressbar]": "Progress" };
+  const name = () => {
+    for (const [what, words] of Object.entries(NAMES))
+      document.querySelectorAll(`${what}:not([aria-label])`).forEach((el) => el.setAttribute("aria-label", words));
+  };
   document.addEventListener("DOMContentLoaded", () => { name(); new MutationObserver(name).observe(document.body, { childList: true, subtree: true }); });
 
   // From card to card with the arrows.
