@@ -13,6 +13,7 @@ from pathlib import Path
 SECTIONS = (
     "wire",
     "trust",
+    "lies",
     "alignment",
     "identification",
     "diagnosis",

@@ -12,6 +12,7 @@ from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a process a core is enough
 
+from bench import null_p_values
 from identify.diagnosis.diagnose import diagnose
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
@@ -24,8 +25,21 @@ WHITE, COARSE, ALL = "white", "12 bits, quiet", "all of them"
 NOISES = (WHITE, *IMPERFECTIONS, COARSE, ALL)
 POINTS = ("4 Hz", "1 Hz", "40 Hz", "one channel", "no friction", "mid-decay", "angle")
 RELEASES = (1, 3, 9)
+FEW_NOISES, FEW_POINTS = (WHITE, "one_over_f", ALL), ("4 Hz", "one channel", "no friction", "mid-decay")
+"""What a quick run looks at where it cannot look at all."""
 EFFECTS = ("cubic_stiffness", "quadratic_damping", "hysteresis", "second_mass", "freeplay")
-STRENGTH = 0.03
+TRIPLES = (
+    "cubic_stiffness+quadratic_damping+stribeck_friction",
+    "hysteresis+cubic_stiffness+quadratic_damping",
+    "end_stop+cubic_damping+harmonic_forcing",
+    "freeplay+quadratic_damping+second_mass",
+    "cubic_stiffness+cubic_damping+position_dependent_friction",
+    "quadratic_stiffness+hysteresis+freeplay",
+    "time_varying_stiffness+quadratic_damping+cubic_stiffness",
+    "bilinear_stiffness+stribeck_friction+position_dependent_damping",
+)
+NEAR_SHAPES = ("power_law_stiffness", "power_law_damping", "bouc_wen_hysteresis", "fading_friction")
+STRENGTH, OF_EACH_OF_THREE = 0.03, 0.02
 USUAL_HZ = 3.944
 """Frequency of the double's bench: at other frequencies all of it, sampling too, runs in another time."""
 
@@ -64,18 +78,28 @@ class Outcome:
 
     @property
     def false(self) -> bool:
-        """Whether what is named, or held to have no name, is not there; a crash is no better."""
-        if self.verdict in ("nothing_missing", "not_enough_data") or self.verdict.startswith("refused"):
-            return False
-        if self.verdict.startswith("crashed"):
-            return True
-        allowed = {self.case.hidden} | set(own_names(self.case.noise))
-        return self.verdict in ("unknown_effect", "unconfirmed") or not set(self.named) <= allowed
+        """Whether something is named that is not there; a crash is no better."""
+        return self.verdict.startswith("crashed") or not set(self.named) <= self.there
+
+    @property
+    def nameless(self) -> bool:
+        """Whether something is held to be missing that has no name."""
+        return self.verdict in ("unknown_effect", "unconfirmed", "driven")
+
+    @property
+    def made_up(self) -> bool:
+        """Whether two effects or more are named, of which one at most is there."""
+        return len(self.named) > 1
+
+    @property
+    def there(self) -> set[str]:
+        """What may be named: what is hidden, and the imperfections of the sensors."""
+        return set((self.case.hidden or "").split("+")) | set(own_names(self.case.noise))
 
     @property
     def found(self) -> bool:
-        """Whether the hidden effect is among the names, and nothing else but what is there."""
-        return self.case.hidden in self.named and not self.false
+        """Whether all that is hidden is among the names, and nothing else but what is there."""
+        return set((self.case.hidden or "").split("+")) <= set(self.named) and not self.false
 
 
 def own_names(noise: str) -> tuple[str, ...]:
@@ -88,7 +112,8 @@ def own_names(noise: str) -> tuple[str, ...]:
 def release_of(case: Case, number: int) -> PreparedDecay:
     """Draw one release of a case: of one specimen with one pair of sensors, each from its own height."""
     seed = case.seed + 1000 * number
-    sample = draw(case.hidden, STRENGTH if case.hidden else 0.0, seed, **fixed(case, number))
+    strength = OF_EACH_OF_THREE if case.hidden in TRIPLES else STRENGTH
+    sample = draw(case.hidden, strength if case.hidden else 0.0, seed, **fixed(case, number))
     u, a = sample.displacement, sample.acceleration
     if case.point == "one channel":
         return prepare(FreeDecay(sample.rate, displacement=u))
@@ -159,6 +184,7 @@ def judge_all(cases: list[Case]) -> list[Outcome]:
             o = future.result()
             out.append(o)
             mark = "FALSE" if o.false else "found" if o.found else "missed" if o.case.hidden else "ok"
+            mark = "nameless" if o.nameless and not o.case.hidden else mark
             print(
                 f"{o.case.noise:15} {o.case.point:12} x{o.case.releases} {o.case.hidden or '-':18} {o.case.seed} "
                 f"{mark:6} {o.verdict} {'+'.join(o.named)} p {o.p:.2g} chi2 {o.chi_square:.3g} {o.seconds:.1f} s",
@@ -230,26 +256,48 @@ def _order(outcome: Outcome) -> tuple[int, int, int]:
 def run(quick: bool) -> str:
     """Return the tables as markdown."""
     few = 1 if quick else 4
-    single = judge_all(cases_of(NOISES, POINTS, (1,), few * 2))
-    joint = judge_all(cases_of(NOISES, POINTS[:1], (3,) if quick else (3, 9), few, first=300))
-    effects = judge_all(
-        cases_of(NOISES, POINTS[:1] if quick else POINTS, (1,), few if quick else 1, EFFECTS, 600)
+    points = FEW_POINTS if quick else POINTS
+    single = judge_all(cases_of(NOISES, points, (1,), few, first=100))
+    joint = judge_all(
+        cases_of(FEW_NOISES if quick else NOISES, POINTS[:1], (3,) if quick else (3, 9), few, first=300)
     )
-    said = Counter(f"{o.verdict} {'+'.join(o.named)}".strip() for o in (*single, *joint) if o.false)
-    crashed = [o for o in (*single, *joint, *effects) if o.verdict.startswith("crashed")]
+    effects = judge_all(
+        cases_of(FEW_NOISES if quick else NOISES, POINTS[:1] if quick else POINTS, (1,), few, EFFECTS, 600)
+    )
+    three = judge_all(cases_of(NOISES[:1], POINTS[:1], (1,), few, TRIPLES, 700))
+    near = judge_all(cases_of(NOISES[:1], POINTS[:1], (1,), few, NEAR_SHAPES, 800))
+    every = (*single, *joint, *effects, *three, *near)
+    crashed = sum(o.verdict.startswith("crashed") for o in every)
     return "\n\n".join(
         (
-            "Nothing hidden, one release: a name that is not there, or `unknown_effect`.",
+            "Nothing hidden, one release: a name that is not there.",
             _table(single, "noise", "point", "false"),
-            "Nothing hidden, several releases of one specimen together, at 4 Hz.",
+            "The same: no name, but something is held to be missing.",
+            _table(single, "noise", "point", "nameless"),
+            "Nothing hidden, several releases of one specimen together, at 4 Hz: a name that is not there.",
             _table(joint, "noise", "releases", "false"),
-            f"Said: {'; '.join(f'{what} x{n}' for what, n in said.most_common()) or 'nothing false'}. "
-            f"Crashes: {len(crashed)} of {len(single) + len(joint) + len(effects)}.",
+            f"Said falsely or without a name: {_said([o for o in (*single, *joint) if o.false or o.nameless])}. "
+            f"Crashes: {crashed} of {len(every)}.",
             f"Effects of {100 * STRENGTH:g} %, one release: named, and nothing else with them.",
             _table(effects, "noise", "point", "found"),
             _table(effects, "noise", "hidden", "found"),
+            f"Said of the others: {_said([o for o in effects if not o.found])}.",
+            f"Three effects of {100 * OF_EACH_OF_THREE:g} % at once, white noise: all three named, and nothing else.",
+            _table(three, "hidden", "point", "found"),
+            f"Said of the others: {_said([o for o in three if not o.found])}.",
+            f"Shapes between the names and outside them, {100 * STRENGTH:g} %: two or three effects made up.",
+            _table(near, "hidden", "point", "made_up"),
+            f"Said: {_said(near)}.",
+            null_p_values.section(40 if quick else 200),
         )
     )
+
+
+def _said(outcomes: list[Outcome]) -> str:
+    said = Counter(
+        f"{o.case.hidden or o.case.noise}: {o.verdict} {'+'.join(o.named)}".strip() for o in outcomes
+    )
+    return "; ".join(f"{what} x{n}" for what, n in said.most_common()) or "none"
 
 
 def main(arguments: list[str]) -> None:

@@ -4,21 +4,24 @@ Everything that arrives is in the raw log before anything here looks at it, so w
 (a stall, an unplugged board, Ctrl-C, a full disk) leaves what was received.
 """
 
+import time
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from daq.budget import RESEND_FOR_S, Budget
 from daq.capture_settings import CaptureSettings
 from daq.capture_stream import CaptureStream
 from daq.decode import Assembly, Block
 from daq.description_checks import Window
 from daq.errors import DataLost, NoRelease, StationError
 from daq.failover import FallbackFolder, SessionWriter
+from daq.integrity import lost_outside
 from daq.link import Link
 from daq.observer import CaptureObserver
 from daq.port import Port, open_port
-from daq.quality import summary
+from daq.quality import CLOCK_LIMIT, summary
 from daq.raw_log import Kind, RawLog
 from daq.rest_detection import RestPeriod
 from daq.session import Session
@@ -29,7 +32,6 @@ from daq.trigger import Trigger
 __all__ = ["CaptureObserver", "CaptureSettings", "capture"]
 
 RESEND_ROUNDS = 3
-SPARE_BYTES = 1 << 20
 
 
 def capture(
@@ -52,11 +54,13 @@ def capture(
     log = RawLog()
     if isinstance(opened, SourceBoard):
         opened.keep = partial(log.append, Kind.SOURCE)
+        log.note(event="source")  # its times are those of its text, not of a timer that samples
     with Link(opened, log) as link:
         link.handshake()
         link.configure(settings.rate_hz)
         run = _Capture(link, settings, observer or CaptureObserver())
-        writer = SessionWriter.begin(folder, run.describe(), log, fallback, run.space())
+        link.allow(run.budget.require())
+        writer = SessionWriter.begin(folder, run.describe(), log, fallback, run.budget.disk)
         try:
             run.record()
         except BaseException as error:
@@ -84,12 +88,12 @@ class _Capture:
         settings = self._settings
         return round(settings.pre_trigger_s * self._rate) + round(settings.duration_s * self._rate)
 
-    def space(self) -> int:
-        """Bytes that the session may need: twice what the samples take in their widest format."""
-        per_second = self._rate * len(self._channels) * 8 * 2
-        settings = self._settings
-        seconds = settings.rest_s + settings.pre_trigger_s + settings.trigger_timeout_s + settings.duration_s
-        return SPARE_BYTES + round(per_second * seconds)
+    @property
+    def budget(self) -> Budget:
+        """How many bytes the capture may take."""
+        description = self._link.assembly.description
+        assert description is not None
+        return Budget(self._settings, self._rate, len(self._channels) * description.format.size)
 
     def describe(self) -> SessionInfo:
         """Say to the observer who answered and return the session's metadata."""
@@ -131,6 +135,7 @@ class _Capture:
         """Wait until the mass is still; a release before the rest is complete is not missed."""
         settings = self._settings
         detail = f"measuring the noise; keep the mass still for {settings.rest_s:g} s"
+        began = time.monotonic()
         self._stream.state("resting", detail)
         period = RestPeriod(self._channels, self._rate, settings.rest_s, settings.trigger_level)
         trigger: Trigger | None = None
@@ -146,8 +151,8 @@ class _Capture:
                     self._noise = {c.name: value for c, value in zip(self._channels, noise, strict=True)}
                     return trigger
         raise NoRelease(
-            f"the mass did not come to rest within {settings.rest_timeout_s:g} s; hold it still, or give a"
-            " larger trigger level"
+            f"the mass did not come to rest within {_waited(settings.rest_timeout_s, began)}; hold it still, or"
+            " give a larger trigger level"
         )
 
     def _wait_for_release(self, trigger: Trigger) -> int:
@@ -156,12 +161,13 @@ class _Capture:
             return self._early
         noise = ", ".join(f"{c.name} {self._noise[c.name]:.2g} {c.unit}" for c in self._channels)
         self._stream.state("armed", f"release the mass; noise at rest: {noise}")
+        began = time.monotonic()
         for block in self._stream.during(settings.trigger_timeout_s):
             release = self._triggered(trigger, block)
             if release is not None:
                 return release
         raise NoRelease(
-            f"no release within {settings.trigger_timeout_s:g} s; what was received is kept. Release the"
+            f"no release within {_waited(settings.trigger_timeout_s, began)}; what was received is kept. Release the"
             " mass after arming, or give a smaller trigger level"
         )
 
@@ -191,20 +197,25 @@ class _Capture:
         self._stream.take_to(stop, 2 * settings.duration_s + 5)
 
     def _ask_again(self) -> None:
-        """Ask for samples that the wire lost, three times at most."""
-        for _ in range(RESEND_ROUNDS):
-            lost = [gap for gap in self._link.assembly.missing() if gap.reason == "wire"]
-            if not lost:
-                return
-            self._stream.state("resending", f"asking again for {sum(g.count for g in lost)} samples")
-            before = self._lost()
-            held = [self._link.resend(gap.first, gap.count) for gap in lost]
-            self._resent += before - self._lost()
-            if not any(held) and before == self._lost():
-                return
+        """Ask for samples that the wire lost, three times at most, and for those that the checksum needs beside them.
 
-    def _lost(self) -> int:
-        return sum(gap.count for gap in self._link.assembly.missing())
+        A board that no longer holds one of the latter, or answers three requests in a row with nothing, is asked no
+        further.
+        """
+        assembly, requests = self._link.assembly, _Requests(self._link)
+        checkable = True
+        for _ in range(RESEND_ROUNDS):
+            lost = [(gap.first, gap.count) for gap in assembly.missing() if gap.reason == "wire"]
+            beside = _beside(assembly) if checkable else []
+            if requests.over or not (lost or beside):
+                return
+            self._stream.state("resending", f"asking again for {sum(n for _, n in (*lost, *beside))} samples")
+            before = assembly.samples.received
+            refused = [hole for hole in lost if requests.ask(hole) is False]
+            checkable = not refused and all(requests.ask(hole) is not False for hole in beside)
+            self._resent += assembly.samples.received - before
+            if refused == lost and not checkable:
+                return
 
     def abort(self, writer: SessionWriter, error: BaseException) -> None:
         """Keep what was received as an aborted session; its folder is noted in the error."""
@@ -241,9 +252,55 @@ class _Capture:
         )
 
 
+class _Requests:
+    """Requests for samples that stay within their time, and end with a board that does not answer."""
+
+    def __init__(self, link: Link) -> None:
+        self._link = link
+        self._until = time.monotonic() + RESEND_FOR_S
+        self._unanswered = 0
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing is asked any more."""
+        return self._unanswered >= RESEND_ROUNDS or time.monotonic() >= self._until
+
+    def ask(self, hole: tuple[int, int]) -> bool | None:
+        """Ask for (first, count); return whether all of it is held, None when that is not known."""
+        if self.over:
+            return None
+        before = self._link.assembly.samples.received
+        held = self._link.resend(*hole, self._until)
+        came = self._link.assembly.samples.received > before
+        self._unanswered = 0 if came or held is not None else self._unanswered + 1
+        return held
+
+
+def _beside(assembly: Assembly) -> list[tuple[int, int]]:
+    """Return what the checksum needs beside the recording."""
+    return lost_outside(assembly.samples, assembly.end, assembly.start, assembly.stop, assembly.total)
+
+
+def _waited(seconds: float, began: float) -> str:
+    """Return how long was waited, by which clock: the board may count its seconds faster than this computer."""
+    here = time.monotonic() - began
+    if here > 0.8 * seconds:
+        return f"{seconds:g} s"
+    return f"{seconds:g} s by the board's samples, {here:.2g} s by this computer's clock"
+
+
 def _rate_std(assembly: Assembly) -> float | None:
-    """Return how far the board's rate is known by this computer's clock (Hz); None when the two disagree."""
+    """Return how far the board's rate is known (Hz): by what it states of its clock, and by this computer's clock.
+
+    The smaller of the two where they go together, else their difference; None when neither tells or they contradict.
+    """
+    stated = None if assembly.clock_ppm is None else 1e-6 * assembly.clock_ppm * assembly.rate
     clock = assembly.samples.host_clock()
-    if clock is None or not np.isfinite(clock.std) or abs(clock.rate / assembly.rate - 1) > 0.005:
+    if clock is None or not np.isfinite(clock.std):
+        return stated
+    if abs(clock.rate / assembly.rate - 1) > CLOCK_LIMIT:
         return None
-    return max(clock.std, abs(clock.rate - assembly.rate))
+    difference = abs(clock.rate - assembly.rate)
+    if stated is None or difference > stated + 3 * clock.std:
+        return max(clock.std, difference)
+    return min(stated, max(clock.std, difference))

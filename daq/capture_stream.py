@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from daq.decode import Block
 from daq.errors import ProtocolError, Rebooted, Stalled
 from daq.link import GIVE_UP_S, WARN_S, Link
+from daq.no_answer import is_noisy
 from daq.observer import CaptureObserver
 from daq.recording import Gap
 from firmware_protocol import HelloRequest, OtherVersion
@@ -79,6 +80,8 @@ class CaptureStream:
 
     def _why_silent(self) -> str:
         kept = "what was received is kept"
+        if self._link.silence() > WARN_S and is_noisy(self._link.statistics):
+            return f"only noise has come for {GIVE_UP_S:g} s; {kept}. Check cable and baud rate"
         if self._link.silence() > WARN_S:
             return (
                 f"the board has been silent for {GIVE_UP_S:g} s; {kept}. Check cable and board, or reset it"

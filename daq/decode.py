@@ -12,16 +12,36 @@ from typing import Any
 
 import numpy as np
 
+from daq.board_text import in_one_line
 from daq.description_checks import Window, channels_of, gap_of, items_of, problem_of, window_of
 from daq.errors import DataLost
+from daq.integrity import Integrity, integrity
 from daq.losses import Losses
 from daq.raw_log import Kind, Record
 from daq.recording import Array, Channel, Gap, Mask, Recording
 from daq.sample_store import Piece, SampleStore
-from firmware_protocol import Data, Decoder, Describe, End, Event, EventKind, Frame, Hello, Log
+from firmware_protocol import (
+    Clock,
+    Data,
+    Decoder,
+    Describe,
+    End,
+    Event,
+    EventKind,
+    Frame,
+    Hello,
+    Log,
+    OtherVersion,
+)
 
-MAX_MISSING = 1 << 22
+STREAM = 0
+MAX_MISSING = (
+    1 << 22
+)  # numbers (samples times channels) that may be missing: 34 MB where the recording is made
 MAX_LISTED = 200
+BOARD, SOURCE, IMPORT = "board", "source", "import"  # who made the samples, as the station noted it
+ORIGINS = {"imported": IMPORT, "source": SOURCE}
+MOST_PPM = 1e5
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,27 +61,38 @@ class Assembly:
         self.description: Describe | None = None
         self.end: End | None = None
         self.window: Window | None = None
-        self.rebooted = False
-        self.frames = 0
+        self.clock_ppm: float | None = None
+        self.frames, self.rebooted, self.origin = 0, False, BOARD
         self.notes: list[str] = []
         self.events: list[Event] = []
         self.contradictions: list[str] = []
         self.samples = SampleStore()
         self._losses = Losses()
-        self._missing, self._sequence = 0, -1
+        self.jumped = 0  # samples that were missing when a later one came
+        self._sequence, self._started = -1, False
 
     def take(self, frame: Frame, time: float) -> tuple[Block | Gap, ...]:
         """Take one frame; return the samples it brought and, before them, what was found missing."""
         message = frame.message
         self.frames += 1
+        if not is_ours(frame):
+            _list(
+                self.notes, f"the board also sends stream {frame.stream}; only stream {STREAM} was recorded"
+            )
+            return ()
         if isinstance(message, Data):
             return self._take_data(frame.sequence, message, time)
+        if isinstance(message, OtherVersion):
+            return ()
+        message = in_one_line(message)
         if isinstance(message, Hello):
             return self._take_hello(message)
         if isinstance(message, Describe):
             self._take_description(message)
+        elif isinstance(message, Clock):
+            self.clock_ppm = message.error_ppm if 0 < message.error_ppm < MOST_PPM else None
         elif isinstance(message, End):
-            self.end = message
+            self._take_end(message)
         elif isinstance(message, Event):
             self._take_event(message)
         elif isinstance(message, Log):
@@ -70,6 +101,7 @@ class Assembly:
 
     def take_note(self, note: dict[str, Any]) -> None:
         """Take what the station wrote down between the bytes; what is not understood is skipped."""
+        self.origin = ORIGINS.get(str(note.get("event")), self.origin)
         if note.get("event") == "window":
             self.window = window_of(note) or self.window
         elif note.get("event") == "start":
@@ -85,7 +117,7 @@ class Assembly:
 
     @property
     def rate(self) -> float:
-        """Samples per second by the board's description; 0 before it came."""
+        """Samples per second, as described; 0 before it was."""
         return self.description.channels[0].rate_hz if self.description else 0.0
 
     @property
@@ -100,22 +132,24 @@ class Assembly:
 
     @property
     def stop(self) -> int:
-        """The sample after the recording's last.
-
-        Up to the window's end, as far as samples were taken; a stream that merely stopped ends with the
-        last sample received, one whose board rebooted or said END is known to be short by so many.
-        """
+        """The sample after the last: of the window, as far as samples came or, by END or a reboot, are short."""
         if self.window is None:
-            return max(self.expected, self._total())
+            return max(self.expected, self.total)
         planned = self.window.first + self.window.count
         if self.rebooted:
-            return planned
-        return min(planned, max(self.expected, self._total()))
+            return min(planned, self.expected + self.most_missing)
+        return min(planned, max(self.expected, self.total))
 
-    def _total(self) -> int:
+    @property
+    def total(self) -> int:
         """How many samples the board says it took, if that is believable."""
         total = self.end.total_samples if self.end else 0
-        return total if total - self.expected <= MAX_MISSING else 0
+        return total if total - self.expected <= self.most_missing else 0
+
+    @property
+    def most_missing(self) -> int:
+        """How many samples may be missing before the recording would ask for too much memory."""
+        return MAX_MISSING // max(len(self.description.channels) if self.description else 1, 1)
 
     def missing(self) -> tuple[Gap, ...]:
         """Return what is missing from the recording so far, with reasons."""
@@ -126,12 +160,8 @@ class Assembly:
         channels, first, stop = self.channels, self.start, self.stop
         if not self.samples or self.description is None or stop <= first:
             raise DataLost("no sample was received, so there is nothing to read")
-        samples = np.full((len(channels), stop - first), np.nan)
-        for piece in self.samples.within(first, stop):
-            at = piece.data.first_index - first
-            block = _convert(piece.data, self.description)[:, max(-at, 0) : stop - first - at]
-            samples[:, max(at, 0) : max(at, 0) + block.shape[1]] = block
-        valid = np.isfinite(samples).all(axis=0)
+        samples = _values(self.samples, self.description, first, stop)
+        valid: Mask = np.all(np.isfinite(samples), axis=0)
         samples[:, ~valid] = np.nan
         trigger = self.window.trigger if self.window else None
         return Recording(
@@ -144,20 +174,15 @@ class Assembly:
             notes=(*self.notes, *self.contradictions, *notes),
         )
 
-    def checksum_agrees(self) -> bool | None:
-        """Whether the CRC-32 of all samples is the one in END; None while that cannot be known."""
-        if self.end is None:
-            return None
-        count, check = self.samples.checksum()
-        if count != self.end.total_samples - self.end.total_dropped:
-            return None
-        return check == self.end.checksum
+    def integrity(self) -> Integrity:
+        """Return whether the samples are those of which END tells the number and the checksum."""
+        return integrity(self.samples, self._losses, self.end, self.start, self.most_missing)
 
     def _forget_samples(self) -> None:
         """Begin at index 0: what came before belongs to an earlier capture."""
         self.end, self.window, self.rebooted = None, None, False
         self.samples = SampleStore()
-        self._missing, self._sequence = 0, -1
+        self.jumped, self._sequence, self._started = 0, -1, True
         for items in (self._losses, self.events, self.contradictions):
             items.clear()
 
@@ -175,10 +200,16 @@ class Assembly:
         problem = problem_of(description)
         if problem:
             _list(self.contradictions, problem)
-        elif self.samples and description != self.description:
+        elif (self.samples or self._started) and description != self.description:
             _list(self.contradictions, "the board described other channels in the middle of the recording")
         else:
             self.description = description
+
+    def _take_end(self, end: End) -> None:
+        if self.end is not None and self.samples and end != self.end:
+            _list(self.contradictions, "the board said END twice, with other numbers")
+        else:
+            self.end = end
 
     def _take_event(self, event: Event) -> None:
         if len(self.events) < MAX_LISTED:
@@ -187,9 +218,9 @@ class Assembly:
             self._losses.overrun(event.index, event.index + event.count)
 
     def _take_data(self, sequence: int, data: Data, time: float) -> tuple[Block | Gap, ...]:
-        if self.end is not None and not self.samples and data.first_index + data.n > self._total():
+        if self.end is not None and not self.samples and data.first_index + data.n > self.total:
             self.end = None  # a STOP asked twice is answered twice: this END was of the capture before
-        problem = self._objection(data)
+        problem = _objection(self, data)
         if problem:
             _list(self.contradictions, problem)
         if problem or self.rebooted or data.n == 0:
@@ -198,43 +229,63 @@ class Assembly:
         if data.first_index < self.expected and not again:
             self._take_late(sequence, Piece(data, time))
             return ()
-        if data.dropped_before:
+        if data.dropped_before and not again:
             self._losses.overrun(data.first_index - data.dropped_before, data.first_index)
+            self._losses.dropped += data.dropped_before
         lost: tuple[Gap, ...] = ()
         if not again:
-            self._missing += data.first_index - self.expected
+            self.jumped += data.first_index - self.expected
             lost = self._losses.before(data.first_index, self.expected, data.dropped_before)
         self._sequence = sequence
-        if not self.samples.add(Piece(data, float("nan") if again else time)):
-            return ()
+        new = self.samples.add(Piece(data, float("nan") if again else time))
         assert self.description is not None
-        return (*lost, Block(data.first_index, _convert(data, self.description), time))
+        return (*lost, *(Block(part.first, _convert(part.data, self.description), time) for part in new))
 
     def _take_late(self, sequence: int, piece: Piece) -> None:
         """A frame sent before the last one was delayed or doubled by the wire; a newer one contradicts it."""
         if 0 < (sequence - self._sequence) & 0xFFFFFFFF < 1 << 31:
-            where = piece.data.first_index
-            _list(self.contradictions, f"the sample index went back to {where} without a reboot")
+            _list(self.contradictions, f"the sample index went back to {piece.first} without a reboot")
         else:
             self.samples.add(piece)
-
-    def _objection(self, data: Data) -> str | None:
-        if self.description is None:
-            return "samples came before a description of the channels"
-        if data.channels != len(self.description.channels):
-            return f"samples of {data.channels} channels, but {len(self.description.channels)} were described"
-        ahead = data.first_index - self.expected
-        if ahead + self._missing > MAX_MISSING // data.channels:
-            return f"the sample index jumped by {ahead} samples to {data.first_index}"
-        if self.end is not None and data.first_index + data.n > max(self._total(), self.expected):
-            return f"sample {data.first_index + data.n - 1} came after the board had said END"
-        return None
 
     def _gaps(self, valid: Mask, first: int) -> tuple[Gap, ...]:
         arrived = self.samples.mask(first, first + len(valid))
         return self._losses.gaps(valid, arrived, first, self.expected if self.rebooted else None)
 
 
+def is_ours(frame: Frame) -> bool:
+    """Return whether a frame belongs to the stream that is recorded; of another version nobody knows the stream."""
+    return frame.stream == STREAM or isinstance(frame.message, OtherVersion)
+
+
+def _objection(assembly: Assembly, data: Data) -> str | None:
+    """Return how DATA contradicts what the board said before, or None."""
+    description, end, expected = assembly.description, assembly.end, assembly.expected
+    if description is None:
+        return "samples came before a description of the channels"
+    if data.channels != len(description.channels):
+        return f"samples of {data.channels} channels, but {len(description.channels)} were described"
+    if data.format != description.format:
+        return f"samples in {data.format.name}, but {description.format.name} was described"
+    ahead = data.first_index - expected
+    if ahead + assembly.jumped > assembly.most_missing:
+        return f"the sample index jumped by {ahead} samples to {data.first_index}"
+    if end is not None and data.first_index + data.n > max(assembly.total, expected):
+        return f"sample {data.first_index + data.n - 1} came after the board had said END"
+    return None
+
+
+def _values(store: SampleStore, description: Describe, first: int, stop: int) -> Array:
+    """Return samples `first` to `stop - 1` in SI units, shape (channels, n); NaN where none arrived."""
+    samples = np.full((len(description.channels), stop - first), np.nan)
+    for piece in store.within(first, stop):
+        at = piece.first - first
+        block = _convert(piece.data, description)[:, max(-at, 0) : stop - first - at]
+        samples[:, max(at, 0) : max(at, 0) + block.shape[1]] = block
+    return samples
+
+
+@np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
 def _convert(data: Data, description: Describe) -> Array:
     """Return samples in SI units, shape (channels, n)."""
     numbers = np.frombuffer(data.samples, data.format.code).reshape(data.n, data.channels).T

@@ -9,6 +9,12 @@ from firmware_protocol import Describe
 
 MAX_RATE = 1e7
 MAX_ITEMS = 20_000
+UNITS = {
+    "displacement": ("m", "rad"),
+    "velocity": ("m/s", "rad/s"),
+    "acceleration": ("m/s^2", "rad/s^2"),
+    "force": ("N", "N m"),
+}
 
 
 @dataclass(frozen=True)
@@ -21,10 +27,11 @@ class Window:
 
 
 def channels_of(description: Describe) -> tuple[Channel, ...]:
-    """Return the channels of a description that was found sound."""
+    """Return the channels of a description that was found sound; of equal names the later ones get a number."""
+    names = _told_apart([c.name for c in description.channels])
     return tuple(
         Channel(
-            name=c.name,
+            name=name,
             quantity=c.quantity,
             unit=c.unit,
             resolution=c.resolution,
@@ -33,8 +40,32 @@ def channels_of(description: Describe) -> tuple[Channel, ...]:
             group_delay_s=c.group_delay_s,
             sensor=c.sensor,
         )
-        for c in description.channels
+        for name, c in zip(names, description.channels, strict=True)
     )
+
+
+def _told_apart(names: list[str]) -> list[str]:
+    """Return the names, each followed by its number where an earlier channel has it already: a, a 2, a 3."""
+    given: list[str] = []
+    for name in names:
+        new, number = name, 1
+        while new in given:
+            number += 1
+            new = f"{name} {number}"
+        given.append(new)
+    return given
+
+
+def foreign_unit(description: Describe) -> str:
+    """Return what is to be known of units other than those that the protocol lists, in words; empty when none is."""
+    for channel in description.channels:
+        units = UNITS.get(channel.quantity)
+        if units and channel.unit not in units:
+            return (
+                f"the board describes {channel.name} ({channel.quantity}) in {channel.unit!r} and not in"
+                f" {' or '.join(units)}; its numbers were taken as they are"
+            )
+    return ""
 
 
 def problem_of(description: Describe) -> str | None:
@@ -46,6 +77,8 @@ def problem_of(description: Describe) -> str | None:
             return f"the board gives channel {channel.name!r} a rate of {channel.rate_hz:g} Hz"
         if not (isfinite(channel.scale) and isfinite(channel.offset)) or channel.scale == 0:
             return f"the board gives channel {channel.name!r} a scale of {channel.scale:g}"
+        if not isfinite(channel.group_delay_s):
+            return f"the board gives channel {channel.name!r} a delay of {channel.group_delay_s:g} s"
     rates = {channel.rate_hz for channel in description.channels}
     if len(rates) > 1:
         return "the board describes channels of different rates: " + ", ".join(f"{r:g} Hz" for r in rates)

@@ -3,17 +3,23 @@
 import queue
 import threading
 
-from daq.errors import Disconnected, StationError
+from daq.errors import Disconnected, ProtocolError, StationError
 from daq.port import Port
 from daq.raw_log import Kind, RawLog
 from firmware_protocol import Decoder, Frame, Statistics
 
+MOST_BYTES = 1 << 22
+
 
 class FrameReader:
-    """Frames from a port with the host's times of their arrival, in order; `close` ends the thread."""
+    """Frames from a port with the host's times of their arrival, in order; `close` ends the thread.
+
+    Reading ends when the log has grown by `most_bytes`: what is still to be had then is refused in `take`.
+    """
 
     def __init__(self, port: Port, log: RawLog) -> None:
-        self.bytes_received = 0
+        self.most_bytes = MOST_BYTES
+        self._begun = log.size
         self._port = port
         self._log = log
         self._decoder = Decoder()
@@ -21,6 +27,9 @@ class FrameReader:
         self._failure: StationError | None = None
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._read, name=f"reader of {port.name}", daemon=True)
+        self._start()
+
+    def _start(self) -> None:
         self._thread.start()
 
     @property
@@ -52,13 +61,25 @@ class FrameReader:
     def _read(self) -> None:
         try:
             while not self._stopping.is_set():
-                data = self._port.read()
-                if data:
-                    when = self._log.append(Kind.RECEIVED, data)
-                    self.bytes_received += len(data)
-                    for frame in self._decoder.feed(data):
-                        self._queue.put((when, frame))
+                self.read_once()
         except StationError as error:
             self._queue.put(error)
         except Exception as error:
             self._queue.put(Disconnected(f"{self._port.name} cannot be read any more ({error})"))
+
+    def read_once(self) -> int:
+        """Take what the port has, log it and queue its frames; return how many bytes it was."""
+        data = self._port.read()
+        if data:
+            when = self._log.append(Kind.RECEIVED, data)
+            for frame in self._decoder.feed(data):
+                self._queue.put((when, frame))
+            if self._log.size - self._begun > self.most_bytes:
+                raise ProtocolError(self._too_much())
+        return len(data)
+
+    def _too_much(self) -> str:
+        return (
+            f"{self._port.name}: more than {self.most_bytes / 1e6:.0f} MB came, more than what was asked for can"
+            " need; check baud rate and port, or the board's firmware"
+        )

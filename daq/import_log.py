@@ -12,6 +12,7 @@ from daq.recording import Channel, Recording, runs
 from firmware_protocol import ChannelDescription, Data, Describe, End, Hello, Message, SampleFormat, encode
 
 ROOM_FOR_SAMPLES = 980
+FIRMWARE = "import"  # the HELLO of a recording that no board sent
 CHUNK = 1 << 16
 
 
@@ -38,7 +39,7 @@ def import_log(recording: Recording) -> RawLog:
 
 def _introduction(recording: Recording) -> bytes:
     try:
-        hello = encode(Hello(boot_id=0, clock_hz=0, firmware="import"), 0)
+        hello = encode(Hello(boot_id=0, clock_hz=0, firmware=FIRMWARE), 0)
         return hello + encode(_description(recording), 1)
     except ValueError as error:
         n = len(recording.channels)

@@ -9,16 +9,17 @@ import time
 from collections.abc import Callable
 from typing import Self
 
-from daq.decode import Assembly, Block
+from daq.budget import ANSWER_S, END_S, HELLO_FOR_S
+from daq.decode import Assembly, Block, is_ours
 from daq.errors import (
     BoardRefused,
-    NoBoard,
     ProtocolError,
-    Stalled,
     StationError,
     VersionRefused,
 )
 from daq.frame_reader import FrameReader
+from daq.no_answer import no_answer, unanswered
+from daq.plain_text import one_line
 from daq.port import Port
 from daq.raw_log import Kind, RawLog
 from daq.recording import Gap
@@ -45,12 +46,8 @@ from firmware_protocol import (
 )
 
 HELLO_EVERY_S = 0.25
-HELLO_FOR_S = 5.0
-ANSWER_S = (0.25, 0.5, 1.0, 2.0)
-END_S = 30.0
 WARN_S = 0.5
 GIVE_UP_S = 2.0
-RESEND_FOR_S = 30.0
 
 StreamEvent = Block | Gap
 
@@ -83,9 +80,14 @@ class Link:
         """What the decoder counted."""
         return self._reader.statistics
 
+    def allow(self, log_bytes: int) -> None:
+        """Let the log grow by so many bytes from its beginning; 4 MB are allowed before this."""
+        self._reader.most_bytes = log_bytes
+
     def take(self, timeout: float) -> Frame | None:
         """Return the next frame, having passed it through the assembly; None when none came in time.
 
+        Frames of another stream than the first are not returned.
         Raises Disconnected once everything that came before it was taken.
         """
         self.log.sync_if_due()
@@ -96,7 +98,7 @@ class Link:
         self.last_frame = time.monotonic()
         for event in self.assembly.take(frame, when):
             self.on_event(event)
-        return frame
+        return frame if is_ours(frame) else None
 
     def silence(self) -> float:
         """Seconds since the last sound frame was taken."""
@@ -134,7 +136,7 @@ class Link:
                 hello = self._understand(frame.message) if frame is not None else None
                 if hello is not None:
                     return self._at_rest(hello)
-        raise NoBoard(self._nobody(seconds))
+        raise no_answer(self.port.name, seconds, self.statistics, self.assembly.hello is not None)
 
     def _understand(self, message: Message | OtherVersion) -> Hello | None:
         """Return HELLO once both it and DESCRIBE are there."""
@@ -146,14 +148,6 @@ class Link:
             raise ProtocolError(f"{self.assembly.contradictions[-1]}; its firmware needs a correction")
         described = self.assembly.description is not None
         return self.assembly.hello if described and isinstance(message, Hello | Describe) else None
-
-    def _nobody(self, seconds: float) -> str:
-        if not self._reader.bytes_received:
-            return f"{self.port.name}: nothing answered within {seconds:g} s; is the board there and powered?"
-        return (
-            f"{self.port.name}: {self._reader.bytes_received} bytes came within {seconds:g} s, but no answer of a"
-            " board; check baud rate and port"
-        )
 
     def _at_rest(self, hello: Hello) -> Hello:
         """Stop a board that may still be sampling for an earlier host, and wait for the END of this STOP."""
@@ -179,12 +173,8 @@ class Link:
         raise self._unanswered(message)
 
     def _unanswered(self, message: Message) -> StationError:
-        what = type(message).__name__.upper()
-        if self.silence() > WARN_S:
-            return Stalled(f"{self.port.name}: the board fell silent and did not answer {what}; reset it")
-        return ProtocolError(
-            f"{self.port.name}: the board does not answer {what}; its firmware needs a correction"
-        )
+        silent = self.silence() > WARN_S
+        return unanswered(self.port.name, type(message).__name__.upper(), self.statistics, silent)
 
     def configure(self, rate_hz: float) -> None:
         """Set the rate (0: the board's own) and learn from DESCRIBE what the board will really do."""
@@ -237,21 +227,21 @@ class Link:
                 raise _refused(Stop(), frame.message)
         return self.assembly.end is not None
 
-    def resend(self, first: int, count: int) -> bool:
-        """Ask for samples again, after END; return whether the board holds them all.
+    def resend(self, first: int, count: int, until: float) -> bool | None:
+        """Ask for samples again, after END; return whether the board holds them all, None when it did not say.
 
-        Returns when it is answered or nothing comes any more.
+        Returns when it is answered, when no sample that was missing has come for 0.5 s, or at the time `until`.
         """
         message = Resend(first, count)
         sequence = self.send(message)
-        began = quiet_since = time.monotonic()
-        while (now := time.monotonic()) - began < RESEND_FOR_S and now - quiet_since < WARN_S:
+        received, since = self.assembly.samples.received, time.monotonic()
+        while (now := time.monotonic()) < until and now - since < WARN_S:
             frame = self.take(0.05)
             if frame is not None and _answers(frame.message, message, {sequence}):
                 return isinstance(frame.message, Ack)
-            if frame is not None and isinstance(frame.message, Data):
-                quiet_since = time.monotonic()
-        return True
+            if self.assembly.samples.received > received:
+                received, since = self.assembly.samples.received, time.monotonic()
+        return None
 
 
 def _answers(answer: Message | OtherVersion, request: Message, sequences: set[int]) -> bool:
@@ -264,7 +254,7 @@ def _answers(answer: Message | OtherVersion, request: Message, sequences: set[in
 
 def _refused(request: Message, nack: Nack) -> StationError:
     what = type(request).__name__.upper()
-    words = nack.text or nack.code.name.replace("_", " ").lower()
+    words = one_line(nack.text) or nack.code.name.replace("_", " ").lower()
     if nack.code == NackCode.UNSUPPORTED and isinstance(request, Config):
         return BoardRefused(f"the board cannot do {request.rate_hz:g} Hz: {words}; ask for another rate")
     return BoardRefused(f"the board refused {what}: {words}")

@@ -8,14 +8,16 @@ MOST_OVERRUNS = 20_000
 
 
 class Losses:
-    """What the board and the notes of an import said of missing samples."""
+    """What the board and the notes of an import said of missing samples; `dropped` by its DATA, in all."""
 
     def __init__(self) -> None:
         self.noted: list[Gap] = []
+        self.dropped = 0
         self._overruns: list[tuple[int, int]] = []
 
     def clear(self) -> None:
         """Forget the overruns of an earlier capture."""
+        self.dropped = 0
         self._overruns.clear()
 
     def overrun(self, first: int, stop: int) -> None:

@@ -73,4 +73,4 @@ def _nobody(found: tuple[Candidate, ...]) -> str:
     if not found:
         return "this computer has no serial port; plug the board in, or name a port"
     names = ", ".join(candidate.port.name for candidate in found[:5])
-    return f"no board answers at any of {len(found)} ports ({names}); plug it in, or name its port"
+    return f"no board answers at {names}; plug it in, or name its port"

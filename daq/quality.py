@@ -11,7 +11,9 @@ from enum import StrEnum
 import numpy as np
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 
-from daq.decode import Assembly
+from daq.decode import BOARD, IMPORT, Assembly
+from daq.description_checks import foreign_unit
+from daq.integrity import Outcome
 from daq.recording import Array, Channel, Gap, Mask, Recording
 from daq.wiring_check import suspicions
 from firmware_protocol import NO_CHANNEL, EventKind
@@ -39,7 +41,7 @@ class Grade(StrEnum):
 class Verdict(BaseModel):
     """A grade and its reasons, worst first; `advice` says what to do before taking it again.
 
-    In files and in JSON the grade stands under `word`.
+    `remarks` tell what was checked and found good. In files and in JSON the grade stands under `word`.
     """
 
     model_config = ConfigDict(frozen=True, serialize_by_alias=True)
@@ -47,6 +49,7 @@ class Verdict(BaseModel):
     grade: Grade = Field(validation_alias=AliasChoices("word", "grade"), serialization_alias="word")
     reasons: tuple[str, ...] = ()
     advice: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return "\n".join((self.grade.value, *(f"- {reason}" for reason in self.reasons)))
@@ -55,6 +58,7 @@ class Verdict(BaseModel):
 class _Findings:
     def __init__(self) -> None:
         self.found: list[tuple[Grade, str, str]] = []
+        self.remarks: list[str] = []
 
     def reject(self, reason: str, advice: str = "") -> None:
         self.found.append((Grade.REJECT, reason, advice))
@@ -67,12 +71,14 @@ class _Findings:
             if any(found[0] is grade for found in self.found):
                 break
         else:
-            return Verdict(grade=Grade.OK)
+            return Verdict(grade=Grade.OK, remarks=tuple(self.remarks))
         ordered = sorted(self.found, key=lambda found: found[0] is not Grade.REJECT)
         advice = dict.fromkeys(found[2] for found in ordered if found[2])
-        return Verdict(grade=grade, reasons=tuple(found[1] for found in ordered), advice=tuple(advice))
+        reasons = tuple(found[1] for found in ordered)
+        return Verdict(grade=grade, reasons=reasons, advice=tuple(advice), remarks=tuple(self.remarks))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
 def judge(
     recording: Recording,
     assembly: Assembly | None = None,
@@ -96,6 +102,10 @@ def judge(
     _kinematics(findings, recording)
     if assembly is not None:
         _board_reports(findings, assembly)
+        if assembly.origin != IMPORT:
+            _integrity(findings, assembly)
+            if assembly.origin == BOARD:
+                _clock_steps(findings, recording, assembly)
         _clocks(findings, assembly, check_clock)
     return findings.verdict()
 
@@ -249,10 +259,51 @@ def _board_reports(findings: _Findings, assembly: Assembly) -> None:
         findings.reject(
             f"the board reports a sensor fault: {faults[0].text or 'no details'}", "check the sensor"
         )
-    if assembly.checksum_agrees() is False:
-        findings.reject("the board's checksum of all samples does not agree", "take it again")
     if assembly.rebooted:
         findings.reject("the board rebooted in mid-capture", "check its supply")
+
+
+def _integrity(findings: _Findings, assembly: Assembly) -> None:
+    """Hold the samples against DESCRIBE and END; where copies of samples differ, the checksum decides which was right."""
+    if assembly.description is not None and (unit := foreign_unit(assembly.description)):
+        findings.usable(unit, "put the factor to SI units into `scale` of the firmware")
+    found = assembly.integrity()
+    if found.problem:
+        findings.reject(f"the board contradicts itself: {found.problem}", "correct the firmware")
+    differing = assembly.samples.differing
+    if differing:
+        count, first = sum(n for _, n in differing), differing[0][0]
+        text = f"the board sent {count} samples twice with other values, from sample {first} on; the first were kept"
+        if found.checksum is Outcome.AGREES:
+            findings.usable(f"{text}, and its checksum agrees with them", "correct the firmware")
+        else:
+            findings.reject(text, "correct the firmware")
+    if found.checksum is Outcome.AGREES:
+        findings.remarks.append("the board's checksum of all its samples agrees")
+    elif found.checksum is Outcome.DIFFERS:
+        findings.reject("the board's checksum of all samples does not agree", "take it again")
+    else:
+        findings.usable(f"the board's checksum could not be checked: {found.why}")
+
+
+def _clock_steps(findings: _Findings, recording: Recording, assembly: Assembly) -> None:
+    """Hold the board's time of every DATA against its index: a hole in the sampling that the board did not count."""
+    steps = assembly.samples.board_steps(recording.rate)
+    if steps is None:
+        findings.usable(
+            "the board's clock stands still, so that a hole in its sampling could not have been seen",
+            "send the time of the first sample in board_time_us",
+        )
+        return
+    inside = [step for step in steps if assembly.start < step.index and step.after < assembly.stop]
+    for step in inside[:1] or steps[:1]:
+        at = (step.index - assembly.start) / recording.rate
+        text = (
+            f"the board's clock and its sample index part by {step.samples:.3g} samples"
+            f" ({step.samples / recording.rate:.3g} s) {'at' if inside else 'outside the recording, at'} {at:.3f} s"
+        )
+        say = findings.reject if inside else findings.usable
+        say(f"{text}: samples were not taken at even times", "correct the firmware's timer")
 
 
 def _clocks(findings: _Findings, assembly: Assembly, check_host: bool) -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from daq.decode import Assembly, Block
 from daq.errors import SettingsError
+from daq.import_log import FIRMWARE
 from daq.observer import CaptureObserver
 from daq.raw_log import Kind, Record
 from daq.recording import Recording
@@ -70,6 +71,6 @@ def _frame(assembly: Assembly, observer: CaptureObserver, frame: Frame, when: fl
         if not isinstance(event, Block):
             observer.loss(event)
             continue
-        imported = assembly.hello is not None and assembly.hello.firmware == "import"
+        imported = assembly.hello is not None and assembly.hello.firmware == FIRMWARE
         pace.wait(event.first / assembly.rate if imported else when)
         observer.block(event.first, event.samples)

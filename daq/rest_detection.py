@@ -58,6 +58,7 @@ class RestPeriod:
         """Whether the mass was still for the whole period."""
         return self.rest is not None and self.rest.samples >= self._wanted
 
+    @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
     def feed(self, samples: Array) -> None:
         """Take a block, shape (channels, n); motion begins the period anew."""
         self._samples = np.concatenate((self._samples, samples), axis=1)[:, -self._wanted :]

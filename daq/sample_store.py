@@ -1,36 +1,65 @@
-"""The samples of a recording as they arrived: pieces by sample index, what is missing, their checksum, their times."""
+"""The samples of a recording as they arrived: the first copy of each, what is missing, their checksum, their times."""
 
-from dataclasses import dataclass
+from bisect import bisect_right
+from dataclasses import dataclass, replace
 from math import isfinite
 from zlib import crc32
 
 import numpy as np
 
-from daq.clock import ClockFit, fit_clock
+from daq.clock import ClockFit, ClockStep, clock_steps, fit_clock
 from daq.recording import Mask
 from firmware_protocol import Data
+
+MOST_DIFFERING = 200
 
 
 @dataclass(frozen=True)
 class Piece:
-    """One DATA message and the host's time of its arrival (s; NaN for samples that were sent again)."""
+    """One DATA message, or a part of it, and the host's time of its arrival (s; NaN for samples sent again)."""
 
     data: Data
     time: float
+
+    @property
+    def first(self) -> int:
+        """Its first sample."""
+        return self.data.first_index
 
     @property
     def stop(self) -> int:
         """The sample after its last."""
         return self.data.first_index + self.data.n
 
+    def bytes_of(self, first: int, stop: int) -> bytes:
+        """Return the bytes of samples `first` to `stop - 1`, all of them in this piece."""
+        size = self.data.channels * self.data.format.size
+        return self.data.samples[(first - self.first) * size : (stop - self.first) * size]
+
+    def part(self, first: int, stop: int) -> "Piece":
+        """Return samples `first` to `stop - 1` of it as a piece."""
+        if (first, stop) == (self.first, self.stop):
+            return self
+        cut = replace(self.data, first_index=first, n=stop - first, samples=self.bytes_of(first, stop))
+        return Piece(cut, self.time)
+
 
 class SampleStore:
-    """Pieces in any order; `expected` is the sample after the newest, `duplicates` the pieces that came twice."""
+    """Pieces that do not overlap, by sample index: the first copy of a sample stays, whatever comes later.
+
+    All pieces have the same channels and number format. `expected` is the sample after the newest, `received` how
+    many samples are held, `duplicates` the frames that brought nothing new, `differing` where a later copy of
+    samples was not the same, as (first, count).
+    """
 
     def __init__(self) -> None:
         self.expected = 0
+        self.received = 0
         self.duplicates = 0
-        self._pieces: dict[int, Piece] = {}
+        self.differing: list[tuple[int, int]] = []
+        self._pieces: list[Piece] = []
+        self._starts: list[int] = []
+        self._stamps: dict[int, int] = {}
 
     def __bool__(self) -> bool:
         return bool(self._pieces)
@@ -38,45 +67,84 @@ class SampleStore:
     @property
     def first(self) -> int:
         """The first sample that arrived; 0 when there is none."""
-        return min(self._pieces, default=0)
+        return self._starts[0] if self._starts else 0
 
-    def add(self, piece: Piece) -> bool:
-        """Store a piece unless the one stored at that place is as long; return whether it is new."""
-        known = self._pieces.get(piece.data.first_index)
-        if known is not None and known.data.n >= piece.data.n:
+    def add(self, piece: Piece) -> tuple[Piece, ...]:
+        """Store what is not held yet of a piece, and return it in order; empty when all of it was held."""
+        new = (piece,) if piece.first >= self.expected else self._parts_in_holes(piece)
+        if not new:
             self.duplicates += 1
-            return False
-        self._pieces[piece.data.first_index] = piece
+            return ()
+        self._stamps.setdefault(piece.first, piece.data.board_time_us)
+        for part in new:
+            at = bisect_right(self._starts, part.first)
+            self._pieces.insert(at, part)
+            self._starts.insert(at, part.first)
+            self.received += part.data.n
         self.expected = max(self.expected, piece.stop)
-        return True
+        return new
+
+    def _parts_in_holes(self, piece: Piece) -> tuple[Piece, ...]:
+        new, at = [], piece.first
+        for known in self.within(piece.first, piece.stop):
+            if known.first > at:
+                new.append(piece.part(at, known.first))
+            self._compare(known, piece, max(known.first, piece.first), min(known.stop, piece.stop))
+            at = known.stop
+        if at < piece.stop:
+            new.append(piece.part(at, piece.stop))
+        return tuple(new)
+
+    def _compare(self, known: Piece, again: Piece, first: int, stop: int) -> None:
+        """Note where two copies of samples `first` to `stop - 1` differ."""
+        if known.bytes_of(first, stop) == again.bytes_of(first, stop):
+            return
+        other = [i for i in range(first, stop) if known.bytes_of(i, i + 1) != again.bytes_of(i, i + 1)]
+        if len(self.differing) < MOST_DIFFERING:
+            self.differing.append((other[0], len(other)))
 
     def within(self, first: int, stop: int) -> list[Piece]:
-        """Return the pieces that hold any of samples `first` to `stop - 1`."""
-        return [p for p in self._pieces.values() if p.data.first_index < stop and p.stop > first]
+        """Return the pieces that hold any of samples `first` to `stop - 1`, in order."""
+        begin = max(bisect_right(self._starts, first) - 1, 0)
+        end = bisect_right(self._starts, stop - 1)
+        return [piece for piece in self._pieces[begin:end] if piece.stop > first]
+
+    def holes(self, first: int, stop: int) -> list[tuple[int, int]]:
+        """Return the runs of samples of `first` to `stop - 1` that are not held, as (first, count), in order."""
+        found, at = [], first
+        for piece in self.within(first, stop):
+            if piece.first > at:
+                found.append((at, piece.first - at))
+            at = piece.stop
+        if at < stop:
+            found.append((at, stop - at))
+        return found
 
     def mask(self, first: int, stop: int) -> Mask:
         """Return which of samples `first` to `stop - 1` arrived, shape (stop - first,)."""
         valid = np.zeros(max(stop - first, 0), dtype=np.bool_)
         for piece in self.within(first, stop):
-            valid[max(piece.data.first_index - first, 0) : piece.stop - first] = True
+            valid[max(piece.first - first, 0) : piece.stop - first] = True
         return valid
 
-    def checksum(self) -> tuple[int, int]:
-        """Return how many samples there are and the CRC-32 of all their bytes, in order."""
-        check, at, count = 0, 0, 0
-        for piece in sorted(self._pieces.values(), key=lambda p: p.data.first_index):
-            data, known = piece.data, max(at - piece.data.first_index, 0)
-            check = crc32(data.samples[known * data.channels * data.format.size :], check)
-            count += max(data.n - known, 0)
-            at = max(at, piece.stop)
-        return count, check
+    def checksum(self) -> int:
+        """Return the CRC-32 of the bytes of all samples held, in order."""
+        check = 0
+        for piece in self._pieces:
+            check = crc32(piece.data.samples, check)
+        return check
 
     def board_clock(self) -> ClockFit | None:
         """The rate by the board's own times of its samples; None with too few."""
-        pieces = self._pieces.values()
-        return fit_clock([p.data.first_index for p in pieces], [p.data.board_time_us * 1e-6 for p in pieces])
+        return fit_clock(list(self._stamps), [us * 1e-6 for us in self._stamps.values()])
+
+    def board_steps(self, rate: float) -> tuple[ClockStep, ...] | None:
+        """Where the board's times contradict the indices at `rate` Hz, in order; None when its clock stands still."""
+        if len(self._stamps) > 1 and len(set(self._stamps.values())) == 1:
+            return None
+        return clock_steps(list(self._stamps), list(self._stamps.values()), rate)
 
     def host_clock(self) -> ClockFit | None:
         """The rate by the times at which samples reached the host before END; None with too few."""
-        pieces = [p for p in self._pieces.values() if isfinite(p.time)]
+        pieces = [p for p in self._pieces if isfinite(p.time)]
         return fit_clock([p.stop for p in pieces], [p.time for p in pieces])

@@ -60,6 +60,7 @@ class Trigger:
         for row, swings in self._swings.items():
             swings.threshold = self._threshold(row)
 
+    @np.errstate(over="ignore", invalid="ignore")  # numbers of a board may be anything
     def feed(self, first: int, samples: Array) -> Triggered | None:
         """Take a block, shape (channels, n), from sample index `first` on; holes are allowed."""
         self._history.add(first, samples)

@@ -53,7 +53,7 @@ def _read_text(body: bytes, at: int) -> tuple[str, int]:
     end = at + 1 + body[at] if at < len(body) else at + 1
     if end > len(body):
         raise MalformedError("a text runs past the end of the body")
-    return body[at + 1 : end].decode("utf-8"), end
+    return body[at + 1 : end].decode("utf-8", errors="replace"), end
 
 
 class FieldsCodec:

@@ -21,7 +21,7 @@ class Statistics:
 
     `frames` counts the frames handed out (`other_version` of them from another major version).
     `unknown` is a type of a later minor version, `malformed` a sound checksum around a body that makes
-    no message.
+    no message; `why_malformed` says what was wrong with the last of these.
     """
 
     bytes: int = 0
@@ -33,6 +33,7 @@ class Statistics:
     unknown: int = 0
     malformed: int = 0
     other_version: int = 0
+    why_malformed: str = ""
 
     @property
     def damaged(self) -> int:
@@ -100,8 +101,9 @@ class Decoder:
             return Frame(sequence, stream, OtherVersion(version))
         try:
             message = read_body(code, plain[HEADER.size : -4])
-        except MalformedError:
+        except MalformedError as error:
             self._counts.malformed += 1
+            self._counts.why_malformed = f"type 0x{code:02X}: {error}"
             return None
         if message is None:
             self._counts.unknown += 1

@@ -102,6 +102,7 @@ TABLE: tuple[tuple[int, type, Fields], ...] = (
     ),
     (0x88, m.End, (("total_samples", U64), ("total_dropped", U64), ("checksum", U32))),
     (0x89, m.Log, (("text", TEXT),)),
+    (0x8A, m.Clock, (("error_ppm", F64),)),
 )
 
 TYPE_OF: dict[type, int] = {cls: code for code, cls, _ in TABLE}

@@ -251,6 +251,13 @@ class Log:
 
 
 @dataclass(frozen=True)
+class Clock:
+    """Board to host, behind DESCRIBE: by how much the clock that times the samples may be off, in ppm of its rate."""
+
+    error_ppm: float
+
+
+@dataclass(frozen=True)
 class OtherVersion:
     """A sound frame of another major version. It has no encoding: only the decoder makes it.
 
@@ -276,4 +283,5 @@ Message = (
     | Event
     | End
     | Log
+    | Clock
 )

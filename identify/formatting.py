@@ -1,8 +1,13 @@
 """How numbers are written for people: with as many digits as their error allows, and with their unit."""
 
 import math
+from collections.abc import Sequence
 
 from identify.estimate import Estimate
+
+_PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "dahl": "Dahl", "lugre": "LuGre",
+           "bouc": "Bouc", "wen": "Wen", "ac": "AC"}  # fmt: skip
+"""Words of effects' names that are names of persons, or letters."""
 
 _PREFIXED = "NJm"
 """First letters of units that can take a prefix."""
@@ -65,3 +70,13 @@ def scaled(value: float, unit: str) -> str:
             return f"{value * 1e6:.2g} u{unit}"
         return f"{value * 1e3:.2g} m{unit}"
     return f"{value:.2g} {unit}"
+
+
+def plain_name(name: str) -> str:
+    """Return the name for people of an effect: that for programs with blanks, names of persons with capitals."""
+    return " ".join(_PROPER.get(word, word) for word in name.split("_"))
+
+
+def among(names: Sequence[str], word: str = "and") -> str:
+    """Return names as they are listed in a sentence."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}"

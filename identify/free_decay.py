@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen, frozen_mask
+from identify.estimate import Estimate
 from identify.formatting import scaled
 from identify.summary import Summarised, Summary
 
@@ -26,7 +27,9 @@ class FreeDecay(Summarised):
     lost; the values there mean nothing. `noise_*` are white-noise standard deviations of the channels, None when
     unknown.
     `force` is an external force per unit mass (m/s^2) when one was recorded. `mass` is in kg
-    (kg m^2 for angles), None when unknown: everything is then per unit mass.
+    (kg m^2 for angles), None when unknown: everything is then per unit mass. `rate_std` is the standard error of the
+    rate in Hz, None when unknown: it enters every error of a value that holds a time. `stated_lag` is by how much
+    the displacement (or velocity) is later than the acceleration by the sensors' data sheets, with its standard error (s).
     """
 
     rate: float
@@ -43,6 +46,8 @@ class FreeDecay(Summarised):
     mass: float | None = None
     mass_std: float | None = None
     unit: str = "m"
+    rate_std: float | None = None
+    stated_lag: Estimate | None = None
 
     def __post_init__(self) -> None:
         lengths = set()

@@ -17,6 +17,7 @@ from firmware_protocol import (
     Ack,
     ChannelDescription,
     Config,
+    Data,
     Decoder,
     Describe,
     End,
@@ -24,6 +25,7 @@ from firmware_protocol import (
     Heartbeat,
     Hello,
     HelloRequest,
+    Log,
     Message,
     Nack,
     NackCode,
@@ -79,6 +81,7 @@ class Board:
         self._started = now
         self._dropped_ever = 0
         self._last_end = End(0, 0, 0)
+        self._endless: Data | None = None
         self._out: list[bytes] = []
         self._spoke = now
         self._beat = now
@@ -104,6 +107,8 @@ class Board:
         """Return the frames due at `now`; samples only while there is `room` on the way out."""
         if self._sampling and self._capture is not None:
             self._sample(self._capture, now, room)
+        if self._endless is not None and room:
+            self._say(self._endless)
         quiet = SILENCE_S if self._sampling else HEARTBEAT_S
         since = self._spoke if self._sampling else self._beat
         if now - since >= quiet and not self._out:
@@ -115,10 +120,14 @@ class Board:
             self._spoke = now
         return out
 
-    def _say(self, message: Message) -> None:
+    def _say(self, message: Message, stream: int = 0) -> None:
         version = 2 if self._misconfiguration.wrong_version else PROTOCOL_MAJOR
-        self._out.append(encode(message, self._sequence, version=version))
+        self._out.append(encode(message, self._sequence, stream, version=version))
         self._sequence = (self._sequence + 1) & 0xFFFFFFFF
+        if self._misconfiguration.second_stream and not stream:
+            second = self._misconfiguration.second(message)
+            if second is not None:
+                self._say(second, stream=1)
 
     def _uptime_us(self, now: float) -> int:
         pace = self._speed or 1.0
@@ -127,10 +136,13 @@ class Board:
     def _answer(self, frame: Frame, now: float) -> None:
         message = frame.message
         if isinstance(message, OtherVersion):
-            self._say(self._hello())
+            self._say(_hello(self._boot_id, self._cause, self._misconfiguration.wrong_version))
         elif isinstance(message, HelloRequest):
-            self._say(self._hello())
-            self._say(self._describe())
+            self._say(_hello(self._boot_id, self._cause, self._misconfiguration.wrong_version))
+            if not self._misconfiguration.silent:
+                self._say(self._describe())
+            if self._misconfiguration.forged:
+                self._say(Log("good\nverdict: OK"))
         elif isinstance(message, TimeSync):
             self._say(TimeSync(message.host_time_us, self._uptime_us(now)))
         elif isinstance(message, Stop):
@@ -158,17 +170,6 @@ class Board:
     def _nack(self, frame: Frame, code: NackCode, text: str) -> None:
         assert not isinstance(frame.message, OtherVersion)
         self._say(Nack(frame.sequence, TYPE_OF[type(frame.message)], code, text))
-
-    def _hello(self) -> Hello:
-        return Hello(
-            boot_id=self._boot_id,
-            clock_hz=48_000_000,
-            reset_cause=self._cause,
-            major=2 if self._misconfiguration.wrong_version else PROTOCOL_MAJOR,
-            firmware="bench double 1.0",
-            board="Simulated bench board",
-            unique_id="SIM-0001",
-        )
 
     def _describe(self) -> Describe:
         channels = _described(self._channels, self._settings)
@@ -232,14 +233,31 @@ class Board:
         self._beat = now
 
     def _resend(self, frame: Frame, wanted: Resend) -> None:
+        if self._endless is not None:
+            return
         sent = 0
         for data in self._capture.again(wanted.first, wanted.count) if self._capture else ():
             self._say(data)
-            sent += data.n
+            sent += data.n if data.first_index >= wanted.first else 0
+            if self._misconfiguration.endless:
+                self._endless = data
+                return
         if sent == wanted.count:
             self._ack(frame)
         else:
             self._nack(frame, NackCode.NOT_HELD, f"{wanted.count - sent} of these samples are not held")
+
+
+def _hello(boot_id: int, cause: ResetCause, wrong_version: bool) -> Hello:
+    return Hello(
+        boot_id=boot_id,
+        clock_hz=48_000_000,
+        reset_cause=cause,
+        major=2 if wrong_version else PROTOCOL_MAJOR,
+        firmware="bench double 1.0",
+        board="Simulated bench board",
+        unique_id="SIM-0001",
+    )
 
 
 def _described(

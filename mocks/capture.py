@@ -92,7 +92,8 @@ class Capture:
             due = min(due, self.count - self.sampled)
         if due <= 0:
             return []
-        codes = self._misconfiguration.codes(self._source.take(due))
+        skipped = self._misconfiguration.skipped(self.sampled, due, self.settings.rate)
+        codes = self._misconfiguration.codes(self._source.take(due + skipped)[skipped:])
         events = self._saturation(codes)
         first = self._misconfiguration.index(self.sampled)
         self.sampled += due
@@ -133,7 +134,11 @@ class Capture:
         return data
 
     def again(self, first: int, count: int) -> Iterator[Data]:
-        """Yield those of the samples asked for that are still kept."""
+        """Yield those of the samples asked for that are still kept, and more where the board is misconfigured."""
+        more = self._misconfiguration.before_hole(first)
+        if more:
+            wrong = np.zeros((more, len(self._channels)), dtype=np.int32)
+            yield self._data(first - more, 0, wrong)
         oldest = self.sampled - self._memory
         for start, codes in self._kept:
             a, b = max(first, start, oldest), min(first + count, start + len(codes))
@@ -152,6 +157,7 @@ class Capture:
             scale = np.array([c.scale for c in self._channels])
             numbers = codes * scale + np.array([c.offset for c in self._channels])
         since_us = int(first * 1e6 / (self.settings.rate * self._misconfiguration.time_stamp_rate))
+        since_us += self._misconfiguration.time_us(first, self.settings.rate)
         payload = np.ascontiguousarray(numbers.astype(FORMATS[form])).tobytes()
         return Data(first, self._started_us + since_us, dropped, len(codes), codes.shape[1], form, payload)
 

@@ -28,7 +28,13 @@ def main(argv: list[str] | None = None) -> int:
     except ValueError as error:
         parser().error(str(error))
     ended = _ending()
-    link = open_link(options)
+    try:
+        link = open_link(options)
+    except (OSError, OverflowError) as error:
+        reason = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
+        parser().error(
+            f"port {options.tcp} cannot be opened ({reason}); name another one, or 0 for a free one"
+        )
     try:
         simulated.write_truth()
         print(f"port: {link.address}", flush=True)
@@ -45,7 +51,7 @@ def parse(words: Sequence[str]) -> argparse.Namespace:
 
 
 def open_link(options: argparse.Namespace) -> Link:
-    """Return the board's end of the line that the options name."""
+    """Return the board's end of the line that the options name; OSError where the port is taken."""
     return PtyLink() if options.pty else TcpLink(options.tcp)
 
 
@@ -79,7 +85,7 @@ def parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--hide", action="append", default=[], metavar="NAME:STRENGTH", help="hide an effect")
     parser.add_argument("--seed", type=int, default=1, help="of bench, sensors, release, noise and faults")
-    parser.add_argument("--lag-ms", type=float, help="how late the displacement is; else drawn, +-3 ms")
+    parser.add_argument("--lag-ms", type=float, help="how late the displacement is; else drawn, ±3 ms")
     parser.add_argument("--release-ms", type=float, help="how long letting go takes; else drawn")
     parser.add_argument("--fault", action="append", default=[], metavar="NAME[:AMOUNT]", help="see below")
     parser.add_argument("--memory-s", type=float, help="seconds of samples kept for RESEND; else 12")

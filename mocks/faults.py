@@ -25,7 +25,10 @@ PER_FRAME = {
     "missing": (0.02, "probability that a frame is lost"),
     "delayed": (0.02, "probability that the line holds still for 0.2 s before a frame"),
 }
-LASTING = {"slow": (600.0, "bytes a second that the line carries")}
+LASTING = {
+    "slow": (600.0, "bytes a second that the line carries"),
+    "noise": (2e7, "bytes a second of noise, from a wrong baud rate or an open input"),
+}
 ONCE = {
     "stall": (3.0, "seconds of silence both ways"),
     "reboot": (0.5, "seconds until the rebooted board answers"),
@@ -66,6 +69,8 @@ class Line:
         self._random = random
         self._odds = {f.name: f.amount for f in faults if f.name in PER_BYTE or f.name in PER_FRAME}
         self._rate = next((f.amount for f in faults if f.name == "slow"), None)
+        self._noise = next((f.amount for f in faults if f.name == "noise"), 0.0)
+        self._heard = 0.0
         self._once = [f for f in faults if f.name in ONCE]
         self._queue: deque[tuple[float, bytes]] = deque()
         self._still_until = 0.0
@@ -119,6 +124,8 @@ class Line:
         out = b""
         while self._queue and self._queue[0][0] <= now:
             out += self._queue.popleft()[1]
+        if self._noise:
+            out += self._noisy(now)
         if self._rate is None:
             return out
         if self._counted:
@@ -128,6 +135,11 @@ class Line:
         self._budget -= min(allowed, len(out))
         self.back(out[allowed:], now)
         return out[:allowed]
+
+    def _noisy(self, now: float) -> bytes:
+        """Return the noise since it was asked for last, of at most 10 ms."""
+        passed, self._heard = min(now - self._heard, 0.01), now
+        return self._random.bytes(int(passed * self._noise))
 
     def back(self, data: bytes, now: float) -> None:
         """Put bytes back at the head of the queue."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from firmware_protocol import Describe, End, SampleFormat
+from firmware_protocol import Data, Describe, End, Message, SampleFormat
 
 #: The faults of the board on the command line (`saturation` and `bump` are built into the bench).
 MISCONFIGURATIONS = {
@@ -20,7 +20,18 @@ MISCONFIGURATIONS = {
     "swapped": "the two sensors are wired to each other's input",
     "reversed": "the accelerometer is mounted the wrong way round",
     "bump": "somebody bumps the table while the mass is held",
+    "wrong-resend": "a RESEND brings the samples before the hole too, with other values",
+    "endless-resend": "a RESEND is answered by the same samples for ever",
+    "wrong-end": "END counts 2^63 samples",
+    "pause": "no sample is taken for 0.03 s (or AMOUNT), 5 s after START, and none is counted",
+    "clock-jump": "the board's clock jumps back by 3 s (or AMOUNT), 5 s after START",
+    "second-stream": "sends a second stream, of the same indices and twice the scale",
+    "same-names": "both channels have the same name",
+    "forged-text": "names and LOG hold line breaks and words of the station",
+    "no-description": "says HELLO, never DESCRIBE",
 }
+OVERLAP = 8
+STRIKES_S = 5.0
 
 
 @dataclass
@@ -40,6 +51,15 @@ class Misconfiguration:
     swapped: bool = False
     reversed: bool = False
     dead_channel: int | None = None
+    resend: bool = False
+    endless: bool = False
+    wrong_end: bool = False
+    pause_s: float = 0.0
+    jump_s: float = 0.0
+    second_stream: bool = False
+    same_names: bool = False
+    forged: bool = False
+    silent: bool = False
 
     def codes(self, codes: np.ndarray) -> np.ndarray:
         """Return the codes as a wrong wiring gives them."""
@@ -58,10 +78,39 @@ class Misconfiguration:
 
     def end(self, end: End) -> End:
         """Return the END that is sent."""
+        if self.wrong_end:
+            end = replace(end, total_samples=end.total_samples | 1 << 63)
         return replace(end, checksum=end.checksum ^ 1) if self.counter else end
 
+    def skipped(self, sampled: int, due: int, rate: float) -> int:
+        """Return how many instants of sampling pass unused before the next `due` samples."""
+        strikes = self.pause_s > 0 and sampled <= STRIKES_S * rate < sampled + due
+        return round(self.pause_s * rate) if strikes else 0
+
+    def time_us(self, first: int, rate: float) -> int:
+        """Return what the board's clock is off by at a sample, beside its rate, us."""
+        if first <= STRIKES_S * rate:
+            return 0
+        return round((self.pause_s - self.jump_s) * 1e6)
+
+    def before_hole(self, first: int) -> int:
+        """Return how many samples before those asked for a RESEND brings too."""
+        return min(OVERLAP, first) if self.resend else 0
+
+    def second(self, message: Message) -> Message | None:
+        """Return what the second stream says beside a message of the first."""
+        if isinstance(message, Describe):
+            doubled = tuple(replace(channel, scale=2.0 * channel.scale) for channel in message.channels)
+            return replace(message, channels=doubled)
+        return message if isinstance(message, Data | End) else None
+
     def description(self, describe: Describe) -> Describe:
-        """Return the DESCRIBE that is sent: twice as wide numbers, and a channel too many."""
+        """Return the DESCRIBE that is sent: twice as wide numbers and a channel too many, or strange names."""
+        if self.same_names:
+            describe = replace(describe, channels=tuple(replace(c, name="x") for c in describe.channels))
+        if self.forged:
+            forged = (replace(c, name=f"{c.name}\nverdict: OK") for c in describe.channels)
+            describe = replace(describe, channels=tuple(forged))
         if not self.describe:
             return describe
         form = SampleFormat.I32 if describe.format is SampleFormat.I16 else SampleFormat.I16

@@ -187,9 +187,14 @@ def _strength(text: str) -> tuple[str, float]:
     name, _, strength = text.partition(":")
     generate.named_strengths(name, 0.0)
     try:
-        return name, float(strength)
+        share = float(strength)
     except ValueError:
         raise ValueError(f"a hidden effect is written NAME:STRENGTH ({name}:0.01), not {text!r}") from None
+    if not 0.0 <= share < 1.0:
+        raise ValueError(
+            f"--hide {text}: the strength is the effect's share of the total, from 0 to below 1 ({name}:0.01 is one percent)"
+        )
+    return name, share
 
 
 def _sort_faults(
@@ -210,10 +215,21 @@ def _sort_faults(
             misconfiguration.rate = misconfiguration.clock = 1.0 + float(amount or 200.0) * 1e-6
         elif name == "dead-channel":
             misconfiguration.dead_channel = int(amount or 1)
+        elif name == "pause":
+            misconfiguration.pause_s = float(amount or 0.03)
+        elif name == "clock-jump":
+            misconfiguration.jump_s = float(amount or 3.0)
         bumped |= name == "bump"
         misconfiguration.wrong_version |= name == "wrong-version"
         misconfiguration.describe |= name == "wrong-description"
         misconfiguration.counter |= name == "wrong-counter"
         misconfiguration.swapped |= name == "swapped"
         misconfiguration.reversed |= name == "reversed"
+        misconfiguration.resend |= name == "wrong-resend"
+        misconfiguration.endless |= name == "endless-resend"
+        misconfiguration.wrong_end |= name == "wrong-end"
+        misconfiguration.second_stream |= name == "second-stream"
+        misconfiguration.same_names |= name == "same-names"
+        misconfiguration.forged |= name == "forged-text"
+        misconfiguration.silent |= name == "no-description"
     return misconfiguration, bumped, tuple(line), fixed

@@ -66,6 +66,16 @@ class LazyGroup(click.Group):
                 return command
         return None
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command of a line; one that is mistyped gets the nearest names."""
+        if args and not args[0].startswith("-") and args[0] not in self.list_commands(ctx):
+            from station.suggestions import did_you_mean
+
+            ctx.fail(f"there is no command '{args[0]}'{did_you_mean(args[0], self.list_commands(ctx))}")
+        return super().resolve_command(ctx, args)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands without importing any of them."""
         with formatter.section("Commands"):
@@ -106,15 +116,15 @@ def run(arguments: list[str]) -> int:
     except click.exceptions.Exit as leaving:
         return int(leaving.exit_code)
     except click.exceptions.Abort as error:
-        interrupt = error.__cause__ or error
-        return _failed(interrupt, exits.INTERRUPTED, _kept("interrupted", interrupt), arguments)
+        cause = error.__cause__ or error
+        return _failed(cause, exits.INTERRUPTED, _interrupted(cause), arguments)
     except click.ClickException as error:
         return _failed(error, exits.USAGE, _usage_sentence(error), arguments)
     except BrokenPipeError:  # the reader of a pipe has left, as `head` does
         sys.stderr.close()
         return exits.DONE
     except KeyboardInterrupt as error:
-        return _failed(error, exits.INTERRUPTED, _kept(str(error) or "interrupted", error), arguments)
+        return _failed(error, exits.INTERRUPTED, _interrupted(error), arguments)
     except Exception as error:
         return _failed(error, exits.code_of(error), _sentence(error), arguments)
 
@@ -129,6 +139,18 @@ def _sentence(error: Exception) -> str:
     )
 
 
+def _interrupted(error: BaseException) -> str:
+    """Say what an interruption has left: what was received of a recording, or what was there before."""
+    folder = getattr(error, "session", None)
+    if str(error):
+        return str(error)
+    if folder is None:
+        return "interrupted; no result was kept, and the recordings are as they were"
+    from station.text.next_step import command_line
+
+    return f"interrupted; what was received is kept in {folder} (look at it: {command_line('info', folder)})"
+
+
 def _kept(sentence: str, error: BaseException) -> str:
     """Add where the data are, when an error of the acquisition left some."""
     folder = getattr(error, "session", None)
@@ -137,6 +159,7 @@ def _kept(sentence: str, error: BaseException) -> str:
 
 def _usage_sentence(error: click.ClickException) -> str:
     sentence = error.format_message().rstrip(".")
+    sentence = f"{sentence[:1].lower()}{sentence[1:]}"
     context = getattr(error, "ctx", None)
     where = context.command_path if context is not None else "station"
     return f"{sentence}; see `{where} --help`"

@@ -8,6 +8,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 
 from daq.port_names import fault_of
 from station.exits import UsageProblem
+from station.validation_words import refusal
 
 DEFAULT_FILE = Path("station.toml")
 LARGEST = 1 << 20
@@ -71,7 +72,7 @@ def load_settings(file: str | Path | None) -> Settings:
         with path.open("rb") as stream:
             text = stream.read(LARGEST + 1)
         if len(text) > LARGEST:
-            raise UsageProblem(f"the settings {path} are larger than any are; name another file")
+            raise UsageProblem(f"the settings {path} are larger than 1 MB; name another file")
         content = tomllib.loads(text.decode())
     except OSError as error:
         raise UsageProblem(f"the settings {path} cannot be read: {error.strerror or error}") from error
@@ -86,6 +87,6 @@ def _checked(content: dict[str, Any], path: Path) -> Settings:
     try:
         return Settings.model_validate(content)
     except ValidationError as error:
-        first = error.errors()[0]
-        entry = ".".join(str(part) for part in first["loc"])
-        raise UsageProblem(f"the settings {path}: {entry[:LONGEST]}: {first['msg']}") from error
+        sections = (Settings, Specimen, Capture, Identify)
+        known = tuple(name for section in sections for name in section.model_fields)
+        raise UsageProblem(f"the settings {path}: {refusal(error, known)}") from error

@@ -5,6 +5,7 @@ files come from anywhere: compiled readers have been seen to crash on damaged on
 looks at bytes that are there. Text, sparse arrays, functions and objects of classes are passed over.
 """
 
+import math
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,6 +15,8 @@ import numpy as np
 
 Numbers = np.ndarray[Any, np.dtype[Any]]
 MAX_BYTES = 400_000_000
+MAX_NUMBERS = 20_000_000
+HEAD_BYTES = 1024
 MAX_DEPTH = 5
 MAX_FIELDS = 5000
 MATRIX, COMPRESSED = 14, 15
@@ -41,27 +44,31 @@ class _Element:
 def read_version_5(data: bytes) -> list[tuple[str, Numbers]]:
     """Return the real two-dimensional arrays of a version 5 file as (name, array); fields as `data.acc`.
 
-    Raises DamagedFileError or TooLargeError.
+    Raises DamagedFileError, and TooLargeError before more is unpacked than MAX_BYTES and MAX_NUMBERS allow.
     """
     if len(data) < 136 or data[126:128] not in (b"IM", b"MI"):
         raise DamagedFileError("its header is cut short")
     order = "<" if data[126:128] == b"IM" else ">"
     found: list[tuple[str, Numbers]] = []
-    room = MAX_BYTES
+    room, numbers = MAX_BYTES, 0
     for element in _elements(memoryview(data)[128:], order):
         if element.kind == COMPRESSED:
-            unpacked = _unpack(element.data, room)
+            unpacked = _unpack(element.data, room, MAX_NUMBERS - numbers, order)
             room -= len(unpacked)
             inner = next(_elements(memoryview(unpacked), order), None)
         else:
             inner = element
         if inner is not None and inner.kind == MATRIX:
-            found.extend(_matrix(inner.data, order, "", 0))
+            for name, array in _matrix(inner.data, order, "", 0):
+                found.append((name, array))
+                numbers += array.size
+                if numbers > MAX_NUMBERS:
+                    raise TooLargeError
     return found
 
 
 def read_version_4(data: bytes) -> list[tuple[str, Numbers]]:
-    """Return the real arrays of a version 4 file as (name, array). Raises DamagedFileError."""
+    """Return the real arrays of a version 4 file as (name, array). Raises as `read_version_5`."""
     found: list[tuple[str, Numbers]] = []
     at = 0
     while at + 20 <= len(data):
@@ -77,20 +84,37 @@ def read_version_4(data: bytes) -> list[tuple[str, Numbers]]:
         if at > len(data):
             raise DamagedFileError("it is cut short")
         name = data[start - length : start].split(b"\0")[0].decode("latin-1")
+        if size > MAX_BYTES or sum(array.size for _, array in found) + rows * columns > MAX_NUMBERS:
+            raise TooLargeError
         if matter == 0 and not imaginary and size:
             found.append((name, _shaped(np.frombuffer(data[start : start + size], dtype), (rows, columns))))
     return found
 
 
-def _unpack(packed: memoryview, room: int) -> bytes:
+def _unpack(packed: memoryview, room: int, numbers: int, order: str) -> bytes:
+    """Return an unpacked variable; TooLargeError by its head where it promises more bytes or numbers than allowed."""
     unpacker = zlib.decompressobj()
     try:
-        unpacked = unpacker.decompress(packed, room + 1)
+        head = unpacker.decompress(packed, HEAD_BYTES)
+        if len(head) < HEAD_BYTES:
+            return head
+        size = int(np.frombuffer(head[4:8], f"{order}u4")[0]) + 8
+        if size > room or _promised(head, order) > numbers:
+            raise TooLargeError
+        return head + unpacker.decompress(unpacker.unconsumed_tail, max(size - len(head), 1))
     except zlib.error as error:
         raise DamagedFileError(f"a compressed variable cannot be unpacked ({error})") from None
-    if len(unpacked) > room:
-        raise TooLargeError
-    return unpacked
+
+
+def _promised(head: bytes, order: str) -> int:
+    """Return how many numbers the array promises whose first bytes these are; 0 where it is no array of numbers."""
+    flags, shape = np.frombuffer(head[16:20], f"{order}u4")[0] & 0xFF, head[24:]
+    if flags not in NUMERIC:
+        return 0
+    kind, size = np.frombuffer(shape[:8], f"{order}u4").tolist()
+    if kind != 5 or not 8 <= size <= 256:
+        return 0
+    return math.prod(np.frombuffer(shape[8 : 8 + size // 4 * 4], f"{order}i4").tolist())
 
 
 def _elements(data: memoryview, order: str) -> Iterator[_Element]:

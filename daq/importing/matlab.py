@@ -7,6 +7,7 @@ import numpy as np
 from daq.importing.errors import problem
 from daq.importing.mat_file import (
     MAX_BYTES,
+    MAX_NUMBERS,
     DamagedFileError,
     Numbers,
     TooLargeError,
@@ -78,7 +79,9 @@ def _load(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
         return read_version_4(data) if _is_version_4(data) else read_version_5(data)
     except TooLargeError:
         raise problem(
-            path, f"unpacks to more than {MAX_BYTES / 1e6:.0f} MB", "save only the channels of one recording"
+            path,
+            f"holds more than {MAX_NUMBERS / 1e6:.0f} million numbers, or unpacks to more than {MAX_BYTES / 1e6:.0f} MB",
+            "save only the channels of one recording",
         ) from None
     except DamagedFileError as damage:
         raise problem(

@@ -115,7 +115,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     if coarse and uneven:
         notes.append(
             f"the time stamps stray by {_milli(stray)} rms from an even clock, that is no more than the rounding of the "
-            f"stamps to {_milli(quantum(time))}: even times were rebuilt at {1 / slope:.6g} +- {rate_std:.1g} Hz"
+            f"stamps to {_milli(quantum(time))}: even times were rebuilt at {1 / slope:.6g} ± {rate_std:.1g} Hz"
         )
     else:
         notes.extend(_evenness(slope, stray, resample))

@@ -28,7 +28,7 @@ static struct {
     struct wire_end end;
 
     /* answers that wait for their turn */
-    bool say_hello, say_describe, say_answer, say_time, say_end, say_event;
+    bool say_hello, say_describe, say_clock, say_answer, say_time, say_end, say_event;
     struct wire_message answer; /* ACK or NACK */
     struct wire_event event;
     uint64_t host_time_us;
@@ -115,6 +115,7 @@ static void resend(const struct wire_frame *request) {
 
 static void obey(const struct wire_frame *request) {
     bool idle = board.state == IDLE;
+    if (request->stream != 0) return; /* this board has one stream */
     switch (request->message.type) {
     case WIRE_HELLO_REQUEST:
         board.say_hello = board.say_describe = true;
@@ -141,6 +142,7 @@ static void obey(const struct wire_frame *request) {
 
 static bool owes_an_answer(void) {
     return board.say_hello || board.say_describe || board.say_answer || board.say_time || board.say_end ||
+           board.say_clock ||
            board.state == RESENDING;
 }
 
@@ -191,6 +193,11 @@ static void send_describe(void) {
     m.as.describe.count = BOARD_CHANNELS;
     m.as.describe.channels = channels;
     transmit(&m);
+    if (board.out_length == 0) { /* too long for a frame: the station says so, but not why */
+        m.type = WIRE_LOG;
+        m.as.log.text = wire_text_of("DESCRIBE does not fit a frame; use fewer channels or shorter texts");
+        transmit(&m);
+    }
 }
 
 static void send_run(const struct ring_run *run, uint32_t dropped_before, const uint8_t *bytes) {
@@ -296,6 +303,11 @@ static void send_next(uint64_t now) {
         transmit(&board.answer);
     } else if (take(&board.say_describe)) {
         send_describe();
+        board.say_clock = hardware_clock_error_ppm > 0;
+    } else if (take(&board.say_clock)) {
+        m.type = WIRE_CLOCK;
+        m.as.clock.error_ppm = hardware_clock_error_ppm;
+        transmit(&m);
     } else if (take(&board.say_time)) {
         m.type = WIRE_TIMESYNC;
         m.as.timesync.host_time_us = board.host_time_us;

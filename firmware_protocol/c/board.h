@@ -12,6 +12,10 @@
 #define BOARD_RING 4096 /* samples that are kept, a power of two */
 #define BOARD_KEEP_S 12 /* seconds that the protocol asks to keep: the rate is at most BOARD_RING / 12 s */
 
+#if BOARD_CHANNELS > WIRE_MAX_CHANNELS
+#error "so many channels do not fit the frame of DESCRIBE"
+#endif
+
 /* Called at each tick of the sampling timer, from its interrupt: one number of each channel, or NULL when
  * the sensors could not be read in time. */
 void board_sample(const int16_t *numbers);

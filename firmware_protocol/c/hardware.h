@@ -11,6 +11,8 @@ extern const char hardware_firmware[]; /* name and version of the firmware */
 extern const char hardware_board[];    /* model of the board */
 extern const uint32_t hardware_clock_hz; /* nominal frequency of the clock that times the samples */
 
+extern const double hardware_clock_error_ppm; /* by how much it may be off, by its data sheet; 0: not known */
+
 /* The channels in the order of the numbers given to board_sample(); rate_hz is filled in by board.c. */
 extern const struct wire_channel hardware_channels[BOARD_CHANNELS];
 

@@ -34,6 +34,7 @@ static uint32_t fault_first, fault_count;
 const char hardware_firmware[] = "example firmware 1.0";
 const char hardware_board[] = "hardware_host";
 const uint32_t hardware_clock_hz = 1000000;
+const double hardware_clock_error_ppm = 50;
 
 #define TEXT(s) {s, sizeof s - 1}
 const struct wire_channel hardware_channels[BOARD_CHANNELS] = {

@@ -47,7 +47,8 @@ enum wire_type {
     WIRE_HEARTBEAT = 0x86,
     WIRE_EVENT = 0x87,
     WIRE_END = 0x88,
-    WIRE_LOG = 0x89
+    WIRE_LOG = 0x89,
+    WIRE_CLOCK = 0x8A
 };
 
 enum wire_format { WIRE_ANY_FORMAT = 0, WIRE_I16 = 1, WIRE_I32 = 2, WIRE_F32 = 3, WIRE_F64 = 4 };
@@ -78,6 +79,7 @@ enum wire_event_kind {
 };
 
 #define WIRE_NO_CHANNEL 255
+#define WIRE_MAX_CHANNELS 16 /* what a DESCRIBE holds when all texts are empty; 12 with 22 bytes of text each */
 
 /* UTF-8, not closed by a zero. */
 struct wire_text {
@@ -121,6 +123,7 @@ struct wire_heartbeat { uint64_t uptime_us; uint8_t buffer_fill_percent; uint64_
 struct wire_event { uint8_t kind, channel; uint64_t index; uint32_t count; struct wire_text text; };
 struct wire_end { uint64_t total_samples, total_dropped; uint32_t checksum; };
 struct wire_log { struct wire_text text; };
+struct wire_clock { double error_ppm; };
 
 struct wire_message {
     uint8_t type; /* enum wire_type; STOP has no fields */
@@ -139,6 +142,7 @@ struct wire_message {
         struct wire_event event;
         struct wire_end end;
         struct wire_log log;
+        struct wire_clock clock;
     } as;
 };
 
@@ -412,6 +416,9 @@ static inline bool wire_fields(struct wire_io *io, struct wire_message *m) {
         return true;
     case WIRE_LOG:
         wire_text(io, &m->as.log.text);
+        return true;
+    case WIRE_CLOCK:
+        wire_f64(io, &m->as.clock.error_ppm);
         return true;
     default:
         return false;

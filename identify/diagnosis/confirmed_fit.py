@@ -1,7 +1,8 @@
 """A model with the effects that curves confirm, fitted by free run."""
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.suspects import states_of_term, try_terms
+from identify.diagnosis.suspects import try_terms
+from identify.diagnosis.weak_presence import states_of_term
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import initial_values

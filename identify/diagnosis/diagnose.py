@@ -89,8 +89,8 @@ class Diagnosis(Summarised):
     def refine(self, progress: Progress = lambda rung, words: None) -> Ladder:
         """Add what is named, diagnose again, until nothing that has a name is missing; return the ladder.
 
-        Effects that are no longer needed once others have come are taken out. `progress` is called with each new rung
-        and a sentence.
+        Effects that are no longer needed once others have come are taken out, and at the end those of the model to begin
+        with, beyond the usual ones, that explain nothing. `progress` is called with each new rung and a sentence.
         """
         rungs, found = [rung_of(self.baseline)], self
         own = set(rungs[0].effects)
@@ -108,6 +108,10 @@ class Diagnosis(Summarised):
             top = rungs[-1].fit
             known = top.point
             found = diagnose(self.decays, top.model, library=self.library, known=known)
+        named = {rung.added for rung in rungs}
+        for rung in without_needless_effects(rungs[-1], named | set(base_model().names)):
+            rungs.append(rung)
+            progress(rung, f"removed {rung.removed}: it explains nothing")
         return Ladder(tuple(rungs), reason, found.verdict)
 
     def _reason_to_stop(self, rungs: int) -> str:
@@ -122,7 +126,7 @@ class Diagnosis(Summarised):
         if self.verdict == "not_enough_data":
             return "the record is too short to tell more effects apart"
         if rungs > _MOST_RUNGS:
-            return f"{_MOST_RUNGS} effects were added; a model with more would explain anything"
+            return f"{_MOST_RUNGS} effects were added; one with more would fit any record"
         return ""
 
     def brief(self) -> Summary:

@@ -18,7 +18,10 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import motion_percent
-from identify.formatting import quantity, three_figures
+from identify.formatting import among, plain_name, quantity, three_figures
+
+_WORTH_NAMING = 0.005
+"""Share of what the model leaves from which on a suspect explains anything."""
 
 FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
@@ -53,7 +56,7 @@ def explain(
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
     first = _named(baseline, top, together, settled)
-    second = _alternatives(top, suspects[1:])
+    second = _alternatives(baseline, top, tuple(s for s in suspects[1:] if s.effect.name not in together))
     if shape is not None and not baseline.adequate(settled.fit):
         rest = f"{three_figures(motion_percent(settled.fit))} % of the motion"
         if shape.coordinates:
@@ -83,11 +86,11 @@ def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...]) -> str:
 def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:
     cause = "Missing is" if top.kind == "physics" else "A sensor is at fault:"
     numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in top.parameters.items())
-    what = f"{cause} {top.effect.title}{_where(top)} ({top.effect.name}: {numbers})"
+    what = f"{cause} {plain_name(top.effect.name)}{_where(top)} ({numbers})"
     before = three_figures(baseline.reduced(baseline.fit))
     after = three_figures(settled.fit.reduced if together else top.error_after)
     if together:
-        what += f" together with {' and '.join(together)}: together they lower"
+        what += f" together with {among([plain_name(name) for name in together])}: together they lower"
     else:
         what += ": it lowers"
     return (
@@ -101,23 +104,45 @@ def _between(top: Suspect) -> str:
     exponent = top.parameters[family.exponent]
     nearest = family.nearest(exponent.value)
     return (
-        f"No named effect reaches the floor; this law behaves like {nearest} ({family.exponent} = "
+        f"No named effect reaches the floor; this law behaves like {plain_name(nearest)} ({family.exponent} = "
         f"{family.members[nearest]:g}), with {family.exponent} = {quantity(exponent)}."
     )
 
 
-def _alternatives(top: Suspect, others: tuple[Suspect, ...]) -> str:
+def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...]) -> str:
+    """Return what else would explain the record, what is as good first, and how what is named shows."""
+    shows = f"It shows as: {top.effect.symptom}."
     if top.effect in FAMILY_OF:
-        return f"{_between(top)} It shows as: {top.effect.symptom}."
+        return f"{_between(top)} {shows}"
     if top.rivals:
-        return f"This record does not tell it from {', '.join(top.rivals)}."
-    following = next((s for s in others if s.claimed and not _is_corrected(s)), None)
-    if following is None:
-        return f"No other effect explains it; it shows as: {top.effect.symptom}."
+        return f"This record does not tell it from {among([plain_name(name) for name in top.rivals], 'or')}. {shows}"
+    tried = [s for s in others if not _is_corrected(s) and s.fit is not baseline.fit]
+    tied = [s for s in tried if baseline.adequate(s.fit)]
+    if tied:
+        each = "; ".join(_why_not(s) for s in tied)
+        return f"The floor would also be reached with {each}. {shows}"
+    best = min(tried, key=lambda s: s.error_after, default=None)
+    share = 0.0 if best is None else _explained(baseline, best)
+    if best is None or share < _WORTH_NAMING:
+        return f"No other effect explains anything of it. {shows}"
     return (
-        f"The next best, {following.effect.name}, leaves {three_figures(following.error_after)}; "
-        f"{top.effect.name} shows as: {top.effect.symptom}."
+        f"The next best, {plain_name(best.effect.name)}, would explain {100.0 * share:.0f} % of it and leaves "
+        f"{three_figures(best.error_after)} times the noise. {shows}"
     )
+
+
+def _why_not(suspect: Suspect) -> str:
+    """Return a suspect that reaches the floor too, and why another one is named."""
+    why = (
+        "with less evidence" if suspect.plausible else "with values that make another effect the better name"
+    )
+    return f"{plain_name(suspect.effect.name)} ({three_figures(suspect.error_after)}; {why})"
+
+
+def _explained(baseline: Baseline, suspect: Suspect) -> float:
+    """Return the share, 0 to 1, of what the model leaves above the noise that a suspect takes away."""
+    before = baseline.reduced(baseline.fit)
+    return (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
 
 
 def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
@@ -138,7 +163,8 @@ def _unknown(
         f"{_left(baseline, baseline.fit, baseline.reduced(baseline.fit))}"
     )
     if top is not None and top.claimed:
-        first += f", and the best named effect, {top.effect.name}, still {_left(baseline, top.fit, top.error_after)}"
+        name, left = plain_name(top.effect.name), _left(baseline, top.fit, top.error_after)
+        first += f", and the best named effect, {name}, still {left}"
     first += f", where the floor is {floor_of(baseline)}."
     if not baseline.floor_is_sure and foretold is None and baseline.decays[0].window.force is None:
         first += (
@@ -161,7 +187,7 @@ def _corrected(baseline: Baseline, top: Suspect) -> str:
     numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in top.parameters.items())
     before, after = three_figures(baseline.reduced(baseline.fit)), three_figures(top.error_after)
     return (
-        f"A sensor is at fault: {top.effect.title}{_where(top)} ({top.effect.name}: {numbers}); without allowing for it "
+        f"A sensor is at fault: {plain_name(top.effect.name)}{_where(top)} ({numbers}); without allowing for it "
         f"the reduced chi-square is {before}, with it {after}, the floor being {floor_of(baseline)}. "
         f"The forces are not affected once it is corrected; {top.effect.confirming_test}."
     )
@@ -183,5 +209,7 @@ def _limit(suspects: tuple[Suspect, ...]) -> str:
             continue
         strength = suspect.parameters.get(suspect.effect.strength.name)
         if strength is not None and np.isfinite(strength.std):
-            words.append(f"{suspect.effect.name} beyond ±{3.0 * strength.std:.2g} {strength.unit}")
+            words.append(
+                f"{plain_name(suspect.effect.name)} beyond ±{3.0 * strength.std:.2g} {strength.unit}"
+            )
     return f"It would have shown {' or '.join(words)}." if words else ""

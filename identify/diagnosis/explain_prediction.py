@@ -4,7 +4,7 @@ import numpy as np
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.suspect import Suspect
-from identify.formatting import quantity, three_figures
+from identify.formatting import among, plain_name, quantity, three_figures
 
 _KINDS = {"frequency": "the frequency", "loss": "the loss per cycle"}
 
@@ -20,7 +20,7 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         foretell = "foretells" if len(effect.rivals) == 1 else "foretell"
         also = f"; {_among(effect.rivals)} {foretell} nearly as well" if effect.rivals else ""
         sentences.append(
-            f"Missing is {suspect.effect.title} ({suspect.effect.name}: {numbers}), which moves "
+            f"Missing is {plain_name(suspect.effect.name)} ({numbers}), which moves "
             f"{_KINDS[effect.explains]} with the amplitude: the error of its prediction falls from "
             f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion{also}. In {effect.leads} of "
             f"{effect.resamplings} resamplings of the cycles the same effect leads."
@@ -94,4 +94,4 @@ def _share(found: Confirmation) -> float:
 
 
 def _among(names: tuple[str, ...]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    return among([plain_name(name) for name in names])

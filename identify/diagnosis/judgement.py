@@ -4,21 +4,17 @@ Here where the floor is reached or sure; off it in `off_the_floor`. What each ca
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.off_the_floor import by_curves, if_foretold
 from identify.diagnosis.ranking import Ranked
-from identify.diagnosis.search import Pair, families, pairs, triple
-from identify.diagnosis.suspects import Candidate
+from identify.diagnosis.search import Pair, families, pairs
+from identify.diagnosis.triples import Triple, triple
 from identify.diagnosis.verdict import Judgement, free_form, verdict_of
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
-
-_PAIR_HELPS = 0.2
-"""Share of the best single effect's chi-square below which a pair is worth a third."""
 
 _DECISIVE = 12.0
 """Nats of evidence below which a force is not claimed while a sensor is known to be faulty: mend that first."""
@@ -86,11 +82,10 @@ def _beyond_one(
     together = two[0] if better else None
     if together is not None and baseline.adequate(together.second.fit):
         return _of_pair(ranked, together, None)
-    if together is not None and together.second.fit.reduced < _PAIR_HELPS * best.fit.reduced:
-        three = triple(baseline, two, library)
-        if three is not None:
-            return _of_three(ranked, *three)
     final = best.fit if together is None else together.second.fit
+    three = triple(baseline, library, final)
+    if three is not None:
+        return _of_three(ranked, three)
     return by_curves(baseline, ranked, foretell(), final)
 
 
@@ -103,10 +98,12 @@ def _of_pair(ranked: tuple[Ranked, ...], pair: Pair, shape: NonparametricForce |
     return Judgement(verdict_of(first.candidate), (first, *rest), pair.second.fit, other, shape)
 
 
-def _of_three(ranked: tuple[Ranked, ...], pair: Pair, third: Candidate) -> Judgement:
-    """Return the judgement that names three effects, of the first two the one that is better alone first."""
-    two = _of_pair(ranked, pair, None)
-    return replace(two, final=third.fit, together=(*two.together, third.name))
+def _of_three(ranked: tuple[Ranked, ...], three: Triple) -> Judgement:
+    """Return the judgement that names three effects, the one that is best alone first."""
+    first = next(entry for entry in ranked if entry.candidate.name in three.names)
+    rest = tuple(entry for entry in ranked if entry is not first)
+    others = tuple(name for name in three.names if name != first.candidate.name)
+    return Judgement(verdict_of(first.candidate), (first, *rest), three.fit, others)
 
 
 def _by_family(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:

@@ -151,14 +151,29 @@ def remove_effect(rung: Rung, name: str) -> Rung:
     return replace(rung_of(refit_at_floor(baseline.decays, found)), removed=name)
 
 
+def share_explained(rung: Rung, name: str) -> float | None:
+    """Return the share, 0 to 1, of what the model leaves without an effect that it takes away; None where it is needed.
+
+    An effect is needed where chi-square rises by more without it than chance lets any effect lower it.
+    """
+    without = remove_effect(rung, name)
+    if _needed(rung, without):
+        return None
+    gain = without.fit.chi_square - rung.fit.chi_square
+    return max(gain / without.fit.chi_square, 0.0)
+
+
+def _needed(rung: Rung, without: Rung) -> bool:
+    return without.fit.chi_square >= rung.fit.chi_square + _STILL_NEEDED * max(rung.fit.reduced, 1.0)
+
+
 def without_needless_effects(rung: Rung, kept: set[str]) -> list[Rung]:
     """Return rungs that drop the effects without which the misfit hardly rises, the least useful first."""
     dropped: list[Rung] = []
     while True:
         here = dropped[-1] if dropped else rung
-        limit = here.fit.chi_square + _STILL_NEEDED * max(here.fit.reduced, 1.0)
         tried = [remove_effect(here, name) for name in here.effects if name not in kept]
-        tried = [r for r in tried if r.fit.chi_square < limit]
+        tried = [r for r in tried if not _needed(here, r)]
         if not tried:
             return dropped
         dropped.append(min(tried, key=lambda r: r.fit.chi_square))

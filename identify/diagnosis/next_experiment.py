@@ -8,6 +8,7 @@ from identify.diagnosis.suspect import Suspect
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.problem import Problem
+from identify.formatting import plain_name
 from identify.preprocessing.fit_window import FitWindow
 
 _RELEASES = (
@@ -54,6 +55,7 @@ def next_experiment(baseline: Baseline, verdict: str, suspects: tuple[Suspect, .
             "with what there is: the shape of the missing force must be the same in each."
         )
     first, second = rivals[0], rivals[1]
+    one, other = plain_name(first.effect.name), plain_name(second.effect.name)
     best, words = 0.0, ""
     for factor, description in _DRIVES if driven else _RELEASES:
         apart = _apart(first.fit, second.fit, factor)
@@ -61,11 +63,11 @@ def next_experiment(baseline: Baseline, verdict: str, suspects: tuple[Suspect, .
             best, words = apart, description if driven else f"{description} ({factor * amplitude:.3g} {unit})"
     if best < _WORTH:
         return (
-            f"No other {'level' if driven else 'release'} would separate {first.effect.name} from {second.effect.name} "
+            f"No other {'level' if driven else 'release'} would separate {one} from {other} "
             f"on this bench; instead: {first.effect.confirming_test}."
         )
     return (
-        f"To separate {first.effect.name} from {second.effect.name}, record {words}: there they differ by "
+        f"To separate {one} from {other}, record {words}: there they differ by "
         f"{np.sqrt(best):.0f} standard deviations."
     )
 

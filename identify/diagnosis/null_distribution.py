@@ -13,17 +13,20 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.diagnosis.null_lines import line_drops, rows_of
-from identify.diagnosis.suspects import states_of_term, with_fault
+from identify.diagnosis.weak_presence import probes, with_fault
 from identify.effects.effect import Scales
 from identify.fitting.fit import Fit
-from identify.fitting.initial_values import inner_values, scales_of, term_starts
+from identify.fitting.initial_values import scales_of, term_starts
 from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
-from identify.model.measured_path import force_along
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _DRAWS = 400
+_FEWEST_DRAWS = 100
+_MOST_NUMBERS = 4_000_000
+"""Random numbers that are drawn: of records of more than 10,000 readings there are fewer draws, 100 at least."""
+
 _PROBE = 1e-3
 _TAIL = 0.1
 
@@ -58,6 +61,8 @@ def null_distribution(
     draws: int = _DRAWS,
 ) -> NullDistribution:
     """Draw what each suspect would gain by chance; the same seed gives the same draws."""
+    readings = sum(int(mask.sum()) for window in base.windows for mask in window.used.values())
+    draws = min(draws, max(_FEWEST_DRAWS, _MOST_NUMBERS // max(readings, 1)))
     random = np.random.default_rng(seed)
     theta = base.theta
     problem = Problem(base.model, base.windows, base.frequency)
@@ -120,7 +125,9 @@ def _column_drops(
     before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
     blocks: list[list[Array]] = []
     for start in term_starts(term, scales, fine=True):
-        block = [problem.residuals(theta) - before for theta in _probes(decays, base, problem, term, start)]
+        block = [
+            problem.residuals(theta) - before for theta in probes(decays, base, problem, term, start, _PROBE)
+        ]
         blocks.append([c for c in block if np.isfinite(c).all() and np.linalg.norm(c) > 1e-9])
     best = np.zeros(noise.shape[1])
     if not any(blocks):
@@ -207,29 +214,3 @@ def _amounts(
             free = basis[-1] @ along
         found.append((along[j], free))
     return found
-
-
-def _probes(
-    decays: tuple[PreparedDecay, ...], base: Fit, problem: Problem, term: Term, start: dict[str, float]
-) -> list[Array]:
-    """Return points near the base at which the term is weakly present, one for each of its linear freedoms."""
-    largest = max(decays, key=lambda prepared: prepared.amplitude)
-    begun = term.by_name(start)
-    inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
-    motion = largest.motion
-    along = (largest.time, motion.displacement, motion.velocity, largest.frequency)
-    force = force_along(term, inner_values(term, inner), *along)
-    rms = float(np.sqrt(np.mean(force**2)))
-    if not rms > 0.0:
-        return []
-    strength = _PROBE * float(np.sqrt(np.mean(motion.acceleration**2))) / rms
-    states = states_of_term(base, term, inner)
-    point = base.point | begun | {str(term.strength): strength} | states
-    points = [point]
-    sizes = (largest.amplitude, largest.amplitude * largest.frequency)
-    for i in range(len(base.windows)):
-        for j in range(term.force.states):
-            name = str(term.state(j).of_release(i, len(base.windows)))
-            if name in states:
-                points.append(point | {name: states[name] + 0.5 * sizes[j]})
-    return [problem.theta(p) for p in points]

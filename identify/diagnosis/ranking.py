@@ -60,7 +60,22 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribut
         evidence = chance.surprise(candidate.name, drop) + at_rest(baseline.decays, candidate)
         p_value = chance.p_value(candidate.name, drop) if evidence > 0.0 else 1.0
         ranked.append(Ranked(candidate, evidence, p_value, p_value < allowed))
-    return tuple(sorted(ranked, key=_order))
+    return line_of_sensor_first(tuple(sorted(ranked, key=_order)))
+
+
+def line_of_sensor_first(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+    """Return the candidates with a sensor's line before a force where this record does not tell which of the two it is.
+
+    A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim.
+    """
+    if not ranked or not ranked[0].claimed or not ranked[0].candidate.term.is_force:
+        return ranked
+    hum = next((e for e in ranked if e.candidate.term.effect.line and not e.candidate.term.is_force), None)
+    if hum is None or not hum.claimed or not hum.candidate.plausible:
+        return ranked
+    if ranked[0].evidence - hum.evidence > RIVALS_WITHIN:
+        return ranked
+    return (hum, *(entry for entry in ranked if entry is not hum))
 
 
 def _order(entry: Ranked) -> tuple[int, float]:

@@ -1,9 +1,10 @@
-"""Screening: which two effects together explain most of what a model leaves, by equation error.
+"""Screening: which two or three effects together explain most of what a model leaves, by equation error.
 
-Two effects may hide each other, so that neither looks good alone. Along the measured motion each is a column, and all
-pairs of columns cost no more than a few milliseconds; only the best are worth a fit.
+Effects may hide each other, so that none looks good alone. Along the measured motion each is a column, and all pairs of
+columns cost no more than a few milliseconds, all triples a tenth of a second; only the best are worth a fit.
 """
 
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -19,6 +20,39 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 _INDEPENDENT = 1e-6
 """Share of a column that the model and the other column must leave free."""
 
+_TIMES_LEAST = 4.0
+"""Times as much as the best triple may leave of the restoring force."""
+
+_THIRD_HELPS = 0.95
+"""Share of what the best pair leaves that a triple must fall below."""
+
+
+@dataclass(frozen=True, eq=False)
+class Begun:
+    """An effect with values of its inner parameters, by their own names, from which a fit may begin."""
+
+    term: Term
+    inner: dict[str, float]
+
+    @property
+    def name(self) -> str:
+        """The effect's name."""
+        return self.term.effect.name
+
+
+@dataclass(frozen=True, eq=False)
+class _Columns:
+    """Forces of unit strength along a motion, less what a model follows, of unit length.
+
+    `begun` tells which effect each column is, with which inner parameters; `along` (columns,) is how much of what the model
+    leaves lies along it, `overlap` (columns, columns) their products; `left` is the sum of squares that the model leaves.
+    """
+
+    begun: tuple[Begun, ...]
+    along: Array
+    overlap: Array
+    left: float
+
 
 def promising_pairs(
     prepared: PreparedDecay, model: Model, terms: tuple[Term, ...], scales: Scales
@@ -28,18 +62,11 @@ def promising_pairs(
     Each effect is tried at all starting values of its inner parameters; strengths are free and of either sign.
     Faults of sensors are no forces, and are left out.
     """
-    names, columns = _columns(prepared, terms, scales)
-    if len(columns) < 2:
+    columns = _free_columns(prepared, model, terms, scales)
+    if columns is None:
         return ()
-    used = moving(prepared.motion)
-    _, known = _columns(prepared, model.forces, scales)
-    basis = np.linalg.qr(np.column_stack([*known, np.ones(len(used))])[used])[0]
-    design = _unit(np.column_stack(columns)[used])
-    free = design - basis @ (basis.T @ design)
-    size = np.linalg.norm(free, axis=0)
-    free = np.where(size > _INDEPENDENT, free / np.maximum(size, _INDEPENDENT), 0.0)
-    left = prepared.restoring[used] - basis @ (basis.T @ prepared.restoring[used])
-    explained = _explained_by_two(free.T @ left, free.T @ free)
+    names = [begun.name for begun in columns.begun]
+    explained = _explained_by_two(columns.along, columns.overlap)
     best: dict[tuple[str, str], float] = {}
     for i, j in combinations(range(len(names)), 2):
         if names[i] != names[j]:
@@ -48,20 +75,79 @@ def promising_pairs(
     return tuple(sorted(best, key=lambda pair: -best[pair]))
 
 
+def promising_triples(
+    prepared: PreparedDecay, model: Model, terms: tuple[Term, ...], scales: Scales
+) -> tuple[tuple[Begun, Begun, Begun], ...]:
+    """Return triples of effects with the inner parameters that leave least, the one that leaves least of all first.
+
+    As pairs are; only those are returned that leave at most some times as much as the best, and none where even that leaves
+    little less than the best pair: there a third effect has nothing to explain.
+    """
+    columns = _free_columns(prepared, model, terms, scales)
+    if columns is None:
+        return ()
+    known = {name: at for at, name in enumerate(dict.fromkeys(begun.name for begun in columns.begun))}
+    effect = np.array([known[begun.name] for begun in columns.begun])
+    apart = effect[:, None] != effect
+    two = columns.left - _explained_by_two(columns.along, columns.overlap)
+    found: dict[tuple[int, ...], tuple[float, tuple[int, int, int]]] = {}
+    least = np.inf
+    for i in range(len(effect)):
+        beside, overlap = _less(columns.along, columns.overlap, i)
+        left = columns.left - columns.along[i] ** 2 - _explained_by_two(beside, overlap)
+        left[~apart | (effect == effect[i])[:, None] | (effect == effect[i])[None, :]] = np.inf
+        left = np.maximum(left, 0.0)
+        least = min(least, float(left.min()))
+        for j, k in np.argwhere(np.triu(left <= _TIMES_LEAST * least, 1)):
+            key = tuple(sorted((int(effect[i]), int(effect[j]), int(effect[k]))))
+            if key not in found or left[j, k] < found[key][0]:
+                found[key] = float(left[j, k]), (i, int(j), int(k))
+    if not least < _THIRD_HELPS * float(two[apart].min(initial=np.inf)):
+        return ()
+    kept = sorted(entry for entry in found.values() if entry[0] <= _TIMES_LEAST * least)
+    return tuple((columns.begun[i], columns.begun[j], columns.begun[k]) for _, (i, j, k) in kept)
+
+
+def _less(along: Array, overlap: Array, i: int) -> tuple[Array, Array]:
+    """Return columns (as in `_Columns`) less what they share with column i, of unit length again; 0 where that is all."""
+    along = along - overlap[i] * along[i]
+    overlap = overlap - np.outer(overlap[i], overlap[i])
+    square = np.diag(overlap)
+    over = np.where(square > _INDEPENDENT, 1.0 / np.sqrt(np.maximum(square, _INDEPENDENT)), 0.0)
+    return along * over, overlap * np.outer(over, over)
+
+
+def _free_columns(
+    prepared: PreparedDecay, model: Model, terms: tuple[Term, ...], scales: Scales
+) -> _Columns | None:
+    begun, columns = _columns(prepared, terms, scales)
+    if len(columns) < 2:
+        return None
+    used = moving(prepared.motion)
+    _, known = _columns(prepared, model.forces, scales)
+    basis = np.linalg.qr(np.column_stack([*known, np.ones(len(used))])[used])[0]
+    design = _unit(np.column_stack(columns)[used])
+    free = design - basis @ (basis.T @ design)
+    size = np.linalg.norm(free, axis=0)
+    free = np.where(size > _INDEPENDENT, free / np.maximum(size, _INDEPENDENT), 0.0)
+    left = prepared.restoring[used] - basis @ (basis.T @ prepared.restoring[used])
+    return _Columns(tuple(begun), free.T @ left, free.T @ free, float(left @ left))
+
+
 def _columns(
     prepared: PreparedDecay, terms: tuple[Term, ...], scales: Scales
-) -> tuple[list[str], list[Array]]:
-    """Return the finite forces of unit strength along the motion, (n,) each, and the names of their effects."""
+) -> tuple[list[Begun], list[Array]]:
+    """Return the finite forces of unit strength along the motion, (n,) each, and which effects they are."""
     motion = prepared.motion
-    names, columns = [], []
+    begun, columns = [], []
     for term in (term for term in terms if term.is_force):
         for inner in term_starts(term, scales):
             along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
             force = force_along(term, inner, *along)
             if np.isfinite(force).all():
-                names.append(term.effect.name)
+                begun.append(Begun(term, inner))
                 columns.append(force)
-    return names, columns
+    return begun, columns
 
 
 def _unit(columns: Array) -> Array:

@@ -24,10 +24,6 @@ _POLISHED_BESIDE_BEST = 10
 
 _SCREENED = 6
 
-_PAIRS_FOR_THIRDS = 3
-
-_POLISHED_THIRDS = 6
-
 
 def singles(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
     """Return the model refitted with each effect it lacks, best first."""
@@ -68,7 +64,8 @@ def pairs(
     for stage in (_screened, _greedy):
         for first, terms in stage(baseline, tried, library):
             polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
-            seconds = try_terms(baseline.decays, first.fit, terms, polished=polished)
+            goal = baseline.highest * first.fit.degrees
+            seconds = try_terms(baseline.decays, first.fit, terms, polished=polished, goal=goal)
             seconds = _after_rest(baseline, seconds)
             if seconds:
                 found.append(Pair(first, seconds[0]))
@@ -83,21 +80,7 @@ def families(baseline: Baseline) -> tuple[Candidate, ...]:
     """Return the model refitted with each law of a free exponent, best first: for shapes between the names."""
     scales = scales_of(baseline.decays[0], {})
     terms = tuple(Term(family.effect, family.held(scales)) for family in FAMILIES)
-    return try_terms(baseline.decays, baseline.fit, terms)
-
-
-def triple(
-    baseline: Baseline, found: tuple[Pair, ...], library: tuple[Effect, ...] = LIBRARY
-) -> tuple[Pair, Candidate] | None:
-    """Return a pair and a third effect that reach the floor together; None where none of the best pairs' thirds do."""
-    for pair in [pair for pair in found if pair.plausible][:_PAIRS_FOR_THIRDS]:
-        base = pair.second.fit
-        terms = candidate_terms(base.model, library, base.windows[0])
-        tried = try_terms(baseline.decays, base, terms, polished=_POLISHED_THIRDS)
-        for third in _after_rest(baseline, tried)[:_POLISHED_THIRDS]:
-            if third.plausible and baseline.adequate(third.fit):
-                return pair, third
-    return None
+    return try_terms(baseline.decays, baseline.fit, terms, goal=baseline.highest * baseline.fit.degrees)
 
 
 def _after_rest(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:

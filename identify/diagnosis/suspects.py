@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from identify.arrays import Array, Mask
+from identify.diagnosis.linear_gain import Slope, worth_a_fit
+from identify.diagnosis.weak_presence import states_of_term, with_fault
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
 from identify.fitting.fit import Fit, fit, fit_at
@@ -14,7 +16,6 @@ from identify.fitting.initial_values import (
     initial_values,
     inner_values,
     regress_model,
-    rest_states,
     scales_of,
     term_starts,
 )
@@ -32,6 +33,10 @@ _LINES = 3
 _STARTS = 3
 _FIRST_STEPS = 5
 _POLISHED = 14
+_LEADERS = 3
+_BEHIND = 2.0
+"""Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
+
 _FAR_OFF = 100.0
 _IMPLAUSIBLE = 10.0
 
@@ -86,24 +91,40 @@ def candidate_terms(model: Model, library: Iterable[Effect], window: FitWindow) 
 
 
 def try_terms(
-    decays: tuple[PreparedDecay, ...], base: Fit, terms: tuple[Term, ...], *, polished: int = _POLISHED
+    decays: tuple[PreparedDecay, ...],
+    base: Fit,
+    terms: tuple[Term, ...],
+    *,
+    polished: int = _POLISHED,
+    goal: float | None = None,
 ) -> tuple[Candidate, ...]:
     """Refit the model with each term added; return the best variant of each effect, best first.
 
     From each start the term's inner parameters are held at first, so that all others can make room for it. The most
-    promising ones, `polished` of them, are then fitted freely.
+    promising ones, `polished` of them, are then fitted freely: the first few to the end, the others until they creep
+    with twice the best of these still below. Where only a `goal` of chi-square counts, terms that cannot come near it are
+    left out, and a fit that creeps towards it is left.
     """
     scales = scales_of(decays[0], residual_lines(base))
-    slope = _slope(base)
+    slope = Slope.of(base) if goal is not None or base.reduced < _FAR_OFF else None
+    if goal is not None and slope is not None:
+        terms = worth_a_fit(decays, slope, terms, scales, goal)
+    near = slope if base.reduced < _FAR_OFF else None
+    floor = 0.0 if goal is None else goal
     with ThreadPoolExecutor() as pool:
         begun = [
             b
-            for b in pool.map(lambda term: _begin(decays, base, slope, term, scales), terms)
+            for b in pool.map(lambda term: _begin(decays, base, near, term, scales, floor), terms)
             if b is not None
         ]
         begun.sort(key=lambda beginning: beginning.cost)
-        tried = list(pool.map(lambda beginning: _finish(base, beginning, scales), begun[:polished]))
-        tried += [_leave(base, beginning, scales) for beginning in begun[polished:]]
+        leaders = begun[: min(_LEADERS, polished)]
+        tried = list(pool.map(lambda beginning: _finish(base, beginning, scales, goal or 0.0), leaders))
+        best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
+        enough = _BEHIND * best_cost if goal is None else goal
+        others = begun[len(leaders) : polished]
+        tried += pool.map(lambda beginning: _finish(base, beginning, scales, enough), others)
+        tried += [_leave(base, near, beginning, scales) for beginning in begun[polished:]]
     best: dict[str, Candidate] = {}
     for candidate in tried:
         if candidate.name not in best or candidate.score < best[candidate.name].score:
@@ -121,54 +142,46 @@ class _Beginning:
     cost: float
 
 
-@dataclass(frozen=True, eq=False)
-class _Slope:
-    """How a model's misfit depends on its unknowns, from which the search for one more effect sets out."""
-
-    problem: Problem
-    jacobian: Array
-
-    def begin(self, problem: Problem, theta: Array, held: Mask) -> tuple[Array, Array]:
-        """Return the misfit of the model with one more effect, and its Jacobian, only the new columns taken anew."""
-        take_steps(problem, self.problem)
-        known = np.array([unknown.name in self.problem.index for unknown in problem.unknowns])
-        residual, jacobian = linearise(problem, theta, skip=known | held)
-        for at, unknown in enumerate(problem.unknowns):
-            if known[at]:
-                jacobian[:, at] = self.jacobian[:, self.problem.index[unknown.name]]
-        return residual, jacobian
-
-
-def _slope(base: Fit) -> _Slope | None:
-    """Return the slope of a fitted model; None where it is so far off that another place is searched."""
-    if base.reduced >= _FAR_OFF:
-        return None
-    problem = Problem(base.model, base.windows, base.frequency)
-    return _Slope(problem, linearise(problem, base.theta)[1])
+def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, Array]:
+    """Return the misfit of the model with one more effect, and its Jacobian, only the new columns taken anew."""
+    known_at = slope.problem.index
+    take_steps(problem, slope.problem)
+    known = np.array([unknown.name in known_at for unknown in problem.unknowns])
+    residual, jacobian = linearise(problem, theta, skip=known | held)
+    for at, unknown in enumerate(problem.unknowns):
+        if known[at]:
+            jacobian[:, at] = slope.jacobian[:, known_at[unknown.name]]
+    return residual, jacobian
 
 
 def _begin(
-    decays: tuple[PreparedDecay, ...], base: Fit, slope: _Slope | None, term: Term, scales: Scales
+    decays: tuple[PreparedDecay, ...], base: Fit, slope: Slope | None, term: Term, scales: Scales, goal: float
 ) -> _Beginning | None:
     problem = Problem(base.model.plus(term), base.windows, base.frequency)
     inner = np.array([_is_inner(u.id, term) for u in problem.unknowns])
     best: _Beginning | None = None
     for start in _promising(decays, base, problem.model, term, term_starts(term, scales)):
         theta = np.clip(problem.theta(start), problem.low, problem.high)
-        begun = None if slope is None else slope.begin(problem, theta, inner)
-        found = minimise(problem, theta, steps=_FIRST_STEPS, tolerance=1.0, held=inner, begun=begun)
+        begun = None if slope is None else _from_slope(slope, problem, theta, inner)
+        found = minimise(
+            problem, theta, steps=_FIRST_STEPS, tolerance=1.0, held=inner, begun=begun, goal=goal
+        )
         if best is None or found.cost < best.cost:
             best = _Beginning(term, problem, found.theta, found.cost)
     return best
 
 
-def _finish(base: Fit, begun: _Beginning, scales: Scales) -> Candidate:
+def _finish(base: Fit, begun: _Beginning, scales: Scales, goal: float) -> Candidate:
     start = {u.name: float(t) for u, t in zip(begun.problem.unknowns, begun.theta, strict=True)}
-    return judged(fit(begun.problem.model, base.windows, start, base.frequency), base, begun.term, scales)
+    found = fit(begun.problem.model, base.windows, start, base.frequency, goal=goal)
+    return judged(found, base, begun.term, scales)
 
 
-def _leave(base: Fit, begun: _Beginning, scales: Scales) -> Candidate:
-    return judged(fit_at(begun.problem, begun.theta), base, begun.term, scales)
+def _leave(base: Fit, near: Slope | None, begun: _Beginning, scales: Scales) -> Candidate:
+    slope = None
+    if near is not None:
+        slope = _from_slope(near, begun.problem, begun.theta, np.zeros(len(begun.theta), dtype=bool))
+    return judged(fit_at(begun.problem, begun.theta, slope), base, begun.term, scales)
 
 
 def _is_inner(unknown: ParameterId, term: Term) -> bool:
@@ -221,25 +234,6 @@ def _promising(
             point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
         points.append(point)
     return points
-
-
-def states_of_term(base: Fit, term: Term, inner: dict[str, float]) -> dict[str, float]:
-    """Return the internal states of one more effect, by unknown's name, at the starts of the releases of a fit."""
-    found: dict[str, float] = {}
-    count = len(base.windows)
-    for i in range(count):
-        start = base.of_release(i)
-        states = rest_states(term, start["displacement"], start["velocity"], inner)
-        found |= {str(id.of_release(i, count)): value for id, value in states.items()}
-    return found
-
-
-def with_fault(base: Fit, term: Term, start: dict[str, float]) -> dict[str, float]:
-    """Return a fit's values with a sensor's fault in every release."""
-    point, count = base.point, len(base.windows)
-    for i in range(count):
-        point |= {str(term.parameter(name).of_release(i, count)): value for name, value in start.items()}
-    return point
 
 
 def _with_fault(base: Fit, term: Term, start: dict[str, float], scales: Scales) -> dict[str, float]:

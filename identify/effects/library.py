@@ -39,6 +39,22 @@ from identify.effects.time import HARMONIC_FORCING, SETTLING_STIFFNESS, TIME_VAR
 
 BASE: tuple[ForceEffect, ...] = (LINEAR_STIFFNESS, COULOMB_FRICTION, VISCOUS_DAMPING)
 
+DAMPING_BY_ORDER: tuple[ForceEffect, ...] = (
+    COULOMB_FRICTION,
+    VISCOUS_DAMPING,
+    QUADRATIC_DAMPING,
+    CUBIC_DAMPING,
+)
+"""The damping |v|^n sgn(v) of each order n that has a name, from n = 0 up."""
+
+STIFFNESS_BY_ORDER: dict[int, ForceEffect] = {
+    1: LINEAR_STIFFNESS,
+    2: QUADRATIC_STIFFNESS,
+    3: CUBIC_STIFFNESS,
+    5: QUINTIC_STIFFNESS,
+}
+"""The spring u^n of each order n that has a name."""
+
 LIBRARY: tuple[Effect, ...] = (
     *BASE,
     QUADRATIC_DAMPING,

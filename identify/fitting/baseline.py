@@ -84,9 +84,13 @@ class Baseline:
         harmonics = self.harmonics(found)
         return harmonics is not None and harmonics.against
 
+    @property
+    def highest(self) -> float:
+        """The largest reduced chi-square that counts as at the floor."""
+        return 1.0 + max(ADEQUATE * self.spread, 0.0 if self.floor_is_sure else DOUBT)
+
     def _reaches(self, reduced: float) -> bool:
-        doubt = 0.0 if self.floor_is_sure else DOUBT
-        return reduced <= 1.0 + max(ADEQUATE * self.spread, doubt)
+        return reduced <= self.highest
 
 
 def fit_baseline(

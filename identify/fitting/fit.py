@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
+from identify.clock_error import with_clock
 from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
 from identify.fitting.jacobian import linearise
@@ -115,10 +116,12 @@ def fit(
     *,
     tolerance: float = 0.02,
     near: bool = False,
+    goal: float = 0.0,
 ) -> Fit:
     """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed.
 
-    A start that is `near`, from curves of the whole decay, is not lost again to its first few cycles.
+    A start that is `near`, from curves of the whole decay, is not lost again to its first few cycles. A fit that creeps
+    towards a `goal` of chi-square above 0 is left as it is.
     """
     whole = Problem(model, windows, frequency)
     theta = start_at = np.clip(whole.theta(start), whole.low, whole.high)
@@ -126,16 +129,16 @@ def fit(
     far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
     if far and not near:
         theta = _grow(model, windows, theta, frequency)
-    found = minimise_fully(whole, theta, tolerance=tolerance)
+    found = minimise_fully(whole, theta, tolerance=tolerance, goal=goal)
     if far and not near and not found.cost < float(first @ first):  # lost to the first few cycles
-        found = minimise_fully(whole, start_at, tolerance=tolerance)
+        found = minimise_fully(whole, start_at, tolerance=tolerance, goal=goal)
     jacobian = found.jacobian if found.exact else linearise(whole, found.theta)[1]
     return _result(whole, found.theta, found.cost, jacobian, settled=found.settled)
 
 
-def fit_at(problem: Problem, theta: Array) -> Fit:
-    """Return the fit as it stands at some values, without a further step."""
-    residual, jacobian = linearise(problem, theta)
+def fit_at(problem: Problem, theta: Array, slope: tuple[Array, Array] | None = None) -> Fit:
+    """Return the fit as it stands at some values, without a further step; `slope` is misfit and Jacobian, if known."""
+    residual, jacobian = slope or linearise(problem, theta)
     return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
 
 
@@ -169,6 +172,7 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
     outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
     if unidentifiable:
         outcome += f" This record does not determine {', '.join(unidentifiable)}."
+    window = problem.windows[0]
     return Fit(
         model=problem.model,
         windows=problem.windows,
@@ -176,13 +180,13 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, set
         theta=theta,
         covariance=covariance,
         values={
-            u.name: Estimate(float(t), float(s), u.unit)
+            u.name: with_clock(Estimate(float(t), float(s), u.unit), window.rate, window.rate_std)
             for u, t, s in zip(problem.unknowns, theta, std, strict=True)
         },
         chi_square=cost,
         degrees=len(jacobian) - int((~at_bound).sum()),
         predicted=tuple(
-            problem.read(theta, i, problem.respond(theta, i)) for i in range(len(problem.windows))
+            problem.read(theta, i, response) for i, response in enumerate(problem.responses(theta))
         ),
         converged=settled,
         outcome=outcome,

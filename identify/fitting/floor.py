@@ -16,6 +16,8 @@ from identify.signal.spectrum import high_band_floor
 _BAND_ABOVE = 8.0
 _DISAGREE = 4.0
 
+_BAND = "band above the motion"
+
 
 @dataclass(frozen=True)
 class Floor:
@@ -100,12 +102,13 @@ def _combine(known: Noise, std: float, error: float) -> Noise:
     if not np.isfinite(error) or std <= 0.0:
         return known
     if not np.isfinite(known.uncertainty) or known.std <= 0.0:
-        return Noise(std, error, "band above the motion")
+        return Noise(std, error, _BAND)
     apart = (std - known.std) / float(np.hypot(known.uncertainty, error))
     if apart > _DISAGREE:
         return known
     if apart < -_DISAGREE:
-        return Noise(std, error, "band above the motion")
+        return Noise(std, error, _BAND)
     weights = np.array([known.uncertainty**-2, error**-2])
     mean = float(weights @ np.array([known.std, std]) / weights.sum())
-    return Noise(mean, float(weights.sum() ** -0.5), f"{known.source} and band above the motion")
+    source = known.source if _BAND in known.source else f"{known.source} and {_BAND}"
+    return Noise(mean, float(weights.sum() ** -0.5), source)

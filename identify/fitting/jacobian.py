@@ -22,7 +22,7 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
 
     The problem keeps the steps, each so large that it moves the readings well above rounding and well below the noise.
     """
-    responses = [problem.respond(theta, i) for i in range(len(problem.windows))]
+    responses = problem.responses(theta)
     parts = [problem.residual_of(i, problem.read(theta, i, r)) for i, r in enumerate(responses)]
     residual = np.concatenate(parts)
     jacobian = np.zeros((len(residual), len(theta)))

@@ -11,6 +11,7 @@ from identify.fitting.problem import Problem
 MOST_STEPS = 40
 _TRIALS = 12
 _CONFIRMATIONS = 3
+_CREEPS = 0.02
 _AS_PREDICTED = 0.7
 """Share of the predicted drop of chi-square from which on the Jacobian counts as good."""
 
@@ -20,7 +21,7 @@ class Minimum:
     """Where a minimisation ended.
 
     The unknowns, chi-square, the Jacobian last used, whether it was taken there (`exact`), and whether no step was
-    predicted to gain anything any more (`settled`).
+    predicted to gain anything any more (`settled`); or that it crept and was `given_up`.
     """
 
     theta: Array
@@ -28,6 +29,7 @@ class Minimum:
     jacobian: Array
     exact: bool
     settled: bool
+    given_up: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,44 +50,54 @@ def minimise(
     tolerance: float = 0.02,
     held: Mask | None = None,
     begun: tuple[Array, Array] | None = None,
+    goal: float = 0.0,
 ) -> Minimum:
     """Lower chi-square from `theta`, until a step gains less than `tolerance`.
 
-    Unknowns that are `held` stay where they are. `begun` is the misfit at `theta` with a Jacobian that may be
-    approximate. Between exact Jacobians each step mends the last one (Broyden, 1965, eq. 4.5).
+    Given up where two steps on end gain less than 2 % of what is missing to a `goal` above 0, which is then not reached
+    in as many steps as there are. Unknowns that are `held` stay where they are. `begun` is the misfit at `theta` with a
+    Jacobian that may be approximate. Between exact Jacobians each step mends the last one (Broyden, 1965, eq. 4.5).
     """
     theta = np.clip(theta, problem.low, problem.high)
     never = np.zeros(len(theta), dtype=bool) if held is None else held
     residual, jacobian = linearise(problem, theta, skip=held) if begun is None else begun
     cost = _sum_of_squares(residual)
-    damping, exact, settled = 1e-3, begun is None, False
+    damping, exact, settled, slow = 1e-3, begun is None, False, 0
     for _ in range(steps):
         if not np.isfinite(cost):
             break
         step = _step(problem, theta, residual, jacobian, never, damping, tolerance)
-        settled = step is None or step.gained < max(tolerance, 1e-6 * step.cost)
-        if step is not None:
-            jacobian = _mended(problem, jacobian, theta, residual, step)
-            theta, residual, cost = step.theta, step.residual, step.cost
-            damping = max(step.damping / 10.0, 1e-9)
-        exact = step is None and exact
-        if settled:
+        if step is None:
+            settled = True
             break
-        if step is not None and not step.as_predicted:
+        settled = step.gained < max(tolerance, 1e-6 * step.cost)
+        before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
+        slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
+        if settled or slow > 1:  # the Jacobian that foretold so small a step holds at its end
+            break
+        if step.as_predicted:
+            jacobian, exact = _mended(problem, jacobian, *before, step), False
+        else:
             residual, jacobian = linearise(problem, theta, skip=held)
             exact = True
-    return Minimum(theta, cost, jacobian, exact, settled)
+        damping = max(step.damping / 10.0, 1e-9)
+    return Minimum(theta, cost, jacobian, exact, settled, slow > 1)
 
 
 def minimise_fully(
-    problem: Problem, theta: Array, *, tolerance: float = 0.02, held: Mask | None = None
+    problem: Problem,
+    theta: Array,
+    *,
+    tolerance: float = 0.02,
+    held: Mask | None = None,
+    goal: float = 0.0,
 ) -> Minimum:
-    """Lower chi-square until no step is predicted to gain anything by a Jacobian taken there."""
-    found = minimise(problem, theta, tolerance=tolerance, held=held)
+    """Lower chi-square until no step is predicted to gain anything by a Jacobian taken there, or it creeps to a `goal`."""
+    found = minimise(problem, theta, tolerance=tolerance, held=held, goal=goal)
     for _ in range(_CONFIRMATIONS):
-        if found.exact and found.settled:
+        if found.exact and (found.settled or found.given_up):
             break
-        found = minimise(problem, found.theta, tolerance=tolerance, held=held)
+        found = minimise(problem, found.theta, tolerance=tolerance, held=held, goal=goal)
     return found
 
 

@@ -16,9 +16,11 @@ from identify.preprocessing.noise_colour import (
     COLOURED,
     SHAPES,
     STRENGTHS,
+    UNLIKE,
     Line,
     RestColour,
     Shape,
+    alike,
     best,
     log_uncertainty,
     white_part,
@@ -76,19 +78,29 @@ class ChannelColour:
 
 def noise_colours(decays: tuple[PreparedDecay, ...], fit: Fit) -> dict[str, ChannelColour]:
     """Return the colour of each channel whose noise is not white."""
-    rests = [_rests_of(prepared) for prepared in decays]
-    hum = {} if any(rests) else common_lines(fit, 0)
+    hum = [_hum(prepared, fit, i) for i, prepared in enumerate(decays)]
+    rests = [_rests_of(prepared, lines) for prepared, lines in zip(decays, hum, strict=True)]
     found = {}
     for channel in fit.windows[0].channels:
-        colour = _colour(fit, channel, [rest.get(channel) for rest in rests], hum.get(channel, ()))
+        colour = _colour(fit, channel, [rest.get(channel) for rest in rests], hum[0].get(channel, ()))
         if colour is not None:
             found[channel] = colour
     return found
 
 
-def _rests_of(prepared: PreparedDecay) -> dict[str, RestColour]:
+def _hum(prepared: PreparedDecay, fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
+    """Return the lines along the motion that are hum in both channels, where a rest does not show those of each.
+
+    There was none, or a converter's steps hide what is less.
+    """
+    if all(channel in prepared.rest_colour for channel in prepared.window.channels):
+        return {}
+    return common_lines(fit, i)
+
+
+def _rests_of(prepared: PreparedDecay, hum: dict[str, tuple[Line, ...]]) -> dict[str, RestColour]:
     colours = {c: r for c, r in prepared.rest_colour.items() if c in prepared.window.readings}
-    return with_common_lines(colours, keep_off=prepared.frequency / (2.0 * np.pi))
+    return with_common_lines(colours, prepared.frequency / (2.0 * np.pi), hum)
 
 
 def _colour(
@@ -98,7 +110,7 @@ def _colour(
     at_rest = sum((r.log_likelihood for r in rests if r is not None), np.zeros((len(SHAPES), len(STRENGTHS))))
     table = at_rest + _of_residual(fit, channel, rate, at_rest)
     row, column = best(table)
-    common = next((r.common for r in rests if r is not None and r.common), hum)
+    common = next((_beside(r, row, column) for r in rests if r is not None and r.common), hum)
     lines = tuple(Component(line.power, line.uncertainty, line.frequency) for line in common)
     coloured = column > 0 and table[row, column] >= COLOURED
     if not coloured and not lines:
@@ -113,6 +125,14 @@ def _colour(
         lines,
         white,
     )
+
+
+def _beside(rest: RestColour, row: int, column: int) -> tuple[Line, ...]:
+    """Return the common lines of a rest in units of the white part that a colour leaves, not of the rest's own."""
+    own = best(rest.log_likelihood)
+    before = white_part(rest.left, own[0], float(STRENGTHS[own[1]]))
+    after = white_part(rest.left, row, float(STRENGTHS[column]))
+    return tuple(line.in_units_of(before, after) for line in rest.common)
 
 
 def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
@@ -130,14 +150,19 @@ def _of_residual(fit: Fit, channel: str, rate: float, at_rest: Array) -> Array:
         variance = np.maximum(np.mean(power[between] / spread, axis=2), 1e-300)
         own = -_INDEPENDENT * (int(between.sum()) * np.log(variance) + np.log(spread).sum(axis=2))
         own -= own[0, 0]
-        row, column = best(own + at_rest)
-        model = variance[row, column] * (1.0 + STRENGTHS[column] * backgrounds[row])
-        if _is_smooth(power, model, harmonic, between) and _is_allowed(at_rest, own, row, column):
+        places = alike(own + at_rest)
+        models = [variance[r, c] * (1.0 + STRENGTHS[c] * backgrounds[r]) for r, c in places]
+        smooth = [
+            _is_smooth(power, model, harmonic, between) and _is_allowed(at_rest, *place)
+            for place, model in zip(places, models, strict=True)
+        ]
+        if any(smooth):  # one shape that it can be is enough; the others are out
+            own[[row for (row, _), good in zip(places, smooth, strict=True) if not good]] -= UNLIKE
             total += own
     return total
 
 
-def _is_allowed(at_rest: Array, own: Array, row: int, column: int) -> bool:
+def _is_allowed(at_rest: Array, row: int, column: int) -> bool:
     """Whether the rest could be of this colour: a residual above what was seen at rest is misfit."""
     return bool(at_rest.max() - at_rest[row, column] < _VETO)
 

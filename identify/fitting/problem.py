@@ -31,6 +31,7 @@ class Problem:
         self.size = np.array([u.size for u in self.unknowns])
         self.index = {u.name: i for i, u in enumerate(self.unknowns)}
         self.steps = np.zeros(len(self.unknowns))
+        self._last: tuple[Array, list[Response]] | None = None
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -69,6 +70,12 @@ class Problem:
             if not window.estimates_mass
             else theta[self.layout.force_gain] * window.force,
         )
+
+    def responses(self, theta: Array) -> list[Response]:
+        """Simulate all windows; those of the last call are kept, since what was tried is then linearised and read."""
+        if self._last is None or not np.array_equal(self._last[0], theta):
+            self._last = theta.copy(), [self.respond(theta, i) for i in range(len(self.windows))]
+        return self._last[1]
 
     def states_at_start(self, theta: Array, i: int) -> dict[str, float]:
         """Return the internal states at the start of window i, by "effect.state0"."""
@@ -142,7 +149,7 @@ class Problem:
         """Return the misfit of all windows in units of the noise; inf where the motion runs away."""
         return np.concatenate(
             [
-                self.residual_of(i, self.read(theta, i, self.respond(theta, i)))
-                for i in range(len(self.windows))
+                self.residual_of(i, self.read(theta, i, response))
+                for i, response in enumerate(self.responses(theta))
             ]
         )

@@ -1,12 +1,12 @@
 """A model: a sum of named effects."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from identify.effects.effect import Effect, Parameter
 from identify.effects.force_effect import ForceEffect, LinearPart
-from identify.effects.library import BASE
+from identify.effects.library import BASE, DAMPING_BY_ORDER, STIFFNESS_BY_ORDER
 from identify.effects.sensor_fault import SensorFault
 from identify.model.parameter_id import ParameterId
 
@@ -119,3 +119,12 @@ class Model:
 def base_model(*, dry_friction: bool = True) -> Model:
     """Return stiffness and viscous damping, with or without Coulomb friction."""
     return Model(tuple(Term(effect) for effect in BASE if dry_friction or effect.friction is None))
+
+
+def model_of_orders(damping: int, stiffness: Iterable[int] = (1,)) -> Model:
+    """Return springs of the orders `stiffness` with damping of every order up to `damping`, 0 being dry friction.
+
+    Orders that no effect of the library has are left out.
+    """
+    springs = [STIFFNESS_BY_ORDER[order] for order in sorted(stiffness) if order in STIFFNESS_BY_ORDER]
+    return Model(tuple(Term(effect) for effect in (*springs, *DAMPING_BY_ORDER[: damping + 1])))

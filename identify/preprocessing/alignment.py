@@ -33,6 +33,9 @@ TOO_LITTLE = "There is too little motion above the noise to know the lag between
 ENOUGH_PER_PERIOD = 64
 """Faster recordings are averaged down to about this many samples a period: both channels alike, so the lag stays."""
 
+CONTRADICTION = 4.0
+"""The lag found and the lag stated are two estimates of one lag up to this many standard errors of their difference."""
+
 SUDDEN = 0.03
 """An uncertainty of this share of the acceleration's range is no reversal but a release within the record."""
 
@@ -85,7 +88,7 @@ def align(decay: FreeDecay) -> Alignment:
         other = agree(pair, *opposite, steps=8)
         best = other if 2.0 * other.chi_square < best.chi_square else best
     pair = with_reversals(pair, best)
-    return _judged(pair, agree(pair, best.lag, best.gain, steps=8), frequency)
+    return _judged(pair, agree(pair, best.lag, best.gain, steps=8), frequency, decay.stated_lag)
 
 
 def _require_motion(pair: Pair, moving: slice, frequency: float) -> None:
@@ -198,12 +201,24 @@ def _starts(pair: Pair, moving: slice, frequency: float) -> list[tuple[float, fl
     return [(angle / omega, size_of_gain), (opposite / omega, -size_of_gain)]
 
 
-def _judged(pair: Pair, found: Agreement, frequency: float) -> Alignment:
+def _judged(pair: Pair, found: Agreement, frequency: float, stated: Estimate | None) -> Alignment:
+    name = "displacement" if pair.order == 2 else "velocity"
     excess = max(found.chi_square / max(found.degrees, 1), LEAST_EXCESS)
     gain_std, lag_std = np.sqrt(excess * np.diag(found.covariance)[:2])
+    method = f"maximum likelihood of acceleration against {name}, kinematics only"
+    cautions, lag = [], Estimate(found.lag, float(lag_std), "s")
+    if stated is not None and _contradict(lag, stated):
+        cautions.append(
+            f"The data sheets make the lag {1e3 * stated.value:.3g} ms: suspect the delays that the board states."
+        )
+    elif stated is not None:
+        lag = _combined(lag, stated)
+        method += (
+            f", with the {1e3 * stated.value:.3g} +- {1e3 * stated.std:.2g} ms of the data sheets as prior"
+        )
+    lag_std = lag.std
     if not np.isfinite(lag_std) or lag_std > 0.1 / frequency or gain_std > 0.3 * abs(found.gain):
         raise NotIdentifiable(TOO_LITTLE)
-    cautions = []
     if excess > 1.5:
         cautions.append(
             f"The channels disagree by {np.sqrt(excess):.1f} times their noise even when aligned: suspect a sensor."
@@ -212,10 +227,17 @@ def _judged(pair: Pair, found: Agreement, frequency: float) -> Alignment:
         cautions.append("The two channels have opposite signs.")
     if lag_std * frequency > 0.002:
         cautions.append("The lag is known to no better than 0.2 % of a period: record a larger release.")
-    name = "displacement" if pair.order == 2 else "velocity"
-    return Alignment(
-        Estimate(found.lag, float(lag_std), "s"),
-        Estimate(found.gain, float(gain_std), "1"),
-        f"maximum likelihood of acceleration against {name}, kinematics only",
-        " ".join(cautions),
-    )
+    return Alignment(lag, Estimate(found.gain, float(gain_std), "1"), method, " ".join(cautions))
+
+
+def _contradict(found: Estimate, stated: Estimate) -> bool:
+    return abs(found.value - stated.value) > CONTRADICTION * float(np.hypot(found.std, stated.std))
+
+
+def _combined(found: Estimate, stated: Estimate) -> Estimate:
+    """Return the mean of two estimates of one lag, weighed by their variances: a normal prior."""
+    if not np.isfinite(found.std):
+        return stated
+    weights = 1.0 / max(found.std, 1e-300) ** 2, 1.0 / max(stated.std, 1e-300) ** 2
+    mean = (weights[0] * found.value + weights[1] * stated.value) / sum(weights)
+    return Estimate(float(mean), float(sum(weights) ** -0.5), "s")

@@ -38,6 +38,7 @@ def average_blocks(decay: FreeDecay, block: int) -> tuple[FreeDecay, float]:
 
     changes: dict[str, object] = {
         "rate": decay.rate / block,
+        "rate_std": None if decay.rate_std is None else decay.rate_std / block,
         "release": (decay.start - skipped) // block,
         "rest": (-(-max(decay.rest[0] - skipped, 0) // block), max(decay.rest[1] - skipped, 0) // block),
         "valid": np.all(blocks(valid_samples(decay)), axis=1),

@@ -38,7 +38,8 @@ class FitWindow:
     calibration certificates leave open, and enters as a prior when the gain is judged. `pre_release` is None where the rest
     before the release was not seen. `force` is an external force per unit mass (m/s^2), None where none acts;
     where the mass was only estimated, `force_known` is False and its scale is fitted. A `segment` is one of several
-    pieces of a long release. `colour` holds what the noise of a channel has beside its white part, in units of `sigma`.
+    pieces of a long release. `rate_std` is the standard error of the rate (Hz), None when unknown. `colour` holds what
+    the noise of a channel has beside its white part, in units of `sigma`.
     """
 
     rate: float
@@ -56,6 +57,7 @@ class FitWindow:
     segment: bool = False
     unit: str = "m"
     colour: dict[str, Colour] = field(default_factory=dict)
+    rate_std: float | None = None
 
     def __len__(self) -> int:
         return len(next(iter(self.readings.values())))
@@ -113,6 +115,7 @@ class FitWindow:
         step = samples.step or 1
         return self.with_(
             rate=self.rate / step,
+            rate_std=None if self.rate_std is None else self.rate_std / step,
             time=self.time + (samples.start or 0) / self.rate,
             readings={c: r[samples] for c, r in self.readings.items()},
             used={c: m[samples] for c, m in self.used.items()},

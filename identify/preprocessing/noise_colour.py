@@ -6,6 +6,7 @@ out, the likelihood of every strength q is a sum over readings (restricted maxim
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Self
 
 import numpy as np
 
@@ -29,7 +30,7 @@ STRENGTHS = frozen(np.concatenate([[0.0], np.geomspace(1e-2, 1e5, 43)]))
 COLOURED = 3.5
 """Gain in log-likelihood from which on noise counts as coloured: 1 in 100 of white ones gains as much."""
 
-_ALIKE = 2.5
+UNLIKE = 2.5
 """Log-likelihood within which two shapes count as alike."""
 
 _MOST_LINES = 4
@@ -82,6 +83,10 @@ class Line:
     uncertainty: float
     power: float
 
+    def in_units_of(self, before: float, after: float) -> Self:
+        """Return the line beside white noise of another standard deviation than `before`."""
+        return replace(self, power=self.power * (before / max(after, 1e-300)) ** 2)
+
 
 @dataclass(frozen=True, eq=False)
 class RestColour:
@@ -121,7 +126,10 @@ def colour_at_rest(rest: Array, rate: float) -> RestColour | None:
     coloured = _white(rest_of_it) + float(again.max()) - _penalty(values) * len(others)
     if coloured - white < COLOURED:
         return RestColour(rate, _likelihood(left), left, lines)
-    return RestColour(rate, again, rest_of_it, others)
+    settled = best(again)  # the first colour may have taken the lines for a part of itself
+    before = white_part(rest_of_it, row, float(STRENGTHS[column]))
+    after = white_part(rest_of_it, settled[0], float(STRENGTHS[settled[1]]))
+    return RestColour(rate, again, rest_of_it, tuple(o.in_units_of(before, after) for o in others))
 
 
 def best(log_likelihood: Array) -> tuple[int, int]:
@@ -130,11 +138,16 @@ def best(log_likelihood: Array) -> tuple[int, int]:
     Of shapes that are about as likely the one with most power at low frequencies: what a short record does not show of a
     slow drift is no reason to believe that there is none.
     """
+    if not log_likelihood.max() > 0.0:
+        return 0, int(np.argmax(log_likelihood[0]))
+    return max(alike(log_likelihood), key=lambda place: STRENGTHS[place[1]] * _AT_LOW[place[0]])
+
+
+def alike(log_likelihood: Array) -> list[tuple[int, int]]:
+    """Return the shapes that are about as likely as the best, each at its own best strength, by their places."""
     columns = np.argmax(log_likelihood, axis=1)
     heights = log_likelihood[np.arange(len(SHAPES)), columns]
-    slow = np.where(heights > heights.max() - _ALIKE, STRENGTHS[columns] * _AT_LOW, -1.0)
-    row = int(np.argmax(slow)) if heights.max() > 0.0 else 0
-    return row, int(columns[row])
+    return [(int(row), int(columns[row])) for row in np.flatnonzero(heights > heights.max() - UNLIKE)]
 
 
 def log_uncertainty(log_likelihood: Array) -> float:
@@ -199,9 +212,10 @@ def _without_lines(
     frequency = np.asarray(np.fft.rfftfreq(size, 1.0 / rate), dtype=np.float64)
     background = spectrum(components, frequency, rate)
     allowed = (frequency > 1.5 * rate / n) & (frequency < 0.49 * rate)
-    lines: tuple[Line, ...] = ()
+    places: list[int] = []
     left, limit = values - _trend(values), _penalty(values)
     columns = [np.ones(n), clock]
+    found: Array = np.zeros(2)
     for _ in range(_MOST_LINES):
         power = np.abs(np.fft.rfft(left, size)) ** 2 / n / background
         variance = float(np.mean(power[allowed]))
@@ -211,38 +225,56 @@ def _without_lines(
         if gain < limit:
             break
         f = float(frequency[at])
+        places.append(at)
         columns += [np.cos(2 * np.pi * f * clock), np.sin(2 * np.pi * f * clock)]
         fitted = np.column_stack(columns)
-        found = np.linalg.lstsq(fitted, values, rcond=None)[0]
-        left = values - fitted @ found
-        white = max(float(np.mean((np.abs(np.fft.rfft(left, size)) ** 2 / n / background)[allowed])), 1e-300)
-        strength = 0.5 * float(found[-2:] @ found[-2:]) / white
+        found = np.asarray(np.linalg.lstsq(fitted, values, rcond=None)[0], dtype=np.float64)
+        left = np.asarray(values - fitted @ found, dtype=np.float64)
+    if not places:
+        return (), left
+    white = max(float(np.mean((np.abs(np.fft.rfft(left, size)) ** 2 / n / background)[allowed])), 1e-300)
+    lines = []
+    for i, at in enumerate(places):  # beside the noise that all of them leave
+        own = found[2 + 2 * i : 4 + 2 * i]
+        strength = 0.5 * float(own @ own) / white
         error = float(np.sqrt(6.0 * background[at] / max(strength * n, 1e-9)) / np.pi * rate / n)
-        lines = (*lines, Line(f, error, strength))
-    return lines, left
+        lines.append(Line(float(frequency[at]), error, strength))
+    return tuple(lines), left
 
 
-def with_common_lines(colours: dict[str, RestColour], keep_off: float) -> dict[str, RestColour]:
-    """Return the channels' colours with the lines that stand in more than one of them as part of their noise.
+def with_common_lines(
+    colours: dict[str, RestColour], keep_off: float, moving: dict[str, tuple[Line, ...]] | None = None
+) -> dict[str, RestColour]:
+    """Return the channels' colours with the lines that are part of their noise.
 
-    Lines near the frequency `keep_off` (Hz) or below are passed over: there the motion is.
+    Those are the lines that stand in more than one channel, at rest or, by `moving`, along the motion; and of those in one
+    channel alone all but the strongest, which is left to be named as that sensor's fault. Lines at rest near the frequency
+    `keep_off` (Hz) or below are passed over: there the motion is.
     """
     found = dict(colours)
     for name, colour in colours.items():
-        common = []
-        for line in colour.lines:
-            if line.frequency < _CLEAR_OF * keep_off:
-                continue
-            same = [line]
-            for other in (c for n, c in colours.items() if n != name):
-                same += [
-                    o
-                    for o in other.lines
-                    if abs(o.frequency - line.frequency) < _SAME * np.hypot(o.uncertainty, line.uncertainty)
-                ][:1]
-            if len(same) > 1:
-                weights = np.array([one.uncertainty**-2 for one in same])
-                f = float(weights @ np.array([one.frequency for one in same]) / weights.sum())
-                common.append(Line(f, float(weights.sum() ** -0.5), line.power))
+        along = list((moving or {}).get(name, ()))
+        others = [line for n, c in colours.items() if n != name for line in c.lines]
+        common, alone = [], []
+        for line in (line for line in colour.lines if line.frequency >= _CLEAR_OF * keep_off):
+            same = [other for other in (*others, *along) if _is_same(line, other)]
+            along = [other for other in along if other not in same]
+            if same:
+                common.append(_mean_of(line, same[0]))
+            else:
+                alone.append(line)
+        common += along + sorted(alone, key=lambda line: -line.power)[1:]
         found[name] = replace(colour, common=tuple(common))
     return found
+
+
+def _is_same(line: Line, other: Line) -> bool:
+    apart = abs(line.frequency - other.frequency)
+    return bool(apart < _SAME * np.hypot(line.uncertainty, other.uncertainty))
+
+
+def _mean_of(line: Line, other: Line) -> Line:
+    """Return a line with the frequency that two channels give together."""
+    weights = np.array([line.uncertainty**-2, other.uncertainty**-2])
+    frequency = float(weights @ np.array([line.frequency, other.frequency]) / weights.sum())
+    return Line(frequency, float(weights.sum() ** -0.5), line.power)

@@ -302,4 +302,5 @@ def _window(
         lag_reach=reach,
         gain_uncertainty=gain_uncertainty,
         unit=decay.unit,
+        rate_std=decay.rate_std,
     )

@@ -1,11 +1,13 @@
 """The restoring force surface, eqs. (13)-(19)."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from identify.arrays import Array, frozen
+from identify.clock_error import with_clock
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.formatting import identified_rows
@@ -175,7 +177,8 @@ def _result(
     force_fit = polynomial(u, v)
     terms = {_damping_name(i): mu * np.abs(v) ** i * np.sign(v) for i, mu in enumerate(polynomial.damping)}
     terms |= {_power("u", j): chi * u**j for j, chi in polynomial.stiffness.items()}
-    per_mass = _stiffness_per_mass(chosen, decay.unit)
+    timed = partial(with_clock, rate=decay.rate, rate_std=decay.rate_std)
+    per_mass = {j: timed(value) for j, value in _stiffness_per_mass(chosen, decay.unit).items()}
     by_order = {
         j: with_mass(value, j, decay.mass, decay.mass_std, decay.unit) for j, value in per_mass.items()
     }
@@ -185,8 +188,8 @@ def _result(
     return RestoringForceResult(
         stiffness=by_order[first],
         stiffness_by_order=by_order,
-        damping=_damping(chosen, decay.unit),
-        offset=_offset(chosen, decay.unit),
+        damping=tuple(timed(value) for value in _damping(chosen, decay.unit)),
+        offset=timed(_offset(chosen, decay.unit)),
         order=chosen.order,
         reason=reason,
         mse_percent=_mse_percent(force, force_fit),

@@ -1,10 +1,12 @@
 """The wavelet identification: envelope and instantaneous frequency on the Morlet ridge, eqs. (5)-(12)."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen, frozen_mask
+from identify.clock_error import clock_sentence, with_clock
 from identify.estimate import Estimate
 from identify.formatting import identified_rows
 from identify.free_decay import FreeDecay
@@ -84,11 +86,12 @@ class WaveletResult(Summarised):
     backbone_fit: Array
     stiffness_per_mass: Estimate
     stiffness_reason: str
+    clock: str = ""
 
     def brief(self) -> Summary:
         """Return the coefficients with their errors, and why these orders were chosen."""
         rows = identified_rows(self.stiffness_by_order, self.damping)
-        reasons = (f"{self.reason}.", f"{self.stiffness_reason}.")
+        reasons = (f"{self.reason}.", f"{self.stiffness_reason}.", self.clock)
         return Summary("Wavelet envelope and phase", reasons, ("coefficient", "value"), rows)
 
 
@@ -205,6 +208,7 @@ def _result(
         backbone_fit=frozen(ridge["averaged"][trusted]),
         stiffness_per_mass=by_order[1],
         stiffness_reason=reasons[1],
+        clock=clock_sentence(stiffness.values(), decay.rate, decay.rate_std),
     )
 
 
@@ -214,15 +218,18 @@ def _estimates(
     """Stiffness per unit mass by order, and damping, with their standard errors."""
     stiffness, damping = parameters_of(fit.envelope_fit, fit.phase_fit, fit.stiffness_orders)
     w = fit.phase_fit.parameters[1]
+    timed = partial(with_clock, rate=decay.rate, rate_std=decay.rate_std)
     of_envelope, of_phase = spreads_of(observed, fit)
     damping_std = of_envelope[1:] / envelope_factors(w, fit.order)
     stiffness_std = 2 * w * of_phase[1:] / backbone_factors(fit.stiffness_orders)
     by_order = {
-        order: Estimate(float(stiffness[order - 1]), float(std), stiffness_unit(order, False, decay.unit))
+        order: timed(
+            Estimate(float(stiffness[order - 1]), float(std), stiffness_unit(order, False, decay.unit))
+        )
         for order, std in zip(fit.stiffness_orders, stiffness_std, strict=True)
     }
     return by_order, tuple(
-        Estimate(float(value), float(std), damping_unit(i, decay.unit))
+        timed(Estimate(float(value), float(std), damping_unit(i, decay.unit)))
         for i, (value, std) in enumerate(zip(damping, damping_std, strict=True))
     )
 

@@ -32,7 +32,7 @@ def read_metadata(file: Path) -> tuple[dict[str, Known], tuple[str, ...]]:
     except OSError as error:
         raise UsageProblem(f"the metadata {file} cannot be read: {error.strerror or error}") from error
     if len(content) > LARGEST:
-        raise UsageProblem(f"the metadata {file} are larger than any table of sessions is")
+        raise UsageProblem(f"the metadata {file} are too large for a table of sessions")
     rows = _rows(content.decode("utf-8-sig", errors="replace"))
     header = [name.strip() for name in rows[0]] if rows else []
     lowered = [name.lower() for name in header]

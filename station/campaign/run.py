@@ -99,7 +99,7 @@ def run_campaign(
             try:
                 result = SessionResult.model_validate_json(answer.result)
             except ValueError:
-                fail(source, "its worker's answer is none that this version knows: is it another version?")
+                fail(source, "its worker runs another version of this program, whose answer cannot be read")
                 continue
             kept.write(source.name, answer.work.key, answer.result)
             run.done += 1

@@ -150,7 +150,10 @@ def finish(
     verdict = session.verdict
     if verdict is not None:
         progress(f"verdict: {'; '.join([verdict.grade.value, *verdict.reasons])}")
-        for advice in verdict.advice:
+        for remark in verdict.remarks:
+            progress(remark)
+        stopped = session.info.state.value == "aborted" and session.info.reason.startswith("interrupted")
+        for advice in ("let the recording run to its end",) if stopped else verdict.advice:
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, options_for(session, settings))
     if not as_json:
@@ -168,5 +171,5 @@ def finish(
         }
         print_json(known | more)
     else:
-        next_steps(screen(), session.folder)
+        next_steps(screen(), session.folder, result)
     refuse_if_nothing(result)

@@ -1,15 +1,21 @@
 """`station compare`: by how much a model fails on a session, and where."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import MASS_INSTEAD, MODEL
+from station.commands.options import MASS_INSTEAD, MODEL, SESSION
 from station.output import json_option, print_json, progress, screen
+
+if TYPE_CHECKING:
+    from identify.model.model import Model
+
+USUAL = "usual"
 
 
 @click.command("compare")
-@click.argument("session")
+@SESSION
 @MODEL
 @MASS_INSTEAD
 @click.option("--view", "with_view", is_flag=True, help="Write the Compare tab for the viewer, and open it.")
@@ -26,22 +32,33 @@ def command(
     """Compare a model with SESSION: how large its errors are, and where.
 
     Three errors against the noise floor, a sensor or physics, the worst places
-    in words, cycle by cycle. Without --model the model is stiffness, Coulomb
-    and viscous friction.
+    in words, cycle by cycle. Without --model it is the model that `station
+    identify` found, with its orders; `--model usual` is stiffness, dry and
+    viscous friction.
     """
-    from station.operations.comparing import compare_session, write_view
+    from identify.model.model import base_model
+    from station.operations.comparing import compare_session, own_model, write_view
     from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
-    compared, document = compare_session(opened, settings, model_file, mass=mass)
+    if model_file is None:
+        model: Path | Model = own_model(opened, settings)
+    else:
+        model = base_model() if str(model_file) == USUAL else model_file
+    compared, document = compare_session(opened, settings, model, mass=mass)
     if as_json:
         print_json(document.plain())
     else:
         from station.text.comparison_text import show_comparison
+        from station.text.next_step import next_line
 
         show_comparison(screen(), compared)
+        fails = not compared.baseline.at_floor
+        screen().print(
+            next_line("diagnose" if fails else "report", opened.folder), markup=False, soft_wrap=True
+        )
     if with_view:
         from station.commands.view import open_if_possible
 

@@ -111,7 +111,7 @@ def _examples(settings_file: str | None, name: str | None, as_json: bool) -> Non
         print_json({"session": str(session.folder), "identification": document.plain()})
     else:
         show_identification(screen(), session.folder.name, result)
-        next_steps(screen(), session.folder)
+        next_steps(screen(), session.folder, result)
     refuse_if_nothing(result)
 
 

@@ -5,16 +5,19 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER
+from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSIONS
 from station.output import json_option, print_json, progress, screen
+from station.suggestions import MEASURED_CURVE
+from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from identify.diagnosis.diagnose import Diagnosis
     from station.operations.session_set import SessionSet
+    from station.results.diagnosis_document import DiagnosisDocument
 
 
 @click.command("diagnose")
-@click.argument("sessions", nargs=-1, required=True, metavar="SESSION...")
+@SESSIONS
 @MODEL
 @EFFECTS
 @GAIN
@@ -58,10 +61,15 @@ def command(
     if as_json:
         print_json(document.plain())
     else:
+        from station.story.engineering_values import Weighing
+        from station.story.preparation import options_for
         from station.text.diagnosis_text import show_diagnosis
 
-        show_diagnosis(screen(), document)
-        for line in next_steps(opened, found):
+        options = options_for(opened.sessions[0], settings)
+        unit = opened.decays[0].window.unit
+        weighing = None if options.mass is None else Weighing(options.mass, options.mass_std, unit)
+        show_diagnosis(screen(), document, weighing)
+        for line in next_steps(opened, found, document):
             screen().print(line, markup=False, soft_wrap=True)
     refuse_if_too_little(document)
     if not no_viewer:
@@ -71,9 +79,15 @@ def command(
             progress("the viewer shows the suspects and the curves")
 
 
-def next_steps(opened: "SessionSet", found: "Diagnosis") -> list[str]:
+def next_steps(opened: "SessionSet", found: "Diagnosis", document: "DiagnosisDocument") -> list[str]:
     """Return the commands that come next."""
     folder = opened.sessions[0].folder
+    if document.differences and not found.named:
+        return [next_line("diagnose", folder)]
     if found.verdict in ("missing_effect", "sensor_fault"):
-        return [f" next: station refine {folder} --add {found.named[0]}"]
-    return [] if found.verdict == "not_enough_data" else [f" next: station view {folder}"]
+        return [next_line("refine", folder, "--add", found.named[0])]
+    if found.verdict == "unknown_effect" and found.shape is not None and found.shape.coordinates:
+        return [next_line("refine", folder, "--add", MEASURED_CURVE)]
+    if found.verdict == "nothing_missing":
+        return [next_line("report", folder)]
+    return [] if found.verdict == "not_enough_data" else [next_line("view", folder)]

@@ -4,12 +4,14 @@ from pathlib import Path
 
 import click
 
+from station.commands.options import known_effect
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress, screen
+from station.text.next_step import next_line
 
 
 @click.command("effects")
-@click.argument("name", required=False)
+@click.argument("name", required=False, callback=known_effect)
 @click.option("--picture", type=click.Path(path_type=Path), metavar="FILE", help="Write its picture as PNG.")
 @json_option
 def command(name: str | None, picture: Path | None, as_json: bool) -> None:
@@ -46,3 +48,4 @@ def command(name: str | None, picture: Path | None, as_json: bool) -> None:
         print_json(effect_text.as_document(effect, portrait))
     else:
         effect_text.show_effect(screen(), effect, portrait)
+        screen().print(next_line("refine", "last", "--add", name), markup=False, soft_wrap=True)

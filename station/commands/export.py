@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from station.commands.options import SESSION
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress
 
@@ -11,7 +12,7 @@ FORMATS = ("csv", "mat", "uff", "hdf5", "parquet", "mcap")
 
 
 @click.command("export")
-@click.argument("session")
+@SESSION
 @click.option(
     "--to", "form", type=click.Choice(FORMATS), help="Format (default: by the ending of FILE, else csv)."
 )

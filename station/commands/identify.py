@@ -4,13 +4,13 @@ from typing import Any
 
 import click
 
-from station.commands.options import MASS_INSTEAD
+from station.commands.options import MASS_INSTEAD, SESSION
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
 
 @click.command("identify")
-@click.argument("session")
+@SESSION
 @MASS_INSTEAD
 @click.option("--session", "into", metavar="FOLDER", help="Where a data file is imported to.")
 @click.option("--max-order", type=click.IntRange(0, 5), help="Highest order of damping that is tried.")
@@ -58,7 +58,7 @@ def command(
         from station.text.terminal import next_steps, show_identification
 
         show_identification(screen(), opened.folder.name, result)
-        next_steps(screen(), opened.folder)
+        next_steps(screen(), opened.folder, result)
     refuse_if_nothing(result)
     if with_view:
         from station.commands.view import show_session

@@ -8,6 +8,7 @@ import click
 from station.commands.options import COLUMNS, CONDITIONS, MASS, MASS_STD, UNITS, number_or_name, pairs
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
+from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from station.results.sessions import Imported
@@ -141,4 +142,4 @@ def _say(file: Path, imported: "Imported") -> None:
         console.print(f"  - {note}", markup=False)
     for session in imported.sessions:
         console.print(f"session: {session.folder}", markup=False, soft_wrap=True)
-    console.print(f"next:    station identify {imported.sessions[0].folder}", markup=False, soft_wrap=True)
+    console.print(next_line("identify", imported.sessions[0].folder), markup=False, soft_wrap=True)

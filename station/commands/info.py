@@ -4,11 +4,14 @@ from typing import Any
 
 import click
 
+from station.commands.options import SESSION
 from station.output import json_option, print_json, screen
+
+LABEL_WIDTH = 10
 
 
 @click.command("info")
-@click.argument("session")
+@SESSION
 @json_option
 @click.pass_obj
 def command(settings_file: str | None, session: str, as_json: bool) -> None:
@@ -40,13 +43,16 @@ def command(settings_file: str | None, session: str, as_json: bool) -> None:
 
 
 def _print(document: dict[str, Any], rate: float) -> None:
+    from station.text.layout import labelled
+    from station.text.next_step import next_line
+
     console = screen()
     samples, lost = document["samples"], document["lost_samples"]
     mass = "not given" if document["mass_kg"] is None else f"{document['mass_kg']:g} kg"
     lines = [
         ("session", document["session"]),
         ("made", document["created"]),
-        ("state", document["state"]),
+        ("state", ": ".join(filter(None, (document["state"], document["reason"])))),
         ("source", document["source"]),
         ("operator", document["operator"]),
         ("specimen", document["specimen"]),
@@ -61,4 +67,5 @@ def _print(document: dict[str, Any], rate: float) -> None:
     lines += [("note", note) for note in document["notes"]]
     for label, text in lines:
         if text:
-            console.print(f" {label:<9} {text}", markup=False)
+            console.print(labelled(label, text, LABEL_WIDTH))
+    console.print(next_line("identify", document["session"]), markup=False, soft_wrap=True)

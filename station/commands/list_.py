@@ -6,6 +6,7 @@ from typing import Any
 import click
 
 from station.output import json_option, print_json, screen
+from station.text.next_step import next_line
 
 
 @click.command("list")
@@ -64,3 +65,4 @@ def _print(found: Any) -> None:
         mass = "" if info.mass_kg is None else f"{info.mass_kg:g} kg"
         table.add_row(summary.folder.name, made, info.state.value, getattr(info, "verdict", ""), mass)
     screen().print(table)
+    screen().print(next_line("info", found[-1].folder), markup=False, soft_wrap=True)

@@ -6,6 +6,35 @@ import click
 
 from station.exits import UsageProblem
 
+
+def known_sessions(
+    context: click.Context, parameter: click.Parameter, value: str | tuple[str, ...]
+) -> str | tuple[str, ...]:
+    """Refuse at once a session that is not there; a name is looked for where the settings say."""
+    from station.results.session_names import refuse_unknown
+    from station.settings import load_settings
+
+    sessions = load_settings(context.obj).sessions
+    for name in (value,) if isinstance(value, str) else value:
+        refuse_unknown(name, sessions)
+    return value
+
+
+def known_effect(context: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
+    """Refuse at once an effect that is not in the library; a formula, and names of a file of effects, pass."""
+    from station.suggestions import MEASURED_CURVE, did_you_mean, effect_names
+
+    if value is None or "=" in value or context.params.get("effects_file"):
+        return value
+    names = (*effect_names(), MEASURED_CURVE)
+    if value in names:
+        return value
+    meant = did_you_mean(value, names) or f"; there are {', '.join(names)}"
+    raise UsageProblem(f"no effect is called '{value}'{meant}")
+
+
+SESSION = click.argument("session", callback=known_sessions)
+SESSIONS = click.argument("sessions", nargs=-1, required=True, metavar="SESSION...", callback=known_sessions)
 MODEL = click.option(
     "--model",
     "model_file",
@@ -18,6 +47,7 @@ EFFECTS = click.option(
     "effects_file",
     type=click.Path(path_type=Path),
     metavar="FILE",
+    is_eager=True,
     help="Your own effects (Python).",
 )
 GAIN = click.option(

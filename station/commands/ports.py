@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from station.output import json_option, print_json, screen
+from station.text.next_step import next_line
 
 
 @click.command("ports")
@@ -26,6 +27,9 @@ def command(ports: tuple[str, ...], as_json: bool) -> None:
         screen().print("this computer has no serial port; is the board plugged in?", markup=False)
     for candidate in found:
         screen().print(f"{candidate.port.name}  {_said(candidate)}", markup=False, soft_wrap=True)
+    boards = [candidate.port.name for candidate in found if candidate.hello is not None]
+    following = next_line("capture", "--port", boards[0]) if boards else next_line("doctor")
+    screen().print(following, markup=False, soft_wrap=True)
 
 
 def _entry(candidate: Any) -> dict[str, Any]:
@@ -43,6 +47,6 @@ def _entry(candidate: Any) -> dict[str, Any]:
 
 def _said(candidate: Any) -> str:
     if candidate.hello is None:
-        return str(candidate.problem)
+        return str(candidate.problem).removeprefix(f"{candidate.port.name}: ")
     names = ", ".join(f"{channel.name} [{channel.unit}]" for channel in candidate.channels)
     return f"{candidate.hello.board}: {names}"

@@ -6,6 +6,7 @@ import click
 
 from station.exits import Problem, code_of
 from station.output import json_option, print_json, screen
+from station.text.next_step import next_line
 
 
 class NotRecovered(Problem):
@@ -72,6 +73,8 @@ def _show(entries: list[dict[str, Any]], problems: list[tuple[Any, Any]]) -> Non
             console.print(f"  {entry['reason']}", markup=False)
     for folder, error in problems:
         console.print(f"{folder}: NOT recovered: {error}", markup=False, soft_wrap=True)
+    following = ("identify", entries[0]["session"]) if entries else ("list",)
+    console.print(next_line(*following), markup=False, soft_wrap=True)
 
 
 def _entry(session: Any) -> dict[str, Any]:

@@ -1,17 +1,28 @@
 """`station refine`: the next model of a session, and the ladder of errors that led to it."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER
+from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSION, known_effect
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress, screen
 
+if TYPE_CHECKING:
+    from daq.session import Session
+    from station.results.ladder import KeptLadder
+
 
 @click.command("refine")
-@click.argument("session")
-@click.option("--add", "added", metavar="EFFECT", help='A name, or "magnet = a*u/(1+(u/b)**2)".')
+@SESSION
+@click.option(
+    "--add",
+    "added",
+    metavar="EFFECT",
+    callback=known_effect,
+    help='A name, or "magnet = a*u/(1+(u/b)**2)", or measured_curve.',
+)
 @click.option("--remove", "removed", metavar="EFFECT", help="Take an effect out of the model.")
 @click.option(
     "--auto", is_flag=True, help="Add what is missing until the noise floor is reached; say why it stops."
@@ -71,11 +82,31 @@ def command(
     if as_json:
         print_json(ladder_document(opened, ladder))
     else:
+        from station.story.engineering_values import Weighing
+        from station.story.preparation import options_for
         from station.text.ladder_text import show_ladder
+        from station.text.next_step import next_line
 
-        show_ladder(screen(), opened.folder.name, ladder)
+        options = options_for(opened, settings)
+        unit = refinement.prepared.window.unit
+        weighing = None if options.mass is None else Weighing(options.mass, options.mass_std, unit)
+        show_ladder(screen(), opened.folder.name, ladder, weighing)
+        screen().print(next_line(*_next(opened, ladder)), markup=False, soft_wrap=True)
     if not no_viewer:
         from station.operations import viewer_tabs
 
         if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
             progress("the viewer shows the ladder: step along its timeline `rung`")
+
+
+def _next(session: "Session", ladder: "KeptLadder") -> tuple[str | Path, ...]:
+    """Return the command that comes next: without what is of no use, to the report at the floor, else on."""
+    from station.story.suspect_words import reaches_floor
+
+    if f"--remove {ladder.top.added}" in ladder.stopped_because:
+        return ("refine", session.folder, "--remove", ladder.top.added)
+    if reaches_floor(ladder.top.error.chi2, ladder.top.chi2_std, sure=True):
+        return ("report", session.folder)
+    if ladder.verdict is None:
+        return ("refine", session.folder, "--auto")
+    return ("report", session.folder)

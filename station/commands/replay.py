@@ -2,11 +2,12 @@
 
 import click
 
+from station.commands.options import SESSION
 from station.output import json_option
 
 
 @click.command("replay")
-@click.argument("session")
+@SESSION
 @click.option(
     "--speed",
     type=click.FloatRange(min=0),

@@ -4,12 +4,13 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import MASS_INSTEAD
+from station.commands.options import MASS_INSTEAD, SESSION
 from station.output import json_option, print_json, progress, screen
+from station.text.next_step import next_line
 
 
 @click.command("report")
-@click.argument("session")
+@SESSION
 @click.option(
     "--output",
     type=click.Path(path_type=Path, dir_okay=False),
@@ -51,6 +52,8 @@ def command(
         console.print(f"report: {report.path}", markup=False, soft_wrap=True)
         for name, reason in sorted(report.left_out.items()):
             console.print(f"left out: {name.replace('_', ' ')}: {reason}", markup=False, soft_wrap=True)
+        if not with_browser:
+            console.print(next_line("report", session, "--open"), markup=False, soft_wrap=True)
     if with_browser:
         import webbrowser
 

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from station.commands.options import SESSIONS
 from station.exits import UsageProblem
 from station.output import print_json, progress
 
@@ -14,7 +15,7 @@ FORMATS = ("text", "csv", "latex", "json")
 
 
 @click.command("table")
-@click.argument("sessions", nargs=-1, required=True)
+@SESSIONS
 @click.option("--format", "form", type=click.Choice(FORMATS), default="text", show_default=True)
 @click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
 @click.pass_obj

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import EFFECTS
+from station.commands.options import EFFECTS, SESSIONS
 from station.output import json_option, print_json, progress, screen
 
 
 @click.command("validate")
 @click.argument("model")
-@click.argument("sessions", nargs=-1, required=True, metavar="SESSION...")
+@SESSIONS
 @EFFECTS
 @click.option("--hold", is_flag=True, help="Hold the linear spring and the viscous part too.")
 @json_option
@@ -38,6 +38,10 @@ def command(
     if as_json:
         print_json(document.plain())
     else:
+        from station.text.next_step import next_line
         from station.text.validation_text import show_validation
 
         show_validation(screen(), document)
+        better = document.verdict == "predicts_better"
+        step = ("report", sessions[0]) if better else ("diagnose", *sessions)
+        screen().print(next_line(*step), markup=False, soft_wrap=True)

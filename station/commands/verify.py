@@ -4,8 +4,10 @@ from typing import Any
 
 import click
 
+from station.commands.options import SESSIONS
 from station.exits import STORAGE, Problem
 from station.output import json_option, print_json, screen
+from station.text.next_step import next_line
 
 
 class Altered(Problem):
@@ -16,7 +18,7 @@ class Altered(Problem):
 
 
 @click.command("verify")
-@click.argument("sessions", nargs=-1, required=True)
+@SESSIONS
 @json_option
 @click.pass_obj
 def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool) -> None:
@@ -31,10 +33,11 @@ def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool)
         print_json({"ok": all(one.ok for one in checked), "sessions": [_entry(one) for one in checked]})
     else:
         for one in checked:
-            state = "as it was written" if one.ok else "NOT as it was written"
+            state = "all as they were written" if one.ok else "not all as they were written"
             screen().print(f"{one.folder}: {one.files} files checked, {state}", markup=False, soft_wrap=True)
             for problem in (*one.problems, *one.remarks):
                 screen().print(f"  - {problem}", markup=False, soft_wrap=True)
+        screen().print(next_line("info", checked[0].folder), markup=False, soft_wrap=True)
     bad = sum(not one.ok for one in checked)
     if bad:
         raise Altered(f"{bad} of {len(checked)} sessions are not as they were written")

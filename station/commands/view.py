@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.output import json_option, print_json, progress
+from station.commands.options import SESSION
+from station.output import json_option, print_json, progress, screen
+from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from daq.session import Session
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @click.command("view")
-@click.argument("session")
+@SESSION
 @click.option(
     "--screenshot",
     type=click.Path(path_type=Path),
@@ -54,6 +56,8 @@ def command(
         open_if_possible(file)
     if as_json:
         print_json(document)
+    else:
+        screen().print(next_line("report", opened.folder), markup=False, soft_wrap=True)
 
 
 def show_session(session: "Session", result: "Identification", settings: "Settings") -> None:

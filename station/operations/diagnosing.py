@@ -17,6 +17,7 @@ from station.results.diagnosis_document import (
 )
 from station.settings import Settings
 from station.story.pipeline import Progress, diagnose, silent
+from station.text.next_step import command_line
 
 
 class NotEnoughData(Problem):
@@ -49,7 +50,12 @@ def physics_shared(sessions: SessionSet, anyway: bool, progress: Progress) -> Sh
     shared, names = shared_physics(sessions.decays), sessions.names
     for difference in shared.differences:
         progress(f"{names[difference.index]}: {difference.words(names[0])}")
-    if not shared.differences:
+    if shared.differences:
+        progress(
+            "these sessions do not share all of their physics: what differs is counted as misfit of one model. To look at "
+            f"each alone: {command_line('diagnose', names[0])}"
+        )
+    else:
         progress(f"the {len(names)} sessions share stiffness and friction, as far as each alone can say")
     others = [names[index] for index in shared.other_benches]
     if others and not anyway:

@@ -141,7 +141,10 @@ def _levels(sample: BoardSample) -> Iterator[Finding]:
         text = f"level {level:.4g}, noise {noise:.2g}, span {span:.2g} {channel.unit}"
         grade, remedy = Grade.PASS, ""
         if span == 0.0:
-            grade, remedy = Grade.FAIL, "not one code of change: check the sensor, its supply and its wire"
+            grade, remedy = (
+                Grade.FAIL,
+                "the reading does not change by one step of its converter: check the sensor, its supply and its wire",
+            )
         elif _at_end(channel.low, samples.min(), channel.resolution) or _at_end(
             channel.high, samples.max(), channel.resolution
         ):
@@ -157,7 +160,7 @@ def _rate(sample: BoardSample) -> Finding:
     stated, clock = sample.recording.rate, sample.clock
     if clock is None or not np.isfinite(clock.std):
         return Finding(Grade.WARN, "rate", f"{stated:g} Hz by the board, too few frames to check it")
-    text = f"{stated:g} Hz by the board, {clock.rate:.2f} +- {clock.std:.2f} Hz by this computer"
+    text = f"{stated:g} Hz by the board, {clock.rate:.2f} ± {clock.std:.2f} Hz by this computer"
     off = abs(clock.rate / stated - 1) > max(CLOCK_LIMIT, 5 * clock.std / stated)
     return Finding(Grade.FAIL if off else Grade.PASS, "rate", text, "correct the rate in the firmware")
 

@@ -9,6 +9,7 @@ from daq.session import Session
 from daq.session_info import SessionInfo
 from station.exits import UsageProblem
 from station.results.sessions import import_file
+from station.suggestions import did_you_mean
 
 IN_A_CLONE = Path(__file__).resolve().parents[2] / "examples"
 INSTALLED = Path(sysconfig.get_path("data")) / "share" / "free-decay-station" / "examples"
@@ -44,7 +45,9 @@ def example(name: str) -> Example:
     for one in EXAMPLES:
         if one.name == name:
             return one
-    raise UsageProblem(f"{name}: no example is called so; there are {', '.join(e.name for e in EXAMPLES)}")
+    names = [e.name for e in EXAMPLES]
+    meant = did_you_mean(name, names) or f"; there are {', '.join(names)}"
+    raise UsageProblem(f"there is no example '{name}'{meant}")
 
 
 def examples_folder() -> Path:

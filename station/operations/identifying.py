@@ -1,16 +1,18 @@
 """Identify a session and keep what was found in it."""
 
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from daq.session import Session
+from identify.errors import NotIdentifiable
 from station.exits import NOT_IDENTIFIABLE, Problem
 from station.results.documents import write_document
 from station.results.identification_document import NAME, IdentificationDocument, identification_document
 from station.story.identification import Identification
-from station.story.pipeline import identify
-from station.story.preparation import Options
+from station.story.pipeline import identify, judged
+from station.story.preparation import Options, prepare_recording
 
 if TYPE_CHECKING:
     from station.views.tab import Tab
@@ -26,8 +28,16 @@ class NothingIdentified(Problem):
 
 
 def identify_session(session: Session, options: Options) -> tuple[Identification, IdentificationDocument]:
-    """Identify a session and write results/identification.json; return the identification and its document."""
-    result = identify(session.recording(), options)
+    """Identify a session and write results/identification.json; return the identification and its document.
+
+    The model that was found is judged on the same record, so that nobody quotes what does not explain it.
+    """
+    recording = session.recording()
+    result = identify(recording, options)
+    try:
+        result = judged(result, prepare_recording(recording, options))
+    except NotIdentifiable as refusal:
+        result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result)
     write_document(session, NAME, document)
     return result, document

@@ -15,6 +15,7 @@ from rich.text import Text
 from daq.session import Session
 from daq.session_info import SessionInfo
 from identify.fitting.model_error import errors_of
+from identify.formatting import plain_name
 from identify.model.model import base_model
 from identify.model.parameter_id import ParameterId
 from station.exits import Problem
@@ -29,6 +30,7 @@ from station.output import print_json, progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.settings import Settings
+from station.story.engineering_values import Weighing
 from station.story.preparation import prepare_session
 from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
@@ -141,17 +143,17 @@ def _solve(
     _, document = diagnose_sessions(sessions, progress=progress)
     keep(sessions, document)
     if console is not None:
-        show_diagnosis(console, document)
+        show_diagnosis(console, document, Weighing(MASS_KG))
     ladder = refinement.ladder
     if document.named:
         say(
-            "3. ADD: the model gets it, and the error falls",
+            "3. ADD: it joins the model, and the error falls",
             f"station refine {session.folder} --add {document.named[0]}",
         )
         for name in document.named:
             ladder = add(replace(refinement, ladder=ladder), name)
         if console is not None:
-            show_ladder(console, session.folder.name, ladder)
+            show_ladder(console, session.folder.name, ladder, Weighing(MASS_KG))
     else:
         say("3. ADD: nothing", "The diagnosis names no effect, so none is added.")
     if not envelope.is_file():
@@ -170,7 +172,7 @@ def _compare(session: Session, settings: Settings, console: Console | None) -> N
             Text(
                 f"force error {three_figures(error.force_mse_percent)} %, "
                 f"motion error {three_figures(error.motion_percent)} % over {error.horizon_s:.1f} s. "
-                f"Small? It is {three_figures(error.chi_square)} times what noise explains "
+                f"That is {three_figures(error.chi_square)} times what noise explains "
                 f"(1.00 ± {error.floor_std:.2f} is the floor)."
             ),
             (0, 1, 1, 1),
@@ -184,12 +186,12 @@ def _compare(session: Session, settings: Settings, console: Console | None) -> N
 def _reveal(console: Console, solved: Solved, say: Say) -> None:
     truth = solved.truth
     hidden = truth["hidden"]
-    say("4. WHAT WAS HIDDEN: the envelope is opened only now", "")
+    say("4. WHAT WAS HIDDEN: it is read only now", "")
     strength = 100.0 * next(iter(truth["strengths"].values()), 0.0)
     console.print(
         Padding(
             Text(
-                f"{hidden}, {strength:.2f} % of {'the force' if truth['kind'] == 'physics' else 'one channel'}",
+                f"{plain_name(hidden)}, {strength:.2f} % of {'the force' if truth['kind'] == 'physics' else 'one channel'}",
                 style="bold",
             ),
             (0, 1),
@@ -237,15 +239,20 @@ def _verdict(solved: Solved) -> Text:
     hidden, chi_square = solved.truth["hidden"], solved.ladder.top.error.chi2
     if solved.right:
         return Text(
-            f"FOUND: {hidden} was named, and what is left is {three_figures(chi_square)} times the noise.",
+            f"FOUND: {plain_name(hidden)} was named, and what is left is {three_figures(chi_square)} times the noise.",
             style="bold green",
         )
     if solved.found:
         rivals = solved.diagnosis.suspects[0].confusable_with
         warned = " The diagnosis does say that the two are easily confused." if hidden in rivals else ""
-        return Text(f"NOT FOUND: {solved.found[0]} was named instead of {hidden}.{warned}", style="bold red")
+        return Text(
+            f"NOT FOUND: {plain_name(solved.found[0])} was named instead of {plain_name(hidden)}.{warned}",
+            style="bold red",
+        )
     verdict = solved.diagnosis.verdict.replace("_", " ")
-    return Text(f"NOT NAMED: the verdict was '{verdict}', and {hidden} was there.", style="bold yellow")
+    return Text(
+        f"NOT NAMED: the verdict was '{verdict}', and {plain_name(hidden)} was there.", style="bold yellow"
+    )
 
 
 def _document(solved: Solved) -> dict[str, Any]:

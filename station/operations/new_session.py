@@ -5,10 +5,13 @@ import time
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
 from daq.capture import CaptureSettings
 from daq.session_info import SessionInfo
 from station.exits import UsageProblem
 from station.settings import Settings
+from station.validation_words import refusal
 
 
 def new_folder(sessions: Path, prefix: str = "release") -> Path:
@@ -31,16 +34,20 @@ def session_info(
 ) -> SessionInfo:
     """Return a session's metadata from options, else from the settings.
 
-    `conditions` are numbers known of the test, each as "temperature [degC]=21.5".
+    `conditions` are numbers known of the test, each as "temperature [degC]=21.5". UsageProblem for a value that cannot be.
     """
     known = settings.specimen
-    return SessionInfo(
-        operator=operator if operator is not None else known.operator,
-        specimen=specimen if specimen is not None else known.name,
-        mass_kg=mass if mass is not None else known.mass_kg,
-        mass_std_kg=mass_std if mass is not None or mass_std is not None else known.mass_std_kg,
-        conditions=dict(_condition(text) for text in conditions),
-    )
+    measured = dict(_condition(text) for text in conditions)
+    try:
+        return SessionInfo(
+            operator=operator if operator is not None else known.operator,
+            specimen=specimen if specimen is not None else known.name,
+            mass_kg=mass if mass is not None else known.mass_kg,
+            mass_std_kg=mass_std if mass is not None or mass_std is not None else known.mass_std_kg,
+            conditions=measured,
+        )
+    except ValidationError as error:
+        raise UsageProblem(f"{refusal(error).replace('_kg', ' [kg]').replace('_', ' ')}") from error
 
 
 def _condition(text: str) -> tuple[str, float]:

@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from daq.session import Session
-from identify.diagnosis.ladder import Rung, add_effect, first_rung, remove_effect
+from identify.diagnosis.curve_of_rest import curve_of_rest
+from identify.diagnosis.ladder import Rung, add_effect, first_rung, remove_effect, share_explained
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
+from identify.formatting import plain_name, three_figures
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
@@ -19,6 +21,7 @@ from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress, refine
 from station.story.preparation import prepare_session
+from station.suggestions import MEASURED_CURVE, did_you_mean
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,34 +90,48 @@ def rung_again(refinement: Refinement, rung: KeptRung) -> Rung:
 
 
 def add(refinement: Refinement, wanted: str) -> KeptLadder:
-    """Add an effect of the library, of the user's file, or an expression as "magnet = a*u/(1+(u/b)**2)"."""
+    """Add an effect of the library, of the user's file, or an expression as "magnet = a*u/(1+(u/b)**2)".
+
+    `measured_curve` adds what the model leaves as a spline over the coordinate that it depends on.
+    """
     expressions = refinement.ladder.top.model.expressions
-    if "=" in wanted:
+    top = rung_again(refinement, refinement.ladder.top)
+    effect: Effect
+    if wanted == MEASURED_CURVE:
+        effect, line = curve_of_rest(top.baseline, _free_name(top.effects))
+        expressions = (*expressions, line)
+    elif "=" in wanted:
         effect = _parsed(wanted, refinement.library)
         expressions = (*(text for text in expressions if name_of(text) != effect.name), wanted)
     else:
         effect = _found(wanted, refinement.library)
-    top = rung_again(refinement, refinement.ladder.top)
     try:
         rung = add_effect(top, effect, library=refinement.library)
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
-    return _extended(
-        refinement, (kept_rung(rung, expressions),), _manual(rung, f"as asked, {effect.name} was added")
-    )
+    return _extended(refinement, (kept_rung(rung, expressions),), _added(rung, effect.name))
+
+
+def _free_name(taken: tuple[str, ...]) -> str:
+    """Return the name of one more measured curve: the first has no number."""
+    if MEASURED_CURVE not in taken:
+        return MEASURED_CURVE
+    return next(name for n in range(2, 99) if (name := f"{MEASURED_CURVE}_{n}") not in taken)
 
 
 def remove(refinement: Refinement, name: str) -> KeptLadder:
     """Take an effect out of the present model."""
     top = rung_again(refinement, refinement.ladder.top)
     if name not in top.effects:
-        raise UsageProblem(f"{name} is not in the model: {', '.join(top.effects)}")
+        raise UsageProblem(
+            f"{name} is not in the model ({', '.join(top.effects)}){did_you_mean(name, top.effects)}"
+        )
     if len(top.effects) == 1:
         raise UsageProblem(f"{name} is all that the model has; add something before removing it")
     rung = remove_effect(top, name)
     expressions = refinement.ladder.top.model.expressions
     return _extended(
-        refinement, (kept_rung(rung, expressions),), _manual(rung, f"as asked, {name} was removed")
+        refinement, (kept_rung(rung, expressions),), _manual(rung, f"{plain_name(name)} was taken out")
     )
 
 
@@ -151,10 +168,22 @@ def _extended(refinement: Refinement, new: tuple[KeptRung, ...], why: tuple[str,
     return write_ladder(refinement.session, changed)
 
 
+def _added(rung: Rung, name: str) -> tuple[str, str | None]:
+    """Say what an effect that was added is worth."""
+    share = share_explained(rung, name)
+    if share is None:
+        return _manual(rung, f"{plain_name(name)} was added")
+    percent = "less than 0.01" if share < 1e-4 else three_figures(100.0 * share)
+    return (
+        f"{plain_name(name)} explains nothing ({percent} % of what is left, no more than chance would): take it out "
+        f"with --remove {name}"
+    ), None
+
+
 def _manual(rung: Rung, done: str) -> tuple[str, str | None]:
     if rung.at_floor:
         return f"{done}; the noise floor is reached", None
-    return f"{done}; {rung.error.chi_square:.3g} times the noise is left", None
+    return f"{done}; what is left is {three_figures(rung.error.chi_square)} times the noise", None
 
 
 def _found(name: str, library: tuple[Effect, ...]) -> Effect:
@@ -162,7 +191,8 @@ def _found(name: str, library: tuple[Effect, ...]) -> Effect:
         return find_effect(name, library)
     except KeyError as error:
         raise UsageProblem(
-            f"no effect is called '{name}'; see `station effects`, or write one as \"magnet = a*u/(1+(u/b)**2)\""
+            f"no effect is called '{name}'{did_you_mean(name, [effect.name for effect in library])}; see `station "
+            'effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
         ) from error
 
 

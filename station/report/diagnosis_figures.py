@@ -10,6 +10,7 @@ from station.results.curves import NamedCurves
 from station.results.diagnosis_document import CurveDocument, DiagnosisDocument
 from station.results.diagnosis_fits import DiagnosisFits
 from station.results.ladder import KeptLadder
+from station.story.measured_curves import MeasuredCurve
 from station.text.ladder_text import step
 from station.views import plots
 from station.views.curve_panels import draw_panels
@@ -76,4 +77,11 @@ def shape(curve: CurveDocument) -> str:
     """Draw the free form of a force that has no name, with two standard errors."""
     drawn, (axis,) = paper(2.4, width=4.2)
     plots.shape(axis, curve, PAPER)
+    return embedded(drawn)
+
+
+def measured_curve(curve: MeasuredCurve) -> str:
+    """Draw a measured curve of a model, with two standard errors."""
+    drawn, (axis,) = paper(2.4, width=4.2)
+    plots.measured_curve(axis, curve, PAPER)
     return embedded(drawn)

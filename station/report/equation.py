@@ -3,14 +3,18 @@
 import re
 
 from identify.effects.effect import Parameter
+from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Term
 from station.report import comparison_figures as draw
 from station.report.content import Equation, Figure, Paragraph, Part, Section, Table, left_out
+from station.report.diagnosis_figures import measured_curve as draw_curve
 from station.report.failure import errors, places
 from station.report.findings import Findings
 from station.results.models import parameters_of
 from station.story.compared import Compared
+from station.story.engineering_values import times_mass
+from station.story.measured_curves import measured_curves
 from station.text.numbers import SPACE, typeset, typeset_error, typeset_figures, typeset_symbol, typeset_unit
 
 TITLE = "The equation of motion"
@@ -19,8 +23,11 @@ SEGMENTS = (
     "these are the values of the ladder, fitted in {} pieces that share the physics. The errors below are those of "
     "the same model run over the whole record at once, in which a wandering phase counts as misfit."
 )
-TIMES_MASS = {"1/s^2": "N/m", "m/s^2": "N", "1/s": "N s/m", "1/m": "kg/m", "s/m^2": "kg s/m²"}
-TIMES_INERTIA = {"1/s^2": "N m/rad", "rad/s^2": "N m", "1/s": "N m s/rad"}
+
+CURVE = (
+    "{}, a spline of six coefficients, with 2 standard errors; the straight line in the {} belongs to spring and damper. "
+    "It has no name: {} in the model file keeps it, and `station validate` tests it on other releases."
+)
 
 
 def equation(found: Findings) -> Section:
@@ -38,6 +45,9 @@ def equation(found: Findings) -> Section:
         ),
         _parameters(fit, compared.comparison.unit, found),
     ]
+    expressions = () if found.refined is None else found.refined.ladder.top.model.expressions
+    for curve in measured_curves(fit, expressions):
+        parts.append(Figure(CURVE.format(curve.title, curve.over, curve.name), draw_curve(curve)))
     if len(fit.windows) > 1:
         parts.append(Paragraph(SEGMENTS.format(len(fit.windows)), label="Long record"))
     doubt = caution(compared)
@@ -119,13 +129,9 @@ def _meaning(term: Term, name: str) -> Parameter:
 
 def _times(value: float, std: float, label: str, found: Findings) -> str:
     """Return a strength times the mass, the error of the mass in it; "" where that has no unit of its own."""
-    mass, mass_std = found.options.mass or 1.0, found.options.mass_std or 0.0
-    name = (TIMES_INERTIA if "rad" in label else TIMES_MASS).get(label)
-    if found.compared is not None and found.compared.comparison.unit == "rad":
-        name = TIMES_INERTIA.get(label)
-    if name is None:
-        name = f"kg × {typeset_unit(label)}" if "rad" not in label else None
-    if name is None:
+    unit = "m" if found.compared is None else found.compared.comparison.unit
+    mass, mass_std = found.options.mass or 1.0, found.options.mass_std
+    whole = times_mass(Estimate(value, std, label), mass, mass_std, unit)
+    if whole is None:
         return ""
-    error = ((std * mass) ** 2 + (value * mass_std) ** 2) ** 0.5
-    return f"{typeset_error(value * mass, error)}{SPACE}{name}"
+    return f"{typeset_error(whole.value, whole.std)}{SPACE}{typeset_unit(whole.unit)}"

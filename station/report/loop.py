@@ -4,6 +4,7 @@ from station.report import diagnosis_figures as draw
 from station.report.content import Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
 from station.results.diagnosis_document import DiagnosisDocument, FindingDocument, SuspectDocument
+from station.story.suspect_words import would_explain
 from station.text.curves_text import curves_caption
 from station.text.diagnosis_text import (
     confirmed_by,
@@ -18,8 +19,6 @@ from station.text.layout import sentence
 from station.text.numbers import (
     DASH,
     change,
-    evidence,
-    probability,
     typeset,
     typeset_figures,
     typeset_symbol,
@@ -62,9 +61,7 @@ def suspects(found: Findings) -> Section:
             )
             for suspect in shown_suspects(document)
         )
-        reasons = (
-            ("evidence (nats)", "p by chance") if document.confirmation is None else ("foretells better",)
-        )
+        reasons = ("would explain",) if document.confirmation is None else ("foretells better",)
         head = ("effect", "what it is", "motion left [%]", "chi² with it", *reasons, "parameters")
         parts.append(Table("Suspects in order", head, rows, texts=2, wordy=True))
         picture = draw.errors(document)
@@ -88,10 +85,10 @@ def suspects(found: Findings) -> Section:
 
 
 def _reasons(document: DiagnosisDocument, suspect: SuspectDocument) -> tuple[str, ...]:
-    """Return why a suspect is one: by what it foretells where that was asked, else by its odds."""
+    """Return why a suspect is one: by what it foretells where that was asked, else by what it would explain."""
     if document.confirmation is not None:
         return (foretells(document, suspect),)
-    return evidence(suspect.evidence), probability(suspect.p_value)
+    return (would_explain(document.error.chi2, suspect.error_after),)
 
 
 def _foretold(document: DiagnosisDocument) -> list[Part]:

@@ -118,7 +118,7 @@ def _details(found: Findings) -> Table:
                     f"{typeset_error(force.mass.value, force.mass.std)} {typeset_unit(force.mass.unit)}",
                 )
             )
-    return Table("What each method left", ("", "WT", "RFS"), tuple(rows))
+    return Table("What each method leaves", ("", "WT", "RFS"), tuple(rows))
 
 
 def _figures(found: Findings) -> list[Figure]:

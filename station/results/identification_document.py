@@ -20,6 +20,7 @@ class RecordDocument(Part):
     unit: str
     mass_kg: float | None
     mass_std_kg: float | None
+    rate_std_hz: float | None = None
     noise: dict[str, Number]
 
 
@@ -58,10 +59,11 @@ class MethodDocument(Part):
 
 
 class WaveletDocument(MethodDocument):
-    """What the wavelet found."""
+    """What the wavelet found; `clock` says where the recorder's clock limits it."""
 
     stiffness_reason: str
     channel: str
+    clock: str = ""
 
 
 class RestoringForceDocument(MethodDocument):
@@ -72,6 +74,19 @@ class RestoringForceDocument(MethodDocument):
     offset: EstimateDocument
     mass: EstimateDocument | None
     source: str
+
+
+class AdequacyDocument(Part):
+    """Whether the identified model explains its record: what it leaves, and in what the methods are farthest apart."""
+
+    effects: list[str]
+    chi2: Number = Field(validation_alias=AliasChoices("chi2", "chi_square"))
+    chi2_std: Number = Field(validation_alias=AliasChoices("chi2_std", "chi_square_std"))
+    motion_percent: Number
+    adequate: bool
+    quotable: bool
+    apart: str
+    sigmas: Number
 
 
 class IdentificationDocument(Document):
@@ -85,6 +100,7 @@ class IdentificationDocument(Document):
     restoring_force: RestoringForceDocument | None
     restoring_force_without_alignment: RestoringForceDocument | None
     refusals: dict[str, str]
+    adequacy: AdequacyDocument | None = None
 
 
 def identification_document(name: str, result: Identification) -> IdentificationDocument:
@@ -100,6 +116,7 @@ def identification_document(name: str, result: Identification) -> Identification
             "restoring_force": result.restoring_force,
             "restoring_force_without_alignment": result.without_alignment,
             "refusals": dict(result.refusals),
+            "adequacy": result.adequacy,
         }
     )
 
@@ -114,6 +131,7 @@ def _record(result: Identification) -> RecordDocument:
         unit=decay.unit,
         mass_kg=decay.mass,
         mass_std_kg=decay.mass_std,
+        rate_std_hz=decay.rate_std,
         noise={name: getattr(decay, f"noise_{name}") for name in MOTION},
     )
 

@@ -17,6 +17,7 @@ from identify.fitting.initial_values import initial_values
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
+from station.validation_words import refusal
 
 LARGEST = 1 << 20
 LONGEST = 200
@@ -128,7 +129,7 @@ def read_model_file(file: Path) -> ModelFile:
     except OSError as error:
         raise UsageProblem(f"the model {file} cannot be read: {error.strerror or error}") from error
     if len(content) > LARGEST:
-        raise UsageProblem(f"the model {file} is larger than any model is; give the file that refine wrote")
+        raise UsageProblem(f"the model {file} is larger than 1 MB; give the file that refine wrote")
     try:
         return ModelFile.model_validate_json(content)
     except ValidationError as error:
@@ -137,9 +138,7 @@ def read_model_file(file: Path) -> ModelFile:
 
 def first_fault(error: ValidationError) -> str:
     """Return where a document is wrong and how, in a sentence."""
-    first = error.errors(include_url=False, include_input=False)[0]
-    entry = ".".join(str(part) for part in first["loc"])
-    return short(f"{entry}: {first['msg']}" if entry else str(first["msg"]))
+    return refusal(error)
 
 
 def short(text: str) -> str:

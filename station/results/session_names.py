@@ -4,6 +4,7 @@ from pathlib import Path
 
 from daq.session import list_sessions
 from station.exits import UsageProblem
+from station.suggestions import did_you_mean
 
 LAST = "last"
 MOST_LISTED = 5
@@ -38,10 +39,25 @@ def session_folder(argument: str, sessions: Path) -> Path:
         return Path(argument)
     found = find_session(argument, sessions)
     if found is None:
-        raise UsageProblem(
-            f"{argument}: there is no such session (sessions are looked for in {sessions.resolve()})"
-        )
+        raise no_such(argument, sessions)
     return found
+
+
+def refuse_unknown(argument: str, sessions: Path) -> None:
+    """Raise UsageProblem where an argument is no folder, no file and no session's name, before anything long begins."""
+    if not Path(argument).exists() and find_session(argument, sessions) is None:
+        raise no_such(argument, sessions, "session or data file")
+
+
+def no_such(argument: str, sessions: Path, what: str = "session") -> UsageProblem:
+    """Return the refusal of a session that is not there, with the names that are nearest to it."""
+    path = Path(argument)
+    place = sessions if len(path.parts) < 2 else path.parent
+    names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
+    meant = did_you_mean(path.name, names)
+    return UsageProblem(
+        f"{argument}: there is no such {what} (sessions are looked for in {place.resolve()}){meant}"
+    )
 
 
 def _ambiguous(name: str, candidates: list[Path]) -> str:

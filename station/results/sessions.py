@@ -19,7 +19,7 @@ from identify.preprocessing.release import Release, find_releases
 from station.exits import UsageProblem
 from station.output import progress
 from station.results.import_command import typed
-from station.results.session_names import find_session
+from station.results.session_names import find_session, no_such
 from station.story.free_part import free_from
 from station.story.preparation import Options, free_decay
 
@@ -54,9 +54,7 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
     named = find_session(argument, sessions)
     if named is not None:
         return Session.open(named)
-    raise UsageProblem(
-        f"{argument}: there is no such session or data file (sessions are looked for in {sessions.resolve()})"
-    )
+    raise no_such(argument, sessions, "session or data file")
 
 
 def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session:

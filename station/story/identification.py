@@ -10,6 +10,7 @@ from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.release import Release
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
+from station.story.adequacy import Adequacy
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +20,8 @@ class Identification:
     `decay` is the release as it was recorded, with the noise of each channel; `aligned` the same with the
     displacement moved by the lag (`decay` itself where there was nothing to align). A result that could
     not be had is None, and `refusals` says why under the step's name. `without_alignment` is what the
-    restoring force says of the channels as they were recorded.
+    restoring force says of the channels as they were recorded. `adequacy` is whether the identified model explains the
+    record, None where that was not asked or (under "adequacy" in `refusals`) not to be had.
     """
 
     decay: FreeDecay
@@ -30,6 +32,7 @@ class Identification:
     restoring_force: RestoringForceResult | None
     without_alignment: RestoringForceResult | None
     refusals: dict[str, str]
+    adequacy: Adequacy | None = None
 
     @property
     def lost_samples(self) -> int:

@@ -1,6 +1,7 @@
 """The whole way from a recording to the ladder, one function a step; each takes the values that the last one returned.
 
 - `identify`: recording -> release, noise, alignment, wavelet, restoring force
+- `judged`: identification, prepared decay -> the same with the judgement on its own model
 - `prepare_session`: session -> a release that can be fitted (station.story.preparation)
 - `compare`: prepared decay, model -> the fitted model, and where it fails
 - `diagnose`: prepared decays, model -> what the model lacks
@@ -8,6 +9,7 @@
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeVar
 
 from daq.recording import Recording
@@ -30,6 +32,7 @@ from identify.restoring_force.restoring_force import (
     identify_restoring_force_as_recorded,
 )
 from identify.wavelet.wavelet import identify_wavelet
+from station.story.adequacy import adequacy, identified_model
 from station.story.compared import Compared
 from station.story.identification import Identification
 from station.story.preparation import Options, free_decay
@@ -80,6 +83,13 @@ def identify(recording: Recording, options: Options) -> Identification:
     return Identification(
         decay, found.release, alignment, aligned, wavelet, restoring_force, without_alignment, refusals
     )
+
+
+def judged(result: Identification, prepared: PreparedDecay) -> Identification:
+    """Return an identification with the judgement on its own model; as it is where nothing was identified."""
+    methods = [method for method in (result.wavelet, result.restoring_force) if method is not None]
+    model = identified_model(result.wavelet, result.restoring_force)
+    return result if model is None else replace(result, adequacy=adequacy(prepared, model, methods))
 
 
 def compare(

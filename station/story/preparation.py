@@ -6,11 +6,14 @@ from dataclasses import dataclass
 from daq.recording import Recording
 from daq.session import Session
 from identify.errors import NotIdentifiable
+from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from station.settings import Settings
 
 MOTION = ("displacement", "velocity", "acceleration")
+DELAY_UNCERTAINTY = 0.15
+"""Relative uncertainty of a stated delay: the resistors inside of sensors are good to 15 %."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,8 @@ def free_decay(recording: Recording, options: Options) -> FreeDecay:
         mass=options.mass,
         mass_std=options.mass_std,
         unit=_displacement_unit(recording),
+        rate_std=recording.rate_std,
+        stated_lag=_stated_lag(recording),
     )
 
 
@@ -86,6 +91,19 @@ def _displacement_unit(recording: Recording) -> str:
     """Return the unit of the displacement, as the first channel that is a motion has it: m, rad, V."""
     units = [channel.unit for channel in recording.channels if channel.quantity in MOTION]
     return units[0].split("/")[0] if units else "m"
+
+
+def _stated_lag(recording: Recording) -> Estimate | None:
+    """Return how much later the displacement (else velocity) is than the acceleration by their stated delays.
+
+    None where no delay is stated, or one of the channels is missing.
+    """
+    first = {q: next((c for c in recording.channels if c.quantity == q), None) for q in MOTION}
+    low, high = first["displacement"] or first["velocity"], first["acceleration"]
+    if low is None or high is None or not (low.group_delay_s or high.group_delay_s):
+        return None
+    std = DELAY_UNCERTAINTY * math.hypot(low.group_delay_s, high.group_delay_s)
+    return Estimate(low.group_delay_s - high.group_delay_s, std, "s")
 
 
 def gain_uncertainty(recording: Recording) -> float:

@@ -21,13 +21,14 @@ BAR = 28
 REFRESH_S = 0.125
 
 STATES = {
-    "resting": "keep still: the rest before the release gives the noise",
-    "armed": "ARMED: release the mass",
+    "resting": "rest",
+    "armed": "ARMED",
     "triggered": "released",
     "recording": "recording the decay",
-    "resending": "asking for lost samples again",
+    "resending": "lost samples",
     "sealed": "sealed",
 }
+"""What stands before the detail of each state, which says what the operator should do."""
 
 
 class Several(CaptureObserver):
@@ -92,7 +93,10 @@ class Watch(CaptureObserver):
     def state(self, name: str, detail: str) -> None:
         """Print what the station is doing and what the operator should do."""
         sentence = STATES.get(name, name)
-        self._line(f"{sentence} ({detail})" if detail else sentence)
+        if detail.startswith(sentence):
+            self._line(detail)
+        else:
+            self._line(f"{sentence}: {detail}" if detail else sentence)
         self._refresh(force=True)
 
     def block(self, first_index: int, samples: Array) -> None:

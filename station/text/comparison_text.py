@@ -55,7 +55,7 @@ def errors(compared: Compared) -> Table:
         f"{found.force_floor:.2g} %",
         "eq. (18), at the measured motion",
     )
-    horizon = f"free run, rms, {found.horizon:.2g} s ({found.horizon_cycles:.0f} cycles)"
+    horizon = f"free run, rms, {found.horizon:.3g} s ({found.horizon_cycles:.0f} cycles)"
     table.add_row("motion", f"{found.motion_error:.3g} %", f"{compared.motion_floor:.2g} %", horizon)
     table.add_row(
         "chi-square",
@@ -87,7 +87,7 @@ def cycles(compared: Compared) -> Table:
     units = DiscrepancyText(found.unit, found.mass)
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     factor, energy = energy_scale(units)
-    for name in ("time", "amplitude", "frequency error", "energy error a cycle", "free run off"):
+    for name in ("time", "amplitude", "frequency error", "energy error a cycle", "free run misfit"):
         table.add_column(name, justify="right")
     table.add_row("s", units.length_unit, "%", energy, "noise rms", style="dim")
     done = found.cycles

@@ -1,11 +1,14 @@
 """A diagnosis in one screenful of 80 columns: the verdict first, then why, the suspects, what to record next."""
 
+import math
+
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
 from identify.diagnosis.verdict import HEADLINES
+from identify.formatting import among, plain_name
 from station.results.confirmation_document import ConfirmationDocument
 from station.results.diagnosis_document import (
     DiagnosisDocument,
@@ -13,8 +16,10 @@ from station.results.diagnosis_document import (
     NoiseFloorDocument,
     SuspectDocument,
 )
+from station.story.engineering_values import Weighing
+from station.story.suspect_words import reaches_floor, would_explain
 from station.text.layout import labelled
-from station.text.numbers import DASH, evidence, probability, three_figures, with_unit
+from station.text.numbers import DASH, three_figures, with_unit
 from station.text.shares_text import shares_table
 
 STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
@@ -25,11 +30,11 @@ LABEL_WIDTH = 12
 def headline(document: DiagnosisDocument) -> str:
     """Return the verdict in one line."""
     verdict = HEADLINES[document.verdict].upper()
-    return f"{verdict}: {' and '.join(document.named)}" if document.named else verdict
+    return f"{verdict}: {among([plain_name(name) for name in document.named])}" if document.named else verdict
 
 
-def show_diagnosis(console: Console, document: DiagnosisDocument) -> None:
-    """Print a diagnosis."""
+def show_diagnosis(console: Console, document: DiagnosisDocument, weighing: Weighing | None = None) -> None:
+    """Print a diagnosis; with a `weighing` the strengths of what is named stand in N, kg and s too."""
     console.print()
     console.print(Text(f" {headline(document)}", style=STYLES.get(document.verdict, "bold red")))
     console.print()
@@ -43,7 +48,7 @@ def show_diagnosis(console: Console, document: DiagnosisDocument) -> None:
         console.print()
         console.print(Padding(shares_table(document.shares), (0, 0, 0, 1)))
     console.print()
-    for label, text in _facts(document):
+    for label, text in (*_weighed(document, weighing), *_facts(document)):
         console.print(labelled(label, text, LABEL_WIDTH))
     console.print()
 
@@ -71,16 +76,16 @@ def _suspects(document: DiagnosisDocument) -> Table:
     table.add_column("suspect", no_wrap=True)
     table.add_column("motion\nleft %", justify="right")
     table.add_column("chi2\nafter", justify="right")
-    for head in ("foretells",) if foretold else ("evidence", "p"):
+    for head in ("foretells",) if foretold else ("would\nexplain", "reaches\nthe floor"):
         table.add_column(head, justify="right", no_wrap=True)
     table.add_column("with", overflow="fold")
     for rank, suspect in enumerate(shown_suspects(document)):
-        odds = (evidence(suspect.evidence), probability(suspect.p_value))
+        worth = (would_explain(document.error.chi2, suspect.error_after), _reached(document, suspect))
         cells = (
             suspect.effect,
             three_figures(suspect.motion_percent),
             three_figures(suspect.error_after),
-            *((foretells(document, suspect),) if foretold else odds),
+            *((foretells(document, suspect),) if foretold else worth),
             _parameters(suspect, None if rank == 0 else 1),
         )
         table.add_row(*(Text(cell, style="" if suspect.claimed else "dim") for cell in cells))
@@ -143,7 +148,32 @@ def shown_suspects(document: DiagnosisDocument) -> list[SuspectDocument]:
     """Return the suspects that are worth a line: all that are claimed, at least three, and the rivals of the first."""
     claimed = sum(suspect.claimed for suspect in document.suspects)
     most = max(3, min(MOST_SUSPECTS, claimed))
-    return [s for rank, s in enumerate(document.suspects) if rank < most or s.effect in document.rivals]
+    ordered = in_order(document)
+    return [s for rank, s in enumerate(ordered) if rank < most or s.effect in document.rivals]
+
+
+def in_order(document: DiagnosisDocument) -> list[SuspectDocument]:
+    """Return the suspects as they are shown: what is named, then its rivals, then by what each would explain.
+
+    Where curves were asked, what they foretell decides, and the diagnosis' own order stays.
+    """
+    if document.confirmation is not None:
+        return list(document.suspects)
+
+    def place(suspect: SuspectDocument) -> tuple[int, float]:
+        if suspect.effect in document.named:
+            return document.named.index(suspect.effect), 0.0
+        left = suspect.error_after if suspect.error_after is not None else math.inf
+        return len(document.named) + (suspect.effect not in document.rivals), left
+
+    return sorted(document.suspects, key=place)
+
+
+def _reached(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
+    floor = document.noise_floor
+    noise = [] if floor is None else list(floor.channels.values())
+    sure = len(noise) > 1 and all("rest" in channel.source for channel in noise)
+    return "yes" if reaches_floor(suspect.error_after, document.error.chi2_std, sure) else "no"
 
 
 def _parameters(suspect: SuspectDocument, most: int | None) -> str:
@@ -152,8 +182,29 @@ def _parameters(suspect: SuspectDocument, most: int | None) -> str:
     return "; ".join([*([where] if where else []), *parts])
 
 
+def _weighed(document: DiagnosisDocument, weighing: Weighing | None) -> list[tuple[str, str]]:
+    """Return the strengths of what is named with the mass in them, one line for each."""
+    if weighing is None:
+        return []
+    lines = []
+    for suspect in document.suspects:
+        name, value = next(iter(suspect.parameters.items()), (None, None))
+        if suspect.effect not in document.named or name is None or value is None or value.value is None:
+            continue
+        whole = weighing.strength(suspect.effect, value.value, value.std, value.unit)
+        if whole is not None:
+            text = f"{plain_name(suspect.effect)}: {name} = {with_unit(whole)} with a mass of {weighing.mass:g} kg"
+            lines.append(("strength", text))
+    return lines
+
+
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     facts = [("used", used(document))] if document.used else []
+    if document.differences:
+        differ = [f"{one.session} in {one.parameter}{_by(one.percent)}" for one in document.differences]
+        facts.append(
+            ("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: one model has to fit both")
+        )
     if document.modes:
         seen = " and ".join(mode.words for mode in document.modes)
         facts.append(("modes", f"beside the motion's, {seen}; one mode is followed here"))
@@ -174,9 +225,15 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         )
     if document.held_out:
         parts = [f"{one.session} {_left(one)}" for one in document.held_out]
-        facts.append(("left out", f"physics of the others leaves of each one's motion {', '.join(parts)}"))
+        facts.append(
+            ("left out", f"fitted to the others, the model leaves of the motion of {', '.join(parts)}")
+        )
     facts.append(("record next", document.next_experiment))
     return facts
+
+
+def _by(percent: float | None) -> str:
+    return "" if percent is None else f" by {percent:+.3g} %"
 
 
 def used(document: DiagnosisDocument) -> str:
@@ -192,7 +249,8 @@ def used(document: DiagnosisDocument) -> str:
 def not_told_apart(document: DiagnosisDocument) -> str:
     """Return which suspects explain the record as well as the one that is named."""
     records = "this record does" if len(document.sessions) < 2 else "these records do"
-    return f"{records} not tell {document.named[0]} from {', '.join(document.rivals)}"
+    rivals = among([plain_name(name) for name in document.rivals], "or")
+    return f"{records} not tell {plain_name(document.named[0])} from {rivals}"
 
 
 def _left(one: HeldOutDocument) -> str:

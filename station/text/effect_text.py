@@ -10,6 +10,7 @@ from rich.text import Text
 
 from identify.effects.effect import Effect, Parameter
 from identify.effects.force_effect import ForceEffect
+from identify.formatting import plain_name
 from station.story.effect_portrait import AMPLITUDES, FREQUENCY, Array, Portrait
 
 HEIGHT = 9
@@ -30,12 +31,12 @@ def show_list(console: Console, effects: Sequence[Effect]) -> None:
             if effect.kind == kind:
                 table.add_row(Text(effect.name), Text(f"{effect.title}: {effect.equation}"))
         console.print(table)
-    console.print("\n More of one: station effects NAME", markup=False)
+    console.print("\n next: station effects NAME", markup=False)
 
 
 def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> None:
     """Print one effect: what it is, its parameters, how it shows, what confirms it, and its charts."""
-    console.print(Text(f"\n {effect.name}: {effect.title}", style="bold"))
+    console.print(Text(f"\n {plain_name(effect.name)} ({effect.name}): {effect.title}", style="bold"))
     console.print(
         _line("equation", f"{effect.equation}" + (" (per unit mass)" if effect.kind == "physics" else ""))
     )

@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from station.results.ladder import KeptLadder, KeptRung
+from station.story.engineering_values import Weighing
 from station.text.layout import sentence
 from station.text.numbers import change, three_figures, with_unit
 
@@ -15,14 +16,17 @@ MOST_CHANGED = 3
 NOTICED = 2.0
 
 
-def show_ladder(console: Console, name: str, ladder: KeptLadder) -> None:
-    """Print the ladder of a session up to the present rung, and which rungs are above it."""
+def show_ladder(console: Console, name: str, ladder: KeptLadder, weighing: Weighing | None = None) -> None:
+    """Print the ladder of a session up to the present rung, and which rungs are above it.
+
+    With a `weighing` the strengths that changed stand in N, kg and s beside those per unit mass.
+    """
     console.print()
     console.print(Text(f" {name}: the error, rung by rung", style="bold"))
     console.print()
     console.print(Padding(_table(ladder), (0, 0, 0, 1)))
     console.print()
-    for line in _below(ladder):
+    for line in _below(ladder, weighing):
         console.print(Padding(Text(line), (0, 1)))
     console.print()
 
@@ -87,29 +91,43 @@ def bar(chi_square: float | None, largest: float, width: int = 12) -> str:
     return "█" * max(1, round(width * math.log(chi_square) / math.log(max(largest, 2.0))))
 
 
-def changed_parameters(before: KeptRung, after: KeptRung) -> list[str]:
+def changed_parameters(before: KeptRung, after: KeptRung, weighing: Weighing | None = None) -> list[str]:
     """Return the parameters that the step changed most, in standard errors of the fit before, and those it added."""
     found = []
+    weighed = {} if weighing is None else _weighed(after, weighing)
     for name, value in after.parameters.items():
         old = before.parameters.get(name)
         if old is None:
-            found.append((math.inf, f"{name} = {with_unit(value)}, new"))
+            found.append((math.inf, f"{name} = {with_unit(value)}{weighed.get(name, '')}, new"))
             continue
         std = max(old.std or 0.0, value.std or 0.0)
         errors = abs(value.value - old.value) / std if std > 0 else 0.0
         if errors > NOTICED:
             by = ", ".join(filter(None, (change(old.value, value.value), f"{errors:.0f} std. errors")))
-            found.append((errors, f"{name} {with_unit(value)} ({by})"))
+            found.append((errors, f"{name} {with_unit(value)}{weighed.get(name, '')} ({by})"))
     found.sort(key=lambda entry: -entry[0])
     new = sum(1 for weight, _ in found if math.isinf(weight))
     return [text for _, text in found[: new + MOST_CHANGED]]
 
 
-def _below(ladder: KeptLadder) -> list[str]:
+def _weighed(rung: KeptRung, weighing: Weighing) -> dict[str, str]:
+    """Return the strengths of a rung with the mass in them, by "effect.parameter", as the end of a line."""
+    found = {}
+    for entry in rung.model.effects:
+        name, value = next(iter(entry.parameters.items()), (None, None))
+        if name is None or value is None:
+            continue
+        whole = weighing.strength(entry.effect, value.value, value.std, value.unit)
+        if whole is not None:
+            found[f"{entry.effect}.{name}"] = f", with the mass {with_unit(whole)}"
+    return found
+
+
+def _below(ladder: KeptLadder, weighing: Weighing | None) -> list[str]:
     lines = []
     if ladder.present > 0:
         before = ladder.rungs[ladder.present - 1]
-        lines += [f"changed: {text}" for text in changed_parameters(before, ladder.top)]
+        lines += [f"changed: {text}" for text in changed_parameters(before, ladder.top, weighing)]
     if ladder.stopped_because:
         lines.append(sentence(ladder.stopped_because))
     above = len(ladder.rungs) - 1 - ladder.present

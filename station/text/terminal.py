@@ -8,9 +8,12 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.estimate import Estimate
-from identify.formatting import damping_name
+from identify.formatting import damping_name, plain_name
+from station.story.adequacy import judgement, scale_doubt
+from station.story.engineering_values import times_mass
 from station.story.identification import Identification
-from station.text.layout import labelled
+from station.text.layout import labelled, sentence
+from station.text.next_step import next_line
 from station.text.numbers import scale, with_error
 
 LABEL_WIDTH = 11
@@ -28,11 +31,28 @@ def show_identification(console: Console, name: str, result: Identification) -> 
     for label, text in _facts(result):
         console.print(labelled(label, text, LABEL_WIDTH))
     console.print()
+    for label, text, style in adequacy_lines(result):
+        console.print(labelled(label, text, LABEL_WIDTH, style))
+    console.print()
     console.print(Padding(parameters(result), (0, 0, 0, 1)))
     console.print()
     for label, text in _reasons(result):
         console.print(labelled(label, text, LABEL_WIDTH))
     console.print()
+
+
+def adequacy_lines(result: Identification) -> list[tuple[str, str, str]]:
+    """Return label, text and style of what comes before any value: the model, and whether its values may be quoted."""
+    found = result.adequacy
+    if found is None:
+        reason = result.refusals.get("adequacy")
+        return [("not judged", f"{reason} Do not quote its values.", "bold yellow")] if reason else []
+    lines = [
+        ("model", " + ".join(plain_name(name) for name in found.effects), ""),
+        ("judged", sentence(judgement(found)), "bold green" if found.quotable else "bold red"),
+    ]
+    doubt = "" if result.alignment is None else scale_doubt(result.alignment.gain)
+    return [*lines, ("scale", doubt, "bold yellow")] if doubt else lines
 
 
 def _facts(result: Identification) -> list[tuple[str, str]]:
@@ -42,7 +62,11 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
     ]
     lost = result.lost_samples
     unit = "kg m^2" if decay.unit == "rad" else "kg"
-    mass = "mass not given: per unit mass" if decay.mass is None else f"{decay.mass:g} {unit}"
+    mass = (
+        f"mass not given: per unit {'inertia' if decay.unit == 'rad' else 'mass'}"
+        if decay.mass is None
+        else f"{decay.mass:g} {unit}"
+    )
     facts = [
         ("record", f"{len(decay)} samples at {decay.rate:g} Hz ({' and '.join(names)}), {mass}"),
         ("release", f"at {release.time_s:.4f} s: {KINDS.get(release.kind, release.kind)}"),
@@ -53,6 +77,8 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
     if noise:
         facts.append(("noise", noise))
     facts.append(("lag", _lag(result)))
+    if result.wavelet is not None and result.wavelet.clock:
+        facts.append(("clock", result.wavelet.clock))
     return facts
 
 
@@ -82,10 +108,11 @@ def parameters(result: Identification) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column("")
     table.add_column("unit")
-    table.add_column("wavelet", justify="right")
-    table.add_column("restoring force", justify="right")
+    doubt = result.adequacy is None or not result.adequacy.quotable
+    for name in ("wavelet", "restoring force"):
+        table.add_column(f"{name}\n(do not quote)" if doubt else name, justify="right")
     for row in rows(result):
-        table.add_row(*row)
+        table.add_row(*row, style="dim" if doubt else "")
     return table
 
 
@@ -99,7 +126,7 @@ def rows(result: Identification) -> list[tuple[str, str, str, str]]:
             method.damping[order] if method is not None and order < len(method.damping) else None
             for method in both
         ]
-        lines.append(_row(damping_name(order), values))
+        lines += _damping_rows(damping_name(order), values, result)
     highest = {order for method in both if method is not None for order in method.stiffness_by_order}
     for order in sorted(highest - {1}):
         values = [None if method is None else method.stiffness_by_order.get(order) for method in both]
@@ -113,6 +140,22 @@ def rows(result: Identification) -> list[tuple[str, str, str, str]]:
     errors = ["" if m is None else f"{m.mse_percent_by_order[m.order]:.3g}" for m in both]
     lines.append(("error left (MSE)", "%", errors[0], errors[1]))
     return lines
+
+
+def _damping_rows(
+    name: str, values: list[Estimate | None], result: Identification
+) -> list[tuple[str, str, str, str]]:
+    """Return a damping in N, kg and s with the same per unit mass under it; only the latter where no mass is known."""
+    decay = result.decay
+    if decay.mass is None:
+        return [_row(name, values)]
+    mass, std = decay.mass, decay.mass_std
+    whole = [None if value is None else times_mass(value, mass, std, decay.unit) for value in values]
+    per = "per unit inertia" if decay.unit == "rad" else "per unit mass"
+    if not any(whole):
+        return [_row(f"{name}, {per}", values)]
+    plain, _, symbol = name.rpartition(" ")
+    return [_row(plain, whole), _row(f"  {symbol}, {per}", values)]
 
 
 def _row(name: str, values: list[Estimate | None]) -> tuple[str, str, str, str]:
@@ -144,11 +187,13 @@ def uncorrected(result: Identification) -> str:
     right, wrong = with_.damping[1], without.damping[1]
     return (
         f"the lag corrected, the restoring force would have given mu_1 = {wrong.value:.3f} {wrong.unit} "
-        f"instead of {right.value:.3f}"
+        f"instead of {right.value:.3f} {right.unit}"
     )
 
 
-def next_steps(console: Console, folder: Path) -> None:
-    """Print where everything is and what to do next."""
+def next_steps(console: Console, folder: Path, result: Identification) -> None:
+    """Print where everything is and what to do next: to look where the model fails, or at what was found."""
     console.print(Text(f" everything is in {folder}", style="dim"), soft_wrap=True)
-    console.print(f" next: station view {folder}", markup=False, soft_wrap=True)
+    found = result.adequacy
+    step = "report" if found is not None and found.adequate else "compare"
+    console.print(next_line(step, folder), markup=False, soft_wrap=True)

@@ -205,7 +205,8 @@ def summary(result: Identification) -> str:
         text += (
             "## Without the correction\n\nthe restoring force surface would have given "
             f"mu_1 = **{without.damping[1].value:.3f} {without.damping[1].unit}** instead of "
-            f"**{with_.damping[1].value:.3f}**. A displacement late by the lag adds omega_0^2 times it: "
+            f"**{with_.damping[1].value:.3f} {with_.damping[1].unit}**. A displacement late by the lag adds omega_0^2 "
+            "times it: "
             f"{omega_squared * lag.value:+.3f} {with_.damping[1].unit}."
         )
     return text

@@ -10,10 +10,11 @@ import rerun.blueprint as rrb
 
 from identify.fitting.fit import Fit
 from station.results.ladder import KeptLadder, KeptRung
+from station.story.measured_curves import MeasuredCurve, measured_curves
 from station.text.ladder_text import changed_parameters, step
 from station.text.layout import sentence
 from station.text.numbers import scale, three_figures, with_unit
-from station.views import log, palette
+from station.views import log, palette, plots
 from station.views.figure import figure, legend
 from station.views.log import Array
 from station.views.plots import literal
@@ -60,12 +61,21 @@ def write(stream: rr.RecordingStream, fitted: FittedLadder, root: str = ROOT) ->
         )  # so that the tab is not empty on the other tabs' timeline
         _frame(stream, f"{root}/motion", _motion(fitted, place, close_up, reach))
         _frame(stream, f"{root}/errors", _errors(fitted, place))
+        for curve in _curves(fitted, place):
+            drawn, (axis,) = figure(5.4, 3.6)
+            plots.measured_curve(axis, curve, plots.SCREEN)
+            _frame(stream, f"{root}/curve", drawn)
         text = rr.TextDocument(summary(fitted, place), media_type="text/markdown")
         stream.log(f"{root}/summary", text)
         for name, _ in ERRORS:
             value = getattr(fitted.rungs[place].error, name)
             stream.log(f"{root}/numbers/{name}", rr.Scalars([np.nan if value is None else value]))
     stream.reset_time()
+
+
+def _curves(fitted: FittedLadder, place: int) -> tuple[MeasuredCurve, ...]:
+    """Return the measured curve of a rung, the last one where there are several; nothing where there is none."""
+    return measured_curves(fitted.fits[place], fitted.rungs[place].model.expressions)[-1:]
 
 
 def _frame(stream: rr.RecordingStream, path: str, drawn: "Figure") -> None:
@@ -195,10 +205,14 @@ def summary(fitted: FittedLadder, place: int) -> str:
 
 def tab(fitted: FittedLadder, root: str = ROOT) -> rrb.Container:
     """Return the layout of the tab."""
+    words: rrb.View | rrb.Container = log.document("This rung", f"{root}/summary")
+    if any(_curves(fitted, place) for place in range(len(fitted.fits))):
+        curve = log.shown_picture("The measured curve", f"{root}/curve")
+        words = rrb.Vertical(words, curve, row_shares=[1.6, 1.0])
     return rrb.Horizontal(
         log.shown_picture("The model closes in on the measurement", f"{root}/motion"),
         log.shown_picture("The errors fall to the floor", f"{root}/errors"),
-        log.document("This rung", f"{root}/summary"),
+        words,
         column_shares=[1.35, 0.9, 0.75],
         name=NAME,
     )

@@ -13,6 +13,7 @@ from identify.diagnosis.force_map import ForceMap
 from identify.restoring_force.restoring_force import Section
 from identify.wavelet.wavelet import WaveletResult
 from station.results.diagnosis_document import CurveDocument
+from station.story.measured_curves import MeasuredCurve
 from station.text.numbers import scale_as_recorded, three_figures, typeset
 from station.views import palette
 
@@ -186,4 +187,17 @@ def shape(axis: "Axes", curve: CurveDocument, look: Look) -> None:
     axis.set(
         xlabel=literal(f"{curve.coordinate} [{unit}]"),
         ylabel="missing force per unit mass\n(band: 2 std. errors)",
+    )
+
+
+def measured_curve(axis: "Axes", curve: MeasuredCurve, look: Look) -> None:
+    """Draw a measured curve of a model with two standard errors."""
+    factor, unit = scale_as_recorded("displacement" if curve.unit == "m" else "", curve.unit)
+    low, high = curve.value - 2 * curve.std, curve.value + 2 * curve.std
+    axis.fill_between(curve.position * factor, low, high, color=look.noise, lw=0)
+    axis.plot(curve.position * factor, curve.value, color=look.second, lw=1.5)
+    axis.axhline(0, color=look.faint, lw=0.7)
+    axis.set(
+        xlabel=literal(f"{curve.over} [{unit}]"),
+        ylabel=literal(f"measured curve, per unit mass\n[{curve.value_unit}] (band: 2 std. errors)"),
     )

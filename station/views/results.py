@@ -77,10 +77,12 @@ def tab(result: Identification) -> rrb.Container:
     if result.wavelet is not None:
         _, left = scale(result.wavelet.channel, result.decay.unit, fine=True)
         views.append(log.curves("Decay: measured, and rebuilt from the parameters", [f"{ROOT}/decay/**"]))
-        views.append(log.curve(f"What the rebuilt decay leaves [{left}]", f"{ROOT}/decay_error"))
+        views.append(log.curve(f"Measured less rebuilt decay [{left}]", f"{ROOT}/decay_error"))
     if result.restoring_force is not None:
         views.append(log.curves("Restoring force per unit mass: measured, and its fit", [f"{ROOT}/force/**"]))
-        views.append(log.curve(f"What the fit leaves [{result.decay.unit}/s^2]", f"{ROOT}/force_error"))
+        views.append(
+            log.curve(f"Measured less fitted force [{result.decay.unit}/s^2]", f"{ROOT}/force_error")
+        )
     text = log.document("Both methods", f"{ROOT}/table")
     if not views:
         return rrb.Vertical(text, name="Results")

@@ -7,13 +7,15 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.diagnosis.force_map import ForceMap
+from identify.formatting import plain_name
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.diagnosis_document import DiagnosisDocument, ShapeDocument, SuspectDocument
 from station.results.diagnosis_fits import DiagnosisFits
-from station.text.diagnosis_text import headline, not_told_apart
+from station.story.suspect_words import would_explain
+from station.text.diagnosis_text import headline, in_order, not_told_apart
 from station.text.layout import sentence
-from station.text.numbers import evidence, probability, scale, three_figures, with_unit
+from station.text.numbers import scale, three_figures, with_unit
 from station.views import log, palette, plots
 from station.views.figure import figure, legend
 from station.views.plots import SCREEN, literal
@@ -108,7 +110,7 @@ def _shape(stream: rr.RecordingStream, shape: ShapeDocument, root: str) -> None:
     curve = shape.curves[0]
     drawn, (axis,) = figure(6.0, 4.0)
     plots.shape(axis, curve, SCREEN)
-    axis.set_title(f"the shape of it: explains {100 * shape.explained:.0f} % of the rest")
+    axis.set_title(f"the free form explains {100 * shape.explained:.0f} % of the rest")
     numbers = {"position": curve.position, "force": curve.force_per_mass, "std": curve.std}
     log.picture(stream, f"{root}/shape", drawn, numbers)
 
@@ -118,14 +120,15 @@ def summary(document: DiagnosisDocument) -> str:
     lines = [f"# {headline(document)}", "", document.explanation, ""]
     if document.rivals:
         lines += [f"**{sentence(not_told_apart(document))}**", ""]
-    lines += ["| suspect | chi2 after | evidence | p |", "|---|---:|---:|---:|"]
+    lines += ["| suspect | would explain | chi2 after |", "|---|---:|---:|"]
     lines += [
-        f"| {s.effect} | {three_figures(s.error_after)} | {evidence(s.evidence)} | {probability(s.p_value)} |"
-        for s in document.suspects[:8]
+        f"| {plain_name(s.effect)} | {would_explain(document.error.chi2, s.error_after)} | "
+        f"{three_figures(s.error_after)} |"
+        for s in in_order(document)[:8]
     ]
     if document.suspects:
         first = document.suspects[0]
-        lines += ["", f"## {first.effect}", "", first.title, ""]
+        lines += ["", f"## {plain_name(first.effect)} (`{first.effect}`)", "", first.title, ""]
         lines += [f"- {name} = {with_unit(value)}" for name, value in first.parameters.items()]
     for finding in document.findings:
         lines += ["", f"**Sensor**: {finding.title}; {finding.what_to_do}."]

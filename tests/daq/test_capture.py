@@ -23,7 +23,7 @@ from daq.errors import (
 from daq.link import Link
 from daq.recording import Channel, Gap
 from daq.session import Session, SessionInfo, State, recover, verify
-from firmware_protocol import Config, Hello, Nack, NackCode, Start, Stop
+from firmware_protocol import Clock, Config, Describe, Hello, Nack, NackCode, Start, Stop
 
 SETTINGS = CaptureSettings(duration_s=8.0, check_clock=False, info=SessionInfo(operator="Ada", mass_kg=21.36))
 SAMPLES = decay()
@@ -299,6 +299,29 @@ def test_the_rate_is_compared_with_this_computers_clock(
     session = capture(board, CaptureSettings(), tmp_path / "s")
     assert session.info.verdict == "OK"
     assert session.recording().rate_std == pytest.approx(0.002 * RATE, rel=1e-3)
+
+
+class StatedClock(ScriptedBoard):
+    """States the error of its clock behind each DESCRIBE."""
+
+    def _send(self, message: object) -> None:
+        super()._send(message)
+        if isinstance(message, Describe):
+            super()._send(Clock(30.0))
+
+
+@pytest.mark.parametrize(("faster", "std_ppm"), [(1e-6, 30.0), (2e-3, 2000.0)])
+def test_a_stated_clock_error_is_believed_as_far_as_this_computers_clock_bears_it_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, faster: float, std_ppm: float
+) -> None:
+    board = StatedClock(SAMPLES)
+    clocked(board, (1 + faster) * RATE, monkeypatch)
+    session = capture(board, CaptureSettings(), tmp_path / "s")
+    found = session.recording().rate_std
+    assert found is not None
+    # 30 ppm stated; frames of 16 samples that come at once leave less than that
+    assert found <= 1.001e-6 * std_ppm * RATE
+    assert faster < 1e-3 or found == pytest.approx(1e-6 * std_ppm * RATE, rel=1e-3)
 
 
 def test_a_rate_that_this_computers_clock_contradicts_is_reported(

@@ -6,6 +6,7 @@ from scripted_board import RATE, decay, describe
 
 from daq.decode import Assembly, Block
 from daq.errors import DataLost
+from daq.integrity import Integrity, Outcome
 from daq.recording import Gap
 from firmware_protocol import (
     ChannelDescription,
@@ -128,9 +129,11 @@ def test_the_checksum_of_all_samples_is_compared() -> None:
     from zlib import crc32
 
     check = crc32(data(0, 32).samples)
-    assert assembly(data(0), data(16), End(32, 0, check)).checksum_agrees() is True
-    assert assembly(data(0), data(16), End(32, 0, check ^ 1)).checksum_agrees() is False
-    assert assembly(data(0), End(32, 0, check)).checksum_agrees() is None
+    whole = (data(0), data(16))
+    assert assembly(*whole, End(32, 0, check)).integrity() == Integrity(Outcome.AGREES)
+    assert assembly(*whole, End(32, 0, check ^ 1)).integrity() == Integrity(Outcome.DIFFERS)
+    assert assembly(data(0), End(32, 0, check)).integrity().checksum is Outcome.UNCHECKED
+    assert assembly(*whole).integrity() == Integrity(Outcome.UNCHECKED, "the board's END never came")
 
 
 def test_a_number_that_is_none_is_marked() -> None:

@@ -13,7 +13,13 @@ ROWS = promises()
 # Each row on one line, in turn; on both where the line itself is at fault. `python -m bench trust` injects every
 # row on each of its lines, in real time and with several seeds.
 ON_BOTH = ("unplug", "unplug and replug")
-LONG = ("a slow line", "a second program on the socket")
+LONG = (
+    "a slow line",
+    "a second program on the socket",
+    "no description",
+    "line noise",
+    "a resend without end",
+)
 CASES = [
     pytest.param(
         row, line, id=f"{row.fault} on {line}", marks=[pytest.mark.slow] if row.fault in LONG else []

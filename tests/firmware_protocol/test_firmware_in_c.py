@@ -366,3 +366,25 @@ def test_the_command_on_the_page_builds_the_example(tmp_path: Path) -> None:
     command = command.replace("build/board", str(tmp_path / "board"))
     subprocess.run(command, shell=True, cwd=ROOT, check=True, timeout=60)
     assert (tmp_path / "board").exists()
+
+
+def test_a_request_of_another_stream_is_nobodys(host: BenchHost) -> None:
+    host.send_bytes(b"\0" + encode(Start(5), 0, stream=1))
+    host.hello()
+    host.next(Hello)
+    assert host.messages(Data) == []
+    assert host.messages(Ack) == []
+
+
+def test_more_channels_than_a_description_carries_do_not_compile(tmp_path: Path) -> None:
+    source = tmp_path / "many.c"
+    text = (C_FOLDER / "board.h").read_text().replace("BOARD_CHANNELS 2", "BOARD_CHANNELS 17")
+    (tmp_path / "board.h").write_text(text)
+    source.write_text('#include "board.h"\nint main(void) { return 0; }\n')
+    done = subprocess.run(
+        [compiler(), "-fsyntax-only", f"-I{tmp_path}", f"-I{C_FOLDER}", str(source)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert "do not fit the frame of DESCRIBE" in done.stderr

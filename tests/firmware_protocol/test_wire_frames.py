@@ -135,7 +135,6 @@ def test_values_of_a_later_minor_version_read_as_other() -> None:
         (0x03, b"\x00" * 7),
         (0x89, b""),
         (0x89, b"\x05abcd"),
-        (0x89, b"\x01\xff"),
         (0x85, struct.pack("<QQIHBB", 0, 0, 0, 2, 1, 1) + b"\x00" * 3),
         (0x85, struct.pack("<QQIHBB", 0, 0, 0, 1, 1, 9) + b"\x00" * 8),
         (0x82, b"\x01"),
@@ -149,3 +148,22 @@ def test_a_sound_checksum_around_nonsense_is_counted_as_malformed(code: int, bod
     decoder = Decoder()
     assert decoder.feed(frame(struct.pack("<BBBBI", 1, code, 0, 0, 0) + body)) == []
     assert decoder.statistics.malformed == 1
+
+
+def test_a_text_that_is_not_utf8_is_taken_with_marks_in_it() -> None:
+    (got,) = Decoder().feed(frame(struct.pack("<BBBBI", 1, 0x89, 0, 0, 0) + b"\x04g\xfcn!"))
+    assert got.message == Log("g\N{REPLACEMENT CHARACTER}n!")
+
+
+def test_why_a_sound_frame_was_not_understood_is_kept() -> None:
+    decoder = Decoder()
+    decoder.feed(frame(struct.pack("<BBBBI", 1, 0x89, 0, 0, 0) + b"\x05abcd"))
+    assert decoder.statistics.why_malformed == "type 0x89: a text runs past the end of the body"
+
+
+@pytest.mark.parametrize(("channels", "text"), [(16, 0), (12, 22)])
+def test_a_description_holds_as_many_channels_as_the_page_says(channels: int, text: int) -> None:
+    one = ChannelDescription("n" * text, "", "", 1.0, 0.0, 256.0)
+    assert len(encode(Describe(SampleFormat.I16, (one,) * channels), 0)) <= 1030
+    with pytest.raises(ValueError, match="a frame carries at most"):
+        encode(Describe(SampleFormat.I16, (one,) * (channels + 1)), 0)

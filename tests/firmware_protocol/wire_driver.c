@@ -138,6 +138,9 @@ static void read_message(struct wire_message *m) {
         m->as.end.total_dropped = integer();
         m->as.end.checksum = (uint32_t)integer();
         break;
+    case WIRE_CLOCK:
+        m->as.clock.error_ppm = real();
+        break;
     case WIRE_LOG:
         m->as.log.text = text();
         break;
@@ -254,6 +257,9 @@ static void show_frame(const struct wire_frame *frame) {
         show(m->as.end.total_samples);
         show(m->as.end.total_dropped);
         show(m->as.end.checksum);
+        break;
+    case WIRE_CLOCK:
+        show_real(m->as.clock.error_ppm);
         break;
     case WIRE_LOG:
         show_text(m->as.log.text);

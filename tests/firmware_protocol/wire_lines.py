@@ -15,6 +15,7 @@ from firmware_protocol import (
     TYPE_OF,
     Ack,
     ChannelDescription,
+    Clock,
     Config,
     Data,
     Describe,
@@ -114,7 +115,7 @@ class RandomMessages:
     def message(self) -> Message:
         i = self.integer
         made: Message
-        match self.rng.randrange(15):
+        match self.rng.randrange(16):
             case 0:
                 made = HelloRequest(i(8), i(8))
             case 1:
@@ -145,6 +146,8 @@ class RandomMessages:
                 made = End(i(64), i(64), i(32))
             case 13:
                 made = Log(self.text())
+            case 14:
+                made = Clock(self.number())
             case _:
                 made = self.data()
         return made

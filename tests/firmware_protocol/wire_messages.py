@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from firmware_protocol import (
     Ack,
     ChannelDescription,
+    Clock,
     Config,
     Data,
     Describe,
@@ -93,6 +94,7 @@ messages = st.one_of(
     st.builds(Event, kind=st.sampled_from(EventKind), index=u64, count=u32, channel=u8, text=text(60)),
     st.builds(End, total_samples=u64, total_dropped=u64, checksum=u32),
     st.builds(Log, text=text(60)),
+    st.builds(Clock, error_ppm=number),
 )
 
 

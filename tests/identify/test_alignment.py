@@ -6,6 +6,7 @@ import pytest
 from decays_in_closed_form import coulomb, exponential
 
 from identify.errors import NotIdentifiable
+from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
 from identify.preprocessing.alignment import align, correct
 from identify.preprocessing.release import find_release
@@ -206,3 +207,22 @@ def test_a_coupling_capacitor_passes_for_a_lag() -> None:
     sample = draw("ac_coupling", 0.01, 3)
     score = lag_score(sample.displacement, sample.acceleration, sample.truth["displacement_late_s"])
     assert abs(score) > 50
+
+
+def test_a_lag_that_is_stated_is_a_prior_and_said() -> None:
+    """Two normal estimates of one lag: the mean is weighed by their variances."""
+    decay = decay_of(drawn(3))
+    free = align(decay).lag
+    stated = Estimate(free.value + 2.0 * free.std, 2.0 * free.std, "s")
+    found = align(decay.with_(stated_lag=stated))
+    assert found.lag.value == pytest.approx(free.value + 0.2 * 2.0 * free.std, rel=1e-9)
+    assert found.lag.std == pytest.approx(free.std * np.sqrt(0.8), rel=1e-9)
+    assert "of the data sheets as prior" in found.method
+    assert found.caution == align(decay).caution
+
+
+def test_a_stated_lag_that_contradicts_the_motion_is_left_out_and_said() -> None:
+    decay = decay_of(drawn(3))
+    found = align(decay.with_(stated_lag=Estimate(0.02, 1e-3, "s")))
+    assert found.lag == align(decay).lag
+    assert "suspect the delays that the board states" in found.caution

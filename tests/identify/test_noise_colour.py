@@ -10,7 +10,16 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.noise_colour import noise_colours
 from identify.model.model import base_model
-from identify.preprocessing.noise_colour import COLOURED, SHAPES, STRENGTHS, best, colour_at_rest, white_part
+from identify.preprocessing.noise_colour import (
+    COLOURED,
+    SHAPES,
+    STRENGTHS,
+    Line,
+    best,
+    colour_at_rest,
+    white_part,
+    with_common_lines,
+)
 from mocks.generate import draw
 from mocks.imperfections import HUM, ONE_OVER_F, RANDOM_WALK, one_over_f
 
@@ -59,6 +68,42 @@ def test_a_line_is_a_line_and_no_colour():
         assert line.power == pytest.approx(4.5, rel=0.6)
         assert colour.log_likelihood.max() < 2.0 * COLOURED
     assert 0.5 < np.std(errors) < 2.0  # the grid of the search adds its step to the stated error
+
+
+def test_a_line_in_coloured_noise_is_as_strong_as_it_is():
+    clock, powers = np.arange(N) / RATE, []
+    for seed in range(30):
+        rest = one_over(seed) + 3.0 * np.sin(2 * np.pi * 50.02 * clock + seed)
+        powers += [
+            line.power for line in colour_at_rest(rest, RATE).lines if abs(line.frequency - 50.02) < 1.0
+        ]
+    assert len(powers) > 25
+    # 4.5 times the white noise; up to a third less where 1/f noise counts as white
+    assert 2.5 < np.median(powers) < 6.0
+    assert max(powers) < 12.0
+
+
+def test_of_the_lines_of_one_sensor_the_strongest_is_left_to_be_named():
+    clock = np.arange(N) / RATE
+    lines = 3.0 * np.sin(2 * np.pi * 50.02 * clock) + 2.0 * np.sin(2 * np.pi * 83.4 * clock)
+    rests = {
+        "displacement": colour_at_rest(white(1) + lines, RATE),
+        "acceleration": colour_at_rest(white(2), RATE),
+    }
+    found = with_common_lines(rests, 4.0)
+    assert [line.frequency for line in found["displacement"].common] == [pytest.approx(83.4, abs=0.3)]
+    assert found["acceleration"].common == ()
+
+
+def test_hum_that_one_rest_hides_is_shared_where_both_residuals_show_it():
+    clock = np.arange(N) / RATE
+    rests = {"acceleration": colour_at_rest(white(1) + 3.0 * np.sin(2 * np.pi * 50.02 * clock), RATE)}
+    along = (Line(50.0, 0.03, 4.5),)
+    assert with_common_lines(rests, 4.0)["acceleration"].common == ()
+    shared = with_common_lines(rests, 4.0, {"acceleration": along, "displacement": along})[
+        "acceleration"
+    ].common
+    assert [line.frequency for line in shared] == [pytest.approx(50.0, abs=0.06)]
 
 
 def test_steps_of_a_converter_say_nothing_of_colour():

@@ -90,7 +90,7 @@ def test_an_interruption_ends_with_130(monkeypatch, capsys):
 
     monkeypatch.setattr(module, "print_json", interrupted)
     assert run(["list", "--json"]) == exits.INTERRUPTED
-    assert "interrupted (kept: where it lies)" in capsys.readouterr().err
+    assert "interrupted; what was received is kept in where it lies" in capsys.readouterr().err
 
 
 def test_a_fault_of_the_program_ends_with_1_in_a_sentence(monkeypatch, capsys):

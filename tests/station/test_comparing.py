@@ -32,7 +32,7 @@ def inside(folder, monkeypatch):
 
 
 def test_compare_tells_the_worst_places_in_newtons_within_80_columns(inside, capsys):
-    assert run(["compare", "cubic.csv", "--mass", str(MASS)]) == 0
+    assert run(["compare", "cubic.csv", "--model", "usual", "--mass", str(MASS)]) == 0
     text = capsys.readouterr().out
     k3 = json.loads((inside / "truth.json").read_text())["k3"]
     told = " ".join(text.split())
@@ -43,7 +43,7 @@ def test_compare_tells_the_worst_places_in_newtons_within_80_columns(inside, cap
 
 
 def test_compare_as_json_holds_errors_places_and_cycles_and_is_kept(inside, capsys):
-    assert run(["compare", "cubic.csv", "--mass", str(MASS), "--json"]) == 0
+    assert run(["compare", "cubic.csv", "--model", "usual", "--mass", str(MASS), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["error"]["chi2"] > 10
     assert document["error"]["force_mse_percent"] > document["error"]["force_mse_percent_of_noise"]
@@ -52,6 +52,16 @@ def test_compare_as_json_holds_errors_places_and_cycles_and_is_kept(inside, caps
     assert len(document["cycles"]["time_s"]) == len(document["cycles"]["energy_error_per_mass"])
     kept = json.loads((inside / "sessions" / "cubic" / "results" / "comparison.json").read_text())
     assert kept == document
+
+
+def test_without_a_model_the_one_that_was_identified_is_compared_with_its_orders(inside, capsys):
+    assert run(["identify", "cubic.csv", "--json"]) == 0
+    own = json.loads(capsys.readouterr().out)["adequacy"]
+    assert "cubic_stiffness" in own["effects"]  # the backbone bends
+    assert run(["compare", "cubic.csv", "--json"]) == 0
+    compared = json.loads(capsys.readouterr().out)
+    assert compared["model"]["effects"] == own["effects"]
+    assert compared["error"]["chi2"] == pytest.approx(own["chi2"], abs=0.05)
 
 
 def test_the_compare_tab_shows_the_measurement_as_recorded_and_the_model_beside_it(inside):

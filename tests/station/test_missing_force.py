@@ -88,7 +88,7 @@ def test_the_verdict_fits_a_terminal_and_comes_first(diagnosis):
     lines = text.splitlines()
     assert all(len(line) <= 80 for line in lines)
     assert len(lines) <= 46
-    assert next(line for line in lines if line.strip()) == " A FORCE IS MISSING: cubic_stiffness"
+    assert next(line for line in lines if line.strip()) == " A FORCE IS MISSING: cubic stiffness"
     assert re.search(r" used +0\.\d+ to \d\.\d+ of 8\.75 s, ", text)
     largest, smallest = (diagnosis["shares"][i]["amplitude"] * 1e3 for i in (0, 1))
     assert f" at {largest:#.3g} mm, the largest" in text

@@ -80,7 +80,7 @@ def test_each_rung_tells_what_it_added_and_why_the_climb_stopped(file):
 
 def test_the_suspects_tab_shows_the_errors_that_were_found(file, refinement):
     (verdict,) = texts(file, "/suspects/verdict")
-    assert "A FORCE IS MISSING: cubic_stiffness" in verdict
+    assert "A FORCE IS MISSING: cubic stiffness" in verdict
     shown = column(file, "/suspects/errors/numbers", "chi2_after")
     assert shown[0] == pytest.approx(
         refinement.ladder.rungs[0].error.chi2, rel=0.05

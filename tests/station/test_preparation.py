@@ -9,7 +9,7 @@ from daq.session import Session
 from daq.session_info import SessionInfo
 from identify.errors import NotIdentifiable
 from station.settings import Settings, Specimen
-from station.story.preparation import Options, options_for, prepare_session
+from station.story.preparation import Options, free_decay, options_for, prepare_session
 
 
 def session_of(folder, uncertainties=(None, None), samples=slice(None), info=None):
@@ -50,3 +50,20 @@ def test_the_mass_given_comes_before_the_sessions_and_that_before_the_settings(t
     assert options_for(weighed, settings, 1.0) == Options(1.0, None)
     assert options_for(weighed, settings) == Options(2.0, 0.2)
     assert options_for(session_of(tmp_path / "b"), settings) == Options(3.0, 0.3)
+
+
+def test_stated_delays_become_a_lag_with_its_error_and_the_rate_keeps_its_own():
+    channels = (
+        Channel("displacement", "displacement", "m", group_delay_s=4.1e-3),
+        Channel("acceleration", "acceleration", "m/s^2", group_delay_s=5.0e-3),
+    )
+    made = decay()
+    readings = np.array([made.displacement, made.acceleration])
+    valid = np.ones(readings.shape[1], dtype=bool)
+    found = free_decay(Recording(made.rate, channels, readings, valid, rate_std=0.01), Options())
+    assert found.stated_lag is not None
+    assert found.stated_lag.value == pytest.approx(-0.9e-3)
+    assert found.stated_lag.std == pytest.approx(0.15 * np.hypot(4.1e-3, 5.0e-3))
+    assert found.rate_std == 0.01
+    silent = tuple(Channel(c.name, c.quantity, c.unit) for c in channels)
+    assert free_decay(Recording(made.rate, silent, readings, valid), Options()).stated_lag is None

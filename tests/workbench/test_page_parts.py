@@ -21,9 +21,9 @@ CSS = Path(shelf.__file__).parent / "static" / "bench.css"
     ("before", "after", "words"),
     [
         (229.0, 1.05, "would explain all of it"),
-        (229.0, 1.4, "would explain 99.82 %"),
+        (229.0, 1.4, "would explain 99.8 %"),
         (229.0, 100.0, "would explain 57 %"),
-        (229.0, 226.0, "would explain 1.3 %"),
+        (229.0, 226.0, "would explain 1 %"),
         (229.0, 229.1, "would explain nothing"),
         (1.0, 0.9, ""),
         (229.0, None, ""),

@@ -9,6 +9,7 @@ from identify.effects.library import LIBRARY
 from identify.effects.user.build import finished
 from identify.effects.user.draft import NAME, VARIABLES, from_formulas, from_functions
 from identify.effects.user.expression import CONSTANTS, FUNCTIONS, ZERO, Node, parse_expression
+from identify.effects.user.measured_curve import curve_effect, read_curve
 from identify.effects.user.settings import OwnSetting, read_setting
 
 _LONGEST_LINE = 1000
@@ -19,7 +20,8 @@ def parse_effect(text: str) -> ForceEffect:
 
     Left of the sign stands the name, right of it the force per unit mass in t (s since the release), u, v and parameters
     of your own; what multiplies `sgn(v)` is dry friction. After semicolons a parameter may have a unit, bounds and
-    starting values (see `own_settings`). Raises ValueError, in a sentence with the place, when it cannot be read.
+    starting values (see `own_settings`). `spline(u, -0.02, 0.02, 4)` is a measured
+    curve (`measured_curve`). Raises ValueError, in a sentence with the place, when it cannot be read.
     """
     if len(text) > _LONGEST_LINE:
         raise ValueError(f"the line has {len(text)} characters; at most {_LONGEST_LINE} are read")
@@ -31,6 +33,9 @@ def parse_effect(text: str) -> ForceEffect:
             f"'{first.strip()[:60]}' is not 'name = formula', such as 'magnet = a*u/(1 + (u/b)**2)'"
         )
     _check_name(name)
+    curve = read_curve(formula)
+    if curve is not None and not rest:
+        return curve_effect(name, curve)
     settings: list[OwnSetting] = []
     before = len(first) + 1
     for part in rest:

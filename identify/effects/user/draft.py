@@ -29,6 +29,10 @@ from identify.effects.user.linearity import Values, drawn_points, strength_in
 from identify.effects.user.python_function import along, compiled, parameters_of, placed
 
 VARIABLES = ("t", "u", "v", "z0", "z1")
+_MISTAKEN = {"x", "pos", "position", "displacement", "disp", "vel", "velocity", "speed", "xdot", "x_dot",
+             "dx", "dxdt", "du", "dudt", "udot", "u_dot", "acceleration", "time"}  # fmt: skip
+"""Names that somebody gives to displacement, velocity or time, not to a parameter."""
+
 NAME = re.compile(r"[A-Za-z]\w{0,39}", re.ASCII)
 
 
@@ -115,6 +119,11 @@ def _check_slip(name: str, nodes: tuple[Node, ...]) -> None:
 def _parameter_names(name: str, trees: tuple[Node, ...], states: int) -> tuple[str, ...]:
     found = [node for tree in trees for node in walk(tree) if isinstance(node, Name)]
     for node in found:
+        if node.name.lower() in _MISTAKEN:
+            raise ValueError(
+                f"{name}: character {node.at}: '{node.name}': displacement is u, velocity is v, time is t; other names "
+                "are parameters"
+            )
         if node.name in ("z0", "z1")[states:]:
             raise ValueError(f"{name}: character {node.at}: {node.name} has no rate that says how it changes")
         if node.name in FUNCTIONS:

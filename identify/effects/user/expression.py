@@ -182,7 +182,7 @@ def _call(found: ast.Call, name: str, first: int, depth: int, at: int) -> Call:
 def _check_power(power: Node, at: int) -> None:
     value = constant_of(power)
     if value is not None and not abs(value) <= LARGEST_POWER:
-        raise ValueError(f"character {at}: a power above {LARGEST_POWER:g} is no force that anyone has met")
+        raise ValueError(f"character {at}: powers above {LARGEST_POWER:g} are not read")
 
 
 def constant_of(node: Node) -> float | None:

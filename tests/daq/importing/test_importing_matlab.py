@@ -104,6 +104,18 @@ def test_a_small_file_that_unpacks_to_gigabytes_is_refused_before_it_does(
 
 
 @pytest.mark.parametrize("compressed", [False, True])
+def test_bytes_that_become_more_numbers_than_allowed_are_refused_before_they_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compressed: bool
+) -> None:
+    """One byte a number in the file, eight in memory."""
+    monkeypatch.setattr("daq.importing.mat_file.MAX_NUMBERS", 30_000)
+    whole = mat(compressed=compressed, x=np.zeros(20_000, "i1"), y=np.zeros(9_000, "i1"))
+    assert sum(values.size for _, values in read_version_5(whole)) == 29_000
+    more = mat(compressed=compressed, x=np.zeros(20_000, "i1"), y=np.zeros(11_000, "i1"))
+    assert "million numbers" in refusal(tmp_path, more, "a.mat")
+
+
+@pytest.mark.parametrize("compressed", [False, True])
 def test_what_another_reader_finds_is_found_here(compressed: bool) -> None:
     """scipy's reader is the referee; every class of numbers, small elements, nested structures and cells."""
     variables: dict[str, object] = {

@@ -1,0 +1,61 @@
+"""What a capture may take at most: bytes of log, room on the disk, seconds; refused before START."""
+
+from dataclasses import dataclass
+
+from daq.capture_settings import CaptureSettings
+from daq.errors import SettingsError
+from daq.raw_log import MAX_LOG
+
+HELLO_FOR_S = 5.0
+ANSWER_S = (0.25, 0.5, 1.0, 2.0)
+END_S = 30.0
+RESEND_FOR_S = 30.0
+
+SPARE_BYTES = 1 << 20
+LARGEST_OVERHEAD = (
+    80  # of a sample that is sent in a frame of its own and logged in a record of its own, bytes
+)
+SMALLEST_OVERHEAD = 1.08  # of frames that are full
+SLACK_BYTES = 1 << 22
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Of a capture at `rate` Hz with `sample_bytes` of numbers a sample, all channels together."""
+
+    settings: CaptureSettings
+    rate: float
+    sample_bytes: int
+
+    @property
+    def sampling_s(self) -> float:
+        """The longest time that the board samples, by its own clock: every wait to its end."""
+        s = self.settings
+        return s.rest_timeout_s + s.pre_trigger_s + s.trigger_timeout_s + s.duration_s
+
+    @property
+    def longest_s(self) -> float:
+        """The longest time from the opened port to the sealed session, whatever the board does, s."""
+        handshake = HELLO_FOR_S + END_S + sum(ANSWER_S)
+        settings_and_start = 2 * sum(ANSWER_S) + 3.0
+        sampling = self.settings.rest_timeout_s + self.settings.trigger_timeout_s
+        window = 2 * self.settings.duration_s + 5.0
+        return handshake + settings_and_start + sampling + window + END_S + sum(ANSWER_S) + RESEND_FOR_S
+
+    @property
+    def disk(self) -> int:
+        """Bytes that must be free: twice what the samples take in their widest format."""
+        s = self.settings
+        seconds = s.rest_s + s.pre_trigger_s + s.trigger_timeout_s + s.duration_s
+        return SPARE_BYTES + round(2 * self.rate * max(self.sample_bytes, 16) * seconds)
+
+    def require(self) -> int:
+        """Return how many bytes the log may take; SettingsError when full frames alone would not fit a session."""
+        least = self.rate * self.sampling_s * self.sample_bytes * SMALLEST_OVERHEAD
+        if least > MAX_LOG - SLACK_BYTES:
+            raise SettingsError(
+                f"at {self.rate:g} Hz this capture may take {least / 1e9:.3g} GB in {self.sampling_s:g} s, more than"
+                f" the {MAX_LOG / 1e9:.3g} GB of a session; ask for a lower rate, or for shorter waits and duration"
+            )
+        most = 2 * self.rate * self.sampling_s * (self.sample_bytes + LARGEST_OVERHEAD)
+        return min(SLACK_BYTES + round(most), MAX_LOG - SLACK_BYTES)

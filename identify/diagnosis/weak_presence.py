@@ -1,0 +1,65 @@
+"""Weak presence: points near a fit at which one more effect is there, but hardly."""
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.fitting.fit import Fit
+from identify.fitting.initial_values import inner_values, rest_states
+from identify.fitting.problem import Problem
+from identify.model.measured_path import force_along
+from identify.model.model import Term
+from identify.preprocessing.prepared_decay import PreparedDecay
+
+
+def states_of_term(base: Fit, term: Term, inner: dict[str, float]) -> dict[str, float]:
+    """Return the internal states of one more effect, by unknown's name, at the starts of the releases of a fit."""
+    found: dict[str, float] = {}
+    count = len(base.windows)
+    for i in range(count):
+        start = base.of_release(i)
+        states = rest_states(term, start["displacement"], start["velocity"], inner)
+        found |= {str(id.of_release(i, count)): value for id, value in states.items()}
+    return found
+
+
+def with_fault(base: Fit, term: Term, start: dict[str, float]) -> dict[str, float]:
+    """Return a fit's values with a sensor's fault in every release."""
+    point, count = base.point, len(base.windows)
+    for i in range(count):
+        point |= {str(term.parameter(name).of_release(i, count)): value for name, value in start.items()}
+    return point
+
+
+def probes(
+    decays: tuple[PreparedDecay, ...],
+    base: Fit,
+    problem: Problem,
+    term: Term,
+    start: dict[str, float],
+    share: float,
+) -> list[Array]:
+    """Return points near a fit at which a force is weakly present, one for each of its linear freedoms.
+
+    `problem` is that of the model with the term, `start` has its inner parameters by their own names; its rms force is a
+    `share` of the acceleration.
+    """
+    largest = max(decays, key=lambda prepared: prepared.amplitude)
+    begun = term.by_name(start)
+    inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
+    motion = largest.motion
+    along = (largest.time, motion.displacement, motion.velocity, largest.frequency)
+    force = force_along(term, inner_values(term, inner), *along)
+    rms = float(np.sqrt(np.mean(force**2)))
+    if not rms > 0.0:
+        return []
+    strength = share * float(np.sqrt(np.mean(motion.acceleration**2))) / rms
+    states = states_of_term(base, term, inner)
+    point = base.point | begun | {str(term.strength): strength} | states
+    points = [point]
+    sizes = (largest.amplitude, largest.amplitude * largest.frequency)
+    for i in range(len(base.windows)):
+        for j in range(term.force.states):
+            name = str(term.state(j).of_release(i, len(base.windows)))
+            if name in states:
+                points.append(point | {name: states[name] + 0.5 * sizes[j]})
+    return [problem.theta(p) for p in points]

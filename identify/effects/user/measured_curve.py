@@ -1,0 +1,154 @@
+"""The measured curve: a force that has no name, as a spline of a few knots over the coordinate it depends on.
+
+It is written in one line, such as `measured_curve = spline(u, -0.02, 0.02, 4)`: a cubic spline of five intervals over
+the displacement from -0.02 to 0.02, its six coefficients given in units of the fourth. Beyond its ends it stays level.
+Before `spline` may stand what it multiplies: `sgn(v)*` makes it a dry friction, `u*` and `v*` a stiffness or damping.
+The straight line and the constant are left to the spring and its zero: of the eight B-splines of five intervals the
+inner six are enough beside them (de Boor, A Practical Guide to Splines, 1978, ch. IX).
+"""
+
+import re
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from identify.arrays import Array
+from identify.effects.compiled import force_function
+from identify.effects.effect import Parameter
+from identify.effects.force_effect import ForceEffect
+
+COUNT = 6
+"""Coefficients: the strength and five ratios, all that an effect can have."""
+
+_LINE = re.compile(
+    r"(?:(?P<factor>sgn\(v\)|u|v)\s*\*\s*)?spline\(\s*(?P<over>u|v|t|abs\(v\))\s*,(?P<low>[^,()]+),(?P<high>[^,()]+),"
+    r"\s*(?P<unit>[1-6])\s*\)"
+)
+_UNITS = {"": "m/s^2", "sgn(v)": "m/s^2", "u": "1/s^2", "v": "1/s"}
+_WHAT = {"": "force", "sgn(v)": "dry friction", "u": "stiffness", "v": "damping"}
+_OVER = {"u": "displacement", "v": "velocity", "t": "time", "abs(v)": "speed"}
+
+
+@dataclass(frozen=True)
+class CurveForm:
+    """What a measured curve runs over ("u", "v", "abs(v)" or "t"), from `low` to `high`, and what it multiplies.
+
+    `factor` is "" for a force, "sgn(v)" for a dry friction, "u" for a stiffness, "v" for a damping. `unit` (1 to 6) is
+    the coefficient in units of which the others are given.
+    """
+
+    factor: str
+    over: str
+    low: float
+    high: float
+    unit: int
+
+    @property
+    def formula(self) -> str:
+        """The right side of the line in which it is kept."""
+        before = f"{self.factor}*" if self.factor else ""
+        return f"{before}spline({self.over}, {self.low:.6g}, {self.high:.6g}, {self.unit})"
+
+    def position(self, time: Array, u: Array, v: Array) -> Array:
+        """Return where along the curve a motion is, shape (n,)."""
+        return {"u": u, "v": v, "t": time, "abs(v)": np.abs(v)}[self.over]
+
+    def basis(self, position: Array) -> Array:
+        """Return the six B-splines at positions (n,), shape (n, 6)."""
+        step = (self.high - self.low) / (COUNT - 1)
+        y = (np.clip(position, self.low, self.high) - self.low) / step
+        away = np.abs(y[:, None] - np.arange(COUNT))
+        return np.asarray((np.maximum(2.0 - away, 0.0) ** 3 - 4.0 * np.maximum(1.0 - away, 0.0) ** 3) / 6.0)
+
+    def along(self, time: Array, u: Array, v: Array) -> Array:
+        """Return what each coefficient adds to the force along a motion, shape (n, 6)."""
+        multiplied = {"": np.ones_like(u), "sgn(v)": np.sign(v), "u": u, "v": v}[self.factor]
+        return np.asarray(self.basis(self.position(time, u, v)) * multiplied[:, None])
+
+
+def read_curve(formula: str) -> CurveForm | None:
+    """Return the measured curve that a formula describes, None where it is another formula; ValueError for wrong ends."""
+    found = _LINE.fullmatch(formula.strip())
+    if found is None:
+        return None
+    try:
+        low, high = float(found["low"]), float(found["high"])
+    except ValueError as error:
+        raise ValueError(f"'{formula.strip()[:60]}': the ends of the spline are not numbers") from error
+    if not (isfinite(low) and isfinite(high) and low < high):
+        raise ValueError(f"'{formula.strip()[:60]}': a spline runs from a smaller number to a larger one")
+    return CurveForm(found["factor"] or "", found["over"], low, high, int(found["unit"]))
+
+
+def curve_effect(name: str, form: CurveForm, ratios: tuple[float, ...] = (0.0,) * (COUNT - 1)) -> ForceEffect:
+    """Return a measured curve as an effect: a strength and five ratios to it, which a fit begins at `ratios`."""
+    what, over = _WHAT[form.factor], _OVER[form.over]
+    others = [number for number in range(1, COUNT + 1) if number != form.unit]
+    value = _value(form)
+    function = force_function(_of(value, form), cache=False)
+    friction = form.factor == "sgn(v)"
+    return ForceEffect(
+        name=name,
+        title=f"the measured curve: {what} over the {over}",
+        equation=f"{form.factor}*s({form.over})" if form.factor else f"s({form.over})",
+        parameters=(
+            Parameter("a", _UNITS[form.factor], f"coefficient {form.unit} of the spline, per unit mass"),
+            *(
+                Parameter(f"r{i}", "1", f"coefficient {i} of the spline over coefficient {form.unit}")
+                for i in others
+            ),
+        ),
+        force=None if friction else function,
+        friction=function if friction else None,
+        starts=lambda scales: (ratios,),
+        nonsmooth=True,
+        of_time=form.over == "t",
+        rarity=2,
+        symptom="what was measured, without a name",
+        confirming_test="another release: a force that belongs to the bench is the same curve there",
+    )
+
+
+def _value(form: CurveForm) -> Any:
+    low, high, unit = form.low, form.high, form.unit - 1
+    step = (high - low) / (COUNT - 1)
+    count = COUNT
+
+    @njit("f8(f8,UniTuple(f8,6))", error_model="numpy")
+    def value(x, p):  # type: ignore[no-untyped-def]
+        y = (min(max(x, low), high) - low) / step
+        total, k = 0.0, 1
+        for i in range(count):
+            near, far = abs(y - i), 1.0
+            if i != unit:
+                far = p[k]
+                k += 1
+            if near < 1.0:
+                total += far * ((2.0 - near) ** 3 - 4.0 * (1.0 - near) ** 3)
+            elif near < 2.0:
+                total += far * (2.0 - near) ** 3
+        return p[0] * total / 6.0
+
+    return value
+
+
+def _of(value: Any, form: CurveForm) -> Any:
+    """Return the force, or the level of friction, as a function (t, u, v, z, p) to compile."""
+    functions = {
+        ("", "u"): lambda t, u, v, z, p: value(u, p),
+        ("", "v"): lambda t, u, v, z, p: value(v, p),
+        ("", "t"): lambda t, u, v, z, p: value(t, p),
+        ("", "abs(v)"): lambda t, u, v, z, p: value(abs(v), p),
+        ("u", "u"): lambda t, u, v, z, p: u * value(u, p),
+        ("u", "v"): lambda t, u, v, z, p: u * value(v, p),
+        ("u", "t"): lambda t, u, v, z, p: u * value(t, p),
+        ("u", "abs(v)"): lambda t, u, v, z, p: u * value(abs(v), p),
+        ("v", "u"): lambda t, u, v, z, p: v * value(u, p),
+        ("v", "v"): lambda t, u, v, z, p: v * value(v, p),
+        ("v", "t"): lambda t, u, v, z, p: v * value(t, p),
+        ("v", "abs(v)"): lambda t, u, v, z, p: v * value(abs(v), p),
+    }
+    return functions["" if form.factor == "sgn(v)" else form.factor, form.over]

@@ -1,0 +1,136 @@
+"""Whether the model that was identified explains the record it was found in: said before any number is quoted."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import hypot
+
+from identify.estimate import Estimate
+from identify.fitting.baseline import fit_baseline
+from identify.fitting.fit import Fit
+from identify.fitting.model_error import errors_of
+from identify.fitting.segments import segments_of
+from identify.formatting import damping_name, three_figures
+from identify.model.model import Model, model_of_orders
+from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.restoring_force.restoring_force import RestoringForceResult
+from identify.wavelet.wavelet import WaveletResult
+
+_MANY = 1e5
+
+Method = WaveletResult | RestoringForceResult
+
+FAR_APART = 4.0
+"""Standard errors from which on the two methods disagree."""
+
+
+GAIN_WORTH_SAYING = 2e-3
+"""Relative difference of the channels' gains below which nothing is said of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Adequacy:
+    """The identified model as fitted to its own record, run freely from the release, and what it leaves.
+
+    `chi_square` is the misfit over the noise (1 ± `chi_square_std` where nothing is left), `motion_percent` what it leaves
+    of the motion, in % of its rms. `adequate` says whether the noise floor is reached. `apart` is the parameter in which
+    the two methods are farthest apart, in words, with the distance in standard errors `sigmas`.
+    """
+
+    fit: Fit
+    chi_square: float
+    chi_square_std: float
+    motion_percent: float
+    adequate: bool
+    apart: str = ""
+    sigmas: float = 0.0
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The names of the effects in the model."""
+        return self.fit.model.names
+
+    @property
+    def quotable(self) -> bool:
+        """Whether the identified values may be quoted: the model explains the record, and the methods agree."""
+        return self.adequate and self.sigmas <= FAR_APART
+
+
+def identified_model(wavelet: Method | None, restoring_force: Method | None) -> Model | None:
+    """Return the model that an identification stands for: of the methods, the one that found more; None without any."""
+    found = [method for method in (wavelet, restoring_force) if method is not None]
+    if not found:
+        return None
+    orders = {
+        order for method in found for order, value in method.stiffness_by_order.items() if _sure(order, value)
+    }
+    return model_of_orders(max(method.order for method in found), orders | {1})
+
+
+def _sure(order: int, value: Estimate) -> bool:
+    return order == 1 or abs(value.value) > FAR_APART * value.std
+
+
+def adequacy(prepared: PreparedDecay, model: Model, methods: Sequence[Method] = ()) -> Adequacy:
+    """Fit the identified model to its record and say what it leaves; `methods` are held against each other."""
+    baseline = fit_baseline(segments_of(prepared), model)
+    error = errors_of(baseline)
+    apart, sigmas = farthest(methods)
+    return Adequacy(
+        baseline.stated(baseline.fit),
+        error.chi_square,
+        error.floor_std,
+        error.motion_percent,
+        baseline.at_floor,
+        apart,
+        sigmas,
+    )
+
+
+def farthest(methods: Sequence[Method]) -> tuple[str, float]:
+    """Return in what two methods are farthest apart, and by how many standard errors; ("", 0) with fewer than two."""
+    if len(methods) < 2:
+        return "", 0.0
+    first, other = methods[0], methods[1]
+    pairs = [("stiffness K", first.stiffness, other.stiffness)]
+    pairs += [
+        (damping_name(order), *both)
+        for order, both in enumerate(zip(first.damping, other.damping, strict=False))
+    ]
+    distances = [(_sigmas(a, b), name) for name, a, b in pairs]
+    largest, name = max(distances)
+    return name, largest
+
+
+def _sigmas(first: Estimate, other: Estimate) -> float:
+    error = hypot(first.std, other.std)
+    return abs(first.value - other.value) / error if 0.0 < error < float("inf") else 0.0
+
+
+def times(ratio: float) -> str:
+    """Return how many times the noise is left, with three figures; in powers of ten where it would be many digits."""
+    return three_figures(ratio) if ratio < _MANY else f"{ratio:.0e}".replace("e+0", "e").replace("e+", "e")
+
+
+def judgement(found: Adequacy) -> str:
+    """Return in a sentence whether the values may be quoted."""
+    floor = f"noise floor 1 ± {found.chi_square_std:.2f}"
+    left = f"{three_figures(found.motion_percent)} % of the motion, {times(found.chi_square)} x the noise"
+    if not found.adequate:
+        return f"this model leaves {left} ({floor}): do not quote its values"
+    if not found.quotable:
+        return (
+            f"this model leaves {left} ({floor}), but the two methods are {found.sigmas:.0f} standard errors apart in "
+            f"{found.apart}: do not quote its values"
+        )
+    return f"this model leaves {left} ({floor}): its values may be quoted"
+
+
+def scale_doubt(gain: Estimate) -> str:
+    """Return by how much forces are uncertain since the gains of the two channels differ; "" where they agree."""
+    off = abs(gain.value - 1.0)
+    if off <= max(FAR_APART * gain.std, GAIN_WORTH_SAYING):
+        return ""
+    return (
+        f"The gains of the channels differ by {100.0 * off:.2g} %: every force is uncertain by as much until both sensors "
+        "are calibrated against one reference."
+    )

@@ -1,0 +1,131 @@
+"""What a test report quotes of a fitted model: stiffness, friction and damping in N, kg and s, frequency, damping ratio."""
+
+import math
+from dataclasses import dataclass
+
+from identify.effects.force_effect import LinearPart
+from identify.effects.library import LIBRARY
+from identify.estimate import Estimate
+from identify.fitting.fit import Fit
+
+_TIMES_MASS = {
+    "1/s^2": "N/m",
+    "m/s^2": "N",
+    "1/s": "N s/m",
+    "1/m": "kg/m",
+    "s/m^2": "kg s/m^2",
+    "1/(s^2 m)": "N/m^2",
+    "1/(m s^2)": "N/m^2",
+    "1/(s^2 m^2)": "N/m^3",
+    "1/(m^2 s^2)": "N/m^3",
+    "1/(m^4 s^2)": "N/m^5",
+    "1/(m^2 s)": "N s/m^3",
+}
+_TIMES_INERTIA = {
+    "1/s^2": "N m/rad",
+    "rad/s^2": "N m",
+    "1/s": "N m s/rad",
+    "1/rad": "N m s^2/rad^2",
+    "s/rad^2": "N m s^3/rad^3",
+}
+
+_NAMES = {
+    LinearPart.STIFFNESS: "stiffness K",
+    LinearPart.DRY_FRICTION: "friction force",
+    LinearPart.DAMPING: "viscous damping c",
+}
+_NAMES_OF_ANGLES = {
+    LinearPart.STIFFNESS: "stiffness K",
+    LinearPart.DRY_FRICTION: "friction moment",
+    LinearPart.DAMPING: "viscous damping c",
+}
+
+
+@dataclass(frozen=True)
+class EngineeringValue:
+    """A value under its name; `per_mass` is the same per unit mass (inertia), None where it has no mass in it."""
+
+    name: str
+    value: Estimate
+    per_mass: Estimate | None = None
+
+
+def times_mass(
+    value: Estimate, mass: float, mass_std: float | None = None, unit: str = "m"
+) -> Estimate | None:
+    """Return a strength per unit mass times the mass in kg (kg m^2 where the displacement's `unit` is rad).
+
+    The error of the mass joins that of the value. None where the product has no unit of its own.
+    """
+    spelled = (_TIMES_INERTIA if unit == "rad" else _TIMES_MASS).get(value.unit)
+    if spelled is None:
+        return None
+    return Estimate(
+        value.value * mass, math.hypot(value.std * mass, value.value * (mass_std or 0.0)), spelled
+    )
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """What turns strengths per unit mass into N, kg and s: the mass in kg (kg m^2 for a displacement in rad)."""
+
+    mass: float
+    mass_std: float | None = None
+    unit: str = "m"
+
+    def strength(self, effect: str, value: float, std: float | None, unit: str) -> Estimate | None:
+        """Return the strength of a force of the library with the mass in it; None for what is no force of the library."""
+        known = next((e for e in LIBRARY if e.name == effect), None)
+        if known is None or known.kind != "physics":
+            return None
+        error = math.nan if std is None else std
+        return times_mass(Estimate(value, error, unit), self.mass, self.mass_std, self.unit)
+
+
+def engineering_values(
+    fit: Fit, mass: float | None, mass_std: float | None = None
+) -> tuple[EngineeringValue, ...]:
+    """Return what is quoted of a fit: its strengths in N, kg and s where the `mass` (kg) is known, frequency and damping.
+
+    The frequency is that of the undamped spring, the damping ratio and the logarithmic decrement those of the viscous
+    part: mu_1/(2 w) and 2 pi zeta/sqrt(1 - zeta^2), with w^2 the stiffness per unit mass.
+    """
+    unit = fit.windows[0].unit
+    found = []
+    for term in fit.model.forces:
+        value = fit.of(term, 0)[term.effect.strength.name]
+        part = term.force.linear_part
+        name = (_NAMES_OF_ANGLES if unit == "rad" else _NAMES).get(part) if part is not None else None
+        if part is None:
+            name = f"{term.effect.title}, {term.effect.strength.name}"
+        whole = None if mass is None else times_mass(value, mass, mass_std, unit)
+        found.append(EngineeringValue(str(name), whole or value, value if whole is not None else None))
+    return (*found, *_of_the_oscillation(fit))
+
+
+def _of_the_oscillation(fit: Fit) -> tuple[EngineeringValue, ...]:
+    k, mu_1 = _linear(fit, LinearPart.STIFFNESS), _linear(fit, LinearPart.DAMPING)
+    if k is None or not k.value > 0.0:
+        return ()
+    omega = math.sqrt(k.value)
+    omega_std = k.std / (2.0 * omega)
+    hertz = 1.0 / (2.0 * math.pi)
+    frequency = EngineeringValue("natural frequency", Estimate(omega * hertz, omega_std * hertz, "Hz"))
+    if mu_1 is None:
+        return (frequency,)
+    zeta = mu_1.value / (2.0 * omega)
+    zeta_std = math.hypot(mu_1.std / (2.0 * omega), zeta * omega_std / omega)
+    if not abs(zeta) < 1.0:
+        return (frequency, EngineeringValue("damping ratio", Estimate(zeta, zeta_std, "1")))
+    root = math.sqrt(1.0 - zeta * zeta)
+    decrement = Estimate(2.0 * math.pi * zeta / root, 2.0 * math.pi * zeta_std / root**3, "1")
+    return (
+        frequency,
+        EngineeringValue("damping ratio (viscous part)", Estimate(zeta, zeta_std, "1")),
+        EngineeringValue("logarithmic decrement (viscous part)", decrement),
+    )
+
+
+def _linear(fit: Fit, part: LinearPart) -> Estimate | None:
+    name = fit.model.linear_strength(part)
+    return None if name is None else fit.values[str(name)]

@@ -1,0 +1,49 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from releases import ready
+
+from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, line_of_sensor_first, rank
+from identify.diagnosis.search import chances, singles
+from identify.effects.library import find_effect
+from identify.fitting.baseline import fit_baseline
+from identify.model.model import Term, base_model
+from mocks.generate import draw
+
+
+def entry(effect, evidence, plausible=True):
+    term = Term(find_effect(effect), {"channel": "acceleration"} if effect == "mains_hum" else {})
+    return Ranked(SimpleNamespace(term=term, plausible=plausible), evidence, 1e-9, True)
+
+
+def names(ranked):
+    return [one.candidate.term.effect.name for one in line_of_sensor_first(ranked)]
+
+
+def test_hum_comes_before_a_force_that_explains_no_more():
+    near = (
+        entry("second_mass", 50.0),
+        entry("cubic_stiffness", 49.0),
+        entry("mains_hum", 50.5 - RIVALS_WITHIN),
+    )
+    assert names(near) == ["mains_hum", "second_mass", "cubic_stiffness"]
+
+
+def test_hum_that_explains_clearly_less_or_is_implausible_stays_behind():
+    assert names((entry("second_mass", 50.0), entry("mains_hum", 45.0)))[0] == "second_mass"
+    assert names((entry("second_mass", 50.0), entry("mains_hum", 49.0, plausible=False)))[0] == "second_mass"
+
+
+def p_value(seed):
+    sample = draw(None, 0.0, seed, seconds=3.0, rate=96.0)
+    baseline = fit_baseline((ready(sample.rate, sample.displacement, sample.acceleration),), base_model())
+    return min(one.p_value for one in rank(baseline, singles(baseline), chances(baseline)))
+
+
+@pytest.mark.slow
+def test_p_values_of_the_best_suspect_of_nothing_are_not_too_often_small():
+    values = np.sort([p_value(seed) for seed in range(71000, 71040)])
+    excess = np.max(np.arange(1, len(values) + 1) / len(values) - values)
+    # Kolmogorov and Smirnov: uniform p-values exceed this in 1 of 100 samples of 40
+    assert excess < 1.52 / np.sqrt(len(values))

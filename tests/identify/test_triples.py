@@ -1,0 +1,31 @@
+import pytest
+from releases import drawn
+
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.screening import promising_triples
+from identify.diagnosis.suspects import candidate_terms
+from identify.effects.library import LIBRARY
+from identify.fitting.initial_values import scales_of
+from identify.model.model import base_model
+
+THREE = "hysteresis+cubic_stiffness+quadratic_damping"
+
+
+def screened(hidden, seed=71):
+    prepared = drawn(hidden, 0.02, seed, amplitude=0.02)[0]
+    terms = candidate_terms(base_model(), LIBRARY, prepared.window)
+    return promising_triples(prepared, base_model(), terms, scales_of(prepared, {}))
+
+
+def test_three_effects_lead_the_screening_though_pairs_of_them_do_not():
+    assert {begun.name for begun in screened(THREE)[0]} == set(THREE.split("+"))
+
+
+def test_where_two_effects_are_hidden_no_third_has_anything_to_explain():
+    assert screened("cubic_stiffness+quadratic_damping") == ()
+
+
+@pytest.mark.slow
+def test_three_effects_at_once_are_named_and_nothing_else():
+    found = diagnose((drawn(THREE, 0.02, 71, amplitude=0.02)[0],))
+    assert set(found.named) == set(THREE.split("+"))

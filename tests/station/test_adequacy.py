@@ -1,0 +1,136 @@
+"""The model that was identified is judged on its own record, before anybody quotes a value of it."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from identify.estimate import Estimate
+from identify.free_decay import FreeDecay
+from identify.model.model import base_model, model_of_orders
+from identify.preprocessing.prepared_decay import prepare
+from mocks.generate import draw
+from station.cli import run
+from station.story.adequacy import adequacy, farthest, identified_model, judgement, scale_doubt, times
+from station.story.engineering_values import engineering_values, times_mass
+
+MASS = 21.36
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a method found, as far as the judgement looks at it."""
+
+    order: int
+    stiffness: Estimate
+    damping: tuple[Estimate, ...]
+    stiffness_by_order: dict[int, Estimate] = field(default_factory=dict)
+
+
+def found(order, k=600.0, mu_0=0.1, cubic=None):
+    by_order = {1: Estimate(k, 0.01, "1/s^2")} | ({} if cubic is None else {3: cubic})
+    damping = tuple(Estimate(mu_0, 0.001, "m/s^2") for _ in range(order + 1))
+    return Found(order, by_order[1], damping, by_order)
+
+
+@pytest.fixture(scope="module")
+def releases():
+    """A release of the plain bench, and one with friction that rises at low speed; with their truth."""
+    made = {}
+    for name, effect, strength in (("plain", None, 0.0), ("hidden", "stribeck_friction", 0.02)):
+        sample = draw(effect, strength, 3)
+        made[name] = prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration)), sample.truth
+    return made
+
+
+def test_the_model_has_the_orders_that_were_found():
+    assert identified_model(None, None) is None
+    assert identified_model(found(1), None).names == base_model().names
+    bent = found(1, cubic=Estimate(5e5, 1e3, "1/(s^2 m^2)"))
+    assert "cubic_stiffness" in identified_model(bent, found(2)).names
+    assert identified_model(bent, found(2)).names[-1] == "quadratic_damping"
+    straight = found(1, cubic=Estimate(5e2, 1e3, "1/(s^2 m^2)"))
+    assert identified_model(straight, None).names == base_model().names
+    assert model_of_orders(0).names == base_model().names[:2]
+    assert model_of_orders(5, (1, 4)).names == ("linear_stiffness", "coulomb_friction", "viscous_damping",
+                                               "quadratic_damping", "cubic_damping")  # fmt: skip
+
+
+def test_methods_that_disagree_are_named_with_their_distance():
+    name, sigmas = farthest([found(1), found(1, mu_0=0.11)])
+    assert sigmas == pytest.approx(0.01 / math.hypot(0.001, 0.001))
+    assert name.startswith(("dry friction", "viscous"))
+    assert farthest([found(1)]) == ("", 0.0)
+
+
+def test_a_plain_bench_may_be_quoted_and_its_values_are_the_truth(releases):
+    prepared, truth = releases["plain"]
+    judged = adequacy(prepared, base_model(), [found(1), found(1)])
+    assert judged.quotable
+    assert judgement(judged).endswith("may be quoted")
+    values = {one.name: one for one in engineering_values(judged.fit, MASS)}
+    omega = math.sqrt(truth["stiffness_per_mass"])
+    zeta = truth["mu_1"] / (2 * omega)
+    for name, true, unit in (
+        ("stiffness K", MASS * truth["stiffness_per_mass"], "N/m"),
+        ("friction force", MASS * truth["mu_0"], "N"),
+        ("viscous damping c", MASS * truth["mu_1"], "N s/m"),
+        ("natural frequency", omega / (2 * math.pi), "Hz"),
+        ("damping ratio (viscous part)", zeta, "1"),
+        ("logarithmic decrement (viscous part)", 2 * math.pi * zeta / math.sqrt(1 - zeta**2), "1"),
+    ):
+        value = values[name].value
+        assert value.unit == unit
+        assert abs(value.value - true) < 5.0 * value.std  # one draw in a million lies beyond
+    assert values["friction force"].per_mass.value == pytest.approx(
+        values["friction force"].value.value / MASS
+    )
+
+
+def test_a_bench_with_a_hidden_force_may_not_be_quoted(releases):
+    judged = adequacy(releases["hidden"][0], base_model())
+    assert judged.chi_square > 10.0
+    assert not judged.quotable
+    assert judgement(judged).endswith("do not quote its values")
+
+
+def test_an_adequate_model_is_not_quoted_where_the_methods_contradict_each_other(releases):
+    judged = adequacy(releases["plain"][0], base_model(), [found(1), found(1, mu_0=0.2)])
+    assert judged.adequate
+    assert not judged.quotable
+    assert "standard errors apart in" in judgement(judged)
+
+
+def test_gains_that_differ_leave_the_forces_uncertain():
+    assert scale_doubt(Estimate(1.0003, 0.0001, "1")) == ""
+    assert scale_doubt(Estimate(1.01, 0.01, "1")) == ""
+    assert "differ by 1 %" in scale_doubt(Estimate(1.01, 0.0001, "1"))
+
+
+def test_a_large_ratio_is_a_power_of_ten():
+    assert [times(ratio) for ratio in (0.9876, 22.91, 229.1, 286998817.0)] == ["0.988", "22.9", "229", "3e8"]
+
+
+def test_the_error_of_the_mass_joins_that_of_the_value():
+    whole = times_mass(Estimate(0.1, 0.001, "m/s^2"), 20.0, 0.5)
+    assert (whole.value, whole.unit) == (2.0, "N")
+    assert whole.std == pytest.approx(math.hypot(0.02, 0.05))
+    assert times_mass(Estimate(0.1, 0.001, "rad/s^2"), 2.0, None, "rad").unit == "N m"
+    assert times_mass(Estimate(0.1, 0.001, "V"), 2.0) is None
+
+
+@pytest.mark.slow
+def test_identify_says_first_whether_to_quote_and_where_to_look_next(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    sample = draw("stribeck_friction", 0.02, 3)
+    time = np.arange(len(sample.displacement)) / sample.rate
+    table = np.column_stack([time, sample.displacement, sample.acceleration])
+    np.savetxt("a b.csv", table, delimiter=",", header="time_s,displacement_m,acceleration_m_s2", comments="")
+    assert run(["identify", "a b.csv", "--mass", str(MASS)]) == 0
+    text = capsys.readouterr().out
+    assert text.index("do not quote") < text.index("stiffness K")
+    assert " N s/m " in text
+    assert ", per unit mass" in text
+    assert text.rstrip().endswith("next: station compare sessions/a_b")
+    assert all(len(line) <= 80 for line in text.splitlines())
