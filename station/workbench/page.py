@@ -52,7 +52,11 @@ class Page:
                 self._capture = CapturePanel(self._state, self._record, self._key)
                 self._capture.build()
                 SessionsPanel(self._state, self._key).build()
-            with ui.element("main").classes("bench-column story"):
+            with (
+                ui.element("section")
+                .classes("bench-column story")
+                .props('aria-label="Measurement and model"')
+            ):
                 self._build_middle()
             with (
                 ui.element("aside")

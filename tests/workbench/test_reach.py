@@ -31,6 +31,10 @@ def solved(visit, bench, request):
     return page
 
 
+def boxes(located):
+    return [one.bounding_box() for one in located.all()]
+
+
 @pytest.mark.slow
 def test_the_page_is_usable_on_every_screen_in_both_schemes_and_keeps_the_rules_of_access(solved):
     axe = pytest.importorskip(
@@ -42,6 +46,8 @@ def test_the_page_is_usable_on_every_screen_in_both_schemes_and_keeps_the_rules_
             page.set_viewport_size({"width": width, "height": height})
             page.wait_for_timeout(300)
             assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+            header = page.locator(".bench-head button:visible, .bench-head .q-tab")
+            assert all(box["height"] <= 46 and box["x"] + box["width"] <= width for box in boxes(header))
             for name in ("map", "overlay", "left"):
                 box = page.locator(f"[data-plot={name}]").bounding_box()
                 assert min(box["width"], box["height"]) >= 90, (name, width)
