@@ -214,7 +214,7 @@ def _judged(pair: Pair, found: Agreement, frequency: float, stated: Estimate | N
     elif stated is not None:
         lag = _combined(lag, stated)
         method += (
-            f", with the {1e3 * stated.value:.3g} +- {1e3 * stated.std:.2g} ms of the data sheets as prior"
+            f", with the {1e3 * stated.value:.3g} ± {1e3 * stated.std:.2g} ms of the data sheets as prior"
         )
     lag_std = lag.std
     if not np.isfinite(lag_std) or lag_std > 0.1 / frequency or gain_std > 0.3 * abs(found.gain):
