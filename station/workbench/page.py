@@ -10,10 +10,10 @@ from station.workbench.capture_panel import CapturePanel
 from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
 from station.workbench.details_panel import DetailsPanel
+from station.workbench.empty_middle import say_empty
 from station.workbench.floor_card import FloorCard
 from station.workbench.identification_panel import IdentificationPanel
 from station.workbench.ladder_panel import LadderPanel
-from station.workbench.raw_pictures import RawPictures
 from station.workbench.report_button import ReportButton
 from station.workbench.rerun_tab import RerunTab
 from station.workbench.scope_panel import ScopePanel
@@ -67,7 +67,7 @@ class Page:
                     self._validation = ValidateDialog(self._session, self._state.session_list)
                     self._validation.build()
                     self._ladder = LadderPanel(
-                        self._session, FloorCard(self._write_report, self._validate, self._prune)
+                        self._session, FloorCard(self._write_report, self._validation.open, self._prune)
                     )
                     self._ladder.build()
         self._right.set_visibility(False)
@@ -150,31 +150,7 @@ class Page:
                     self._head_tabs.on_value_change(lambda e: opens[e.value]() if e.value in opens else None)
 
     def _say_empty(self) -> None:
-        self._empty.clear()
-        with self._empty:
-            if self._session is not None and self._session.problem:
-                widgets.label("This recording does not allow an analysis", "strong")
-                widgets.label(self._session.problem, "wrap").style("max-width:520px")
-                widgets.label("What was recorded is kept. Choose another session, or record again.", "small")
-                RawPictures(self._session).build()
-            elif self._session is not None:
-                ui.spinner(size="32px")
-                widgets.label("The session is read, and the usual model fitted to it.")
-            elif self._key:
-                widgets.label(f"There is no session called {self._key}", "strong wrap")
-                widgets.label("Choose one on the left.")
-            else:
-                widgets.label(
-                    "Where does the usual model of a vibration fail, and what is missing in it?", "welcome"
-                )
-                widgets.label(
-                    "Record a release from a board, drop a file, or choose a session on the left. Then: see where the "
-                    "model fails, point at what it may lack, add it, and watch the error fall to the noise.",
-                    "wrap",
-                ).style("max-width:560px")
-                with widgets.line():
-                    widgets.button("No board? Solve a mystery", self._capture.solve_mystery, strong=True)
-                    widgets.button("Open an example", lambda: run("bench.toExamples()"))
+        say_empty(self._empty, self._session, self._key, self._capture.solve_mystery)
 
     async def _begin(self) -> None:
         try:
@@ -208,9 +184,6 @@ class Page:
 
     def _write_report(self) -> object:
         return self._report.write() if self._report is not None else None
-
-    def _validate(self) -> None:
-        self._validation.open()
 
     def _prune(self) -> None:
         if self._session is not None:
