@@ -13,6 +13,7 @@ from pathlib import Path
 
 from mocks import faults as wire
 from mocks import generate
+from mocks.announce import announced
 from mocks.link import Link, PtyLink, TcpLink
 from mocks.misconfigurations import MISCONFIGURATIONS
 from mocks.serve import serve
@@ -37,7 +38,8 @@ def main(argv: list[str] | None = None) -> int:
     try:
         simulated.write_truth()
         print(f"port: {link.address}", flush=True)
-        serve(link, simulated.board, simulated.line, options.speed, options.once, ended)
+        with announced(link.address):
+            serve(link, simulated.board, simulated.line, options.speed, options.once, ended)
     finally:
         link.close()
     return 0

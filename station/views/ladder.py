@@ -136,8 +136,18 @@ def _motion(fitted: FittedLadder, place: int, close_up: slice, reach: float) -> 
         xlabel="time since the release [s]", ylabel=literal(f"measured less model [{fine_unit}]"),
         xlim=(time[0], time[-1]), ylim=(-reach * fine, reach * fine),
     )  # fmt: skip
+    _number_ends(left, 10.0 ** np.ceil(np.log10(noise)), reach * fine)
     left.set_title("what the model leaves (band: noise, 2 std.; logarithmic beyond)", loc="left")
     return drawn
+
+
+def _number_ends(axis: "Axes", linear: float, reach: float) -> None:
+    """Give an axis that is linear to `linear` and logarithmic beyond numbers that stand within its `reach`."""
+    largest = 10.0 ** np.floor(np.log10(reach))
+    marks = [mark for mark in (linear, largest) if mark < reach] or [float(f"{0.6 * reach:.1g}")]
+    ticks = sorted({0.0, *marks, *(-mark for mark in marks)})
+    axis.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+    axis.set_yticks([], minor=True)
 
 
 def _overlay(axis: "Axes", time: Array, measured: Array, model: Array, dot: float) -> None:

@@ -17,6 +17,9 @@ from station.workbench.viewer_files import serve_viewer
 from station.workbench.worker import WorkerPool
 
 STATIC = Path(__file__).parent / "static"
+SCRIPTS = ("bench", "plot", "stage", "map", "cursors", "scope")
+"""In the order in which they need each other."""
+
 ICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><rect width="32" height="32" rx="6" fill="#00659e"/>'
     '<path d="M3 16C6 2 8 2 11 16s4 9 6 0 3-5 5 0 3 2 7 0" fill="none" stroke="#fff" stroke-width="2"/></svg>'
@@ -44,11 +47,12 @@ def make(
     nicegui_app.on_startup(lambda: background_tasks.create(workers.warm()))
 
     @ui.page("/")
-    def page(request: Request, session: str | None = None) -> None:
+    def page(request: Request, session: str | None = None, rung: int | None = None) -> None:
         ui.add_head_html('<link rel="stylesheet" href="/static/bench/bench.css">')
-        ui.add_head_html('<script src="/static/bench/bench.js"></script>')
+        for name in SCRIPTS:
+            ui.add_head_html(f'<script src="/static/bench/{name}.js"></script>')
         ui.colors(primary="#00659e")
-        Page(state, session, request.headers["host"]).build()
+        Page(state, session, request.headers["host"], rung).build()
 
     ui.run_with(
         app,

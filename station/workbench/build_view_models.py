@@ -24,20 +24,16 @@ Array = NDArray[np.float64]
 
 
 def picture_of(compared: Compared) -> view_models.Picture:
-    """Return what the middle of the page draws."""
-    found, window = compared.comparison, compared.baseline.fit.windows[0]
+    """Return what the details of the page draw."""
+    found = compared.comparison
     units = DiscrepancyText(found.unit, found.mass)
-    step = max(1, math.ceil(len(window) / MOST_POINTS))
+    step = max(1, math.ceil(len(found.time) / MOST_POINTS))
     factor, unit = scale("displacement", found.unit)
     return view_models.Picture(
         time=numbers(found.time[::step], 1e-5),
-        displacement=for_eye(found.displacement[::step] * factor),
-        velocity=for_eye(found.velocity[::step]),
-        force=for_eye(found.residual_force[::step] * units.force_scale),
         displacement_unit=unit,
         velocity_unit=f"{found.unit}/s",
         force_unit=typeset(units.force_unit),
-        traces=tuple(_trace(compared, channel, step) for channel in window.channels),
         plane=_plane(compared, factor, units.force_scale),
         cycles=_cycles(compared, units),
         errors={
@@ -55,45 +51,10 @@ def picture_of(compared: Compared) -> view_models.Picture:
     )
 
 
-def _trace(compared: Compared, channel: str, step: int) -> view_models.Trace:
-    fit = compared.baseline.fit
-    window = fit.windows[0]
-    factor, unit = scale(channel, window.unit)
-    fine, fine_unit = scale(channel, window.unit, fine=True)
-    hole = ~window.used[channel]
-    hole[: window.lead] = False
-    measured = np.where(hole, np.nan, window.readings[channel]) * factor
-    left = np.where(hole, np.nan, fit.residual(channel)) * fine
-    sigma = float(window.sigma[channel] * fine)
-    quantum = min(float(np.nanmax(np.abs(measured))) / EYE / 10, window.sigma[channel] * factor / 2)
-    return view_models.Trace(
-        channel,
-        typeset(unit),
-        typeset(fine_unit),
-        numbers(measured[::step], quantum),
-        numbers(fit.predicted[0][channel][::step] * factor, quantum),
-        numbers(left[::step], max(sigma / 10, float(np.nanmax(np.abs(left))) / EYE)),
-        sigma,
-        fine / factor,
-    )
-
-
 def _plane(compared: Compared, factor: float, force_scale: float) -> view_models.Plane:
     plane = compared.comparison.phase_plane
-    bins = []
-    for row, column in plane.bins.tolist():
-        edges = (
-            plane.displacement_edges[column] * factor,
-            plane.displacement_edges[column + 1] * factor,
-            plane.velocity_edges[row],
-            plane.velocity_edges[row + 1],
-            plane.force[row, column] * force_scale,
-            plane.std[row, column] * force_scale,
-        )
-        bins.append([float(f"{edge:.4g}") for edge in edges])
     down, up = plane.sections_at_reversal
     return view_models.Plane(
-        bins,
         _section("u = 0", plane.section_at_middle, 1.0, force_scale),
         (_section("v < 0", down, factor, force_scale), _section("v > 0", up, factor, force_scale)),
     )

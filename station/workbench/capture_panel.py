@@ -1,6 +1,10 @@
-"""Left, the capture: a port, a large Arm button, live levels, progress, and the verdict after it."""
+"""Left, the capture: a port, a large Arm button, and what came of it. While it runs the scope has the middle."""
 
 import asyncio
+import secrets
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 
 from nicegui import ui
 
@@ -9,25 +13,31 @@ from station.exits import Problem
 from station.text.layout import sentence
 from station.workbench import widgets
 from station.workbench.app_state import AppState
-from station.workbench.capture_run import CaptureRun, Level, Progress
+from station.workbench.capture_run import CaptureRun, Progress
+from station.workbench.doubles import doubles
 from station.workbench.sessions_panel import address_of
 
 TICK_S = 0.1
+MYSTERIES = 1000
+MYSTERY_KG = 21.36
+"""Of the simulated bench."""
+
+MYSTERY_SPEED = 2.0
 
 
 class CapturePanel:
-    """What records a release."""
+    """What records a release; `began` is called when this tab begins to record."""
 
-    def __init__(self, state: AppState) -> None:
-        self._state = state
+    def __init__(self, state: AppState, began: Callable[[CaptureRun], None], chosen: str | None) -> None:
+        self._state, self._began, self._chosen = state, began, chosen
         self._shown: Progress | None = None
-        self._levels: list[tuple[ui.element, ui.label]] = []
+        self._own: CaptureRun | None = None
 
     def build(self) -> None:
         """Make the panel."""
         settings = self._state.settings
         with widgets.card():
-            widgets.head("Capture a release")
+            widgets.head("Record a release")
             with ui.element("div") as self._form:
                 with widgets.line():
                     self._port = ui.select(
@@ -39,7 +49,9 @@ class CapturePanel:
                     self._mass = _field("Mass, kg", settings.specimen.mass_kg)
                     self._duration = _field("Record, s", settings.capture.duration)
                 self._arm = widgets.button("Arm", self._start, "Arm the capture", strong=True, classes="arm")
-                self._arm.style("width:100%; height:52px; margin-top:8px")
+                self._arm.style("width:100%; height:46px; margin-top:8px")
+                mystery = widgets.button("No board? Solve a mystery", self.solve_mystery, classes="mystery")
+                mystery.style("width:100%; margin-top:6px")
             self._message = ui.element("div").props("aria-live=polite")
         ui.timer(TICK_S, self._tick)
 
@@ -48,20 +60,21 @@ class CapturePanel:
 
         known = [port.name for port in system_ports()]
         wanted = self._state.settings.capture.port
-        return list(dict.fromkeys([*([wanted] if wanted else []), *known]))
+        return list(dict.fromkeys([*([wanted] if wanted else []), *doubles(), *known]))
 
     async def _find(self) -> None:
         from daq.ports import list_ports
 
         self._say([("asking every port, at most 3 s", "faint")])
-        found = await asyncio.to_thread(list_ports, [self._port.value] if self._port.value else [])
+        named = [*([self._port.value] if self._port.value else []), *doubles()]
+        found = await asyncio.to_thread(list_ports, named)
         answering = [one for one in found if one.answers and not one.problem]
         if answering:
             names = [one.port.name for one in answering]
             self._port.set_options(list(dict.fromkeys([*names, *self._port.options])), value=names[0])
         lines = [(f"{one.port.name}: {one.hello.board}", "good") for one in answering if one.hello]
         lines += [(one.problem, "bad") for one in found if one.answers and one.problem]
-        self._say(lines or [("no board answers; plug it in, or type its port", "bad")])
+        self._say(lines or [("no board answers; plug it in, type its port, or solve a mystery", "bad")])
 
     def _start(self) -> None:
         if self._state.capturing is not None and not self._state.capturing.now.finished:
@@ -71,20 +84,43 @@ class CapturePanel:
         if not port:
             self._say([("choose the port of the board, or let Find look for it", "bad")])
             return
+        self._record(nullcontext(port), self._mass.value or None, self._duration.value)
+
+    def solve_mystery(self) -> None:
+        """Record a simulated board that hides something, as if it stood on the bench."""
+        from station.operations.simulated_board import simulated_board
+
+        seed = secrets.randbelow(MYSTERIES)
+        board = simulated_board(seed, MYSTERY_SPEED, False, module="mocks.mystery")
+        self._record(board, MYSTERY_KG, None, seed)
+
+    def _record(
+        self,
+        board: AbstractContextManager[str],
+        mass: float | None,
+        duration: float | None,
+        mystery: int | None = None,
+    ) -> None:
         from station.operations.new_session import capture_settings, session_info
 
+        if self._state.capturing is not None and not self._state.capturing.now.finished:
+            return
         settings = self._state.settings
+        if mass is not None and not mass > 0:
+            self._say([(f"the mass must be more than 0 kg, not {mass:g} kg", "bad")])
+            return
         try:
-            info = session_info(settings, self._mass.value or None, None, None, None)
-            wanted = capture_settings(settings, info, duration=self._duration.value)
+            info = session_info(settings, mass, None, None if mystery is None else f"mystery {mystery}", None)
+            wanted = capture_settings(settings, info, duration=duration)
         except (StationError, Problem, ValueError) as error:
             self._say([(str(error).splitlines()[0], "bad")])
             return
-        self._state.capturing = CaptureRun(port, wanted, settings.sessions)
-
-    def _cancel(self) -> None:
-        if self._state.capturing is not None:
-            self._state.capturing.cancel()
+        if mystery is not None:
+            wanted = replace(wanted, check_clock=False)
+        prefix = "release" if mystery is None else f"mystery_{mystery}"
+        self._state.capturing = CaptureRun(board, wanted, settings.sessions, prefix)
+        self._own = self._state.capturing
+        self._began(self._own)
 
     def _tick(self) -> None:
         run = self._state.capturing
@@ -92,47 +128,21 @@ class CapturePanel:
             return
         now, before = run.now, self._shown
         self._shown = now
+        if before is not None and (before.state, before.detail, before.finished) == (
+            now.state,
+            now.detail,
+            now.finished,
+        ):
+            return
         self._form.set_visibility(now.finished)
+        if not now.finished and run is self._own:
+            self._say([("recording: see the scope", "faint")])
+            return
         if now.finished:
             self._finished(now)
-            return
-        if (
-            before is None
-            or _state_of(before) != _state_of(now)
-            or len(before.levels) != len(now.levels)
-            or before.finished
-        ):
-            self._under_way(now)
-        self._move(now.levels)
-        self._bar.value = now.recorded
-
-    def _under_way(self, now: Progress) -> None:
-        self._message.clear()
-        self._levels = []
-        with self._message:
-            widgets.label(now.sentence, f"strong wrap {'good' if now.state == 'armed' else ''}").style(
-                "font-size:17px"
-            )
+        else:
             silent = now.detail.startswith("nothing came")
-            widgets.label(now.detail, f"small wrap {'bad strong' if silent else 'faint'}")
-            if now.lost:
-                widgets.label(f"{now.lost} samples lost so far; they are asked for again", "small bad")
-            for level in now.levels:
-                with widgets.line("small"):
-                    widgets.label(level.channel, "grow")
-                    number = widgets.label("", "mono")
-                with ui.element("div").classes("level"):
-                    bar = ui.element("i")
-                self._levels.append((bar, number))
-            self._bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded")
-            widgets.button("Cancel", self._cancel, "Cancel the capture").style("width:100%; margin-top:6px")
-
-    def _move(self, levels: tuple[Level, ...]) -> None:
-        for (bar, number), level in zip(self._levels, levels, strict=False):
-            number.text = f"{level.value:.4g} {level.unit}"
-            half = 50.0 * min(abs(level.share), 1.0)
-            start = 50.0 if level.share >= 0 else 50.0 - half
-            bar.style(f"left:{start:.1f}%; width:{half:.1f}%")
+            self._say([(now.sentence, "strong"), (now.detail, "bad strong" if silent else "faint")])
 
     def _finished(self, now: Progress) -> None:
         self._message.clear()
@@ -141,17 +151,16 @@ class CapturePanel:
                 widgets.label(sentence(now.problem), "bad small wrap")
                 if now.kept is not None:
                     widgets.label("What was received is in the list below.", "small faint wrap")
+            if now.session is None or (now.session.name == self._chosen and now.verdict == "OK"):
                 return
             good = now.verdict == "OK"
-            widgets.label(now.verdict or "recorded", f"strong {'good' if good else 'bad'}").style(
-                "font-size:17px"
-            )
+            widgets.label(now.verdict or "recorded", f"strong {'good' if good else 'bad'}")
             for reason in now.reasons:
                 widgets.label(reason, "small wrap")
             for advice in now.advice:
                 widgets.label(f"To take it again: {advice}", "small wrap")
-            if now.session is not None:
-                key = now.session.name
+            key = now.session.name
+            if key != self._chosen:
                 widgets.button(f"Open {key}", lambda: ui.navigate.to(address_of(key)), strong=True)
 
     def _say(self, lines: list[tuple[str, str]]) -> None:
@@ -165,7 +174,3 @@ def _field(label: str, value: float | None) -> ui.number:
     made = ui.number(label, value=value, min=0, format="%g")
     made.props(f'dense outlined aria-label="{label}"').style("flex:1; min-width:0")
     return made
-
-
-def _state_of(now: Progress) -> tuple[str, str, int]:
-    return now.state, now.detail, now.lost

@@ -2,7 +2,8 @@
 
 import threading
 import time
-from dataclasses import dataclass, replace
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +13,12 @@ from daq.errors import StationError
 from daq.recording import Array, Channel, Gap
 from daq.session import Session
 from firmware_protocol import Hello
+from station.exits import Problem
 from station.operations.new_session import new_folder
 from station.text.capture_progress import STATES
 from station.text.numbers import scale_as_recorded
+from station.workbench.scope import Scope, ScopeTrace
+from station.workbench.shelf import describe, rename
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,16 @@ class Level:
     value: float
     unit: str
     share: float
+
+
+@dataclass(frozen=True)
+class Details:
+    """What the operator writes beside the scope; None where it was not touched."""
+
+    name: str | None = None
+    specimen: str | None = None
+    operator: str | None = None
+    mass_kg: float | None = None
 
 
 @dataclass(frozen=True)
@@ -48,15 +62,25 @@ class Progress:
     advice: tuple[str, ...] = ()
     session: Path | None = None
     kept: Path | None = None
+    scope: Scope = field(default_factory=Scope)
 
 
 class CaptureRun(CaptureObserver):
     """A capture that runs until it is sealed, fails, or is cancelled."""
 
-    def __init__(self, port: str, settings: CaptureSettings, sessions: Path) -> None:
+    def __init__(
+        self,
+        board: AbstractContextManager[str],
+        settings: CaptureSettings,
+        sessions: Path,
+        prefix: str = "release",
+    ) -> None:
         self.now = Progress()
-        self._port, self._settings = port, settings
-        self._folder = new_folder(sessions)
+        self.details = Details()
+        self._board, self._settings = board, settings
+        plain = sessions / prefix
+        self._folder = plain if prefix != "release" and not plain.exists() else new_folder(sessions, prefix)
+        self._trace = ScopeTrace(settings)
         self._channels: tuple[Channel, ...] = ()
         self._largest = np.zeros(0)
         self._recording_since = 0.0
@@ -77,6 +101,7 @@ class CaptureRun(CaptureObserver):
         self._go_on()
         self._channels = channels
         self._largest = np.full(len(channels), 1e-300)
+        self._trace.connected(channels)
 
     def state(self, name: str, detail: str) -> None:
         """Note where it stands."""
@@ -84,6 +109,7 @@ class CaptureRun(CaptureObserver):
             self._go_on()
         if name == "recording" and self.now.state != name:
             self._recording_since = time.monotonic()
+        self._trace.state(name)
         self.now = replace(self.now, state=name, sentence=STATES.get(name, name), detail=detail)
 
     def block(self, first_index: int, samples: Array) -> None:
@@ -91,6 +117,7 @@ class CaptureRun(CaptureObserver):
         self._go_on()
         if not samples.shape[1]:
             return
+        self._trace.block(samples)
         self._largest = np.maximum(self._largest, np.abs(samples).max(axis=1))
         levels = []
         for channel, value, largest in zip(self._channels, samples[:, -1], self._largest, strict=True):
@@ -98,7 +125,7 @@ class CaptureRun(CaptureObserver):
             levels.append(Level(channel.name, float(value) * factor, unit, float(value / largest)))
         seconds = time.monotonic() - self._recording_since
         share = min(seconds / self._settings.duration_s, 1.0) if self.now.state == "recording" else 0.0
-        self.now = replace(self.now, levels=tuple(levels), recorded=share)
+        self.now = replace(self.now, levels=tuple(levels), recorded=share, scope=self._trace.scope())
 
     def loss(self, gap: Gap) -> None:
         """Note a loss."""
@@ -112,12 +139,15 @@ class CaptureRun(CaptureObserver):
 
     def _run(self) -> None:
         try:
-            session = capture(self._port, self._settings, self._folder, self)
+            with self._board as port:
+                session = capture(port, self._settings, self._folder, self)
         except KeyboardInterrupt:
             kept = self._folder if self._folder.is_dir() else None
             self.now = replace(self.now, finished=True, problem="cancelled", kept=kept)
         except StationError as error:
             self._failed(str(error), error.session)
+        except Problem as error:
+            self._failed(str(error), None)
         except Exception as error:
             self._failed(f"a fault of this program ({type(error).__name__}: {error})", None)
         else:
@@ -127,12 +157,30 @@ class CaptureRun(CaptureObserver):
         self.now = replace(self.now, finished=True, problem=sentence, kept=kept)
 
     def _done(self, session: Session) -> None:
-        verdict = session.verdict
+        verdict, problem = session.verdict, ""
+        try:
+            folder = self._described(session.folder)
+        except Problem as error:
+            folder, problem = session.folder, str(error)
         self.now = replace(
             self.now,
             finished=True,
-            session=session.folder,
+            problem=problem,
+            session=folder,
             verdict="" if verdict is None else verdict.grade.value,
             reasons=() if verdict is None else tuple(verdict.reasons),
             advice=() if verdict is None else tuple(verdict.advice),
         )
+
+    def _described(self, folder: Path) -> Path:
+        """Write what was filled in beside the scope into the session; return its folder, renamed where a name was given."""
+        given = self.details
+        changes = {
+            "specimen": given.specimen,
+            "operator": given.operator,
+            "mass_kg": given.mass_kg,
+        }
+        known = {key: value for key, value in changes.items() if value is not None}
+        if known:
+            describe(folder, **known)
+        return rename(folder, given.name) if given.name else folder

@@ -1,4 +1,4 @@
-"""The page: bench on the left, measurement and model in the middle, the loop on the right."""
+"""The page: record on the left, where the model fails in the middle, what is missing beneath, the fall on the right."""
 
 import time
 
@@ -7,28 +7,39 @@ from nicegui import ui
 from station.workbench import widgets
 from station.workbench.app_state import AppState
 from station.workbench.capture_panel import CapturePanel
-from station.workbench.loop_panel import LoopPanel
-from station.workbench.middle_panel import MiddlePanel
+from station.workbench.capture_run import CaptureRun
+from station.workbench.cards_panel import CardsPanel
+from station.workbench.details_panel import DetailsPanel
+from station.workbench.empty_middle import say_empty
+from station.workbench.floor_card import FloorCard
+from station.workbench.identification_panel import IdentificationPanel
+from station.workbench.ladder_panel import LadderPanel
 from station.workbench.report_button import ReportButton
 from station.workbench.rerun_tab import RerunTab
+from station.workbench.scope_panel import ScopePanel
+from station.workbench.session_menu import SessionMenu
 from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import SessionsPanel
+from station.workbench.stage_feed import StageFeed
+from station.workbench.story_panel import StoryPanel
 from station.workbench.theme import theme
+from station.workbench.validate_dialog import ValidateDialog
+from station.workbench.widgets import run
 
 TICK_S = 0.05
 SLOW_S = 0.4
+STORY, DETAILS, NUMBERS, RERUN = "Story", "Curves", "Identification", "3-D / Rerun"
 
 
 class Page:
     """One browser tab."""
 
-    def __init__(self, state: AppState, key: str | None, host: str) -> None:
-        self._state, self._key, self._host = state, key, host
+    def __init__(self, state: AppState, key: str | None, host: str, rung: int | None = None) -> None:
+        self._state, self._key, self._host, self._rung = state, key, host, rung
         folder = state.session_list.folder_of(key) if key else None
         self._session: SessionState | None = state.sessions.at(folder) if folder else None
         self._seen = -1
         self._shown: object = None
-        self._loop_shown: object = None
         self._dark = False
 
     def build(self) -> None:
@@ -36,24 +47,48 @@ class Page:
         ui.page_title(f"{self._key} · workbench" if self._key else "workbench")
         self._mode = ui.dark_mode(None)
         self._header()
-        with ui.element("div").classes("bench-columns"):
-            with ui.element("aside").classes("bench-column").props('aria-label="The bench"'):
-                CapturePanel(self._state).build()
-                SessionsPanel(self._state.session_list, self._state.workers, self._key).build()
-            with ui.element("div").classes("bench-column").props('aria-label="Measurement and model"'):
+        with ui.element("div").classes("bench-columns").props("id=columns"):
+            with ui.element("aside").classes("bench-column rail").props('id=rail aria-label="The bench"'):
+                self._capture = CapturePanel(self._state, self._record, self._key)
+                self._capture.build()
+                SessionsPanel(self._state, self._key).build()
+            with (
+                ui.element("section")
+                .classes("bench-column story")
+                .props('aria-label="Measurement and model"')
+            ):
                 self._build_middle()
-            with ui.element("aside").classes("bench-column loop").props('aria-label="The loop"'):
-                self._build_right()
+            with (
+                ui.element("aside")
+                .classes("bench-column fall")
+                .props('aria-label="The ladder"') as self._right
+            ):
+                if self._session is not None:
+                    self._validation = ValidateDialog(self._session, self._state.session_list)
+                    self._validation.build()
+                    self._ladder = LadderPanel(
+                        self._session, FloorCard(self._write_report, self._validation.open, self._prune)
+                    )
+                    self._ladder.build()
+        self._right.set_visibility(False)
         ui.timer(0.05, self._begin, once=True)
 
     def _header(self) -> None:
         with ui.element("header").classes("bench-head"):
+            rail = widgets.button(
+                "Sessions", lambda: run("bench.turnRail()"), "Show or hide sessions and recording"
+            )
+            rail.classes("rail-button").props("aria-controls=rail")
             ui.link("Free-Decay Station", "/").classes("bench-title").style(
                 "color:inherit;text-decoration:none"
             )
             widgets.label(self._key or "workbench", "bench-session")
+            self._build_tabs()
+            self._report: ReportButton | None = None
             if self._session is not None and self._key is not None:
-                ReportButton(self._state, self._session, self._key).build()
+                SessionMenu(self._state, self._session, self._key).build()
+                self._report = ReportButton(self._state, self._session, self._key)
+                self._report.build()
             self._theme_button = widgets.button("Dark", self._turn_theme, "Switch between light and dark")
 
     def _build_middle(self) -> None:
@@ -61,6 +96,9 @@ class Page:
         with self._busy, widgets.line():
             ui.spinner(size="18px")
             self._busy_label = widgets.label("", "grow")
+            self._bar = (
+                ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded").classes("share")
+            )
             widgets.button("Cancel", lambda: self._session.cancel() if self._session else None)
         self._busy.set_visibility(False)
         self._notice = widgets.card("tight notice")
@@ -68,75 +106,88 @@ class Page:
             self._notice_label = widgets.label("", "grow wrap")
             widgets.button("Close", self._close_notice, "Close the message")
         self._notice.set_visibility(False)
+        self._scope = ScopePanel()
+        self._scope.build()
         self._empty = ui.element("div").classes("empty grow")
-        self._pictures = ui.element("div").style("display:flex;flex-direction:column;gap:8px")
-        self._middle = MiddlePanel()
-        with self._pictures:
-            self._build_tabs()
-        self._pictures.set_visibility(False)
+        self._tabs = ui.element("div").classes("story-tabs")
+        if self._session is not None:
+            with self._tabs:
+                self._build_panels(self._session)
+        self._tabs.set_visibility(False)
         self._say_empty()
 
     def _build_tabs(self) -> None:
-        with ui.tabs().props("dense align=left no-caps inline-label narrow-indicator") as tabs:
-            charts = ui.tab("Measurement and model")
-            rerun = ui.tab("3-D / Rerun")
-        with ui.tab_panels(tabs, value=charts, animated=False, keep_alive=True):
-            with ui.tab_panel(charts):
-                self._middle.build()
-            with ui.tab_panel(rerun):
-                if self._session is not None and self._key is not None:
-                    viewer = RerunTab(self._state, self._session, self._key, self._host)
+        with (
+            ui.tabs()
+            .props("dense no-caps inline-label narrow-indicator")
+            .classes("head-tabs") as self._head_tabs
+        ):
+            for name in (STORY, DETAILS, NUMBERS, RERUN):
+                ui.tab(name)
+        self._head_tabs.set_visibility(self._session is not None)
+
+    def _build_panels(self, session: SessionState) -> None:
+        self._story, self._details, self._cards = (
+            StoryPanel(),
+            DetailsPanel(),
+            CardsPanel(session, self._state.session_list),
+        )
+        self._identified = IdentificationPanel(session, self._state.session_list)
+        self._feed = StageFeed(session)
+        with ui.tab_panels(self._head_tabs, value=STORY, animated=False, keep_alive=True).classes("panels"):
+            with ui.tab_panel(STORY).classes("story-panel"):
+                self._story.build()
+                self._cards.build()
+            with ui.tab_panel(DETAILS):
+                self._details.build()
+            with ui.tab_panel(NUMBERS):
+                self._identified.build()
+            with ui.tab_panel(RERUN):
+                if self._key is not None:
+                    viewer = RerunTab(self._state, session, self._key, self._host, lambda: self._dark)
                     viewer.build()
-                    tabs.on_value_change(lambda e: viewer.open() if e.value == "3-D / Rerun" else None)
+                    opens = {RERUN: viewer.open, NUMBERS: self._identified.open}
+                    self._head_tabs.on_value_change(lambda e: opens[e.value]() if e.value in opens else None)
 
     def _say_empty(self) -> None:
-        self._empty.clear()
-        with self._empty:
-            if self._session is not None and self._session.problem:
-                widgets.label("This recording does not allow an analysis", "strong")
-                widgets.label(self._session.problem, "wrap").style("max-width:520px")
-                widgets.label("What was recorded is kept. Choose another session, or record again.", "small")
-            elif self._session is not None:
-                ui.spinner(size="32px")
-                widgets.label("The session is read, and the usual model fitted to it.")
-            elif self._key:
-                widgets.label(f"There is no session called {self._key}", "strong wrap")
-                widgets.label("Choose one on the left.")
-            else:
-                widgets.label("Choose a session on the left,", "strong")
-                widgets.label("drop a file there, or capture a release from a board.")
-
-    def _build_right(self) -> None:
-        self._loop: LoopPanel | None = None
-        self._right = ui.element("div").style("display:flex;flex-direction:column;height:100%")
-        with self._right:
-            if self._session is not None:
-                self._loop = LoopPanel(self._session)
-                self._loop.build()
-            else:
-                with widgets.card(), ui.element("div").classes("empty"):
-                    widgets.label("Here the loop is closed:", "strong")
-                    widgets.label("diagnose what the model lacks, add it, and watch the error fall.", "small")
-        if self._session is not None:
-            self._right.set_visibility(False)
+        say_empty(self._empty, self._session, self._key, self._capture.solve_mystery)
 
     async def _begin(self) -> None:
-        self._dark = bool(await ui.run_javascript("bench.dark()", timeout=5.0))
+        try:
+            self._dark = bool(await ui.run_javascript("bench.dark()", timeout=20.0))
+        except TimeoutError:  # the tab was closed before it had read the page
+            return
         self._set_theme()
         if self._session is not None:
             self._session.open()
-            ui.timer(TICK_S, self._tick)
+        ui.timer(TICK_S, self._tick)
 
     def _turn_theme(self) -> None:
         self._dark = not self._dark
-        ui.run_javascript(f"bench.keepTheme({'true' if self._dark else 'false'})")
+        run(f"bench.keepTheme({'true' if self._dark else 'false'})")
         self._set_theme()
+        run("bench.redraw()")
         self._shown = None
         self._seen = -1
 
     def _set_theme(self) -> None:
         self._mode.value = self._dark
         self._theme_button.text = "Light" if self._dark else "Dark"
+
+    def _record(self, capture: CaptureRun) -> None:
+        """Give the middle to the scope; the session of the recording is opened when it is sealed."""
+        self._empty.set_visibility(False)
+        self._tabs.set_visibility(False)
+        self._right.set_visibility(False)
+        self._scope.follow(capture)
+        self._seen = -1
+
+    def _write_report(self) -> object:
+        return self._report.write() if self._report is not None else None
+
+    def _prune(self) -> None:
+        if self._session is not None:
+            self._session.start("Trying to do without each effect", "prune", long=True)
 
     def _close_notice(self) -> None:
         if self._session is not None:
@@ -145,12 +196,16 @@ class Page:
 
     def _hold_still(self, still: bool) -> None:
         """Take no clicks on the loop while it computes; what it shows stays readable."""
-        if bool(self._right.props.get("inert")) != still:
-            self._right.props(add="inert") if still else self._right.props(remove="inert")
+        for place in (self._right, self._tabs):
+            if bool(place.props.get("inert")) != still:
+                place.props(add="inert") if still else place.props(remove="inert")
 
     def _tick(self) -> None:
         session = self._session
         if session is None:
+            if self._seen == -1 and not self._scope.visible:
+                self._seen = 0
+                self._empty.set_visibility(True)
             return
         running = session.running
         if running is not None:
@@ -158,29 +213,40 @@ class Page:
             self._busy_label.text = (
                 f"{running.title}: {session.progress or 'waiting for a free worker'} ({seconds:.0f} s)"
             )
+            done = session.share_done
+            self._bar.set_visibility(done is not None)
+            self._bar.value = done or 0.0
             slow = running.long or seconds > SLOW_S
             self._busy.set_visibility(slow)
             self._hold_still(slow)
         else:
             self._busy.set_visibility(False)
             self._hold_still(False)
-        if session.version == self._seen:
+        if session.version == self._seen or self._scope.visible:
             return
         self._seen = session.version
+        self._show(session)
+
+    def _show(self, session: SessionState) -> None:
         self._notice_label.text = session.notice
         self._notice.set_visibility(bool(session.notice))
         if session.view is None:
+            self._empty.set_visibility(True)
             self._say_empty()
             return
         self._empty.set_visibility(False)
-        self._pictures.set_visibility(True)
+        self._tabs.set_visibility(True)
         self._right.set_visibility(True)
-        colours = theme(self._dark)
-        if self._shown is not session.view.picture:
-            shown = session.view
-            self._middle.show(shown.picture, shown.curves, colours, shown.ladder.top.error.chi2)
-            self._shown = session.view.picture
-        loop = (session.view, session.force_maps, session.notice, self._dark)
-        if self._loop is not None and loop != self._loop_shown:
-            self._loop.show(session.view, colours)
-            self._loop_shown = loop
+        view = session.view
+        now = (view, self._dark)
+        if view.stage is not None:
+            self._story.show(view.stage)
+        self._ladder.show(view)
+        self._cards.show(view)
+        if now != self._shown:
+            self._shown = now
+            self._details.show(view.picture, view.curves, theme(self._dark), view.ladder.top.error.chi2)
+        self._feed.send()
+        if self._rung is not None and 0 <= self._rung < len(view.ladder.rungs) and self._feed.whole:
+            run(f"bench.filmTo({self._rung})")
+            self._rung = None

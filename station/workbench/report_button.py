@@ -42,9 +42,10 @@ class ReportButton:
                     "small strong"
                 )
                 link.style("color: var(--accent)")
-            widgets.button("Report", self._write, "Write the report of this session")
+            widgets.button("Report", self.write, "Write the report of this session")
 
-    async def _write(self) -> None:
+    async def write(self) -> None:
+        """Write the report, and offer it."""
         if self._job is not None:
             return
         self._job, self._message = Job(), "gathering"

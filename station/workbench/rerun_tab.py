@@ -1,5 +1,7 @@
 """The tab 3-D / Rerun: a session's recording in Rerun's own viewer."""
 
+from collections.abc import Callable
+
 from nicegui import ui
 
 from station.workbench import widgets
@@ -12,8 +14,10 @@ from station.workbench.worker import Cancelled, Failed, Job
 class RerunTab:
     """Made when it is first looked at, and again on request: writing a recording takes some seconds."""
 
-    def __init__(self, state: AppState, session: SessionState, key: str, host: str) -> None:
-        self._state, self._session, self._key, self._host = state, session, key, host
+    def __init__(
+        self, state: AppState, session: SessionState, key: str, host: str, dark: Callable[[], bool]
+    ) -> None:
+        self._state, self._session, self._key, self._host, self._dark = state, session, key, host, dark
         self._job: Job | None = None
         self._made: object = None
 
@@ -25,7 +29,7 @@ class RerunTab:
     async def open(self) -> None:
         """Show the recording of the session as its results stand."""
         view = self._session.view
-        if view is None or self._job is not None or self._made == view.stamp:
+        if view is None or self._job is not None or self._made == (view.stamp, self._dark()):
             return
         self._job = Job()
         self._frame.clear()
@@ -43,11 +47,17 @@ class RerunTab:
         except Failed as failure:
             self._say(str(failure))
         else:
-            self._made = view.stamp
+            self._made = (view.stamp, self._dark())
             self._top.clear()
             with self._frame:
+                with widgets.card("tight viewer-wait"), widgets.line():
+                    ui.spinner(size="18px")
+                    widgets.label(
+                        "Rerun's viewer is starting: its program has 43 MB, which takes up to half a minute the first time.",
+                        "grow",
+                    )
                 frame = ui.element("iframe").classes("rerun")
-                frame.props["src"] = address_of(self._key, stamp, self._host)
+                frame.props["src"] = address_of(self._key, stamp, self._host, dark=self._dark())
                 frame.props["title"] = "Rerun viewer"
         finally:
             self._job = None

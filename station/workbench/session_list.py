@@ -22,6 +22,12 @@ class Entry:
     verdict: str
     problem: str
     thumbnail: view_models.Thumbnail | None
+    notes: str = ""
+
+    @property
+    def words(self) -> str:
+        """What a filter looks in."""
+        return f"{self.key} {self.date} {self.verdict} {self.notes}".lower()
 
 
 class SessionList:
@@ -63,7 +69,8 @@ class SessionList:
             return Entry(folder.name, folder, "", "damaged", summary.problem, None)
         date = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
         word = info.verdict if info.verdict and info.state is not State.ABORTED else info.state.value
-        return Entry(folder.name, folder, date, word, "", self._thumbnails.get(_stamp(folder)))
+        notes = " ".join(filter(None, (info.specimen, info.operator, info.remarks)))
+        return Entry(folder.name, folder, date, word, "", self._thumbnails.get(_stamp(folder)), notes)
 
     async def make_thumbnails(self) -> bool:
         """Make the thumbnails that are missing, one at a time; True where one was made."""

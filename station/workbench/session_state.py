@@ -1,13 +1,23 @@
 """One session as every tab that shows it sees it. One computation at a time; each change has a number."""
 
 import asyncio
+import re
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.ladder import KeptLadder
+from station.story.pipeline import Progress, silent
 from station.workbench import view_models
 from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
+
+MOST_UNDONE = 50
+LASTS_S = {"diagnose": 8.0, "refine": 20.0, "prune": 4.0}
+"""How long a task is expected to take before it was done once."""
+
+NEVER_DONE = 0.95
 
 
 @dataclass(frozen=True)
@@ -17,6 +27,7 @@ class Running:
     title: str
     since: float
     long: bool
+    task: str = ""
 
 
 class SessionState:
@@ -25,7 +36,12 @@ class SessionState:
     def __init__(self, folder: Path, workers: WorkerPool) -> None:
         self.folder = folder
         self.view: view_models.View | None = None
-        self.force_maps: dict[str, view_models.ForceMap] = {}
+        self.frames: dict[str, view_models.Frame] = {}
+        self.suspect_frames: dict[str, str] = {}
+        self.earlier: list[KeptLadder] = []
+        self._diagnoses: dict[tuple[str, ...], DiagnosisDocument] = {}
+        self._lasted = dict(LASTS_S)
+        self.others: tuple[Path, ...] = ()
         self.problem = ""
         self.notice = ""
         self.progress = ""
@@ -54,7 +70,8 @@ class SessionState:
             self.notice = f"{self.running.title if self.running else ''} is under way; wait, or cancel it"
             self.version += 1
             return False
-        self.running = Running(title, time.monotonic(), long)
+        self.running = Running(title, time.monotonic(), long, task)
+        self._loop = asyncio.get_running_loop()
         self.progress, self.notice, self.problem = "", "", ""
         self._job = Job()
         self.version += 1
@@ -72,17 +89,13 @@ class SessionState:
     async def _run(self, job: Job, task: str, arguments: tuple[Any, ...]) -> None:
         from station.workbench.build_view_models import results_stamp
 
-        title = self.running.title if self.running else task
+        title, begun = self.running.title if self.running else task, time.monotonic()
         try:
             found = await self._workers.do(
                 job, str(self.folder), task, self.folder, *arguments, progress=self._on_progress
             )
-            if isinstance(found, tuple):
-                self.view, self.force_maps = found
-            else:
-                if self.view is not None and found.diagnosis != self.view.diagnosis:
-                    self.force_maps = {}  # a command has diagnosed since
-                self.view = found
+            self._lasted[task] = time.monotonic() - begun
+            self._take(task, found)
         except Cancelled:
             changed = self.view is not None and self.view.stamp != results_stamp(self.folder)
             self.notice = (
@@ -96,18 +109,90 @@ class SessionState:
         finally:
             self.running, self._job = None, None
             self.version += 1
-        if self.view is not None and self.view.diagnosis is not None and not self.force_maps:
-            await self._find_force_maps()
+        await self._complete_frames()
+        if task in ("add", "remove") and not job.cancelled:
+            self._ask_again()
 
-    async def _find_force_maps(self) -> None:
+    def _ask_again(self) -> None:
+        """Ask what the new model lacks, where the one before was asked about and this one does not reach the floor."""
+        view = self.view
+        if view is None or view.diagnosis is None or self.busy or view.about_present or view.at_floor:
+            return
+        self.start("Asking what the new model lacks", "diagnose", self.others, long=True)
+
+    def _take(self, task: str, found: view_models.View) -> None:
+        """Take what a task returned; what the ladder was before is remembered, so that it can be undone."""
+        if found.diagnosis is not None:
+            self._diagnoses[tuple(found.diagnosis.model.effects)] = found.diagnosis
+            known = self._diagnoses.get(tuple(found.ladder.top.effects))
+            if known is not None and not found.about_present:
+                found = replace(found, diagnosis=known)  # that of the model that one has gone back to
+        before, self.view = self.view, found
+        self.notice = found.note or self.notice
+        if before is not None and _steps(before.ladder) != _steps(found.ladder):
+            self.earlier = (
+                self.earlier[:-1] if task == "restore" else [*self.earlier, before.ladder][-MOST_UNDONE:]
+            )
+        if before is not None and found.diagnosis != before.diagnosis:
+            self.suspect_frames = {}  # this diagnosis, or one by a command, has other suspects
+        wanted = {*found.rung_frames, *self.suspect_frames.values()}
+        self.frames = {name: frame for name, frame in self.frames.items() if name in wanted} | found.frames
+
+    async def _complete_frames(self) -> None:
+        """Let the frames be drawn that are not at hand: of other rungs, and of the suspects."""
+        view = self.view
+        if view is None:
+            return
+        document = view.diagnosis if view.about_present else None
+        suspects = document is not None and bool(document.suspects) and not self.suspect_frames
+        if not suspects and all(name in self.frames for name in view.rung_frames):
+            return
         try:
-            self.force_maps = await self._workers.do(Job(), str(self.folder), "force_maps", self.folder)
+            frames, named = await self._workers.do(Job(), str(self.folder), "frames", self.folder, document)
         except (Cancelled, Failed):
             return
+        if view is not self.view:  # another task has answered meanwhile, and asks for its own
+            return
+        self.frames, self.suspect_frames = self.frames | frames, named
         self.version += 1
 
-    def _on_progress(self, text: str) -> None:
-        self.progress = text
+    async def ask(self, job: Job, task: str, *arguments: Any, progress: Progress = silent) -> Any:
+        """Return what a task beside the ladder finds, while the ladder stays as it is; raises Failed or Cancelled."""
+        return await self._workers.do(job, str(self.folder), task, self.folder, *arguments, progress=progress)
+
+    def undo(self) -> None:
+        """Go back to the ladder before the last change."""
+        if self.earlier:
+            self.start("Undoing", "restore", self.earlier[-1])
+
+    @property
+    def share_done(self) -> float | None:
+        """How far the computation is, 0 to 1: by what it says itself, else by how long it took last time."""
+        running = self.running
+        if running is None:
+            return None
+        counted = re.search(r"(\d+) of (\d+)", self.progress)
+        if counted is not None and int(counted[2]) > 0:
+            return int(counted[1]) / int(counted[2])
+        expected = self._lasted.get(running.task)
+        return None if not expected else min(NEVER_DONE, (time.monotonic() - running.since) / expected)
+
+    def _on_progress(self, content: str | view_models.View) -> None:
+        """Note what a worker says; a view of what was found so far is shown at once. Called in the worker's thread."""
+        if isinstance(content, str):
+            self.progress = content
+        else:
+            self._loop.call_soon_threadsafe(self._take_meanwhile, content)
+
+    def _take_meanwhile(self, found: view_models.View) -> None:
+        if self.busy:
+            self._take("refine", found)
+            self.version += 1
+
+
+def _steps(ladder: KeptLadder) -> object:
+    """Return what makes two ladders different to the operator."""
+    return ladder.present, ladder.rungs
 
 
 @dataclass

@@ -10,14 +10,17 @@ from nicegui import events, ui
 from station.exits import UsageProblem
 from station.operations.examples import EXAMPLES
 from station.workbench import widgets
+from station.workbench.app_state import AppState
 from station.workbench.import_choices import ImportChoices, for_the_page
-from station.workbench.session_list import Entry, SessionList
+from station.workbench.session_list import Entry
 from station.workbench.small_pictures import sparkline
 from station.workbench.uploads import plain_name
-from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
+from station.workbench.worker import Cancelled, Failed, Job
 
 LARGEST = 200 << 20
 GOOD = ("OK", "sealed")
+FEW = 4
+"""Sessions that are seen at a glance, so that no filter is needed."""
 
 
 def address_of(key: str) -> str:
@@ -28,9 +31,11 @@ def address_of(key: str) -> str:
 class SessionsPanel:
     """The list, and what imports a file into it."""
 
-    def __init__(self, session_list: SessionList, workers: WorkerPool, chosen: str | None) -> None:
-        self._session_list, self._workers, self._chosen = session_list, workers, chosen
+    def __init__(self, state: AppState, chosen: str | None) -> None:
+        self._session_list, self._workers, self._states = state.session_list, state.workers, state.sessions
+        self._chosen = chosen
         self._seen: tuple[Entry, ...] | None = None
+        self._seen_refused: set[str] = set()
         self._job: Job | None = None
         self._options = ImportChoices()
 
@@ -49,8 +54,20 @@ class SessionsPanel:
             self._options.build()
             self._message = ui.element("div").props("aria-live=polite")
         with widgets.card("grow"):
-            widgets.head("Sessions")
+            with widgets.line():
+                with ui.element("div").classes("grow"):
+                    widgets.head("Sessions")
+                self._chosen_text = widgets.label("", "small faint")
+            self._filter = ui.input(placeholder="filter", on_change=lambda: self._show())
+            self._filter.props('dense outlined clearable aria-label="Filter the sessions"')
+            self._filter.set_visibility(False)
             self._list = ui.element("nav").props('aria-label="Sessions"')
+            with (
+                ui.expansion("Examples")
+                .props("dense dense-toggle id=examples")
+                .classes("small") as self._expansion
+            ):
+                self._examples()
         self.refresh()
         ui.timer(2.0, self.refresh)
         ui.timer(0.6, self._thumbnails, once=True)
@@ -58,10 +75,22 @@ class SessionsPanel:
     def refresh(self) -> None:
         """Show the list as the folder is now."""
         entries = self._session_list.entries()
-        if entries == self._seen:
+        refused = {entry.key for entry in entries if self._refused(entry.folder)}
+        if entries == self._seen and refused == self._seen_refused:
             return
+        self._seen_refused = refused
         fresh = self._seen is not None and any(e.thumbnail is None and not e.problem for e in entries)
         self._seen = entries
+        self._show()
+        if fresh:
+            ui.timer(0.1, self._thumbnails, once=True)
+
+    def _show(self) -> None:
+        entries = self._seen or ()
+        words = str(self._filter.value or "").lower().split()
+        shown = [e for e in entries if all(word in e.words for word in words)]
+        self._filter.set_visibility(len(entries) > FEW)
+        self._chosen_text.text = f"{len(shown)} of {len(entries)}" if words else ""
         self._list.clear()
         with self._list:
             if self._session_list.problem:
@@ -69,12 +98,10 @@ class SessionsPanel:
             elif not entries:
                 with ui.element("div").classes("empty"):
                     widgets.label("No session yet.")
-                    widgets.label("Drop a file above, capture a release, or open an example:", "small")
-                    self._examples()
-            for entry in entries:
+                    widgets.label("Record a release, drop a file above, or open an example below.", "small")
+                self._expansion.value = True
+            for entry in shown:
                 self._row(entry)
-        if fresh:
-            ui.timer(0.1, self._thumbnails, once=True)
 
     def _examples(self) -> None:
         for example in EXAMPLES:
@@ -108,13 +135,19 @@ class SessionsPanel:
             widgets.label(entry.key, "name").style("grid-column:1/-1").tooltip(str(entry.folder))
             thumbnail = entry.thumbnail
             with widgets.line("small faint"):
-                widgets.label(entry.verdict, f"tag {'ok' if entry.verdict in GOOD else 'bad'}")
+                refused = self._refused(entry.folder)
+                word = "no analysis" if refused else entry.verdict
+                widgets.label(word, f"tag {'ok' if word in GOOD else 'bad'}")
                 widgets.label(thumbnail.amplitude if thumbnail else "")
             widgets.svg(sparkline(thumbnail.line if thumbnail else []))
             widgets.label(entry.date, "small faint date")
             problem = entry.problem or (thumbnail.problem if thumbnail else "")
             if problem:
                 widgets.label(problem, "small bad wrap").style("grid-column:1/-1")
+
+    def _refused(self, folder: Path) -> bool:
+        known = self._states.known.get(folder)
+        return known is not None and bool(known.problem)
 
     async def _thumbnails(self) -> None:
         if await self._session_list.make_thumbnails():

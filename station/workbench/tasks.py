@@ -1,72 +1,53 @@
 """What a worker does for the page: each task calls what the commands call, and returns plain values."""
 
+import contextlib
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from daq.session import Session
-from station.exits import UsageProblem
-from station.operations import refining
+from identify.errors import NotIdentifiable
+from station.exits import Problem
 from station.operations.comparing import compare_session
-from station.operations.diagnosing import diagnose_sessions, keep
-from station.operations.refining import Refinement, add, go_to, open_refinement, remove
-from station.operations.session_set import SessionSet
-from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
-from station.results.diagnosis_fits import fits_of, refitted
-from station.results.ladder import LADDER, MODEL, KeptLadder, read_ladder, write_ladder
+from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
+from station.operations.refining import add, go_to, open_refinement, remove
+from station.operations.session_set import SessionSet, open_sessions
+from station.results.diagnosis_document import DiagnosisDocument, with_differences
+from station.results.ladder import KeptLadder, write_ladder
 from station.settings import Settings
 from station.story.pipeline import Progress
 from station.story.preparation import options_for
-from station.workbench import view_models
+from station.workbench import further_tasks, view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
+from station.workbench.climbing import climb
 from station.workbench.decay_curves import curves_of
-from station.workbench.force_map import MOST, force_maps_of
+from station.workbench.frame_store import of_ladder, of_suspects
+from station.workbench.frames import frame_id
+from station.workbench.opened_session import Opened, kept_diagnosis, open_session, present_model
+from station.workbench.pruning import drop_needless
+from station.workbench.raw_trace import raw_traces
 from station.workbench.session_thumbnails import thumbnail_of
+from station.workbench.unkept import MEASURED_CURVE, frame_of_tried
+from station.workbench.view_models import reaches_floor
 from station.workbench.warm_up import warm_up
-
-MOST_OPEN = 8
-
-
-@dataclass(frozen=True, eq=False)
-class _Opened:
-    """A session whose release is prepared, kept while the process lives; `stamp` changes when the session does."""
-
-    stamp: tuple[int, ...]
-    refinement: Refinement
-
-
-_opened: dict[Path, _Opened] = {}
-
-
-def _open(settings: Settings, folder: Path) -> _Opened:
-    session = Session.open(folder)
-    raw = (folder / "raw.log").stat()
-    ladder = read_ladder(session)
-    stamp = (raw.st_mtime_ns, raw.st_size, hash(ladder.gain_percent if ladder else None))
-    known = _opened.get(folder)
-    if known is None or known.stamp != stamp:
-        known = _Opened(stamp, open_refinement(session, settings))
-        while len(_opened) >= MOST_OPEN:
-            _opened.pop(next(iter(_opened)))
-        _opened[folder] = known
-    if ladder is None:
-        return known
-    return replace(known, refinement=replace(known.refinement, ladder=ladder, session=session))
 
 
 def look(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
     """Return what the page shows of a session, as its results stand."""
     progress("reading the session")
-    opened = _open(settings, folder)
+    opened = open_session(settings, folder)
     return _view(settings, opened, opened.refinement.ladder)
 
 
-def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> view_models.View:
-    session = opened.refinement.session
-    model = _present_model(session)
+def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models.View:
+    """Return what the page shows; the frame of the present rung comes with it, the others when `frames` is asked."""
+    session, store = opened.refinement.session, opened.store
+    model = present_model(session)
     compared, _ = compare_session(session, settings, model, prepared=opened.refinement.prepared)
-    diagnosis = _diagnosis(session)
+    diagnosis = kept_diagnosis(session)
+    names = tuple(frame_id(rung.model) for rung in ladder.rungs)
+    store.put(names[ladder.present], opened.refinement.prepared, compared.baseline.fit)
     return view_models.View(
         ladder,
         picture_of(compared),
@@ -74,84 +55,103 @@ def _view(settings: Settings, opened: _Opened, ladder: KeptLadder) -> view_model
         equations_of(ladder),
         results_stamp(session.folder),
         curves_of(settings, opened.refinement, diagnosis),
+        None if store.ground is None else store.ground.stage,
+        {name: store.frames[name] for name in names if name in store.frames},
+        names,
     )
-
-
-def _present_model(session: Session) -> Path | None:
-    """Return the file of the present model; None while the ladder has not begun."""
-    return session.results / MODEL if (session.results / LADDER).is_file() else None
-
-
-def _diagnosis(session: Session) -> DiagnosisDocument | None:
-    """Return the diagnosis that a session keeps; one that cannot be read counts as none: the page offers a new one."""
-    try:
-        return read_diagnosis(session)
-    except UsageProblem:
-        return None
 
 
 def add_effect(settings: Settings, progress: Progress, folder: Path, wanted: str) -> view_models.View:
     """Add an effect by name, or an expression as "magnet = a*u"."""
     progress(f"adding {wanted.partition('=')[0].strip()}")
-    opened = _open(settings, folder)
+    opened = open_session(settings, folder)
     return _view(settings, opened, add(opened.refinement, wanted))
 
 
 def remove_effect(settings: Settings, progress: Progress, folder: Path, name: str) -> view_models.View:
     """Take an effect out of the model."""
     progress(f"taking {name} out")
-    opened = _open(settings, folder)
+    opened = open_session(settings, folder)
     return _view(settings, opened, remove(opened.refinement, name))
 
 
 def go_to_rung(settings: Settings, progress: Progress, folder: Path, number: int) -> view_models.View:
     """Make a rung of the ladder the present model."""
     progress(f"going to rung {number}")
-    opened = _open(settings, folder)
+    opened = open_session(settings, folder)
     return _view(settings, opened, go_to(opened.refinement, number))
 
 
 def refine_to_floor(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
-    """Add what is missing until nothing is."""
+    """Add what is missing until nothing is; each rung is sent as a view as soon as it is found."""
     progress("looking for what is missing")
-    opened = _open(settings, folder)
-    return _view(settings, opened, refining.refine_to_floor(opened.refinement, progress))
+    opened = open_session(settings, folder)
+
+    def seen(ladder: KeptLadder, words: str) -> None:
+        progress(_view(settings, opened, ladder))  # type: ignore[arg-type]
+        progress(words)
+
+    return _view(settings, opened, climb(opened.refinement, seen))
 
 
 def begin_again(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
     """Begin the ladder again with the base model."""
     progress("beginning again")
-    opened = _open(settings, folder)
+    opened = open_session(settings, folder)
     refinement = open_refinement(opened.refinement.session, settings, reset=True)
-    write_ladder(refinement.session, refinement.ladder)
-    return _view(settings, opened, refinement.ladder)
+    return _view(settings, opened, write_ladder(refinement.session, refinement.ladder))
+
+
+def prune(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
+    """Take out the effects without which the misfit hardly rises."""
+    progress("trying to do without each effect")
+    opened = open_session(settings, folder)
+    ladder, words = drop_needless(opened.refinement)
+    return replace(_view(settings, opened, ladder), note=words)
+
+
+def restore(settings: Settings, progress: Progress, folder: Path, ladder: KeptLadder) -> view_models.View:
+    """Keep a ladder as it was before a change."""
+    progress("undoing the last change")
+    opened = open_session(settings, folder)
+    before = ladder.with_(seen=opened.refinement.ladder.seen)  # it follows what is kept now
+    return _view(settings, opened, write_ladder(opened.refinement.session, before))
 
 
 def diagnose(
-    settings: Settings, progress: Progress, folder: Path
-) -> tuple[view_models.View, dict[str, view_models.ForceMap]]:
-    """Ask what the present model lacks, keep the answer, and return it with its maps of force."""
-    opened = _open(settings, folder)
+    settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...] = ()
+) -> view_models.View:
+    """Ask what the present model lacks on this release, and on others with it, keep the answer, and return it."""
+    opened = open_session(settings, folder)
     refinement = opened.refinement
     session = refinement.session
     sessions = SessionSet((session,), (refinement.prepared,))
-    found, document = diagnose_sessions(sessions, _present_model(session), None, progress)
+    shared = None
+    if others:
+        sessions = open_sessions((str(folder), *(str(other) for other in others)), settings)
+        progress("asking whether the releases share their physics")
+        shared = physics_shared(sessions, False, progress)
+    _, document = diagnose_sessions(sessions, present_model(session), None, progress)
+    document = document if shared is None else with_differences(document, shared)
     keep(sessions, document)
-    return _view(settings, opened, refinement.ladder), force_maps_of(fits_of(found, document, MOST))
+    return _view(settings, opened, refinement.ladder)
 
 
-def force_maps(settings: Settings, progress: Progress, folder: Path) -> dict[str, view_models.ForceMap]:
-    """Return the maps of force of the diagnosis that a session keeps; none where it cannot be read."""
-    opened = _open(settings, folder)
-    refinement = opened.refinement
-    document = _diagnosis(refinement.session)
-    if document is None:
-        return {}
-    try:
-        fits = refitted(document, refinement.prepared, refinement.library, MOST)
-    except UsageProblem:  # an effect of a file that is not at hand
-        return {}
-    return {} if fits is None else force_maps_of(fits)
+def frames(
+    settings: Settings, progress: Progress, folder: Path, document: DiagnosisDocument | None = None
+) -> tuple[dict[str, view_models.Frame], dict[str, str]]:
+    """Return the frames of all rungs and of a diagnosis' suspects, and the names of the latter by effect."""
+    opened = open_session(settings, folder)
+    refinement, store = opened.refinement, opened.store
+    of_ladder(store, refinement, refinement.ladder, progress)
+    suspects = {} if document is None else of_suspects(store, refinement, document, progress)
+    found = dict(store.frames)
+    if document is not None and document.suspects and not reaches_floor(refinement.ladder.top):
+        progress("drawing the measured curve")
+        with contextlib.suppress(Problem, NotIdentifiable):  # it has no card then
+            name, frame = frame_of_tried(store, refinement, MEASURED_CURVE, "the measured curve")
+            found[name], suspects[MEASURED_CURVE] = frame, name
+    return found, suspects
 
 
 def thumbnail(settings: Settings, progress: Progress, folder: Path) -> view_models.Thumbnail:
@@ -225,7 +225,15 @@ TASKS: dict[str, Callable[..., Any]] = {
     "refine": refine_to_floor,
     "again": begin_again,
     "diagnose": diagnose,
-    "force_maps": force_maps,
+    "frames": frames,
+    "restore": restore,
+    "prune": prune,
+    "raw": raw_traces,
+    "identify": further_tasks.identify,
+    "export": further_tasks.export,
+    "trial": further_tasks.trial,
+    "preview": further_tasks.preview,
+    "validate": further_tasks.validate,
     "thumbnail": thumbnail,
     "import": import_file,
     "example": open_example,

@@ -17,9 +17,6 @@ class Theme:
     noise: str
     floor: str
     other: str
-    low: tuple[int, int, int]
-    middle: tuple[int, int, int]
-    high: tuple[int, int, int]
 
 
 LIGHT = Theme(
@@ -33,9 +30,6 @@ LIGHT = Theme(
     noise="rgba(0,158,115,0.22)",
     floor="#00795a",
     other="#a0527f",
-    low=(0, 90, 160),
-    middle=(247, 247, 247),
-    high=(200, 80, 0),
 )
 DARK = Theme(
     ink="#e4e8ee",
@@ -48,22 +42,9 @@ DARK = Theme(
     noise="rgba(60,200,150,0.25)",
     floor="#3cc896",
     other="#e08cc0",
-    low=(86, 180, 233),
-    middle=(34, 40, 49),
-    high=(240, 144, 60),
 )
 
 
 def theme(dark: bool) -> Theme:
     """Return the colours of one of the two."""
     return DARK if dark else LIGHT
-
-
-def diverging(value: float | None, reach: float, colours: Theme) -> str:
-    """Return the colour of a signed value on a scale from -reach to reach; the paper's where there is none."""
-    if value is None:
-        return "none"
-    share = max(-1.0, min(1.0, value / reach)) if reach > 0 else 0.0
-    end = colours.high if share > 0 else colours.low
-    parts = (round(m + abs(share) * (e - m)) for m, e in zip(colours.middle, end, strict=True))
-    return "#" + "".join(f"{part:02x}" for part in parts)

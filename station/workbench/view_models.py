@@ -3,26 +3,15 @@
 from dataclasses import dataclass, field
 
 from station.results.diagnosis_document import DiagnosisDocument
-from station.results.ladder import KeptLadder
+from station.results.ladder import KeptLadder, KeptRung
 
 Numbers = list[float | None]
 
+ADEQUATE = 3.0
+"""Standard errors by which the reduced chi-square may exceed 1 at the floor."""
 
-@dataclass(frozen=True)
-class Trace:
-    """One channel in the unit in which it is shown: measured, the model run freely, what is left, and the noise.
-
-    `fine` is the factor to the unit `fine_unit` of what is left; `sigma` and `left` are in that unit.
-    """
-
-    channel: str
-    unit: str
-    fine_unit: str
-    measured: Numbers
-    model: Numbers
-    left: Numbers
-    sigma: float
-    fine: float
+MOST_CARDS = 8
+"""Suspects that have a card, and so a frame."""
 
 
 @dataclass(frozen=True)
@@ -37,9 +26,8 @@ class Section:
 
 @dataclass(frozen=True)
 class Plane:
-    """The missing force in bins of the phase plane: each (u from, u to, v from, v to, force, std)."""
+    """Cuts through the missing force: against velocity at zero displacement, and against displacement at reversal."""
 
-    bins: list[list[float]]
     middle: Section
     reversal: tuple[Section, Section]
 
@@ -58,16 +46,12 @@ class Cycles:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A model beside the measurement, in the units in which it is shown; `time` is in s since the release."""
+    """Where a model fails, in the units in which it is shown; `time` is in s since the release."""
 
     time: Numbers
-    displacement: Numbers
-    velocity: Numbers
-    force: Numbers
     displacement_unit: str
     velocity_unit: str
     force_unit: str
-    traces: tuple[Trace, ...]
     plane: Plane
     cycles: Cycles
     errors: dict[str, float]
@@ -76,13 +60,65 @@ class Picture:
     places: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class ForceMap:
-    """A force over the cycle: edges of amplitude (0 to 1) and phase (rad), and the force in each bin, None where unknown."""
+@dataclass(frozen=True)
+class Measured:
+    """One channel as it was measured, in `unit`; `sigma` is its noise in `fine_unit`, `fine` the factor between the two."""
 
+    channel: str
+    unit: str
+    fine_unit: str
+    values: Numbers
+    sigma: float
+    fine: float
+
+
+@dataclass(frozen=True, eq=False)
+class MapAxes:
+    """Cells of a map: edges of rows and of columns, and the cells that were visited, row * columns + column."""
+
+    rows: Numbers
+    columns: Numbers
+    cells: list[int]
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What stays while models change: the measurement, and the axes and cells of the maps, from the release alone.
+
+    `amplitude` and `phase` (rad; 0 at the largest displacement, growing with time) belong to each moment of `time` (s since
+    the release). `cycle` has rows of amplitude and columns of phase, `over_time` rows of time (s) and columns of phase;
+    `velocity_per_amplitude` is the velocity that goes with one unit of amplitude. `units` are those of displacement
+    "u", velocity "v" and force "f".
+    """
+
+    time: Numbers
+    displacement: Numbers
+    velocity: Numbers
     amplitude: Numbers
     phase: Numbers
-    force: list[Numbers]
+    frequency_hz: float
+    velocity_per_amplitude: float
+    units: dict[str, str]
+    traces: tuple[Measured, ...]
+    cycle: MapAxes
+    over_time: MapAxes
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """What one model leaves: its readings and the misfit of each channel, and the force that it lacks in each cell.
+
+    Forces and their standard errors are in the stage's unit, None where nothing is known. `says` is what to say of a model
+    that is on no rung.
+    """
+
+    model: tuple[Numbers, ...]
+    left: tuple[Numbers, ...]
+    cycle: Numbers
+    cycle_std: Numbers
+    time: Numbers
+    time_std: Numbers
+    says: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -115,7 +151,8 @@ class DecayCurves:
 class View:
     """What the page shows of a session: ladder, comparison of the present model, last diagnosis, equations by effect.
 
-    `curves` come with a diagnosis; None where the record is too short for them.
+    `curves` come with a diagnosis; None where the record is too short for them. `frames` are those at hand, by the name
+    of `rung_frames` (one for each rung). `note` is what a task has to say.
     """
 
     ladder: KeptLadder
@@ -124,6 +161,55 @@ class View:
     equations: dict[str, str] = field(default_factory=dict)
     stamp: tuple[int, ...] = ()
     curves: DecayCurves | None = None
+    stage: Stage | None = None
+    frames: dict[str, Frame] = field(default_factory=dict)
+    rung_frames: tuple[str, ...] = ()
+    note: str = ""
+
+    @property
+    def about_present(self) -> bool:
+        """Whether the diagnosis is about the present model."""
+        return self.diagnosis is not None and list(self.diagnosis.model.effects) == list(
+            self.ladder.top.effects
+        )
+
+    @property
+    def at_floor(self) -> bool:
+        """Whether the present model leaves no more than noise does."""
+        return reaches_floor(self.ladder.top)
+
+
+def reaches_floor(rung: KeptRung) -> bool:
+    """Return whether a rung leaves no more than noise does."""
+    return rung.error.chi2 is not None and rung.error.chi2 <= 1.0 + ADEQUATE * rung.chi2_std
+
+
+@dataclass(frozen=True)
+class RawTrace:
+    """One channel as it was recorded, in `unit`, against the time since the start of the record (s)."""
+
+    channel: str
+    unit: str
+    time: Numbers
+    values: Numbers
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """A table as it is read: its caption, the names of its columns, its rows."""
+
+    caption: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What both identifications find: the lag with what is said of it, tables, and reasons in sentences."""
+
+    lag: tuple[str, str]
+    tables: tuple[TextTable, ...]
+    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True)

@@ -23,10 +23,10 @@ WITH_COOKIE = (
 """The viewer asks for a recording without cookies, and so without the token that the guard wants to see."""
 
 
-def address_of(key: str, stamp: int, host: str) -> str:
+def address_of(key: str, stamp: int, host: str, *, dark: bool = True) -> str:
     """Return the address of the viewer with a session's recording open; `stamp` keeps browsers from an old one."""
     recording = f"http://{host}{PLACE}/recording/{stamp}/{quote(key, safe='')}.rrd"
-    return f"{PLACE}/index.html?url={quote(recording, safe='')}&hide_welcome_screen=1&theme=dark"
+    return f"{PLACE}/index.html?url={quote(recording, safe='')}&hide_welcome_screen=1&theme={'dark' if dark else 'light'}"
 
 
 def serve_viewer(app: FastAPI, folder: Path, session_list: SessionList) -> None:

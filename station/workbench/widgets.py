@@ -43,3 +43,8 @@ def button(
 def svg(markup: str) -> ui.html:
     """Show a picture that was made here, of numbers only."""
     return ui.html(markup, sanitize=False)
+
+
+def run(script: str) -> None:
+    """Run a script in the tab, without waiting for it."""
+    ui.run_javascript(script)

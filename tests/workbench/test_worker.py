@@ -61,10 +61,40 @@ def test_a_task_that_waits_for_a_worker_is_cancelled_at_once(monkeypatch):
 
 
 @dataclass
+class Named:
+    """A model by the names of its effects."""
+
+    effects: list[str]
+
+
+@dataclass
+class Top:
+    """A ladder of which only the present model matters."""
+
+    top: Named
+    present: int = 0
+    rungs: tuple[str, ...] = ()
+
+
+@dataclass
+class Asked:
+    """A diagnosis: only its identity and that it has suspects matter here."""
+
+    model: Named
+    suspects: tuple[str, ...] = ("any",)
+
+
+@dataclass
 class Looked:
     """What a look at a session returns: only its diagnosis matters here."""
 
-    diagnosis: dict[str, Any] | None
+    diagnosis: Asked | None
+    ladder: Top = field(default_factory=lambda: Top(Named([])))
+    about_present: bool = True
+    at_floor: bool = False
+    note: str = ""
+    frames: dict[str, str] = field(default_factory=lambda: {"rung": "drawn"})
+    rung_frames: tuple[str, ...] = ("rung",)
 
 
 @dataclass
@@ -79,16 +109,18 @@ class Answering:
         return self.answers[task]
 
 
-def test_force_maps_are_made_again_when_a_command_has_diagnosed_since():
+def test_frames_are_drawn_again_when_a_command_has_diagnosed_since():
     async def story() -> None:
-        pool = Answering({"look": Looked({"named": ["a"]}), "force_maps": {"": "first"}})
+        pool = Answering({})
         session = SessionState(Path("none"), pool)  # type: ignore[arg-type]
-        for diagnosis, maps in ((["a"], "first"), (["b"], "second"), (["b"], "second")):
-            pool.answers = {"look": Looked({"named": diagnosis}), "force_maps": {"": maps}}
+        for diagnosis, drawn in ((["a"], "first"), (["b"], "second"), (["b"], "second")):
+            frames = ({drawn: "frame"}, {diagnosis[0]: drawn})
+            pool.answers = {"look": Looked(Asked(Named(diagnosis)), Top(Named(diagnosis))), "frames": frames}
             assert session.start("Reading", "look")
             await asyncio.gather(*session._tasks)
-            assert session.force_maps == {"": maps}
-        assert pool.asked.count("force_maps") == 2  # not a third time: nothing had changed
+            assert session.suspect_frames == {diagnosis[0]: drawn}
+            assert drawn in session.frames
+        assert pool.asked.count("frames") == 2  # not a third time: nothing had changed
 
     alone(story)
 

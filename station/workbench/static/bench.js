@@ -1,105 +1,77 @@
-// Linked pointers: the moment under the pointer in one chart is marked in all of them.
+// What the page needs of the browser beside its pictures: the colour scheme, and commands for the keyboard.
+document.documentElement.lang = "en";
 (() => {
-  const bench = { moment: null, motion: null };
-  window.bench = bench;
+  const bench = (window.bench = window.bench || {});
 
   bench.dark = () => {
     const kept = localStorage.getItem("bench-theme");
     return kept ? kept === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
   };
   bench.keepTheme = (dark) => localStorage.setItem("bench-theme", dark ? "dark" : "light");
-  bench.setMotion = (motion) => { bench.motion = motion; bench.mark(null); };
+  bench.redraw = () => requestAnimationFrame(() => { bench.draw(); bench.fingerprints(); });
 
-  const charts = () => [...document.querySelectorAll("[data-kind]")].filter((el) => el.offsetParent);
-  const chartOf = (el) => { const c = window.getElement(Number(el.id.replace(/^c/, ""))); return c && c.chart; };
+  bench.choose = (key, value) => { bench.state[key] = value; bench.draw(); };
 
-  function nearest(distance) {
-    let best = 0, least = Infinity;
-    for (let i = 0; i < bench.motion.t.length; i++) {
-      const d = distance(i);
-      if (d < least) { least = d; best = i; }
-    }
-    return best;
-  }
+  // Rerun's viewer says when it has started.
+  window.addEventListener("message", (event) => {
+    if (event.origin === location.origin && event.data === "READY") document.querySelectorAll(".viewer-wait").forEach((el) => (el.style.display = "none"));
+  });
 
-  function momentAt(kind, x, y) {
-    const m = bench.motion, su = m.su, sv = m.sv, near = 0.08;
-    if (kind === "time") return nearest((i) => Math.abs(m.t[i] - x));
-    if (kind === "plane") return nearest((i) => ((m.u[i] - x) / su) ** 2 + ((m.v[i] - y) / sv) ** 2);
-    if (kind === "at-middle") return nearest((i) => Math.abs(m.v[i] - x) / sv + (Math.abs(m.u[i]) / su > near ? 9 : 0));
-    return nearest((i) => Math.abs(m.u[i] - x) / su + (Math.abs(m.v[i]) / sv > 4 * near ? 9 : 0));
-  }
+  // A record that allows no analysis, as it is.
+  bench.raw = (traces) => requestAnimationFrame(() => traces.forEach((trace, k) => {
+    const host = document.querySelector(`[data-plot=raw${k}]`);
+    if (!host) return;
+    const plot = new bench.Plot(host, { bottom: 32 }), seen = trace.values.filter((y) => y !== null);
+    const low = Math.min(...seen), high = Math.max(...seen), room = 0.06 * (high - low) || 1;
+    plot.redraw = () => {
+      plot.begin([trace.time[0], trace.time[trace.time.length - 1]], [low - room, high + room], ["time since the start of the record [s]", `${trace.channel} [${trace.unit}]`]);
+      plot.axes();
+      plot.line(trace.time, trace.values, bench.colour("left"), 1.2);
+    };
+    plot.redraw();
+  }));
 
-  function place(el, kind, chart, i) {
-    let mark = el.querySelector(":scope > .mark");
-    if (!mark) {
-      mark = document.createElement("div");
-      mark.className = "mark " + (kind === "plane" ? "dot" : "bar");
-      el.appendChild(mark);
-    }
-    if (i === null) { mark.style.display = "none"; return; }
-    const m = bench.motion;
-    const x = { time: m.t[i], plane: m.u[i], "at-middle": m.v[i], "at-reversal": m.u[i] }[kind];
-    const at = chart.convertToPixel({ gridIndex: 0 }, [x, kind === "plane" ? m.v[i] : 0]);
-    const grid = chart.getModel().getComponent("grid").coordinateSystem.getRect();
-    if (!at || at[0] < grid.x - 1 || at[0] > grid.x + grid.width + 1) { mark.style.display = "none"; return; }
-    mark.style.display = "block";
-    mark.style.left = at[0] + "px";
-    mark.style.top = (kind === "plane" ? at[1] : grid.y) + "px";
-    if (kind !== "plane") mark.style.height = grid.height + "px";
-  }
+  // Names for those who do not see the signs on a library's buttons.
+  const NAMES = { ".q-uploader .q-btn": "Choose files to import", ".q-uploader__input": "Files to import", ".q-loading-bar": "Loading", "[role=progressbar]": "Progress" };
+  const name = () => {
+    for (const [what, words] of Object.entries(NAMES))
+      document.querySelectorAll(`${what}:not([aria-label])`).forEach((el) => el.setAttribute("aria-label", words));
+  };
+  document.addEventListener("DOMContentLoaded", () => { name(); new MutationObserver(name).observe(document.body, { childList: true, subtree: true }); });
 
-  bench.mark = (i) => {
-    bench.moment = i;
-    for (const el of charts()) {
-      const chart = chartOf(el);
-      if (chart && bench.motion) place(el, el.dataset.kind, chart, i);
-    }
-    const words = document.getElementById("readout"), m = bench.motion;
-    if (!words || !m) return;
-    words.textContent = i === null ? m.hint
-      : `t = ${m.t[i].toFixed(3)} s   u = ${m.u[i].toPrecision(4)} ${m.uu}   v = ${m.v[i].toPrecision(3)} ${m.vu}   missing force = ${m.f[i] === null ? "?" : m.f[i].toPrecision(3)} ${m.fu}`;
+  // From card to card with the arrows.
+  document.addEventListener("keydown", (event) => {
+    const card = document.activeElement && document.activeElement.closest(".card-suspect");
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!card || !step || event.target.tagName === "INPUT") return;
+    const cards = [...document.querySelectorAll(".card-suspect")], next = cards[cards.indexOf(card) + step];
+    if (next) { event.preventDefault(); next.focus(); next.scrollIntoView({ block: "nearest", inline: "nearest" }); }
+  });
+
+  bench.turnRail = () => {
+    const open = document.getElementById("columns").classList.toggle("rail-open");
+    document.querySelector(".rail-button").setAttribute("aria-expanded", open);
+    if (open) document.querySelector("#rail a, #rail button, #rail input")?.focus();
   };
 
-  let waiting = false;
-  document.addEventListener("mousemove", (event) => {
-    const el = event.target.closest && event.target.closest("[data-kind]");
-    if (waiting || !bench.motion || (!el && bench.moment === null)) return;
-    waiting = true;
-    requestAnimationFrame(() => {
-      waiting = false;
-      if (!el) return bench.mark(null);
-      const chart = chartOf(el), box = el.getBoundingClientRect();
-      if (!chart) return;
-      const pixel = [event.clientX - box.left, event.clientY - box.top];
-      if (!chart.containPixel({ gridIndex: 0 }, pixel)) return bench.mark(null);
-      const [x, y] = chart.convertFromPixel({ gridIndex: 0 }, pixel);
-      bench.mark(momentAt(el.dataset.kind, x, y));
-    });
-  });
+  bench.toExamples = () => {
+    const open = document.querySelector("#examples .q-item");
+    if (!document.getElementById("columns").classList.contains("rail-open") && !document.getElementById("rail").offsetParent) bench.turnRail();
+    if (open && open.getAttribute("aria-expanded") !== "true") open.click();
+    setTimeout(() => { const first = document.querySelector("#examples .q-btn"); if (first) { first.scrollIntoView({ block: "nearest" }); first.focus(); } }, 350);
+  };
+  const closeRail = () => document.querySelector(".rail-open") && bench.turnRail();
+  document.addEventListener("mousedown", (event) => { if (!event.target.closest("#rail, .rail-button, .q-menu")) closeRail(); });
+  document.addEventListener("keydown", (event) => { if (event.key === "Escape") closeRail(); });
 
-  document.addEventListener("keydown", (event) => {
-    const el = document.activeElement;
-    if (!el || !el.dataset || !el.dataset.kind || !bench.motion) return;
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-    if (!step) return;
-    event.preventDefault();
-    const last = bench.motion.t.length - 1;
-    bench.mark(Math.min(last, Math.max(0, (bench.moment ?? 0) + step * (event.shiftKey ? 16 : 1))));
-  });
+  // The address of what is shown: the session and the rung.
+  bench.address = () => {
+    const here = new URL(location.href), S = bench.state;
+    if (S.stage) here.searchParams.set("rung", S.film === null ? S.present : S.film);
+    return here.href;
+  };
 
-  bench.link = () => {
-    const [over, left] = ["overlay", "residual"].map((name) => document.querySelector(`[data-name=${name}]`));
-    const [a, b] = [over, left].map((el) => el && chartOf(el));
-    if (!a || !b) { setTimeout(bench.link, 60); return; }
-    for (const [one, other] of [[a, b], [b, a]]) {
-      if (one.linkedTo === other) continue;
-      one.linkedTo = other;
-      one.on("datazoom", () => {
-        const { start, end } = one.getOption().dataZoom[0], now = other.getOption().dataZoom[0];
-        if (now.start !== start || now.end !== end) other.dispatchAction({ type: "dataZoom", start, end });
-        bench.mark(bench.moment);
-      });
-    }
+  bench.copy = async (text) => {
+    try { await navigator.clipboard.writeText(text); return true; } catch { return false; }
   };
 })();

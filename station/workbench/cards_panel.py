@@ -1,0 +1,156 @@
+"""The suspects as cards under the map: pointing at one previews it, a click puts it into the model."""
+
+from functools import partial
+
+from nicegui import ui
+
+from station.results.diagnosis_document import DiagnosisDocument, SuspectDocument
+from station.results.ladder import KeptLadder
+from station.text.diagnosis_text import foretold_parts, not_told_apart
+from station.text.layout import sentence
+from station.text.numbers import typeset
+from station.workbench import view_models, widgets
+from station.workbench.explained import explained_words
+from station.workbench.names import plain
+from station.workbench.others_menu import OthersMenu
+from station.workbench.own_card import OwnCard
+from station.workbench.session_list import SessionList
+from station.workbench.session_state import SessionState
+from station.workbench.unkept import MEASURED_CURVE
+
+
+class CardsPanel:
+    """What the present model may lack."""
+
+    def __init__(self, session: SessionState, session_list: SessionList) -> None:
+        self._session = session
+        self._others = OthersMenu(session, session_list)
+        self._shown: object = None
+        self._own = OwnCard(session)
+
+    def build(self) -> None:
+        """Make the panel."""
+        with ui.element("section").classes("suspects").props('aria-label="Suspects"'):
+            with widgets.line("suspects-head"):
+                self._head = widgets.label("", "strong wrap grow verdict").props("aria-live=polite")
+                self._more = ui.element("div")
+                self._others.build()
+                self._ask = widgets.button("Diagnose", self._diagnose, strong=True)
+                self._again = widgets.button("Diagnose again", self._diagnose)
+                self._all = widgets.button(
+                    "Add all",
+                    lambda: self._session.start("Refining", "refine", long=True),
+                    "Add all that is missing",
+                )
+            with ui.element("div").classes("cards"):
+                self._row = ui.element("div").classes("cards-row")
+                self._own.build()
+
+    def _diagnose(self) -> None:
+        self._session.start("Trying every effect", "diagnose", self._session.others, long=True)
+
+    def show(self, view: view_models.View) -> None:
+        """Show the suspects of the present model, or that nobody has asked about it yet."""
+        document = view.diagnosis if view.about_present else None
+        floor = view.at_floor
+        curve = self._session.frames.get(self._session.suspect_frames.get(MEASURED_CURVE, ""))
+        now = (document, view.ladder.top.effects, floor, curve is not None)
+        if now == self._shown:
+            return
+        self._shown = now
+        self._head.text = _headline(document, view.ladder, floor)
+        self._head.classes(remove="good bad", add="good" if floor else "")
+        self._ask.set_visibility(not floor and document is None)
+        self._again.set_visibility(not floor and document is not None)
+        self._all.set_visibility(document is not None and not floor and bool(document.suspects))
+        self._details(document)
+        self._row.clear()
+        with self._row:
+            if document is not None and not floor:
+                self._cards(document, view)
+                if curve is not None:
+                    self._curve(curve.says["words"])
+            elif not floor:
+                self._invite()
+
+    def _invite(self) -> None:
+        with ui.element("div").classes("invite"):
+            widgets.label(
+                "Diagnose tries every effect it knows on this recording. Each that explains something becomes a card here.",
+                "small faint wrap",
+            )
+
+    def _details(self, document: DiagnosisDocument | None) -> None:
+        self._more.clear()
+        if document is None:
+            return
+        with (
+            self._more,
+            ui.button("Why", color=None).props("dense no-caps flat padding='3px 8px'"),
+            ui.menu().props("max-width=460px"),
+            ui.element("div").classes("why"),
+        ):
+            widgets.label(typeset(document.explanation), "wrap")
+            foretold = foretold_parts(document)
+            if foretold:
+                widgets.label(sentence(foretold), "small wrap")
+            if document.rivals:
+                widgets.label(sentence(not_told_apart(document)), "small wrap strong")
+            for finding in document.findings:
+                widgets.label(f"Sensor: {finding.title}; {finding.what_to_do}", "small wrap bad")
+            widgets.label("Record next", "small strong")
+            widgets.label(document.next_experiment, "small wrap")
+
+    def _cards(self, document: DiagnosisDocument, view: view_models.View) -> None:
+        present = view.ladder.top.effects
+        offered = [s for s in document.suspects if s.model is not None and s.effect not in present]
+        for suspect in offered[: view_models.MOST_CARDS]:
+            self._card(suspect, view)
+
+    def _curve(self, words: str) -> None:
+        """Offer what the model lacks as it was measured, where nothing that has a name may fit."""
+        called = "the measured curve"
+        with self._button(MEASURED_CURVE, called, words, ""):
+            widgets.label("a spline of what is left, over the coordinate that it depends on", "taken")
+            widgets.label("has no name; other releases test it", "taken")
+
+    def _button(self, name: str, called: str, words: str, classes: str) -> ui.element:
+        """Return a card with its fingerprint and what it would explain; used as a context."""
+        card = ui.element("button").classes(f"card-suspect {classes}")
+        card.props["type"] = "button"
+        card.props["data-preview"] = name
+        card.props["data-commits"] = "1"
+        card.props["aria-label"] = f"Add {called}: {words}"
+        card.on("click", partial(self._add, name, called))
+        with card:
+            picture = ui.element("canvas").classes("fingerprint")
+            picture.props["data-effect"] = name
+            with ui.element("div").classes("card-top"):
+                widgets.label(f"{called[:1].upper()}{called[1:]}", "name")
+                widgets.label(words, "explains")
+        return card
+
+    def _card(self, suspect: SuspectDocument, view: view_models.View) -> None:
+        name = suspect.effect
+        words = explained_words(view.ladder.top.error.chi2, suspect.error_after, view.ladder.top.chi2_std)
+        with self._button(name, plain(name), words, "" if suspect.claimed else "weak"):
+            widgets.label(view.equations.get(name, suspect.title), "mono equation")
+            close = [plain(other) for other in suspect.confusable_with[:2]]
+            taken = f"taken for: {', '.join(close)}" if close else ""
+            widgets.label(taken if suspect.claimed else "no better than chance", "taken")
+
+    def _add(self, name: str, called: str) -> None:
+        self._session.start(f"Adding {called}", "add", name)
+
+
+def _headline(document: DiagnosisDocument | None, ladder: KeptLadder, floor: bool) -> str:
+    if floor:
+        return "Nothing is missing: what is left is noise."
+    if document is None:
+        return "What is missing?"
+    if not document.named:
+        return "What is missing has no name here." if document.suspects else typeset(document.explanation)
+    named = " and ".join(plain(name) for name in document.named)
+    if document.verdict == "sensor_fault":
+        return f"A sensor is at fault: {named}. Point at the cards."
+    return f"It looks like {named}. Point at the cards."

@@ -1,0 +1,51 @@
+"""At the floor: that the model is adequate, its equation with its values, and what to do with it."""
+
+from collections.abc import Callable
+
+from nicegui import ui
+
+from station.text.numbers import three_figures, typeset, with_unit
+from station.workbench import view_models, widgets
+from station.workbench.names import plain
+
+
+class FloorCard:
+    """Shown when nothing but noise is left."""
+
+    def __init__(
+        self, report: Callable[[], object], validate: Callable[[], object], prune: Callable[[], object]
+    ) -> None:
+        self._report, self._validate, self._prune = report, validate, prune
+
+    def build(self) -> None:
+        """Make the card, unseen."""
+        self._card = ui.element("section").classes("card floor-card").props('aria-label="At the noise floor"')
+        with self._card:
+            widgets.label("At the noise floor", "floor-title")
+            self._words = widgets.label("", "small wrap")
+            self._equation = widgets.label("", "mono wrap")
+            self._values = ui.element("div").classes("small")
+            with widgets.line("wrapping"):
+                widgets.button("Report", self._report, "Write the report of this model", strong=True)
+                widgets.button("Validate on another release", self._validate)
+                widgets.button("Drop what is not needed", self._prune)
+        self._card.set_visibility(False)
+
+    def show(self, view: view_models.View) -> None:
+        """Show the card where the present model reaches the floor."""
+        top = view.ladder.top
+        self._card.set_visibility(view.at_floor)
+        if not view.at_floor:
+            return
+        self._words.text = (
+            f"The model leaves {three_figures(top.error.chi2)} times the noise (1.00 ± {top.chi2_std:.2f} is noise "
+            f"alone). Added to the usual model: "
+            f"{', '.join(plain(n) for n in top.effects if n not in view.ladder.rungs[0].effects) or 'nothing'}."
+        )
+        self._equation.text = typeset(top.model.equation)
+        self._values.clear()
+        with self._values:
+            for name, value in top.parameters.items():
+                widgets.label(
+                    f"{plain(name.partition('.')[0])}: {name.partition('.')[2]} = {typeset(with_unit(value))}"
+                )

@@ -1,0 +1,82 @@
+"""The frames of a session as a worker keeps them: each model is fitted and run once, however often it is looked at."""
+
+from dataclasses import dataclass, field
+
+from identify.errors import NotIdentifiable
+from identify.fitting.baseline import fit_baseline
+from identify.fitting.fit import Fit
+from identify.preprocessing.prepared_decay import PreparedDecay
+from station.exits import UsageProblem
+from station.operations.refining import Refinement
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.ladder import KeptLadder, KeptRung
+from station.results.models import ModelFile, known_model, starting_values
+from station.story.pipeline import Progress
+from station.workbench import view_models
+from station.workbench.frames import Ground, frame_id, frame_of, ground_of
+
+MOST_KEPT = 80
+
+
+@dataclass(eq=False)
+class FrameStore:
+    """What was drawn of one session; `ground` is settled by the first model that is looked at."""
+
+    mass: float | None
+    ground: Ground | None = None
+    frames: dict[str, view_models.Frame] = field(default_factory=dict)
+    fits: dict[str, Fit] = field(default_factory=dict)
+
+    def put(self, name: str, prepared: PreparedDecay, fit: Fit) -> view_models.Frame:
+        """Draw a fitted model, unless it was drawn before, and keep it."""
+        if name not in self.frames:
+            if self.ground is None:
+                self.ground = ground_of(prepared, fit, self.mass)
+            while len(self.frames) >= MOST_KEPT:
+                oldest = next(iter(self.frames))
+                del self.frames[oldest]
+                self.fits.pop(oldest, None)
+            self.frames[name] = frame_of(self.ground, fit)
+            self.fits[name] = fit
+        return self.frames[name]
+
+
+def of_rung(store: FrameStore, refinement: Refinement, rung: KeptRung) -> None:
+    """Draw a rung of the ladder: fitted to the whole release at once, from its own values."""
+    name = frame_id(rung.model)
+    if name not in store.frames:
+        store.put(name, refinement.prepared, fit_of(refinement, rung.model, rung.nuisances))
+
+
+def fit_of(refinement: Refinement, model: ModelFile, nuisances: dict[str, float]) -> Fit:
+    """Return a kept model fitted to the whole release, from its values."""
+    known = known_model(model, "the ladder", refinement.library)
+    alone = {name: value for name, value in nuisances.items() if "[" not in name}
+    start = starting_values(known, (refinement.prepared,)) | alone
+    return fit_baseline((refinement.prepared,), known.model, start).fit
+
+
+def of_ladder(store: FrameStore, refinement: Refinement, ladder: KeptLadder, progress: Progress) -> None:
+    """Draw all rungs."""
+    for number, rung in enumerate(ladder.rungs):
+        progress(f"drawing rung {number + 1} of {len(ladder.rungs)}")
+        of_rung(store, refinement, rung)
+
+
+def of_suspects(
+    store: FrameStore, refinement: Refinement, document: DiagnosisDocument, progress: Progress
+) -> dict[str, str]:
+    """Draw the model with each of the first suspects; return the names of the frames by effect."""
+    found: dict[str, str] = {}
+    shown = [suspect for suspect in document.suspects if suspect.model is not None][: view_models.MOST_CARDS]
+    for number, suspect in enumerate(shown):
+        assert suspect.model is not None
+        progress(f"drawing suspect {number + 1} of {len(shown)}")
+        name = frame_id(suspect.model)
+        try:
+            if name not in store.frames:
+                store.put(name, refinement.prepared, fit_of(refinement, suspect.model, {}))
+        except (NotIdentifiable, UsageProblem):  # shown without a picture
+            continue
+        found[suspect.effect] = name
+    return found

@@ -1,0 +1,101 @@
+"""What a worker does beside the ladder: identification, trials by hand, export, validation."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from identify.fitting.fit import Fit
+from identify.fitting.problem import Problem
+from station.operations.validating import validate_sessions
+from station.results.models import name_of
+from station.settings import Settings
+from station.story.pipeline import Progress
+from station.text.numbers import three_figures
+from station.workbench import identified, view_models
+from station.workbench.export import as_csv
+from station.workbench.frame_store import of_rung
+from station.workbench.frames import frame_id, frame_of
+from station.workbench.opened_session import Opened, open_session
+from station.workbench.unkept import frame_of_tried
+
+
+def identify(
+    settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]
+) -> view_models.Identified:
+    """Identify a session by both methods, and others for the tables."""
+    return identified.identified(settings, progress, folder, others)
+
+
+def export(settings: Settings, progress: Progress, folder: Path) -> str:
+    """Return the aligned channels, the present model and the residuals as CSV."""
+    progress("writing the samples")
+    opened = open_session(settings, folder)
+    return as_csv(opened.refinement.prepared, _present_fit(opened))
+
+
+def _present_fit(opened: Opened) -> Fit:
+    top = opened.refinement.ladder.top
+    of_rung(opened.store, opened.refinement, top)
+    return opened.store.fits[frame_id(top.model)]
+
+
+def trial(
+    settings: Settings, progress: Progress, folder: Path, values: dict[str, float]
+) -> view_models.Frame | None:
+    """Return the frame of the present model with some parameters moved by hand; None where the motion runs away."""
+    opened = open_session(settings, folder)
+    fit = _present_fit(opened)
+    moved = _at(fit, values)
+    if moved is None or opened.store.ground is None:
+        return None
+    words = {
+        "big": f"{three_figures(moved.reduced)} ×",
+        "what": "times the noise is left, with values moved by hand",
+        "more": "Nothing is changed: Fitted values takes them back.",
+    }
+    return replace(frame_of(opened.store.ground, moved), says=words)
+
+
+def _at(fit: Fit, values: dict[str, float]) -> Fit | None:
+    problem = Problem(fit.model, fit.windows, fit.frequency)
+    point = fit.point | {name: value for name, value in values.items() if name in fit.point}
+    theta = problem.theta(point)
+    predicted = problem.read(theta, 0, problem.respond(theta, 0))
+    if not all(np.isfinite(one).all() for one in predicted.values()):
+        return None
+    residual = problem.residual_of(0, predicted)
+    estimates = {
+        name: replace(found, value=point.get(name, found.value)) for name, found in fit.values.items()
+    }
+    return replace(
+        fit, theta=theta, values=estimates, predicted=(predicted,), chi_square=float(residual @ residual)
+    )
+
+
+def preview(settings: Settings, progress: Progress, folder: Path, wanted: str) -> view_models.Frame:
+    """Return the frame of the present model with an expression of the user's own; nothing is kept."""
+    opened = open_session(settings, folder)
+    _present_fit(opened)
+    return frame_of_tried(opened.store, opened.refinement, wanted, name_of(wanted))[1]
+
+
+def validate(
+    settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]
+) -> tuple[str, view_models.TextTable]:
+    """Foretell other sessions by the present model; return the sentence and the errors, session by session."""
+    document = validate_sessions(
+        str(folder), tuple(str(other) for other in others), settings, progress=progress
+    )
+    rows = []
+    for one in document.sessions:
+        word = "better" if one.better else "worse" if one.worse else "alike"
+        errors = (_left(one.usual.motion_percent), _left(one.model.motion_percent))
+        rows.append((one.session, *errors, word))
+    rows += [(one.session, "", "", f"skipped: {one.reason}") for one in document.skipped]
+    head = ("release", "usual model, % of the motion", "this model, % of the motion", "this model is")
+    return document.sentence, view_models.TextTable("Foretold, not fitted", head, tuple(rows))
+
+
+def _left(value: float | None) -> str:
+    return "diverges" if value is None else three_figures(value)

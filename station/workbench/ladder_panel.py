@@ -1,0 +1,109 @@
+"""Right, the fall: the ladder of errors as a film, the model with its values, and what to do at the floor."""
+
+from functools import partial
+
+from nicegui import ui
+
+from station.results.ladder import KeptLadder
+from station.text.numbers import three_figures
+from station.workbench import view_models, widgets
+from station.workbench.floor_card import FloorCard
+from station.workbench.ladder_bars import share
+from station.workbench.model_card import ModelCard
+from station.workbench.names import plain, title
+from station.workbench.session_state import SessionState
+
+
+class LadderPanel:
+    """Ladder and model of one session."""
+
+    def __init__(self, session: SessionState, floor: FloorCard) -> None:
+        self._session = session
+        self._floor = floor
+        self._model = ModelCard(session)
+
+    def build(self) -> None:
+        """Make the panel; it is empty until something is shown."""
+        with ui.element("section").classes("card ladder").props('aria-label="Ladder of errors"'):
+            with widgets.line():
+                with ui.element("div").classes("grow"):
+                    widgets.head("Rung by rung")
+                self._undo = widgets.button("Undo", self._session.undo, "Undo the last change of the model")
+            widgets.label("times the noise; the green line is the noise itself", "small faint")
+            self._rungs = ui.element("div")
+            self._ghost()
+            self._film = ui.element("div").classes("film")
+        self._floor.build()
+        self._model.build()
+
+    def _ghost(self) -> None:
+        row = ui.element("div").classes("rung-ghost").props("id=ghost-rung aria-hidden=true")
+        with row:
+            widgets.label("+", "faint")
+            widgets.label("", "what")
+            widgets.label("", "value strong")
+            with ui.element("div").classes("track"):
+                ui.element("div").classes("fill")
+                self._ghost_floor = ui.element("div").classes("floor")
+
+    def show(self, view: view_models.View) -> None:
+        """Show a session as it stands."""
+        ladder = view.ladder
+        self._undo.set_enabled(bool(self._session.earlier))
+        _, floor = share(None, ladder)
+        self._ghost_floor.style(f"left:{floor:.1f}%")
+        self._rungs.clear()
+        with self._rungs:
+            for place in range(len(ladder.rungs)):
+                self._rung(ladder, place)
+        self._film.clear()
+        with self._film:
+            self._slider(ladder)
+        self._floor.show(view)
+        self._model.show(view)
+
+    def _rung(self, ladder: KeptLadder, place: int) -> None:
+        rung = ladder.rungs[place]
+        kind = "present" if place == ladder.present else "above" if place > ladder.present else ""
+        floor = " reached" if view_models.reaches_floor(rung) else ""
+        row = ui.element("button").classes(f"rung {kind}{floor}").on("click", partial(self._go, place))
+        row.props["type"] = "button"
+        row.props["aria-label"] = (
+            f"go to rung {place}: {_step(ladder, place)}, {three_figures(rung.error.chi2)} times the noise"
+        )
+        if place == ladder.present:
+            row.props["aria-current"] = "step"
+        with row:
+            widgets.label(str(place), "faint")
+            widgets.label(_step(ladder, place), "what")
+            widgets.label(three_figures(rung.error.chi2), "value strong")
+            filled, at = share(rung.error.chi2, ladder)
+            with ui.element("div").classes("track"):
+                ui.element("div").classes("fill").style(f"width:{filled:.1f}%")
+                ui.element("div").classes("floor").style(f"left:{at:.1f}%")
+
+    def _slider(self, ladder: KeptLadder) -> None:
+        last = len(ladder.rungs) - 1
+        if last == 0:
+            return
+        slider = ui.element("input").props(
+            f"id=film type=range min=0 max={last} step=1 value={ladder.present}"
+        )
+        slider.props["aria-label"] = "Look at the rungs one after another"
+        with widgets.line("small"):
+            widgets.label("slide through the rungs; a click on one goes back to it", "faint grow")
+            widgets.label("", "strong").props("id=film-words")
+
+    def _go(self, number: int) -> None:
+        ladder = self._session.view.ladder if self._session.view else None
+        if ladder is not None and number != ladder.present:
+            self._session.start(f"Going to rung {number}", "go", number)
+
+
+def _step(ladder: KeptLadder, place: int) -> str:
+    rung = ladder.rungs[place]
+    if rung.added:
+        return f"+ {plain(rung.added)}"
+    if rung.removed:
+        return f"− {plain(rung.removed)}"
+    return "usual model" if place == 0 else title("model")

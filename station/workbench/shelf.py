@@ -1,0 +1,74 @@
+"""What may be changed of a kept session: its name, its notes, what is known of the specimen; and the bin."""
+
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+from daq.errors import StationError
+from daq.session import Session
+from daq.storage import Lock
+from station.exits import UsageProblem
+from station.workbench.uploads import plain_name
+
+BIN = ".bin"
+
+
+def rename(folder: Path, wanted: str) -> Path:
+    """Give a session and its folder another name; UsageProblem where that is none, or is taken."""
+    name = plain_name(wanted.strip()) if wanted.strip() else ""
+    if not name:
+        raise UsageProblem("a session needs a name of letters, digits, dots and dashes")
+    place = folder.with_name(name)
+    if place == folder:
+        return folder
+    if place.exists():
+        raise UsageProblem(f"there is a session called {name} already")
+    _move(folder, place)
+    Session.open(place).update(name=name)
+    return place
+
+
+def describe(folder: Path, **changes: Any) -> None:
+    """Change what a session says of itself: `remarks`, `specimen`, `operator`, `mass_kg` (kg).
+
+    Raises UsageProblem where a value is out of range.
+    """
+    if "mass_kg" in changes and changes["mass_kg"] is not None and not changes["mass_kg"] > 0:
+        raise UsageProblem(f"the mass must be more than 0 kg, not {changes['mass_kg']:g} kg")
+    try:
+        Session.open(folder).update(**changes)
+    except StationError as error:
+        raise UsageProblem(f"{folder.name} was not changed: {error}") from error
+
+
+def to_bin(folder: Path) -> Path:
+    """Move a session into the bin beside it, from which it can be taken back by hand; return where it is now."""
+    place = folder.parent / BIN / f"{folder.name}_{time.strftime('%Y%m%d_%H%M%S')}"
+    number = 1
+    while place.exists():
+        number += 1
+        place = place.with_name(f"{place.name}_{number}")
+    place.parent.mkdir(exist_ok=True)
+    _move(folder, place)
+    return place
+
+
+def from_bin(place: Path, folder: Path) -> None:
+    """Take a session back out of the bin."""
+    if folder.exists():
+        raise UsageProblem(f"there is a session called {folder.name} already")
+    _move(place, folder)
+
+
+def _move(folder: Path, place: Path) -> None:
+    try:
+        lock = Lock(folder)
+        lock.acquire()
+        lock.release()
+    except StationError as error:
+        raise UsageProblem(f"{folder.name} is being written; wait until it is sealed") from error
+    try:
+        os.rename(folder, place)
+    except OSError as error:
+        raise UsageProblem(f"{folder.name} was not moved: {error.strerror or error}") from error

@@ -1,0 +1,57 @@
+"""What a tab knows of a session's frames: each is sent once, and what changed with it."""
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+from station.workbench import view_models
+from station.workbench.names import plain
+from station.workbench.session_state import SessionState
+from station.workbench.statements import says_of
+from station.workbench.widgets import run
+
+
+class StageFeed:
+    """Sends one tab what its pictures need."""
+
+    def __init__(self, session: SessionState) -> None:
+        self._session = session
+        self._stage: view_models.Stage | None = None
+        self._sent: set[str] = set()
+
+    @property
+    def whole(self) -> bool:
+        """Whether every rung's frame was sent."""
+        view = self._session.view
+        return view is not None and all(name in self._sent for name in view.rung_frames)
+
+    def send(self) -> None:
+        """Send what is new since the last time."""
+        view = self._session.view
+        if view is None or view.stage is None:
+            return
+        news: dict[str, Any] = {
+            "rungs": list(view.rung_frames),
+            "present": view.ladder.present,
+            "suspects": self._offered(view),
+            "says": says_of(view),
+        }
+        for effect, frame in news[
+            "suspects"
+        ].items():  # what stands in no diagnosis says of itself what it leaves
+            if effect not in news["says"] and frame in self._session.frames:
+                news["says"][effect] = self._session.frames[frame].says
+        news["names"] = {name: plain(name) for name in news["says"]}
+        if self._stage is None or self._stage.time != view.stage.time:
+            news["stage"] = asdict(view.stage)
+            self._sent.clear()
+        self._stage = view.stage
+        wanted = {*view.rung_frames, *news["suspects"].values()}
+        fresh = {n: f for n, f in self._session.frames.items() if n in wanted and n not in self._sent}
+        self._sent = (self._sent | fresh.keys()) & (wanted | self._sent)
+        news["frames"] = {name: asdict(frame) for name, frame in fresh.items()}
+        run(f"bench.receive({json.dumps(news)})")
+
+    def _offered(self, view: view_models.View) -> dict[str, str]:
+        present = view.ladder.top.effects
+        return {e: name for e, name in self._session.suspect_frames.items() if e not in present}

@@ -1,0 +1,97 @@
+"""The map of the missing force: stained where the model is wrong, within the noise where it is right."""
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from identify.effects.library import find_effect
+from identify.fitting.baseline import fit_baseline
+from identify.model.model import Term, base_model
+from station.results.sessions import open_session
+from station.settings import Settings
+from station.story.preparation import prepare_session
+from station.workbench.export import as_csv
+from station.workbench.frames import frame_of, ground_of
+
+DATA = Path(__file__).resolve().parent.parent / "data"
+HIDDEN = {"release_14": "cubic_stiffness", "release_07": "offset_drift"}
+"""What another program has hidden in these, see truth.json beside them."""
+
+
+@pytest.fixture(scope="module")
+def prepared(tmp_path_factory):
+    """Return the releases, ready to be fitted."""
+    settings = Settings(sessions=tmp_path_factory.mktemp("frames") / "sessions")
+    files = [DATA / "hidden" / f"{name}.csv" for name in HIDDEN] + [DATA / "release_24.csv"]
+    sessions = [open_session(str(file), settings.sessions) for file in files]
+    return {session.folder.name: prepare_session(session, settings) for session in sessions}
+
+
+def fitted(prepared, *added):
+    model = base_model()
+    for name in added:
+        effect = find_effect(name)
+        held = dict(effect.variants[0]) if effect.variants else {}
+        if not hasattr(effect, "inner"):
+            held = {"channel": "displacement"}  # its drift of 0.1 mm/s, see truth.json
+        model = model.plus(Term(effect, held))
+    return fit_baseline((prepared,), model).fit
+
+
+def stain(frame):
+    """Return the mean square of the missing force in units of its standard error: 1 where noise alone is left."""
+    force, std = (np.array(values, dtype=float) for values in (frame.cycle, frame.cycle_std))
+    return float(np.nanmean((force / std) ** 2))
+
+
+def test_a_model_that_lacks_nothing_leaves_noise_in_every_cell(prepared):
+    fit = fitted(prepared["release_24"])
+    ground = ground_of(prepared["release_24"], fit, 21.36)
+    frame = frame_of(ground, fit)
+    # the mean of n squares of unit normals has a standard error of sqrt(2/n), 0.1 with some 250 cells
+    assert abs(stain(frame) - 1.0) < 0.4
+    assert len(frame.cycle) == len(ground.stage.cycle.cells)
+    assert len(frame.time) == len(ground.stage.over_time.cells)
+
+
+@pytest.mark.parametrize(("name", "hidden"), HIDDEN.items())
+def test_the_hidden_effect_bleaches_the_map_whether_it_is_a_force_or_a_fault_of_a_sensor(
+    prepared, name, hidden
+):
+    usual, right = fitted(prepared[name]), fitted(prepared[name], hidden)
+    ground = ground_of(prepared[name], usual, 21.36)
+    assert stain(frame_of(ground, usual)) > 4.0
+    assert stain(frame_of(ground, right)) < 1.5
+
+
+def test_every_sample_lies_in_one_cell_of_each_map_and_in_the_right_one(prepared):
+    release = prepared["release_14"]
+    ground = ground_of(release, fitted(release), None)
+    for cells, axes in ((ground.cycle, ground.stage.cycle), (ground.time, ground.stage.over_time)):
+        assert len(cells.member) == len(release.window)
+        assert set(cells.member.tolist()) == set(range(len(axes.cells)))
+    u, v = release.motion.displacement, release.motion.velocity
+    columns = len(ground.stage.cycle.columns) - 1
+    row, column = np.divmod(ground.cycle.codes[ground.cycle.member], columns)
+    rising = (column + 0.5) / columns * 2 * np.pi  # phase 0 at the largest displacement, growing with time
+    far = np.hypot(u, v / release.frequency) > 0.2 * np.abs(u).max()
+    assert (np.sign(-np.sin(rising[far])) == np.sign(v[far])).mean() > 0.99
+    assert np.corrcoef(row, np.hypot(u, v / release.frequency))[0, 1] > 0.99
+
+
+def test_the_exported_samples_name_their_units_and_the_residual_is_what_the_model_leaves(prepared):
+    release = prepared["release_14"]
+    fit = fitted(release)
+    head, *rows = csv.reader(io.StringIO(as_csv(release, fit)))
+    assert head[:4] == [
+        "time since release [s]", "displacement aligned [m]", "velocity aligned [m/s]", "acceleration aligned [m/s^2]",
+    ]  # fmt: skip
+    assert len(rows) == len(release.window)
+    read, model, residual = (
+        head.index(f"acceleration {what} [m/s^2]") for what in ("read", "model", "residual")
+    )
+    for row in rows[200:900:100]:
+        assert float(row[read]) - float(row[model]) == pytest.approx(float(row[residual]), abs=1e-7)

@@ -1,0 +1,129 @@
+"""Small parts of the page: what is said of a suspect, the shelf, the scope, doubles, colours."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from daq.capture import CaptureSettings
+from daq.recording import Channel
+from station.exits import UsageProblem
+from station.workbench import doubles as notes
+from station.workbench import shelf
+from station.workbench.explained import explained_words
+from station.workbench.scope import ScopeTrace
+
+CSS = Path(shelf.__file__).parent / "static" / "bench.css"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        (229.0, 1.05, "would explain all of it"),
+        (229.0, 1.4, "would explain 99.8 %"),
+        (229.0, 100.0, "would explain 57 %"),
+        (229.0, 226.0, "would explain 1 %"),
+        (229.0, 229.1, "would explain nothing"),
+        (1.0, 0.9, ""),
+        (229.0, None, ""),
+    ],
+)
+def test_a_suspect_is_said_to_explain_a_share_of_what_is_above_the_noise(before, after, words):
+    assert explained_words(before, after, 0.06) == words
+
+
+@pytest.fixture
+def kept(tmp_path):
+    from station.operations.examples import open_example
+
+    return open_example("simulated_plain", tmp_path / "sessions").folder
+
+
+def test_a_session_is_renamed_described_and_put_into_a_bin_from_which_it_comes_back(kept):
+    from daq.session import Session, list_sessions
+
+    place = shelf.rename(kept, "second try")
+    assert (place.name, Session.open(place).info.name) == ("second_try", "second_try")
+    shelf.describe(place, remarks="bolt M8 loose", mass_kg=3.5)
+    assert (Session.open(place).info.remarks, Session.open(place).info.mass_kg) == ("bolt M8 loose", 3.5)
+    binned = shelf.to_bin(place)
+    assert list_sessions(place.parent) == ()
+    shelf.from_bin(binned, place)
+    assert [summary.folder for summary in list_sessions(place.parent)] == [place]
+
+
+@pytest.mark.parametrize("wanted", ["", "  ", "../elsewhere/.."])
+def test_a_name_that_is_none_leaves_the_session_where_it_is(kept, wanted):
+    if not wanted.strip():
+        with pytest.raises(UsageProblem, match="needs a name"):
+            shelf.rename(kept, wanted)
+    else:
+        assert shelf.rename(kept, wanted).parent == kept.parent
+
+
+def test_a_mass_below_nothing_is_refused_in_words(kept):
+    with pytest.raises(UsageProblem, match=r"must be more than 0 kg, not -3 kg"):
+        shelf.describe(kept, mass_kg=-3.0)
+
+
+def test_the_scope_knows_zero_noise_and_the_swing_that_counts_as_a_release():
+    channel = Channel("displacement", "displacement", "m", low=-0.05, high=0.05)
+    trace = ScopeTrace(CaptureSettings())
+    trace.connected((channel,))
+    trace.state("resting")
+    noise = np.random.default_rng(5).normal(scale=2e-6, size=(1, 800))
+    trace.block(0.003 + noise)
+    found = trace.scope()
+    assert found.unit == "mm"
+    assert found.zero == pytest.approx(3.0, abs=1e-3)
+    assert found.noise == pytest.approx(2e-3, rel=0.1)
+    assert found.level == pytest.approx(1.0)  # one per cent of a range of 100 mm
+    assert 2 <= len(found.points) <= 700
+
+
+def test_doubles_are_found_by_their_notes_and_nothing_else_in_the_folder_is_believed(tmp_path, monkeypatch):
+    from mocks.announce import announced
+
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    with announced("socket://127.0.0.1:4711"):
+        assert notes.doubles() == ["socket://127.0.0.1:4711"]
+        folder = next(tmp_path.iterdir())
+        (folder / "9.port").write_text("socket://evil.example:22\n")
+        (folder / "8.port").write_text("/etc/passwd\n")
+        assert notes.doubles() == ["socket://127.0.0.1:4711"]
+    (folder / "9.port").unlink()
+    (folder / "8.port").unlink()
+    assert notes.doubles() == []
+
+
+def palette(scheme):
+    """Return the colours of a scheme by name, as shares of red, green and blue."""
+    text = CSS.read_text(encoding="utf-8")
+    block = re.search(rf"^{re.escape(scheme)} \{{(.*?)\}}", text, re.S | re.M).group(1)
+    return {
+        name: [int(value[i : i + 2], 16) / 255 for i in (0, 2, 4)]
+        for name, value in re.findall(r"--([\w-]+):#([0-9a-f]{6})", block)
+    }
+
+
+def contrast(first, second):
+    """Return the contrast ratio of two colours, WCAG 2.2."""
+
+    def luminance(colour):
+        parts = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in colour]
+        return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2]
+
+    light, dark = sorted((luminance(first), luminance(second)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+@pytest.mark.parametrize("scheme", [":root", "body.body--dark"])
+def test_words_and_lines_stand_out_from_what_is_behind_them(scheme):
+    colours = palette(scheme)
+    for words in ("ink", "faint", "bad", "good", "accent"):
+        for behind in ("paper", "ground", "soft", "chosen", "good-soft"):
+            assert contrast(colours[words], colours[behind]) >= 4.5, (words, behind)
+    assert contrast(colours["accent"], colours["accent-ink"]) >= 4.5
+    for line in ("model", "left"):  # graphics: 3 to 1
+        assert contrast(colours[line], colours["paper"]) >= 3.0, line

@@ -1,0 +1,139 @@
+"""Who can use the page: with the keyboard alone, in both colour schemes, on small and large screens."""
+
+import math
+import re
+import shutil
+
+import pytest
+
+RULES = {"runOnly": ["wcag2a", "wcag2aa"], "rules": {"nested-interactive": {"enabled": False}}}
+"""Quasar's upload puts the file's input into a button, which no page can change."""
+
+SIZES = ((820, 1180), (1280, 720), (1920, 1080))
+
+
+@pytest.fixture
+def solved(visit, bench, request):
+    """Open a session that was diagnosed, with its cards."""
+    page, kept = visit.page, bench.folder / "diagnosed"
+    name = f"reach_{abs(hash(request.node.name)) % 10**6}"
+    if kept.is_dir():
+        shutil.copytree(kept, bench.folder / "sessions" / name)
+        page.goto(bench.session(name))
+    else:
+        page.goto(bench.fresh("mystery_7", name))
+        page.get_by_role("button", name="Diagnose", exact=True).click()
+    page.wait_for_selector("button.card-suspect")
+    page.wait_for_function("Object.keys(bench.state.suspects).length >= 3")
+    page.wait_for_function("!document.querySelector('[inert]')")
+    if not kept.is_dir():
+        shutil.copytree(bench.folder / "sessions" / name, kept)
+    return page
+
+
+def boxes(located):
+    return [one.bounding_box() for one in located.all()]
+
+
+@pytest.mark.slow
+def test_the_page_is_usable_on_every_screen_in_both_schemes_and_keeps_the_rules_of_access(solved):
+    axe = pytest.importorskip(
+        "axe_playwright_python.sync_playwright", reason="axe-core is not installed here"
+    ).Axe()
+    page = solved
+    for dark in (False, True):
+        for width, height in SIZES:
+            page.set_viewport_size({"width": width, "height": height})
+            page.wait_for_timeout(300)
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+            header = page.locator(".bench-head button:visible, .bench-head .q-tab")
+            assert all(box["height"] <= 46 and box["x"] + box["width"] <= width for box in boxes(header))
+            for name in ("map", "overlay", "left"):
+                box = page.locator(f"[data-plot={name}]").bounding_box()
+                assert min(box["width"], box["height"]) >= 90, (name, width)
+            found = axe.run(page, options=RULES)
+            told = [
+                (v["id"], v["description"], [n["html"][:150] for n in v["nodes"]])
+                for v in found.response["violations"]
+            ]
+            assert not told, (width, dark, told)
+        page.get_by_role("button", name="Switch between light and dark").click()
+        page.wait_for_selector("body.body--dark" if not dark else "body:not(.body--dark)")
+
+
+def tab_to(page, wanted, most=80):
+    """Press Tab until the focus is on an element whose name matches."""
+    name = "(document.activeElement.getAttribute('aria-label') || document.activeElement.innerText || '')"
+    for _ in range(most):
+        page.keyboard.press("Tab")
+        if re.search(wanted, page.evaluate(name)):
+            return
+    raise AssertionError(f"the keyboard does not reach {wanted}")
+
+
+@pytest.mark.slow
+def test_from_the_first_page_to_the_report_with_the_keyboard_alone(visit, bench):
+    page = visit.page
+    bench.fresh("mystery_7", "keys")
+    page.goto(bench.address)
+    page.wait_for_selector(".session")
+    tab_to(page, "^keys")
+    page.keyboard.press("Enter")
+    page.wait_for_url(re.compile("session=keys"))
+    page.wait_for_selector(".rung")
+    tab_to(page, "^Diagnose$")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("button.card-suspect")
+    page.wait_for_function("Object.keys(bench.state.suspects).length >= 3")
+    page.wait_for_function("!document.querySelector('[inert]')")
+    tab_to(page, "^Add .*would explain")
+    before = page.evaluate("bench.state.preview")
+    assert before is not None  # the focus previews, as the pointer does
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("bench.state.preview") != before
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("Enter")
+    page.get_by_text("At the noise floor").wait_for()
+    tab_to(page, "^Write the report of this model")
+    page.keyboard.press("Enter")
+    page.get_by_role("link", name="Open the report").wait_for()
+
+
+@pytest.mark.slow
+def test_the_film_keeps_its_scales_the_address_its_rung_and_undo_takes_a_step_back(solved, bench):
+    page = solved
+    page.locator("button.card-suspect").first.click()
+    page.wait_for_function("document.querySelectorAll('.rung').length == 2")
+    page.get_by_text("At the noise floor").wait_for()
+    scales = "JSON.stringify([bench.state.reach, bench.plots.left.y, bench.plots.map.x])"
+    at_floor = page.evaluate(scales)
+    page.locator("#film").focus()
+    page.keyboard.press("ArrowLeft")
+    page.get_by_text("looking at rung 0").wait_for()
+    assert page.evaluate(scales) == at_floor
+    assert page.evaluate("bench.address()").endswith("rung=0")
+    page.goto(page.evaluate("bench.address()"))
+    page.get_by_text("looking at rung 0").wait_for()
+    page.get_by_role("button", name="Undo the last change").click()
+    page.wait_for_function("document.querySelectorAll('.rung').length == 1")
+
+
+@pytest.mark.slow
+def test_two_cursors_give_the_decrement_between_them(solved):
+    page = solved
+    truth = page.evaluate("bench.state.stage.frequency_hz")
+    page.locator("[data-plot=left]").click(position={"x": 110, "y": 60})
+    page.locator("[data-plot=left]").click(position={"x": 250, "y": 60})
+    page.mouse.move(5, 5)
+    page.wait_for_function(
+        "bench.between() && document.getElementById('readout').textContent.startsWith('Between')"
+    )
+    told = page.locator("#readout").inner_text()
+    seconds, cycles, ratio, decrement = (
+        float(re.search(pattern, told).group(1))
+        for pattern in (r"([\d.]+) s,", r"([\d.]+) cycles", r"ratio ([\d.]+)", r"decrement ([\d.]+)")
+    )
+    assert cycles == pytest.approx(seconds * truth, rel=0.05)
+    assert decrement == pytest.approx(math.log(ratio) / cycles, rel=0.02)
+    page.locator("[data-plot=left]").dblclick(position={"x": 150, "y": 60})
+    page.wait_for_function("bench.between() === '' && bench.state.zoom === null")
