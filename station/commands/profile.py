@@ -1,12 +1,16 @@
 """`station profile`: listen to a board that prints lines, say what comes, and keep what it means."""
 
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from station.commands.options import BAUD, COLUMNS, UNITS, pairs
 from station.output import json_option, print_json, progress, screen
+
+if TYPE_CHECKING:
+    from daq.sources.line_format import LineFormat, Sample
+    from daq.sources.open_source import LineOptions
 
 
 @click.command("profile")
@@ -35,8 +39,6 @@ def command(
     With NAME what the lines mean is kept, for `station capture --profile
     NAME`. At a terminal you are asked for what cannot be found out.
     """
-    from daq.errors import SettingsError
-    from daq.sources.line_format import LineFormat, Sample, find_format
     from daq.sources.line_source import LineSource
     from daq.sources.open_source import LineOptions, open_bytes
     from daq.sources.profiles import profile_file, save_profile
@@ -49,18 +51,10 @@ def command(
         profile_file(name, profiles_of(settings))
     told = LineOptions(None, pairs("--column", columns), pairs("--unit", units), rate, baud)
 
-    def decide(sample: Sample) -> LineFormat:
+    def decide(sample: "Sample") -> "LineFormat":
         if not as_json:
             show_lines(screen(), sample)
-        options = told
-        while True:
-            try:
-                form = find_format(sample, options.columns, options.units, options.rate_hz)
-                return form.model_copy(update={"baud": baud})
-            except SettingsError as refusal:
-                if as_json or not (sys.stdin.isatty() and sys.stderr.isatty()):
-                    raise
-                options = _asked(str(refusal), options)
+        return _decided(sample, told, may_ask=not as_json).model_copy(update={"baud": baud})
 
     progress(f"listening to {port} for some seconds")
     source = LineSource(open_bytes(port, told), decide)
@@ -86,7 +80,21 @@ def command(
         click.echo(f"next: station profile {told_name} --port {port} (the same options keep it)")
 
 
-def _asked(refusal: str, options: Any) -> Any:
+def _decided(sample: "Sample", options: "LineOptions", *, may_ask: bool) -> "LineFormat":
+    """Return what the lines mean, from the options and, at a terminal, from what the operator answers."""
+    from daq.errors import SettingsError
+    from daq.sources.line_format import find_format
+
+    while True:
+        try:
+            return find_format(sample, options.columns, options.units, options.rate_hz)
+        except SettingsError as refusal:
+            if not (may_ask and sys.stdin.isatty() and sys.stderr.isatty()):
+                raise
+            options = _asked(str(refusal), options)
+
+
+def _asked(refusal: str, options: "LineOptions") -> "LineOptions":
     """Return the options with what the operator answers."""
     from dataclasses import replace
 

@@ -10,6 +10,8 @@ from station.exits import UsageProblem
 from station.output import json_option, print_json, progress, screen
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from daq.session import Session
     from station.results.ladder import KeptLadder
 
@@ -54,10 +56,7 @@ def command(
     The model, and every rung of the ladder that led to it, are kept in the
     session. Without an option the ladder is printed.
     """
-    wanted = [name for name, given in (("--add", added), ("--remove", removed), ("--auto", auto)) if given]
-    wanted += ["--to"] if number is not None else []
-    if len(wanted) > 1:
-        raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
+    _refuse_several({"--add": added, "--remove": removed, "--auto": auto, "--to": number is not None})
     from dataclasses import replace
 
     from station.operations.refining import add, go_to, open_refinement, refine_to_floor, remove
@@ -97,6 +96,12 @@ def command(
 
         if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
             progress("the viewer shows the ladder: step along its timeline `rung`")
+
+
+def _refuse_several(steps: "Mapping[str, object]") -> None:
+    wanted = [option for option, given in steps.items() if given]
+    if len(wanted) > 1:
+        raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
 
 
 def _next(session: "Session", ladder: "KeptLadder") -> tuple[str | Path, ...]:

@@ -1,11 +1,10 @@
 """The page: record on the left, where the model fails in the middle, what is missing beneath, the fall on the right."""
 
-import time
-
 from nicegui import ui
 
 from station.workbench import widgets
 from station.workbench.app_state import AppState
+from station.workbench.busy_bar import BusyBar
 from station.workbench.capture_panel import CapturePanel
 from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
@@ -27,7 +26,6 @@ from station.workbench.validate_dialog import ValidateDialog
 from station.workbench.widgets import run
 
 TICK_S = 0.05
-SLOW_S = 0.4
 STORY, DETAILS, NUMBERS, RERUN = "Story", "Curves", "Identification", "3-D / Rerun"
 
 
@@ -92,15 +90,8 @@ class Page:
             self._theme_button = widgets.button("Dark", self._turn_theme, "Switch between light and dark")
 
     def _build_middle(self) -> None:
-        self._busy = ui.element("section").classes("card tight busybar").props("role=status aria-live=polite")
-        with self._busy, widgets.line():
-            ui.spinner(size="18px")
-            self._busy_label = widgets.label("", "grow")
-            self._bar = (
-                ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded").classes("share")
-            )
-            widgets.button("Cancel", lambda: self._session.cancel() if self._session else None)
-        self._busy.set_visibility(False)
+        self._busy = BusyBar()
+        self._busy.build(lambda: self._session.cancel() if self._session else None)
         self._notice = widgets.card("tight notice")
         with self._notice, widgets.line():
             self._notice_label = widgets.label("", "grow wrap")
@@ -207,21 +198,7 @@ class Page:
                 self._seen = 0
                 self._empty.set_visibility(True)
             return
-        running = session.running
-        if running is not None:
-            seconds = time.monotonic() - running.since
-            self._busy_label.text = (
-                f"{running.title}: {session.progress or 'waiting for a free worker'} ({seconds:.0f} s)"
-            )
-            done = session.share_done
-            self._bar.set_visibility(done is not None)
-            self._bar.value = done or 0.0
-            slow = running.long or seconds > SLOW_S
-            self._busy.set_visibility(slow)
-            self._hold_still(slow)
-        else:
-            self._busy.set_visibility(False)
-            self._hold_still(False)
+        self._hold_still(self._busy.show(session))
         if session.version == self._seen or self._scope.visible:
             return
         self._seen = session.version
