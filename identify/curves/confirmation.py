@@ -241,11 +241,11 @@ def _next(
         lead = chosen.lead
         often = _often(search, (columns, rows), settled, good, held, channel)
         alike = (laws[lead].name, *chosen.rivals)
-        if sum(often[name] for name in alike) < STABLE * often.total():
+        alike = (*alike, *_as_often(often, alike))
+        if sum(often[name] for name in alike) < STABLE * often.total() or len(alike) - 1 > MOST_RIVALS:
             unstable[what] = dict(often.most_common())
             undecided[what] = tuple(name for name in unstable[what] if name) or chosen.names
             continue
-        alike = (*alike, *_as_often(often, alike))
         after, own = settled[lead]
         effect = ConfirmedEffect(
             term=laws[lead].term,

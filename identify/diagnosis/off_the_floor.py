@@ -34,7 +34,10 @@ _LINE_LEAVES = 0.5
 
 
 def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
-    """Return the judgement of one effect that reaches a guessed floor, unless the curves contradict it."""
+    """Return the judgement of one effect that reaches a guessed floor, unless the curves contradict it.
+
+    Where they do not confirm it, its strength must be clear of none: what bends enough reaches any guess.
+    """
     best = alone.ranked[0].candidate
     if found is None and best.term.effect.of_time:
         return Judgement("unknown_effect", alone.ranked, best.fit, shape=free_form(baseline, baseline.fit))
@@ -42,7 +45,8 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
         return replace(alone, confirmation=found)
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
     open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
-    if best.name in found.names or (open_to_it and not found.effects):
+    clear = best.term.effect.kind != "physics" or _is_clear(best.fit, best.term)
+    if best.name in found.names or (open_to_it and clear and not found.effects):
         return replace(alone, confirmation=found)
     return by_curves(baseline, alone.ranked, found, best.fit)
 

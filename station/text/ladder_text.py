@@ -94,7 +94,7 @@ def bar(chi_square: float | None, largest: float, width: int = 12) -> str:
 def changed_parameters(before: KeptRung, after: KeptRung, weighing: Weighing | None = None) -> list[str]:
     """Return the parameters that the step changed most, in standard errors of the fit before, and those it added."""
     found = []
-    weighed = {} if weighing is None else _weighed(after, weighing)
+    weighed = {} if weighing is None else _beside(after, weighing)
     for name, value in after.parameters.items():
         old = before.parameters.get(name)
         if old is None:
@@ -110,8 +110,12 @@ def changed_parameters(before: KeptRung, after: KeptRung, weighing: Weighing | N
     return [text for _, text in found[: new + MOST_CHANGED]]
 
 
-def _weighed(rung: KeptRung, weighing: Weighing) -> dict[str, str]:
-    """Return the strengths of a rung with the mass in them, by "effect.parameter", as the end of a line."""
+def _beside(rung: KeptRung, weighing: Weighing) -> dict[str, str]:
+    return {name: f", with the mass {words}" for name, words in with_mass(rung, weighing).items()}
+
+
+def with_mass(rung: KeptRung, weighing: Weighing) -> dict[str, str]:
+    """Return the strengths of a rung with the mass in them, as "13012 ± 2 N/m", by "effect.parameter"."""
     found = {}
     for entry in rung.model.effects:
         name, value = next(iter(entry.parameters.items()), (None, None))
@@ -119,7 +123,7 @@ def _weighed(rung: KeptRung, weighing: Weighing) -> dict[str, str]:
             continue
         whole = weighing.strength(entry.effect, value.value, value.std, value.unit)
         if whole is not None:
-            found[f"{entry.effect}.{name}"] = f", with the mass {with_unit(whole)}"
+            found[f"{entry.effect}.{name}"] = with_unit(whole)
     return found
 
 

@@ -46,6 +46,7 @@ class FloorCard:
         self._values.clear()
         with self._values:
             for name, value in top.parameters.items():
-                widgets.label(
-                    f"{plain(name.partition('.')[0])}: {name.partition('.')[2]} = {typeset(with_unit(value))}"
-                )
+                words = typeset(with_unit(value))
+                if name in view.with_mass:
+                    words = f"{typeset(view.with_mass[name])} ({words} per unit mass)"
+                widgets.label(f"{plain(name.partition('.')[0])}: {name.partition('.')[2]} = {words}")

@@ -16,8 +16,10 @@ from station.operations.session_set import SessionSet, open_sessions
 from station.results.diagnosis_document import DiagnosisDocument, with_differences
 from station.results.ladder import KeptLadder, write_ladder
 from station.settings import Settings
+from station.story.engineering_values import Weighing
 from station.story.pipeline import Progress
 from station.story.preparation import options_for
+from station.text.ladder_text import with_mass
 from station.workbench import further_tasks, view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
 from station.workbench.climbing import climb
@@ -58,7 +60,16 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models
         None if store.ground is None else store.ground.stage,
         {name: store.frames[name] for name in names if name in store.frames},
         names,
+        with_mass=_with_mass(settings, opened, ladder),
     )
+
+
+def _with_mass(settings: Settings, opened: Opened, ladder: KeptLadder) -> dict[str, str]:
+    options = options_for(opened.refinement.session, settings)
+    if options.mass is None:
+        return {}
+    unit = opened.refinement.prepared.window.unit
+    return with_mass(ladder.top, Weighing(options.mass, options.mass_std, unit))
 
 
 def add_effect(settings: Settings, progress: Progress, folder: Path, wanted: str) -> view_models.View:

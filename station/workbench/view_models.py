@@ -152,7 +152,8 @@ class View:
     """What the page shows of a session: ladder, comparison of the present model, last diagnosis, equations by effect.
 
     `curves` come with a diagnosis; None where the record is too short for them. `frames` are those at hand, by the name
-    of `rung_frames` (one for each rung). `note` is what a task has to say.
+    of `rung_frames` (one for each rung). `note` is what a task has to say,
+    `with_mass` the strengths of the present model with the mass in them, by "effect.parameter", where it is known.
     """
 
     ladder: KeptLadder
@@ -165,6 +166,7 @@ class View:
     frames: dict[str, Frame] = field(default_factory=dict)
     rung_frames: tuple[str, ...] = ()
     note: str = ""
+    with_mass: dict[str, str] = field(default_factory=dict)
 
     @property
     def about_present(self) -> bool:
