@@ -74,6 +74,7 @@ for number in range(1, 200):
 """
 
 
+@pytest.mark.slow
 @posix_only
 def test_a_change_that_is_killed_at_any_call_is_whole_or_not_at_all(session: Session, tmp_path: Path) -> None:
     """The process gets SIGKILL before each call by which the change opens, syncs, moves or removes a file, in turn."""

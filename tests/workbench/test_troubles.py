@@ -7,6 +7,8 @@ import pytest
 
 from tests.workbench.stalling import stalling_board
 
+pytestmark = pytest.mark.slow  # each walks through a browser
+
 
 def test_a_file_that_is_no_recording_is_refused_in_words(visit, bench):
     page = visit.page
@@ -22,7 +24,6 @@ def test_a_file_that_is_no_recording_is_refused_in_words(visit, bench):
     assert sorted(path.name for path in (bench.folder / "sessions").iterdir()) == before
 
 
-@pytest.mark.slow
 def test_a_recording_that_is_dropped_becomes_a_session_within_the_folder(visit, bench):
     import numpy as np
 
@@ -72,7 +73,6 @@ def test_a_record_that_is_too_short_says_so_and_so_does_a_damaged_one(visit, ben
     assert "fault of this program" not in page.locator(".bench-columns").inner_text()
 
 
-@pytest.mark.slow
 def test_a_board_that_falls_silent_is_reported_and_what_came_is_kept(visit, bench):
     page = visit.page
     page.goto(bench.address)
