@@ -13,6 +13,7 @@ from pathlib import Path
 SECTIONS = (
     "wire",
     "firmware",
+    "exchange",
     "trust",
     "lies",
     "alignment",
