@@ -145,8 +145,8 @@ class LineSource:
         name = self._port.name
         if odd:
             return BoardError(
-                f"{name}: what comes is no lines of numbers, as '{odd[:40]}'; check the baud rate (--baud), or what "
-                "the board prints"
+                f"{name}: what comes is no lines of numbers{_as(odd)}; check the baud rate (--baud), or what the "
+                "board prints"
             )
         if count:
             return Stalled(
@@ -177,6 +177,12 @@ class LineSource:
             f"the rate is that at which lines arrive here, {self._rate:.5g} ± {self._rate_std:.2g} Hz "
             f"({100 * self._rate_std / self._rate:.2g} %); --rate gives a better one"
         )
+
+
+def _as(text: str) -> str:
+    """Return the beginning of a line for a sentence; nothing where it is no text."""
+    plain = "".join(c for c in text[:40] if c.isprintable() and c != "\ufffd")
+    return f", as '{plain}'" if len(plain) > 0.8 * len(text[:40]) else ", nor text"
 
 
 def _rate_of(times: Array) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from daq.exporting import Exported, encode
 from daq.recording import Recording
 from daq.session import Session
 from identify.errors import NotIdentifiable
+from identify.formatting import with_error
 from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.alignment import Alignment
 from identify.signal.fractional_delay import read_at_shift
@@ -47,7 +48,7 @@ def exported_session(session: Session, settings: Settings, *, aligned: bool = Tr
         "lag_std_s": f"{lag.std:.3g}",
         "gain_of_the_acceleration": f"{found.alignment.gain.value:.9g} (estimated, not applied)",
     }
-    said = f"The {name} was moved earlier by its lag of {lag.value * 1e3:.4g} ± {lag.std * 1e3:.1g} ms."
+    said = f"The {name} was moved earlier by its lag of {with_error(lag.value * 1e6, lag.std * 1e6)} us."
     return Exported(moved, facts), said
 
 
