@@ -45,6 +45,9 @@ RATES_HZ = (5.0, 20000.0)
 ROOM_FOR_SAMPLES = 900  # Bytes of samples in a frame of 1024.
 HEARTBEAT_S = 0.5
 SILENCE_S = 0.25
+MOST_AT_ONCE_S = 0.25
+CATCHES_UP_S = 0.02
+"""Seconds of samples at once, and for each unit of speed: a busy computer's double must not leap over a fault's time."""
 
 
 class Board:
@@ -209,7 +212,8 @@ class Board:
         """Take the samples that are due; send them while there is room on the way out."""
         if self._speed:
             pace = self._speed * self._settings.rate * self._misconfiguration.rate
-            due = int((now - self._started) * pace) - capture.sampled
+            most = int(self._settings.rate * max(MOST_AT_ONCE_S, CATCHES_UP_S * self._speed)) + 1
+            due = min(int((now - self._started) * pace) - capture.sampled, most)
         else:
             due = self._settings.samples_per_frame - capture.unsent if room else 0
         before = (capture.sampled, capture.dropped)
