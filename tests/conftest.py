@@ -35,8 +35,15 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the folders whose files take longest, so that no worker is left alone with one at the end."""
+    """Begin with the folders whose files take longest, so that no worker is left alone with one at the end.
+
+    A test that drives a browser may be begun anew: where the page draws itself anew between two of the driver's steps, a
+    click or a letter is lost, as a person's would be, who then repeats it.
+    """
     items.sort(key=lambda item: _place(item.path.relative_to(HERE).parts[0]))
+    for item in items:
+        if item.path.is_relative_to(HERE / "workbench"):
+            item.add_marker(pytest.mark.flaky(reruns=2))
 
 
 def _place(folder: str) -> int:

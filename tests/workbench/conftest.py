@@ -36,7 +36,9 @@ class Bench:
 
     def fresh(self, mystery: str, called: str) -> str:
         """Put a copy of a mystery on the shelf, untouched by other tests; return its address."""
-        shutil.copytree(self.mysteries / mystery, self.folder / "sessions" / called)
+        place = self.folder / "sessions" / called
+        shutil.rmtree(place, ignore_errors=True)  # of a test that is begun anew
+        shutil.copytree(self.mysteries / mystery, place)
         return self.session(called)
 
     def session(self, name: str) -> str:
@@ -112,7 +114,7 @@ def visit(browser, bench: Bench) -> Iterator[Visit]:
     context.on("dialog", lambda dialog: complaints.append(f"dialog: {dialog.message}"))
     context.request.get(bench.printed, max_redirects=0)  # the token's cookie
     page = context.new_page()
-    page.set_default_timeout(120_000)  # no test asserts a time: a busy computer is only slow
+    page.set_default_timeout(90_000)  # no test asserts a time: a busy computer is only slow
     page.on("websocket", lambda socket: asked.append(socket.url))
     yield Visit(page, asked, complaints)
     context.close()

@@ -107,7 +107,9 @@ def test_an_effect_of_ones_own_is_checked_as_it_is_typed_and_can_be_switched_off
     page.get_by_text("there is no function 'w'").wait_for()
     assert add.is_disabled()
     field.fill("drag = c*v*abs(v)")
-    page.get_by_text("Understood").wait_for()
+    add.and_(
+        page.locator(":enabled")
+    ).wait_for()  # the sentence changes as soon as it is fitted and previewed
     add.click()
     page.wait_for_function("document.querySelectorAll('.rung').length == 2")
     assert abs(chi2_of_rungs(page)[1] - 1.0) < 0.3
