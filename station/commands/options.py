@@ -40,7 +40,7 @@ MODEL = click.option(
     "model_file",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Begin with this model instead of stiffness, dry and viscous friction.",
+    help="A model file; or `usual` (stiffness, dry, viscous friction), `identified`.",
 )
 EFFECTS = click.option(
     "--effects",

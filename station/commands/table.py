@@ -26,10 +26,9 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
     table.
     """
     from identify.errors import NotIdentifiable
-    from station.operations.identifying import identify_session
+    from station.operations.identifying import identify_session, kept_options
     from station.results.sessions import open_session
     from station.settings import load_settings
-    from station.story.preparation import options_for
     from station.text import table
 
     settings = load_settings(settings_file)
@@ -37,7 +36,7 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
     for name in sessions:
         session = open_session(name, settings.sessions)
         try:
-            result, document = identify_session(session, options_for(session, settings))
+            result, document = identify_session(session, kept_options(session, settings))
         except NotIdentifiable as refusal:
             progress(f"left out: {name}: {refusal}")
             continue

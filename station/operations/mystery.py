@@ -23,6 +23,7 @@ from station.operations.capturing import record
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.new_session import capture_settings, new_folder
+from station.operations.record_floor import prepare_with_floor
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
 from station.operations.simulated_board import simulated_board
@@ -31,7 +32,6 @@ from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.settings import Settings
 from station.story.engineering_values import Weighing
-from station.story.preparation import prepare_session
 from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
 from station.text.numbers import three_figures
@@ -129,7 +129,7 @@ def solve(
 def _solve(
     session: Session, settings: Settings, say: Say, console: Console | None, seed: int, envelope: Path
 ) -> Solved:
-    sessions = SessionSet((session,), (prepare_session(session, settings),))
+    sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
     say(
         "1. COMPARE: how well does the usual model explain the recording?",
         "The model is fitted, then run freely from the release, and laid over the measurement.",

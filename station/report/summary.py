@@ -107,20 +107,20 @@ def _nothing_explains(found: Findings) -> str:
 
 
 def _usual(found: Findings, model: Explaining | None) -> Rows:
-    """Return the usual model beside the one that explains the record, as what it is."""
+    """Return the model to begin with beside the one that explains the record, as what it is."""
     if found.compared is None:
         return []
-    fit = found.compared.baseline.fit
+    fit, name = found.compared.judged.fit, found.compared.words.removeprefix("the ").split(",")[0]
     left = f"leaves {_left(found.compared)}"
     if model is not None and set(model.fit.model.names) == set(fit.model.names):
-        return [("usual model", left)]
+        return [(name, left)]
     quoted = "; ".join(
         f"{one.name} {_quantity(one.value)}"
         for one in engineering_values(
-            found.compared.baseline.stated(fit), found.options.mass, found.options.mass_std
+            found.compared.judged.stated(fit), found.options.mass, found.options.mass_std
         )
     )
-    return [("usual model", f"{left}; not to be quoted, for comparison only: {quoted}")]
+    return [(name, f"{left}; not to be quoted, for comparison only: {quoted}")]
 
 
 def _methods(found: Findings) -> Rows:
@@ -144,6 +144,6 @@ def _methods(found: Findings) -> Rows:
 
 
 def _left(compared: Compared) -> str:
-    seen = compared.comparison
-    motion, chi_square = typeset_figures(seen.motion_error), typeset_figures(seen.chi_square)
+    error = compared.error
+    motion, chi_square = typeset_figures(error.motion_percent), typeset_figures(error.chi_square)
     return f"{motion} % of the motion, {chi_square} x the noise"

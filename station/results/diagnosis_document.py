@@ -188,6 +188,7 @@ class DiagnosisDocument(Document):
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
     `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
+    `model_is` says which model it is that was diagnosed, `model_remark` why it is not the one that was identified.
     """
 
     sessions: list[str]
@@ -213,6 +214,8 @@ class DiagnosisDocument(Document):
     shares: list[SharesDocument] = Field(default_factory=list)
     used: list[UsedDocument] = Field(default_factory=list)
     modes: list[ModeDocument] = Field(default_factory=list)
+    model_is: str = "the usual model"
+    model_remark: str = ""
 
 
 def diagnosis_document(

@@ -56,14 +56,15 @@ def show_diagnosis(console: Console, document: DiagnosisDocument, weighing: Weig
 def _errors(document: DiagnosisDocument, floor: NoiseFloorDocument) -> Text:
     error, named = document.error, document.error_with_named
     text = (
-        f"model: {' + '.join(document.model.effects)}\n"
+        f"{document.model_is}: {' + '.join(plain_name(name) for name in document.model.effects)}\n"
         f"leaves {three_figures(error.motion_percent)} % of the motion over {error.horizon_s or 0.0:.1f} s, "
         f"{three_figures(error.force_mse_percent)} % of the force,\n"
         f"and {three_figures(error.chi2)} times what noise explains (chi2; floor 1.00 ± {floor.chi2_std:.2f})"
     )
     if document.named and named is not None:
+        with_it = among([plain_name(name) for name in document.named])
         text += (
-            f";\nwith {' and '.join(document.named)}: {three_figures(named.motion_percent)} % of the motion, "
+            f";\nwith {with_it}: {three_figures(named.motion_percent)} % of the motion, "
             f"{three_figures(named.chi2)} times"
         )
     return Text(text)
@@ -200,6 +201,8 @@ def _weighed(document: DiagnosisDocument, weighing: Weighing | None) -> list[tup
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     facts = [("used", used(document))] if document.used else []
+    if document.model_remark:
+        facts.append(("model", document.model_remark))
     if document.differences:
         differ = [f"{one.session} in {one.parameter}{_by(one.percent)}" for one in document.differences]
         facts.append(
