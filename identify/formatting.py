@@ -9,6 +9,14 @@ _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "
            "bouc": "Bouc", "wen": "Wen", "ac": "AC"}  # fmt: skip
 """Words of effects' names that are names of persons, or letters."""
 
+_LARGE, _SMALL = 1e6, 1e-4
+"""Sizes outside of which a power of ten is taken out."""
+
+_TENS = 99.5
+"""Standard error from which on the digits before the point are rounded too: two of them are figures."""
+
+_MOST_DECIMALS = 9
+
 _PREFIXED = "NJm"
 """First letters of units that can take a prefix."""
 
@@ -21,14 +29,25 @@ def decimals_for(std: float) -> int:
 
 
 def with_error(value: float, std: float) -> str:
-    """Return "13115.0 ± 0.4" with the digits that the error allows."""
+    """Return "13115.0 ± 0.4" with the digits that the error allows; "(-1.18 ± 0.10)e6" where they would be many."""
     if not math.isfinite(value):
         return "unknown"
     if not math.isfinite(std):
         return f"{value:.5g} ± unknown"
-    if abs(value) >= 1e6 or 0 < abs(value) < 1e-4:
-        return f"{value:.4g} ± {std:.1g}"
+    if std == 0.0:
+        return f"{value:.5g}"
+    size = max(abs(value), std)
+    if size >= _LARGE or size < _SMALL:
+        exponent = math.floor(math.log10(size))
+        whole, error = value / 10.0**exponent, std / 10.0**exponent
+        decimals = min(decimals_for(error), _MOST_DECIMALS)
+        return f"({whole:.{decimals}f} ± {error:.{decimals}f})e{exponent}"
     decimals = decimals_for(std)
+    if decimals > _MOST_DECIMALS:
+        return f"{value:.{_MOST_DECIMALS}f} ± {std:.1g}"
+    if std >= _TENS:
+        places = 1 - math.floor(math.log10(std))
+        value, std = round(value, places), round(std, places)
     return f"{value:.{decimals}f} ± {std:.{decimals}f}"
 
 

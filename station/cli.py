@@ -5,6 +5,7 @@ answers at once. To add a command: write the file, add a line to COMMANDS.
 """
 
 import importlib
+import re
 import sys
 import traceback
 from collections.abc import Sequence
@@ -159,10 +160,25 @@ def _kept(sentence: str, error: BaseException) -> str:
 
 def _usage_sentence(error: click.ClickException) -> str:
     sentence = error.format_message().rstrip(".")
-    sentence = f"{sentence[:1].lower()}{sentence[1:]}"
+    sentence = in_plain_words(f"{sentence[:1].lower()}{sentence[1:]}")
     context = getattr(error, "ctx", None)
     where = context.command_path if context is not None else "station"
     return f"{sentence}; see `{where} --help`"
+
+
+_BOUNDS = {">": "above", ">=": "at least", "<": "below", "<=": "at most"}
+_TURNED = {"<": ">", "<=": ">="}
+
+
+def in_plain_words(sentence: str) -> str:
+    """Return the refusal of a number with its bounds in words: "-3.0 is not in the range x>0." becomes "must be above 0"."""
+    found = re.search(r"(\S+) is not in the range (?:(\S+?)(<=?))?x(?:([<>]=?)(\S+))?$", sentence)
+    if found is None:
+        return sentence
+    given, low, first, second, other = found.groups()
+    bounds = [f"{_BOUNDS[_TURNED[first]]} {low}"] if low else []
+    bounds += [f"{_BOUNDS[second]} {other}"] if other else []
+    return f"{sentence[: found.start()]}it is {given}, and must be {' and '.join(bounds)}"
 
 
 def _failed(error: BaseException, code: int, sentence: str, arguments: list[str]) -> int:

@@ -15,7 +15,7 @@ from rich.text import Text
 from daq.session import Session
 from daq.session_info import SessionInfo
 from identify.fitting.model_error import errors_of
-from identify.formatting import plain_name
+from identify.formatting import decimals_for, plain_name
 from identify.model.model import base_model
 from identify.model.parameter_id import ParameterId
 from station.exits import Problem
@@ -34,7 +34,7 @@ from station.settings import Settings
 from station.story.engineering_values import Weighing
 from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
-from station.text.numbers import three_figures
+from station.text.numbers import three_figures, with_unit
 
 MASS_KG = 21.36
 SEEDS = 1000
@@ -230,8 +230,8 @@ def _side_by_side(solved: Solved) -> list[str]:
             if id.effect == solved.truth["hidden"]:
                 lines.append(f"{name:<30}{value:>11.5g}")
             continue
-        std = "" if estimate.std is None else f" ± {estimate.std:.2g}"
-        lines.append(f"{name:<30}{value:>11.5g}   found {estimate.value:.6g}{std} {estimate.unit}")
+        digits = f"{value:>11.5g}" if not estimate.std else f"{value:>11.{decimals_for(estimate.std)}f}"
+        lines.append(f"{name:<30}{digits}   found {with_unit(estimate)}")
     return lines
 
 

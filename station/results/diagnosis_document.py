@@ -109,7 +109,7 @@ class SuspectDocument(Part):
 
 
 class FindingDocument(Part):
-    """A sensor's fault that every fit corrects, and that ought to be mended."""
+    """A sensor's fault that every fit corrects, and that ought to be mended; `words` say what was found, in a clause."""
 
     effect: str
     title: str
@@ -117,6 +117,7 @@ class FindingDocument(Part):
     parameters: dict[str, EstimateDocument]
     chi2_drop: Number
     what_to_do: str
+    words: str = ""
 
 
 class CurveDocument(Part):
@@ -353,6 +354,7 @@ def _finding(fault: CorrectedFault) -> dict[str, Any]:
         "parameters": fault.parameters,
         "chi2_drop": fault.drop,
         "what_to_do": effect.confirming_test,
+        "words": fault.words,
     }
 
 

@@ -43,10 +43,10 @@ def session_folder(argument: str, sessions: Path) -> Path:
     return found
 
 
-def refuse_unknown(argument: str, sessions: Path) -> None:
+def refuse_unknown(argument: str, sessions: Path, what: str = "session or data file") -> None:
     """Raise UsageProblem where an argument is no folder, no file and no session's name, before anything long begins."""
     if not Path(argument).exists() and find_session(argument, sessions) is None:
-        raise no_such(argument, sessions, "session or data file")
+        raise no_such(argument, sessions, what)
 
 
 def no_such(argument: str, sessions: Path, what: str = "session") -> UsageProblem:
@@ -55,6 +55,8 @@ def no_such(argument: str, sessions: Path, what: str = "session") -> UsageProble
     place = sessions if len(path.parts) < 2 else path.parent
     names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
     meant = did_you_mean(path.name, names)
+    if not names and place == sessions:
+        meant = "; there are none yet: `station demo` and `station import FILE` make one"
     return UsageProblem(
         f"{argument}: there is no such {what} (sessions are looked for in {place.resolve()}){meant}"
     )

@@ -119,11 +119,11 @@ def harmonics_text(compared: Compared) -> str:
     for i, order in enumerate(orders.order):
         if orders.significance[i] > 4.0:
             amount = scaled(float(orders.amplitude[i]) * units.force_scale, units.force_unit)
-            phase = np.degrees(orders.phase[i])
+            phase = round(float(np.degrees(orders.phase[i])))
             sure = f"({orders.significance[i]:.0f} sigma)"
             parts.append(
                 f"constant: {amount} {sure}"
                 if order == 0
-                else f"{order:.0f} times the frequency: {amount} at {phase:.0f}° {sure}"
+                else f"{order:.0f} times the frequency: {amount} at {phase}° {sure}"
             )
     return "; ".join(parts) if parts else "none of the residual force stands out of the noise"

@@ -12,6 +12,7 @@ from identify.formatting import among, plain_name
 from station.results.confirmation_document import ConfirmationDocument
 from station.results.diagnosis_document import (
     DiagnosisDocument,
+    FindingDocument,
     HeldOutDocument,
     NoiseFloorDocument,
     SuspectDocument,
@@ -216,10 +217,9 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         facts.append(("foretold", foretold))
     if document.rivals:
         facts.append(("the same", not_told_apart(document)))
-    for finding in document.findings:
-        where = f" in the {finding.channel}" if finding.channel else ""
-        values = ", ".join(f"{name} {with_unit(value)}" for name, value in finding.parameters.items())
-        facts.append(("sensor", f"{finding.title}{where} ({values}); {finding.what_to_do}"))
+    facts += [
+        ("sensor", f"{found_in_sensor(finding)}; {finding.what_to_do}") for finding in document.findings
+    ]
     shape = document.shape
     if shape is not None and shape.coordinates:
         over = " and ".join(shape.coordinates)
@@ -233,6 +233,15 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         )
     facts.append(("record next", document.next_experiment))
     return facts
+
+
+def found_in_sensor(finding: FindingDocument) -> str:
+    """Return what was found of a sensor's fault that every fit corrects, in a clause."""
+    if finding.words:
+        return finding.words
+    where = f" in the {finding.channel}" if finding.channel else ""
+    values = ", ".join(f"{name} {with_unit(value)}" for name, value in finding.parameters.items())
+    return f"{finding.title}{where} ({values})"
 
 
 def _by(percent: float | None) -> str:

@@ -81,7 +81,7 @@ def step(rung: KeptRung) -> str:
         return f"+ {rung.added}"
     if rung.removed:
         return f"- {rung.removed}"
-    return rung.begun_with.split(",")[0] or "the model to begin with"
+    return rung.begun_with.split(",")[0].removeprefix("the ") or "first model"
 
 
 def bar(chi_square: float | None, largest: float, width: int = 12) -> str:
