@@ -12,6 +12,9 @@ _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "
 _LARGE, _SMALL = 1e6, 1e-4
 """Sizes outside of which a power of ten is taken out."""
 
+_MANY, _FEW = 99999.5, 1e-6
+"""Sizes from which on, and below which, three figures take a power of ten."""
+
 _TENS = 99.5
 """Standard error from which on the digits before the point are rounded too: two of them are figures."""
 
@@ -76,9 +79,12 @@ def damping_name(order: int) -> str:
 
 
 def three_figures(value: float) -> str:
-    """Return an error or a ratio with three figures; "-" where there is none."""
+    """Return an error or a ratio with three figures, as "1.24e8" where it would be many digits; "-" where there is none."""
     if not math.isfinite(value):
         return "-"
+    if abs(value) >= _MANY or 0.0 < abs(value) < _FEW:
+        mantissa, _, exponent = f"{value:.2e}".partition("e")
+        return f"{mantissa}e{int(exponent)}"
     return f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}"
 
 

@@ -54,8 +54,9 @@ def no_such(argument: str, sessions: Path, what: str = "session") -> UsageProble
     path = Path(argument)
     place = sessions if len(path.parts) < 2 else path.parent
     names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
-    meant = did_you_mean(path.name, names)
-    if not names and place == sessions:
+    beside = [entry.name for entry in Path().iterdir()] if len(path.parts) < 2 and "file" in what else []
+    meant = did_you_mean(path.name, [*names, *sorted(beside)])
+    if not names and not meant and place == sessions:
         meant = "; there are none yet: `station demo` and `station import FILE` make one"
     return UsageProblem(
         f"{argument}: there is no such {what} (sessions are looked for in {place.resolve()}){meant}"
