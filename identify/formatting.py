@@ -56,7 +56,7 @@ def with_error(value: float, std: float) -> str:
 
 def quantity(estimate: Estimate) -> str:
     """Return an estimate with its error, where there is one, and its unit."""
-    unit = "" if estimate.unit == "1" else f" {estimate.unit}"
+    unit = "" if estimate.unit in ("", "1") else f" {estimate.unit}"
     if not math.isfinite(estimate.std) or estimate.std == 0.0:
         return f"{estimate.value:.4g}{unit}"
     return f"{with_error(estimate.value, estimate.std)}{unit}"

@@ -52,8 +52,8 @@ def known_effect(context: click.Context, parameter: click.Parameter, value: str 
     names = (*effect_names(), MEASURED_CURVE)
     if value in names:
         return value
-    meant = did_you_mean(value, names) or f"; there are {', '.join(names)}"
-    raise UsageProblem(f"no effect is called '{value}'{meant}")
+    more = 'see `station effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
+    raise UsageProblem(f"no effect is called '{value}'{did_you_mean(value, names)}; {more}")
 
 
 SESSION = click.argument("session", callback=known_sessions)

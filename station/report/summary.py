@@ -30,7 +30,7 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
     model = explaining(found)
     rows: Rows = []
     if model is not None:
-        rows.append(("model", f"{_names(model.fit)}: {model.left}, which is the noise"))
+        rows.append(("model", f"{_names(model.fit)}: {model.left}"))
         rows += values(model.fit, found)
         aligned = None if found.identification is None else found.identification.alignment
         doubt = "" if aligned is None else scale_doubt(aligned.gain)
@@ -44,7 +44,8 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
         confirmed = confirmed_by(found.diagnosis)
         if confirmed:
             rows.append(("prediction", sentence(confirmed)))
-    if found.refined is not None and found.refined.ladder.present > 0:
+    refined_explains = found.refined is not None and found.refined.top.at_floor
+    if found.refined is not None and found.refined.ladder.present > 0 and not refined_explains:
         compared = found.refined.compared
         rows.append(("present model", f"{_names(compared.baseline.fit)}: leaves {_left(compared)}"))
     final = found.refined.compared if found.refined is not None else found.compared
@@ -59,11 +60,11 @@ def explaining(found: Findings) -> Explaining | None:
     refined, adequate = found.refined, None
     if refined is not None and refined.top.at_floor:
         top = refined.top
-        return Explaining(top.stated, _over_noise(top.error.chi_square))
+        return Explaining(top.stated, _over_noise(top.error.chi_square, top.error.floor_std))
     if found.identification is not None:
         adequate = found.identification.adequacy
     if adequate is not None and adequate.adequate:
-        return Explaining(adequate.fit, _over_noise(adequate.chi_square))
+        return Explaining(adequate.fit, _over_noise(adequate.chi_square, adequate.chi_square_std))
     return None
 
 
@@ -90,8 +91,8 @@ def _names(fit: Fit) -> str:
     return " + ".join(plain_name(name) for name in fit.model.names)
 
 
-def _over_noise(chi_square: float) -> str:
-    return f"leaves {typeset_figures(chi_square)} x the noise"
+def _over_noise(chi_square: float, std: float) -> str:
+    return f"leaves {typeset_figures(chi_square)} x the noise (noise floor 1 ± {std:.2f})"
 
 
 def _nothing_explains(found: Findings) -> str:

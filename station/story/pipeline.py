@@ -25,6 +25,7 @@ from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
 from identify.fitting.leave_one_out import LeftOut, leave_one_out
 from identify.fitting.segments import segments_by_release, segments_of
+from identify.formatting import plain_name, three_figures
 from identify.model.model import Model, base_model
 from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -167,6 +168,7 @@ def refine(
     """Add what is missing until nothing is; the first rung is the model itself."""
 
     def on_rung(rung: Rung, sentence: str) -> None:
-        progress(f"{sentence}: chi2 {rung.error.chi_square:.3g} ({' + '.join(rung.effects)})")
+        names = " + ".join(plain_name(name) for name in rung.effects)
+        progress(f"{sentence}: chi2 {three_figures(rung.error.chi_square)} ({names})")
 
     return refine_decay(prepared, model, library=library, known=known, progress=on_rung)

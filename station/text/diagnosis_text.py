@@ -179,7 +179,10 @@ def _reached(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
 
 
 def _parameters(suspect: SuspectDocument, most: int | None) -> str:
-    parts = [f"{name} {with_unit(value)}" for name, value in list(suspect.parameters.items())[:most]]
+    parts = [
+        f"{name.replace('[0]', ' of the first')} {with_unit(value)}"
+        for name, value in list(suspect.parameters.items())[:most]
+    ]
     where = f"in the {suspect.channel}" if suspect.channel else ""
     return "; ".join([*([where] if where else []), *parts])
 
@@ -205,7 +208,9 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     if document.model_remark:
         facts.append(("model", document.model_remark))
     if document.differences:
-        differ = [f"{one.session} in {one.parameter}{_by(one.percent)}" for one in document.differences]
+        differ = [
+            f"{one.session} in {_of_effect(one.parameter)}{_by(one.percent)}" for one in document.differences
+        ]
         facts.append(
             ("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: one model has to fit both")
         )
@@ -235,6 +240,12 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     return facts
 
 
+def _of_effect(parameter: str) -> str:
+    """Return "k of linear stiffness" for "linear_stiffness.k"."""
+    effect, _, name = parameter.partition(".")
+    return f"{name} of {plain_name(effect)}" if name else plain_name(effect)
+
+
 def found_in_sensor(finding: FindingDocument) -> str:
     """Return what was found of a sensor's fault that every fit corrects, in a clause."""
     if finding.words:
@@ -254,7 +265,9 @@ def used(document: DiagnosisDocument) -> str:
         return document.used[0].words
     cut = [f"{one.session}: {one.words}" for one in document.used if one.ended == "readings_missing"]
     shares = [100.0 * (one.share or 0.0) for one in document.used]
-    whole = f"{min(shares):.0f} to {max(shares):.0f} % of each record after its release"
+    low, high = f"{min(shares):.0f}", f"{max(shares):.0f}"
+    part = f"{low} to {high} %" if low != high else "all" if low == "100" else f"{low} %"
+    whole = f"{part} of each record after its release"
     return "; ".join([whole, *cut])
 
 
