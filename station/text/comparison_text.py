@@ -13,7 +13,7 @@ from station.text.layout import labelled
 from station.text.numbers import energy_scale, three_figures, with_error
 
 ROWS = 8
-LABEL_WIDTH = 13
+LABEL_WIDTH = 15
 
 
 def show_comparison(console: Console, compared: Compared) -> None:
