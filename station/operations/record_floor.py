@@ -3,12 +3,15 @@
 from dataclasses import replace
 from typing import Literal
 
+from pydantic import Field
+
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.segments import segments_of
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
+from station.exits import UsageProblem
 from station.results.documents import Document, read_document, write_document
 from station.settings import Settings
 from station.story.preparation import prepare_session
@@ -20,7 +23,7 @@ class NoiseFloor(Document):
     """The standard error of the reduced chi-square that a model which explains the record leaves, and who decided it."""
 
     session: str
-    chi2_std: float
+    chi2_std: float = Field(gt=0, allow_inf_nan=False)
     decided_by: Literal["usual model"] = "usual model"
 
 
@@ -33,7 +36,10 @@ def prepare_with_floor(
 
 def with_floor(session: Session, prepared: PreparedDecay) -> PreparedDecay:
     """Return a release with the width of its session's floor, which is decided and kept where it was not yet."""
-    kept = read_document(session, NAME, NoiseFloor, f"delete results/{NAME}; it is made again")
+    try:
+        kept = read_document(session, NAME, NoiseFloor, "it is made again")
+    except UsageProblem:  # altered: it is made again
+        kept = None
     if kept is None:
         try:
             width = fit_baseline(segments_of(prepared), base_model()).spread

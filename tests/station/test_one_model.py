@@ -138,3 +138,11 @@ def test_a_long_record_is_judged_in_its_pieces_by_every_command_and_one_run_says
     assert compared["one_run"]["chi2"] > 1.5 * compared["error"]["chi2"]
     assert run(["compare", "long"]) == 0
     assert "judged in" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("text", ["{}", '{"format": 1, "session": "x", "chi2_std": -1}', "nonsense"])
+def test_a_floor_that_was_altered_is_decided_again(chosen, text):
+    before = json.loads((chosen.results / NAME).read_text())
+    (chosen.results / NAME).write_text(text)
+    prepare_with_floor(chosen, Settings())
+    assert json.loads((chosen.results / NAME).read_text()) == before
