@@ -37,6 +37,11 @@ class KeptRung(Part):
         return self.model.names
 
     @property
+    def began(self) -> str:
+        """Which model it is that the ladder began with, in two words, as "usual model"."""
+        return self.begun_with.split(",")[0].removeprefix("the ") or "first model"
+
+    @property
     def parameters(self) -> dict[str, Value]:
         """All parameters by "effect.parameter"."""
         return self.model.parameters
