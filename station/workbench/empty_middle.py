@@ -22,7 +22,7 @@ def say_empty(
             widgets.label("What was recorded is kept. Choose another session, or record again.", "small")
             RawPictures(session).build()
         elif session is not None:
-            ui.spinner(size="32px")
+            widgets.spinner(32)
             widgets.label("The session is read, and the usual model fitted to it.")
         elif key:
             widgets.label(f"There is no session called {key}", "strong wrap")

@@ -37,7 +37,7 @@ class IdentificationPanel:
         job = self._job = Job()
         self._busy.clear()
         with self._busy:
-            ui.spinner(size="18px")
+            widgets.spinner()
             widgets.label("Identifying: envelope and frequency, and the restoring force surface", "grow")
             widgets.button("Cancel", job.cancel)
         try:

@@ -14,10 +14,6 @@ from station.workbench import view_models
 from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
 
 MOST_UNDONE = 50
-LASTS_S = {"diagnose": 8.0, "refine": 20.0, "prune": 4.0}
-"""How long a task is expected to take before it was done once."""
-
-NEVER_DONE = 0.95
 
 
 @dataclass(frozen=True)
@@ -27,7 +23,6 @@ class Running:
     title: str
     since: float
     long: bool
-    task: str = ""
 
 
 class SessionState:
@@ -36,11 +31,12 @@ class SessionState:
     def __init__(self, folder: Path, workers: WorkerPool) -> None:
         self.folder = folder
         self.view: view_models.View | None = None
+        self.details: view_models.Details | None = None
+        self.no_details = ""
         self.frames: dict[str, view_models.Frame] = {}
         self.suspect_frames: dict[str, str] = {}
         self.earlier: list[KeptLadder] = []
         self._diagnoses: dict[tuple[str, ...], DiagnosisDocument] = {}
-        self._lasted = dict(LASTS_S)
         self.others: tuple[Path, ...] = ()
         self.problem = ""
         self.notice = ""
@@ -70,7 +66,7 @@ class SessionState:
             self.notice = f"{self.running.title if self.running else ''} is under way; wait, or cancel it"
             self.version += 1
             return False
-        self.running = Running(title, time.monotonic(), long, task)
+        self.running = Running(title, time.monotonic(), long)
         self._loop = asyncio.get_running_loop()
         self.progress, self.notice, self.problem = "", "", ""
         self._job = Job()
@@ -89,12 +85,11 @@ class SessionState:
     async def _run(self, job: Job, task: str, arguments: tuple[Any, ...]) -> None:
         from station.workbench.build_view_models import results_stamp
 
-        title, begun = self.running.title if self.running else task, time.monotonic()
+        title = self.running.title if self.running else task
         try:
             found = await self._workers.do(
                 job, str(self.folder), task, self.folder, *arguments, progress=self._on_progress
             )
-            self._lasted[task] = time.monotonic() - begun
             self._take(task, found)
         except Cancelled:
             changed = self.view is not None and self.view.stamp != results_stamp(self.folder)
@@ -109,6 +104,7 @@ class SessionState:
         finally:
             self.running, self._job = None, None
             self.version += 1
+        await self._complete_details()
         await self._complete_frames()
         if task in ("add", "remove") and not job.cancelled:
             self._ask_again()
@@ -127,7 +123,7 @@ class SessionState:
             known = self._diagnoses.get(tuple(found.ladder.top.effects))
             if known is not None and not found.about_present:
                 found = replace(found, diagnosis=known)  # that of the model that one has gone back to
-        before, self.view = self.view, found
+        before, self.view, self.details = self.view, found, None
         self.notice = found.note or self.notice
         if before is not None and _steps(before.ladder) != _steps(found.ladder):
             self.earlier = (
@@ -137,6 +133,19 @@ class SessionState:
             self.suspect_frames = {}  # this diagnosis, or one by a command, has other suspects
         wanted = {*found.rung_frames, *self.suspect_frames.values()}
         self.frames = {name: frame for name, frame in self.frames.items() if name in wanted} | found.frames
+
+    async def _complete_details(self) -> None:
+        """Compare the present model with the measurement: that is asked for once the ladder is on the page."""
+        view = self.view
+        if view is None or self.details is not None:
+            return
+        try:
+            found, problem = await self.ask(Job(), "details"), ""
+        except (Cancelled, Failed) as failure:
+            found, problem = None, str(failure) or "cancelled"
+        if view is self.view:
+            self.details, self.no_details = found, problem
+            self.version += 1
 
     async def _complete_frames(self) -> None:
         """Let the frames be drawn that are not at hand: of other rungs, and of the suspects."""
@@ -167,15 +176,11 @@ class SessionState:
 
     @property
     def share_done(self) -> float | None:
-        """How far the computation is, 0 to 1: by what it says itself, else by how long it took last time."""
-        running = self.running
-        if running is None:
+        """How far the step under way is, 0 to 1; None where it does not count what it does."""
+        counted = re.search(r"(\d+) of (\d+)", self.progress) if self.busy else None
+        if counted is None or int(counted[2]) == 0:
             return None
-        counted = re.search(r"(\d+) of (\d+)", self.progress)
-        if counted is not None and int(counted[2]) > 0:
-            return int(counted[1]) / int(counted[2])
-        expected = self._lasted.get(running.task)
-        return None if not expected else min(NEVER_DONE, (time.monotonic() - running.since) / expected)
+        return min(1.0, int(counted[1]) / int(counted[2]))
 
     def _on_progress(self, content: str | view_models.View) -> None:
         """Note what a worker says; a view of what was found so far is shown at once. Called in the worker's thread."""

@@ -192,7 +192,7 @@ class SessionsPanel:
     def _importing(self, name: str) -> None:
         self._message.clear()
         with self._message, widgets.line():
-            ui.spinner(size="16px")
+            widgets.spinner(16)
             widgets.label(f"reading {name}", "small grow wrap")
             widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
 

@@ -34,7 +34,7 @@ class StageFeed:
             "rungs": list(view.rung_frames),
             "present": view.ladder.present,
             "suspects": self._offered(view),
-            "says": says_of(view),
+            "says": says_of(view, self._session.details),
         }
         for effect, frame in news[
             "suspects"

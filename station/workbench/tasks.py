@@ -24,7 +24,7 @@ from station.workbench import further_tasks, view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
 from station.workbench.climbing import climb
 from station.workbench.decay_curves import curves_of
-from station.workbench.frame_store import of_ladder, of_suspects
+from station.workbench.frame_store import of_ladder, of_rung, of_suspects
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session, present_model
 from station.workbench.pruning import drop_needless
@@ -45,23 +45,28 @@ def look(settings: Settings, progress: Progress, folder: Path) -> view_models.Vi
 def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models.View:
     """Return what the page shows; the frame of the present rung comes with it, the others when `frames` is asked."""
     session, store = opened.refinement.session, opened.store
-    model = present_model(session)
-    compared, _ = compare_session(session, settings, model, prepared=opened.refinement.prepared)
     diagnosis = kept_diagnosis(session)
     names = tuple(frame_id(rung.model) for rung in ladder.rungs)
-    store.put(names[ladder.present], opened.refinement.prepared, compared.baseline.fit)
+    of_rung(store, opened.refinement, ladder.top)
     return view_models.View(
         ladder,
-        picture_of(compared),
         diagnosis,
         equations_of(ladder),
         results_stamp(session.folder),
-        curves_of(settings, opened.refinement, diagnosis),
         None if store.ground is None else store.ground.stage,
         {name: store.frames[name] for name in names if name in store.frames},
         names,
         with_mass=_with_mass(settings, opened, ladder),
     )
+
+
+def details(settings: Settings, progress: Progress, folder: Path) -> view_models.Details:
+    """Compare the present model with the measurement; return what the tab Curves shows of it."""
+    progress("comparing with the measurement")
+    opened = open_session(settings, folder)
+    refinement, session = opened.refinement, opened.refinement.session
+    compared, _ = compare_session(session, settings, present_model(session), prepared=refinement.prepared)
+    return view_models.Details(picture_of(compared), curves_of(settings, refinement, kept_diagnosis(session)))
 
 
 def _with_mass(settings: Settings, opened: Opened, ladder: KeptLadder) -> dict[str, str]:
@@ -237,6 +242,7 @@ TASKS: dict[str, Callable[..., Any]] = {
     "again": begin_again,
     "diagnose": diagnose,
     "frames": frames,
+    "details": details,
     "restore": restore,
     "prune": prune,
     "raw": raw_traces,

@@ -148,20 +148,28 @@ class DecayCurves:
 
 
 @dataclass(frozen=True, eq=False)
-class View:
-    """What the page shows of a session: ladder, comparison of the present model, last diagnosis, equations by effect.
+class Details:
+    """What the tab Curves shows: the comparison of the present model, and the curves of the last diagnosis.
 
-    `curves` come with a diagnosis; None where the record is too short for them. `frames` are those at hand, by the name
-    of `rung_frames` (one for each rung). `note` is what a task has to say,
+    `curves` come with a diagnosis; None where the record is too short for them.
+    """
+
+    picture: Picture
+    curves: DecayCurves | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What the page shows of a session: ladder, last diagnosis, equations by effect.
+
+    `frames` are those at hand, by the name of `rung_frames` (one for each rung). `note` is what a task has to say,
     `with_mass` the strengths of the present model with the mass in them, by "effect.parameter", where it is known.
     """
 
     ladder: KeptLadder
-    picture: Picture
     diagnosis: DiagnosisDocument | None = None
     equations: dict[str, str] = field(default_factory=dict)
     stamp: tuple[int, ...] = ()
-    curves: DecayCurves | None = None
     stage: Stage | None = None
     frames: dict[str, Frame] = field(default_factory=dict)
     rung_frames: tuple[str, ...] = ()

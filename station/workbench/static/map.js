@@ -138,7 +138,7 @@
       const frame = S.frames[S.suspects[canvas.dataset.effect]], own = canvas.dataset.effect === "";
       const ratio = window.devicePixelRatio || 1, size = canvas.clientWidth || 64, half = size / 2;
       canvas.width = canvas.height = Math.round(size * ratio);
-      const c = canvas.getContext("2d");
+      const c = canvas.getContext("2d", { willReadFrequently: true });
       c.setTransform(ratio, 0, 0, ratio, 0, 0);
       c.strokeStyle = bench.colour("grid"); c.beginPath(); c.arc(half, half, half - 1, 0, TURN); c.stroke();
       if (!frame && !own) return;

@@ -39,7 +39,7 @@
         this.canvas.width = Math.round(w * ratio); this.canvas.height = Math.round(h * ratio);
         this.canvas.style.width = w + "px"; this.canvas.style.height = h + "px";
       }
-      const c = (this.c = this.canvas.getContext("2d"));
+      const c = (this.c = this.canvas.getContext("2d", { willReadFrequently: true }));  // kept in memory: a virtual graphics card draws slowly
       c.setTransform(ratio, 0, 0, ratio, 0, 0);
       c.clearRect(0, 0, w, h);
       const m = this.margins;
