@@ -11,7 +11,7 @@ SIZE = {"width": 1280, "height": 720}
 
 def main(folder: Path) -> None:
     """Walk through a mystery, light, then look at the end of it, dark."""
-    with workbench() as printed, browser() as started:
+    with workbench() as printed, browser(webgl=True) as started:
         page, address = admitted(started, printed, viewport=SIZE, color_scheme="light")
         page.set_default_timeout(90_000)
         page.goto(address)

@@ -25,7 +25,11 @@
 
   // What the server sends: only what changed.
   bench.receive = (news) => {
-    if (news.stage) { S.stage = news.stage; S.frames = {}; S.film = S.preview = S.pinned = S.trial = S.zoom = null; }
+    if (news.stage) {
+      const before = S.stage;
+      S.stage = news.stage; S.frames = {}; S.film = S.preview = S.pinned = S.trial = S.zoom = null;
+      bench.keepMoments(before);
+    }
     Object.assign(S.frames, news.frames || {});
     if (news.rungs) news.suspects = Object.assign({}, news.suspects);  // what was typed belongs to the model before
     for (const key of ["rungs", "suspects", "says", "names"]) if (news[key]) S[key] = news[key];
