@@ -71,11 +71,12 @@ def diagnose_sessions(
     model_file: Path | None = None,
     effects_file: Path | None = None,
     progress: Progress = silent,
+    steps: Progress = silent,
 ) -> tuple[Diagnosis, DiagnosisDocument]:
-    """Diagnose sessions together; return the diagnosis and its document, which `keep` writes."""
+    """Diagnose sessions together; return the diagnosis and its document, which `keep` writes; see `pipeline.diagnose`."""
     library = whole_library(effects_file)
     model, known, expressions = chosen_model(model_file, sessions.decays, library)
-    found, left_out = diagnose(sessions.decays, model, known, library=library, progress=progress)
+    found, left_out = diagnose(sessions.decays, model, known, library=library, progress=progress, steps=steps)
     return found, diagnosis_document(sessions.names, found, expressions, left_out)
 
 

@@ -147,7 +147,7 @@ def diagnose(
         sessions = open_sessions((str(folder), *(str(other) for other in others)), settings)
         progress("asking whether the releases share their physics")
         shared = physics_shared(sessions, False, progress)
-    _, document = diagnose_sessions(sessions, present_model(session), None, progress)
+    _, document = diagnose_sessions(sessions, present_model(session), None, progress, progress)
     document = document if shared is None else with_differences(document, shared)
     keep(sessions, document)
     return _view(settings, opened, refinement.ladder)

@@ -142,7 +142,8 @@ def test_two_cursors_give_the_decrement_between_them(solved):
     assert page.evaluate(cursors) == before  # they stay when another model's pictures come, and other samples
     page.evaluate("""() => { const every = (kept, i) => i % 2 === 0, s = bench.state.stage, halved = {};
       for (const key in s) halved[key] = Array.isArray(s[key]) && key !== "traces" ? s[key].filter(every) : s[key];
-      bench.moments = bench.cursors.map(i => s.time[i]); bench.receive({stage: halved, frames: {...bench.state.frames}}) }""")
+      bench.moments = bench.cursors.map(i => s.time[i]);
+      bench.receive({stage: halved, frames: {...bench.state.frames}}) }""")
     assert page.evaluate(
         "bench.cursors.every((i, k) => Math.abs(bench.state.stage.time[i] - bench.moments[k]) < 0.01)"
     )

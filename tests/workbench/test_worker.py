@@ -12,7 +12,7 @@ import pytest
 
 from station.settings import Settings
 from station.workbench import worker
-from station.workbench.session_state import SessionState
+from station.workbench.session_state import Running, SessionState
 
 
 def alone(story: Callable[[], Coroutine[Any, Any, Any]]) -> Any:
@@ -170,3 +170,16 @@ def test_a_click_of_a_second_tab_that_is_dropped_is_told_and_stays_told():
         assert session.notice.startswith("Adding cubic stiffness is under way")
 
     alone(story)
+
+
+def test_progress_is_the_share_of_what_a_task_counts_and_none_where_it_counts_nothing():
+    session = SessionState(Path("none"), Answering({}))  # type: ignore[arg-type]
+    assert session.share_done is None
+    session.running = Running("Trying every effect", 0.0, True)
+    for words, share in (
+        ("fitting each effect: fit 12 of 48", 0.25),
+        ("drawing suspect 8 of 8", 1.0),
+        ("judging whether one effect explains it, or several together", None),
+    ):
+        session.progress = words
+        assert session.share_done == share
