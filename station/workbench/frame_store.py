@@ -1,5 +1,6 @@
 """The frames of a session as a worker keeps them: each model is fitted and run once, however often it is looked at."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from identify.errors import NotIdentifiable
@@ -64,19 +65,16 @@ def of_ladder(store: FrameStore, refinement: Refinement, ladder: KeptLadder, pro
 
 
 def of_suspects(
-    store: FrameStore, refinement: Refinement, document: DiagnosisDocument, progress: Progress
-) -> dict[str, str]:
-    """Draw the model with each of the first suspects; return the names of the frames by effect."""
-    found: dict[str, str] = {}
+    store: FrameStore, refinement: Refinement, document: DiagnosisDocument
+) -> Iterator[view_models.Drawn]:
+    """Draw the model with each of the first suspects, and yield each as soon as it is drawn."""
     shown = [suspect for suspect in document.suspects if suspect.model is not None][: view_models.MOST_CARDS]
-    for number, suspect in enumerate(shown):
+    for suspect in shown:
         assert suspect.model is not None
-        progress(f"drawing suspect {number + 1} of {len(shown)}")
         name = frame_id(suspect.model)
         try:
             if name not in store.frames:
                 store.put(name, refinement.prepared, fit_of(refinement, suspect.model, {}))
         except (NotIdentifiable, UsageProblem):  # shown without a picture
             continue
-        found[suspect.effect] = name
-    return found
+        yield view_models.Drawn({name: store.frames[name]}, {suspect.effect: name})

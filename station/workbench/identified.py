@@ -8,8 +8,10 @@ from station.exits import Problem
 from station.operations.identifying import identify_session
 from station.results.identification_document import IdentificationDocument
 from station.settings import Settings
+from station.story.adequacy import judgement
 from station.story.pipeline import Progress
 from station.story.preparation import options_for
+from station.text.layout import sentence
 from station.text.numbers import scale, typeset, typeset_error, typeset_symbol, typeset_unit
 from station.text.table import Cell, Tables, make_tables
 from station.text.terminal import rows, uncorrected
@@ -51,7 +53,11 @@ def identified(
     ]
     tables += _tables(make_tables(documents))
     return view_models.Identified(
-        _lag(document), tuple(tables), (*notes, *([f"Without {typeset(warning)}."] if warning else []))
+        _lag(document),
+        tuple(tables),
+        (*notes, *([f"Without {typeset(warning)}."] if warning else [])),
+        "" if result.adequacy is None else typeset(sentence(judgement(result.adequacy))),
+        result.adequacy is not None and result.adequacy.quotable,
     )
 
 

@@ -67,7 +67,7 @@ class ModelCard:
                 words = widgets.label(f"{name} = {typeset(with_unit(value))}", "small indent")
                 whole = view.with_mass.get(f"{entry.effect}.{name}")
                 if whole is not None:
-                    widgets.label(f"with the mass {typeset(whole)}", "small faint indent")
+                    widgets.label(f"with the mass {widgets.whole(typeset(whole))}", "small faint indent")
                 self._slider(f"{entry.effect}.{name}", name, value, words)
 
     def _slider(self, full: str, name: str, value: Value, words: ui.label) -> None:

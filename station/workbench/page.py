@@ -44,7 +44,9 @@ class Page:
         ui.page_title(f"{self._key} · workbench" if self._key else "workbench")
         self._mode = ui.dark_mode(None)
         self._header()
-        with ui.element("div").classes("bench-columns").props("id=columns"):
+        with ui.element("div").classes("bench-columns").props("id=columns") as columns:
+            if self._key is None:
+                columns.classes("start")
             with ui.element("aside").classes("bench-column rail").props('id=rail aria-label="The bench"'):
                 self._capture = CapturePanel(self._state, self._record, self._key)
                 self._capture.build()
@@ -76,6 +78,7 @@ class Page:
                 "Sessions", lambda: run("bench.turnRail()"), "Show or hide sessions and recording"
             )
             rail.classes("rail-button").props("aria-controls=rail")
+            rail.set_visibility(self._key is not None)
             ui.link("Free-Decay Station", "/").classes("bench-title").style(
                 "color:inherit;text-decoration:none"
             )
@@ -114,7 +117,7 @@ class Page:
         ):
             for name in (STORY, DETAILS, NUMBERS, RERUN):
                 ui.tab(name)
-        self._head_tabs.set_visibility(self._session is not None)
+        self._head_tabs.set_visibility(False)
 
     def _build_panels(self, session: SessionState) -> None:
         self._story, self._details, self._cards = (
@@ -208,6 +211,7 @@ class Page:
     def _show(self, session: SessionState) -> None:
         self._notice_label.text = session.notice
         self._notice.set_visibility(bool(session.notice))
+        self._head_tabs.set_visibility(session.view is not None)
         if session.view is None:
             self._empty.set_visibility(True)
             self._say_empty()

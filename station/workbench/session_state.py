@@ -4,6 +4,7 @@ import asyncio
 import re
 import time
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,7 @@ class SessionState:
         self.no_details = ""
         self.frames: dict[str, view_models.Frame] = {}
         self.suspect_frames: dict[str, str] = {}
+        self._suspects_drawn = False
         self.earlier: list[KeptLadder] = []
         self._diagnoses: dict[tuple[str, ...], DiagnosisDocument] = {}
         self.others: tuple[Path, ...] = ()
@@ -130,7 +132,10 @@ class SessionState:
                 self.earlier[:-1] if task == "restore" else [*self.earlier, before.ladder][-MOST_UNDONE:]
             )
         if before is not None and found.diagnosis != before.diagnosis:
-            self.suspect_frames = {}  # this diagnosis, or one by a command, has other suspects
+            self.suspect_frames, self._suspects_drawn = (
+                {},
+                False,
+            )  # this diagnosis, or one by a command, has other suspects
         wanted = {*found.rung_frames, *self.suspect_frames.values()}
         self.frames = {name: frame for name, frame in self.frames.items() if name in wanted} | found.frames
 
@@ -153,17 +158,27 @@ class SessionState:
         if view is None:
             return
         document = view.diagnosis if view.about_present else None
-        suspects = document is not None and bool(document.suspects) and not self.suspect_frames
+        suspects = document is not None and bool(document.suspects) and not self._suspects_drawn
         if not suspects and all(name in self.frames for name in view.rung_frames):
             return
         try:
-            frames, named = await self._workers.do(Job(), str(self.folder), "frames", self.folder, document)
+            found = await self.ask(Job(), "frames", document, progress=partial(self._on_drawn, view))
         except (Cancelled, Failed):
             return
+        if self._take_drawn(view, found):
+            self._suspects_drawn = suspects
+
+    def _on_drawn(self, view: view_models.View, content: str | view_models.Drawn) -> None:
+        """Show a suspect's frame as soon as it is drawn. Called in the worker's thread."""
+        if not isinstance(content, str):
+            self._loop.call_soon_threadsafe(self._take_drawn, view, content)
+
+    def _take_drawn(self, view: view_models.View, found: view_models.Drawn) -> bool:
         if view is not self.view:  # another task has answered meanwhile, and asks for its own
-            return
-        self.frames, self.suspect_frames = self.frames | frames, named
+            return False
+        self.frames, self.suspect_frames = self.frames | found.frames, self.suspect_frames | found.suspects
         self.version += 1
+        return True
 
     async def ask(self, job: Job, task: str, *arguments: Any, progress: Progress = silent) -> Any:
         """Return what a task beside the ladder finds, while the ladder stays as it is; raises Failed or Cancelled."""

@@ -40,7 +40,7 @@ def _rung(view: view_models.View, place: int, rung: KeptRung, summary: str) -> d
         )
     more = _shares(error.motion_percent, error.force_mse_percent)
     if present and not floor:
-        more = f"{summary}{more}"
+        more = f"{summary}{_shares(error.motion_percent, None)}"
     if not present:
         more = f"Rung {place}: {' + '.join(plain(name) for name in rung.effects)}. {more}"
     return {"big": f"{three_figures(error.chi2)} ×", "what": what, "more": more, "floor": floor}

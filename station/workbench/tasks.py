@@ -155,19 +155,22 @@ def diagnose(
 
 def frames(
     settings: Settings, progress: Progress, folder: Path, document: DiagnosisDocument | None = None
-) -> tuple[dict[str, view_models.Frame], dict[str, str]]:
-    """Return the frames of all rungs and of a diagnosis' suspects, and the names of the latter by effect."""
+) -> view_models.Drawn:
+    """Return the frames of all rungs and of a diagnosis' suspects; each suspect's is sent as soon as it is drawn."""
     opened = open_session(settings, folder)
     refinement, store = opened.refinement, opened.store
     of_ladder(store, refinement, refinement.ladder, progress)
-    suspects = {} if document is None else of_suspects(store, refinement, document, progress)
+    suspects: dict[str, str] = {}
+    for one in () if document is None else of_suspects(store, refinement, document):
+        suspects |= one.suspects
+        progress(one)  # type: ignore[arg-type]
     found = dict(store.frames)
     if document is not None and document.suspects and not reaches_floor(refinement.ladder.top):
         progress("drawing the measured curve")
         with contextlib.suppress(Problem, NotIdentifiable):  # it has no card then
             name, frame = frame_of_tried(store, refinement, MEASURED_CURVE, "the measured curve")
             found[name], suspects[MEASURED_CURVE] = frame, name
-    return found, suspects
+    return view_models.Drawn(found, suspects)
 
 
 def thumbnail(settings: Settings, progress: Progress, folder: Path) -> view_models.Thumbnail:

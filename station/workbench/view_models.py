@@ -121,6 +121,14 @@ class Frame:
     says: dict[str, str] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Frames by their names, and the names of those of suspects by effect."""
+
+    frames: dict[str, Frame]
+    suspects: dict[str, str] = field(default_factory=dict)
+
+
 @dataclass(frozen=True)
 class AmplitudeLine:
     """Frequency (Hz) and damping ratio (%) against amplitude: of a release with standard errors, or of a model.
@@ -215,11 +223,16 @@ class TextTable:
 
 @dataclass(frozen=True)
 class Identified:
-    """What both identifications find: the lag with what is said of it, tables, and reasons in sentences."""
+    """What both identifications find: the lag with what is said of it, tables, and reasons in sentences.
+
+    `judgement` says whether the values may be quoted (`quotable`); "" where no model was fitted to the record.
+    """
 
     lag: tuple[str, str]
     tables: tuple[TextTable, ...]
     notes: tuple[str, ...]
+    judgement: str = ""
+    quotable: bool = False
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import pytest
 from station.settings import Settings
 from station.workbench import worker
 from station.workbench.session_state import Running, SessionState
+from station.workbench.view_models import Drawn
 
 
 def alone(story: Callable[[], Coroutine[Any, Any, Any]]) -> Any:
@@ -114,7 +115,7 @@ def test_frames_are_drawn_again_when_a_command_has_diagnosed_since():
         pool = Answering({})
         session = SessionState(Path("none"), pool)  # type: ignore[arg-type]
         for diagnosis, drawn in ((["a"], "first"), (["b"], "second"), (["b"], "second")):
-            frames = ({drawn: "frame"}, {diagnosis[0]: drawn})
+            frames = Drawn({drawn: "frame"}, {diagnosis[0]: drawn})
             pool.answers = {"look": Looked(Asked(Named(diagnosis)), Top(Named(diagnosis))), "frames": frames}
             assert session.start("Reading", "look")
             await asyncio.gather(*session._tasks)

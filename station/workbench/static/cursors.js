@@ -3,7 +3,7 @@
   const bench = (window.bench = window.bench || {}), S = bench.state, TURN = 2 * Math.PI;
   bench.moment = null;
   bench.cursors = [];
-  const HINT = "Point at a picture: the same moment is marked in all. Drag over time to zoom, double click to see all; click sets a cursor, a second click the other.";
+  const HINT = "Point at a picture to mark the moment in all. Drag: zoom. Double click: see all. Two clicks: two cursors.";
   const timePlots = () => ["overlay", "left"].map((name) => bench.plots[name]).filter((p) => p && p.alive && p.box);
 
   function nearest(distance) {

@@ -115,7 +115,7 @@
     const row = document.getElementById("ghost-rung");
     if (row) {
       row.classList.toggle("shown", !!found);
-      row.querySelector(".what").textContent = found ? "with " + S.names[found] : "(point at a suspect)";
+      row.querySelector(".what").textContent = found ? "with " + S.names[found] : "(point at a card)";
       row.querySelector(".value").textContent = found ? S.says[found].chi2 : "";
       row.querySelector(".fill").style.width = found ? S.says[found].share + "%" : "0";
     }
