@@ -175,9 +175,7 @@ def diagnose(
     baseline = fit_baseline(segments_of(whole), model or base_model(), known)
     foretell = cache(lambda: foretold(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, foretell)
-    tried = singles(
-        baseline, fitted, lambda done, whole: progress(f"fitting each effect: fit {done} of {whole}")
-    )
+    tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
     progress("finding what each effect would explain by chance")
     ranked = rank(baseline, tried, chances(baseline, fitted))
     progress("judging whether one effect explains it, or several together")

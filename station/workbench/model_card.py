@@ -64,7 +64,7 @@ class ModelCard:
                 widgets.label(title(entry.effect), "strong grow wrap")
             widgets.label(view.equations.get(entry.effect, ""), "mono faint indent")
             for name, value in entry.parameters.items():
-                words = widgets.label(f"{name} = {typeset(with_unit(value))}", "small indent")
+                words = widgets.label(f"{name} = {widgets.whole(typeset(with_unit(value)))}", "small indent")
                 whole = view.with_mass.get(f"{entry.effect}.{name}")
                 if whole is not None:
                     widgets.label(f"with the mass {widgets.whole(typeset(whole))}", "small faint indent")

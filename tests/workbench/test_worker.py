@@ -178,7 +178,7 @@ def test_progress_is_the_share_of_what_a_task_counts_and_none_where_it_counts_no
     assert session.share_done is None
     session.running = Running("Trying every effect", 0.0, True)
     for words, share in (
-        ("fitting each effect: fit 12 of 48", 0.25),
+        ("fit 12 of 48", 0.25),
         ("drawing suspect 8 of 8", 1.0),
         ("judging whether one effect explains it, or several together", None),
     ):
