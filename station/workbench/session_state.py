@@ -1,8 +1,10 @@
 """One session as every tab that shows it sees it. One computation at a time; each change has a number."""
 
 import asyncio
+import contextlib
 import re
 import time
+from collections.abc import Coroutine
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -73,10 +75,18 @@ class SessionState:
         self.progress, self.notice, self.problem = "", "", ""
         self._job = Job()
         self.version += 1
-        running = asyncio.get_running_loop().create_task(self._run(self._job, task, arguments))
+        self._keep(self._run(self._job, task, arguments))
+        return True
+
+    def _keep(self, story: Coroutine[Any, Any, None]) -> None:
+        running = asyncio.get_running_loop().create_task(story)
         self._tasks.add(running)
         running.add_done_callback(self._tasks.discard)
-        return True
+
+    async def _open_too(self) -> None:
+        """Let the other worker prepare the session while one draws its frames, so that a click finds it ready."""
+        with contextlib.suppress(Cancelled, Failed):
+            await self.ask(Job(), "open")
 
     def cancel(self) -> None:
         """End the computation that is under way; what was kept before stays."""
@@ -161,6 +171,7 @@ class SessionState:
         suspects = document is not None and bool(document.suspects) and not self._suspects_drawn
         if not suspects and all(name in self.frames for name in view.rung_frames):
             return
+        self._keep(self._open_too())
         try:
             found = await self.ask(Job(), "frames", document, progress=partial(self._on_drawn, view))
         except (Cancelled, Failed):

@@ -161,3 +161,20 @@ def test_the_mark_follows_a_pointer_that_leaves_while_a_frame_is_drawn(solved):
         new MouseEvent("mousemove", {bubbles: true, clientX: x, clientY: y}));
       move(box.x + 200, box.y + 60); move(5, 5) }""")
     page.get_by_text("Point at a picture").wait_for()
+
+
+@pytest.mark.slow
+def test_what_is_looked_at_stays_while_further_pictures_come(solved):
+    page = solved
+    page.locator("button.card-suspect").first.click()
+    page.get_by_text("At the noise floor").wait_for()
+    page.wait_for_function("!document.querySelector('[inert]')")
+    page.locator("#film").focus()
+    page.keyboard.press("ArrowLeft")
+    page.get_by_text("looking at rung 0").wait_for()
+    again = """({present}) => { const s = bench.state;
+      bench.own({frame: s.frames[s.rungs[0]], says: s.says.rung0, name: "own"});
+      bench.receive({rungs: [...s.rungs], present, busy: false, suspects: {}, says: {...s.says}, names: {}});
+      return [s.film, s.suspects["(own)"] ?? null] }"""
+    assert page.evaluate(again, {"present": 1}) == [0, "(own)"]
+    assert page.evaluate(again, {"present": 0}) == [None, None]  # another model: the film starts from it
