@@ -1,7 +1,6 @@
 """One session as every tab that shows it sees it. One computation at a time; each change has a number."""
 
 import asyncio
-import contextlib
 import re
 import time
 from collections.abc import Coroutine
@@ -36,6 +35,7 @@ class SessionState:
         self.view: view_models.View | None = None
         self.details: view_models.Details | None = None
         self.no_details = ""
+        self._detailed: view_models.View | None = None
         self.frames: dict[str, view_models.Frame] = {}
         self.suspect_frames: dict[str, str] = {}
         self._suspects_drawn = False
@@ -83,11 +83,6 @@ class SessionState:
         self._tasks.add(running)
         running.add_done_callback(self._tasks.discard)
 
-    async def _open_too(self) -> None:
-        """Let the other worker prepare the session while one draws its frames, so that a click finds it ready."""
-        with contextlib.suppress(Cancelled, Failed):
-            await self.ask(Job(), "open")
-
     def cancel(self) -> None:
         """End the computation that is under way; what was kept before stays."""
         if self._job is not None:
@@ -116,8 +111,7 @@ class SessionState:
         finally:
             self.running, self._job = None, None
             self.version += 1
-        await self._complete_details()
-        await self._complete_frames()
+        await asyncio.gather(self._complete_frames(), self._complete_details())  # a worker for each
         if task in ("add", "remove") and not job.cancelled:
             self._ask_again()
 
@@ -135,31 +129,30 @@ class SessionState:
             known = self._diagnoses.get(tuple(found.ladder.top.effects))
             if known is not None and not found.about_present:
                 found = replace(found, diagnosis=known)  # that of the model that one has gone back to
-        before, self.view, self.details = self.view, found, None
+        before, self.view = self.view, found
         self.notice = found.note or self.notice
         if before is not None and _steps(before.ladder) != _steps(found.ladder):
             self.earlier = (
                 self.earlier[:-1] if task == "restore" else [*self.earlier, before.ladder][-MOST_UNDONE:]
             )
-        if before is not None and found.diagnosis != before.diagnosis:
-            self.suspect_frames, self._suspects_drawn = (
-                {},
-                False,
-            )  # this diagnosis, or one by a command, has other suspects
+        if before is None or _steps(before.ladder) != _steps(found.ladder):
+            self.details = None  # of another model
+        if before is not None and found.diagnosis != before.diagnosis:  # by the page or by a command
+            self.suspect_frames, self._suspects_drawn = {}, False
         wanted = {*found.rung_frames, *self.suspect_frames.values()}
         self.frames = {name: frame for name, frame in self.frames.items() if name in wanted} | found.frames
 
     async def _complete_details(self) -> None:
         """Compare the present model with the measurement: that is asked for once the ladder is on the page."""
         view = self.view
-        if view is None or self.details is not None:
+        if view is None or view is self._detailed:
             return
         try:
             found, problem = await self.ask(Job(), "details"), ""
         except (Cancelled, Failed) as failure:
             found, problem = None, str(failure) or "cancelled"
         if view is self.view:
-            self.details, self.no_details = found, problem
+            self.details, self.no_details, self._detailed = found, problem, view
             self.version += 1
 
     async def _complete_frames(self) -> None:
@@ -171,13 +164,12 @@ class SessionState:
         suspects = document is not None and bool(document.suspects) and not self._suspects_drawn
         if not suspects and all(name in self.frames for name in view.rung_frames):
             return
-        self._keep(self._open_too())
         try:
             found = await self.ask(Job(), "frames", document, progress=partial(self._on_drawn, view))
         except (Cancelled, Failed):
             return
         if self._take_drawn(view, found):
-            self._suspects_drawn = suspects
+            self._suspects_drawn |= suspects
 
     def _on_drawn(self, view: view_models.View, content: str | view_models.Drawn) -> None:
         """Show a suspect's frame as soon as it is drawn. Called in the worker's thread."""

@@ -173,11 +173,6 @@ def frames(
     return view_models.Drawn(found, suspects)
 
 
-def open_too(settings: Settings, progress: Progress, folder: Path) -> None:
-    """Prepare a session in a further worker, so that a click need not wait for the one that draws its frames."""
-    open_session(settings, folder)
-
-
 def thumbnail(settings: Settings, progress: Progress, folder: Path) -> view_models.Thumbnail:
     """Return a session's amplitude and sparkline."""
     return thumbnail_of(folder)
@@ -251,7 +246,6 @@ TASKS: dict[str, Callable[..., Any]] = {
     "diagnose": diagnose,
     "frames": frames,
     "details": details,
-    "open": open_too,
     "restore": restore,
     "prune": prune,
     "raw": raw_traces,
