@@ -163,18 +163,23 @@ def diagnose(
     *,
     library: tuple[Effect, ...] = LIBRARY,
     known: dict[str, float] | None = None,
+    progress: Callable[[str], None] = lambda words: None,
 ) -> Diagnosis:
     """Return what a model lacks on one release, or on several that share their physics.
 
     The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin the fit from, by
-    unknown's name. Raises NotIdentifiable when a release holds too little to fit anything.
+    unknown's name. `progress` is told each step in words, counted where it has a known number of fits. Raises
+    NotIdentifiable when a release holds too little to fit anything.
     """
     whole = prepared_of(decays)
     baseline = fit_baseline(segments_of(whole), model or base_model(), known)
     whole = tuple(with_floor(prepared, baseline.spread) for prepared in whole)
     foretell = cache(lambda: foretold(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, foretell)
-    ranked = rank(baseline, singles(baseline, fitted), chances(baseline, fitted))
+    tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
+    progress("finding what each effect would explain by chance")
+    ranked = rank(baseline, tried, chances(baseline, fitted))
+    progress("judging whether one effect explains it, or several together")
     faults = _unnamed_faults(baseline)
     judgement = judge(baseline, ranked, faults, library, foretell)
     settled = (
