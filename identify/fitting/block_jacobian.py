@@ -15,27 +15,52 @@ from numpy.typing import NDArray
 from identify.arrays import Array, Mask
 from identify.fitting.tangent import Tangent
 
-Places = NDArray[np.int_]
+@dataclass(frozen=True, eq=False)
+class BlockPattern:
+    """Which unknowns move which windows: `places[i]` are those of window i, `shared` (unknowns,) marks those of all.
+
+    `found[j]` lists the windows that unknown j moves, each with its place among that window's own.
+    """
+
+    places: tuple[NDArray[np.int_], ...]
+    shared: Mask
+    found: tuple[tuple[tuple[int, int], ...], ...]
+
+    @classmethod
+    def of(cls, window_of: Sequence[int], windows: int) -> Self:
+        """Return the pattern of unknowns that belong to `window_of` (-1: to all) of so many windows."""
+        owner = np.array(window_of)
+        places = tuple(np.flatnonzero((owner == -1) | (owner == i)) for i in range(windows))
+        found: list[list[tuple[int, int]]] = [[] for _ in window_of]
+        for i, at in enumerate(places):
+            for row, j in enumerate(at.tolist()):
+                found[j].append((i, row))
+        return cls(places, owner == -1, tuple(tuple(one) for one in found))
 
 
 @dataclass(frozen=True, eq=False)
 class BlockJacobian:
-    """How the misfit of each window changes with its unknowns: `blocks[i]` (own, n) has a row for each of `places[i]`.
+    """How the misfit of each window changes with its unknowns: `blocks[i]` (own, n) has a row for each of its places."""
 
-    `shared` (unknowns,) marks the unknowns of all windows.
-    """
-
-    places: tuple[Places, ...]
+    pattern: BlockPattern
     blocks: tuple[Array, ...]
-    shared: Mask
 
     @classmethod
-    def zeros(cls, window_of: Sequence[int], readings: Sequence[int]) -> Self:
-        """Return one of zeros, of unknowns that belong to `window_of` (-1: to all), for so many readings a window."""
-        owner = np.array(window_of)
-        places = tuple(np.flatnonzero((owner == -1) | (owner == i)) for i in range(len(readings)))
-        blocks = tuple(np.zeros((len(at), n)) for at, n in zip(places, readings, strict=True))
-        return cls(places, blocks, owner == -1)
+    def zeros(cls, pattern: BlockPattern, readings: Sequence[int]) -> Self:
+        """Return one of zeros, for so many readings a window."""
+        return cls(
+            pattern, tuple(np.zeros((len(at), n)) for at, n in zip(pattern.places, readings, strict=True))
+        )
+
+    @property
+    def places(self) -> tuple[NDArray[np.int_], ...]:
+        """The unknowns of each window."""
+        return self.pattern.places
+
+    @property
+    def shared(self) -> Mask:
+        """Which unknowns are those of all windows, (unknowns,)."""
+        return self.pattern.shared
 
     def __len__(self) -> int:
         """Return the number of readings in all windows."""
@@ -48,10 +73,8 @@ class BlockJacobian:
 
     def of_unknown(self, j: int) -> Iterator[tuple[int, Array]]:
         """Yield each window that unknown j moves with its row there, (n,), which may be written to."""
-        for i, (at, block) in enumerate(zip(self.places, self.blocks, strict=True)):
-            row = int(np.searchsorted(at, j))
-            if row < len(at) and at[row] == j:
-                yield i, block[row]
+        for i, row in self.pattern.found[j]:
+            yield i, self.blocks[i][row]
 
     def column(self, j: int) -> Array:
         """Return how all readings change with unknown j, (readings,)."""
@@ -92,7 +115,7 @@ class BlockJacobian:
             moved = step[at] / size[at]
             share = moved / size[at] / max(float(moved @ moved), 1e-300)
             blocks.append(block + np.outer(share, surprise[rows]))
-        return type(self)(self.places, tuple(blocks), self.shared)
+        return type(self)(self.pattern, tuple(blocks))
 
     def tangent(self, kept: Mask | None = None) -> Tangent:
         """Return what the unknowns, or those `kept` of them, can follow."""

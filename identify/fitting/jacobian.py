@@ -1,6 +1,7 @@
 """The Jacobian: how the misfit changes with each unknown, by forward differences whose steps are kept from call to call."""
 
 from collections.abc import Sequence
+from math import inf, isfinite, sqrt
 
 import numpy as np
 
@@ -28,7 +29,7 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
     responses = problem.responses(theta)
     parts = [problem.residual_of(i, problem.read(theta, i, r)) for i, r in enumerate(responses)]
     residual = np.concatenate(parts)
-    jacobian = BlockJacobian.zeros([u.window for u in problem.unknowns], [len(part) for part in parts])
+    jacobian = BlockJacobian.zeros(problem.pattern, [len(part) for part in parts])
     if not np.isfinite(residual).all():
         return residual, jacobian
     size = problem.sizes(theta)
@@ -40,11 +41,14 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
         for _ in range(_STEP_TRIALS):
             step, changes = _difference(problem, theta, j, [i for i, _ in rows], responses, parts)
             with np.errstate(over="ignore"):
-                moved = float(np.sqrt(sum(float(change @ change) for change in changes) / len(residual)))
+                moved = sqrt(sum(float(c @ c) for c, _ in changes) / len(residual))
             if not _improve_step(problem, j, moved, float(size[j])):
                 break
-        for (_, row), change in zip(rows, changes, strict=True):
-            np.divide(change, step, out=row, where=np.abs(change) < _JUMP)
+        for (_, row), (change, largest) in zip(rows, changes, strict=True):
+            if largest < _JUMP:
+                np.divide(change, step, out=row)
+            else:
+                np.divide(change, step, out=row, where=np.abs(change) < _JUMP)
     return residual, jacobian
 
 
@@ -57,9 +61,10 @@ def take_steps(problem: Problem, other: Problem) -> None:
 
 def _improve_step(problem: Problem, j: int, moved: float, size: float) -> bool:
     """Adapt the step of unknown j to the rms change that it made; return whether it was so wrong that it is taken again."""
-    grow = float(np.clip(_READABLE / moved if moved > 0.0 else np.inf, 1.0 / _STEP_GROWTH, _STEP_GROWTH))
-    before = problem.steps[j]
-    problem.steps[j] = float(np.clip(before * grow, 1e-12 * size, _LONGEST_STEP * size))
+    wanted = _READABLE / moved if moved > 0.0 else inf
+    before = float(problem.steps[j])
+    step = before * min(max(wanted, 1.0 / _STEP_GROWTH), _STEP_GROWTH)
+    problem.steps[j] = min(max(step, 1e-12 * size), _LONGEST_STEP * size)
     return not 0.03 < problem.steps[j] / before < 30.0
 
 
@@ -70,8 +75,11 @@ def _difference(
     windows: Sequence[int],
     responses: list[Response],
     parts: list[Array],
-) -> tuple[float, list[Array]]:
-    """Return the step taken in unknown j and the change of the misfit of each of the `windows` that it moves, (n,)."""
+) -> tuple[float, list[tuple[Array, float]]]:
+    """Return the step taken in unknown j, and the change of the misfit of each of the `windows` that it moves, (n,).
+
+    With each comes its largest value; what is not finite counts as no change.
+    """
     unknown, size = problem.unknowns[j], problem.steps[j]
     moved = theta.copy()
     moved[j] += -size if theta[j] + size > problem.high[j] else size
@@ -88,7 +96,8 @@ def _difference(
                 response.acceleration,
             )
         change = problem.residual_of(i, problem.read(moved, i, response)) - parts[i]
-        if not np.isfinite(change).all():
+        largest = float(np.abs(change).max(initial=0.0))
+        if not isfinite(largest):
             change = np.where(np.isfinite(change), change, 0.0)
-        changes.append(change)
+        changes.append((change, largest))
     return step, changes

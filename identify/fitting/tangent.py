@@ -40,14 +40,6 @@ class Tangent:
         """Return the rows of window i of all directions that move it, (n, k + s)."""
         return np.concatenate([self.own[i], self.shared[i]], axis=1)
 
-    def along(self, columns: Array) -> tuple[Array, ...]:
-        """Return how much of some columns (readings, m) lies along the directions of `part(i)`, (k + s, m) a window."""
-        parts = self._split(columns)
-        common = np.sum([basis.T @ part for basis, part in zip(self.shared, parts, strict=True)], axis=0)
-        return tuple(
-            np.concatenate([basis.T @ part, common]) for basis, part in zip(self.own, parts, strict=True)
-        )
-
     def free(self, columns: Array) -> Array:
         """Return what the parameters cannot follow of some columns (readings, m) or of one (readings,)."""
         parts = [part - basis @ (basis.T @ part) for basis, part in zip(self.own, self._split(columns), strict=True)]
@@ -56,6 +48,14 @@ class Tangent:
             for part, basis in zip(parts, self.shared, strict=True):
                 part -= basis @ common
         return np.concatenate(parts)
+
+    def beside(self, i: int, column: Array) -> tuple[Array, Array]:
+        """Return a column (n,) that moves window i only, less what its own parameters follow, and what of it lies elsewhere.
+
+        The latter are its products with the directions of all windows, (s,).
+        """
+        free = column - self.own[i] @ (self.own[i].T @ column)
+        return free, self.shared[i].T @ free
 
     def _split(self, columns: Array) -> list[Array]:
         return np.split(columns, np.cumsum([len(basis) for basis in self.own])[:-1])
