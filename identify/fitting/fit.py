@@ -127,7 +127,7 @@ def fit(
     whole = Problem(model, windows, frequency)
     theta = start_at = np.clip(whole.theta(start), whole.low, whole.high)
     first = whole.residuals(theta)
-    far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
+    far = _off(first)
     if far and not near:
         theta = _grow(model, windows, theta, frequency)
     found = minimise_fully(whole, theta, tolerance=tolerance, goal=goal)
@@ -135,6 +135,18 @@ def fit(
         found = minimise_fully(whole, start_at, tolerance=tolerance, goal=goal)
     jacobian = found.jacobian if found.exact else linearise(whole, found.theta)[1]
     return _result(whole, found.theta, found.cost, jacobian, settled=found.settled)
+
+
+def is_far(
+    model: Model, windows: tuple[FitWindow, ...], start: dict[str, float], frequency: float
+) -> bool:
+    """Whether starting values by name are so far off that a fit which is not `near` grows its window."""
+    problem = Problem(model, windows, frequency)
+    return _off(problem.residuals(np.clip(problem.theta(start), problem.low, problem.high)))
+
+
+def _off(misfit: Array) -> bool:
+    return not np.isfinite(misfit).all() or float(misfit @ misfit) > _FAR_OFF * len(misfit)
 
 
 def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | None = None) -> Fit:
