@@ -123,9 +123,7 @@ def _column_drops(
     rows = rows_of(base.windows)
     best = np.zeros(noise.shape[1])
     for start in term_starts(term, scales, fine=True):
-        columns = NullColumns.at(
-            problem, probes(decays, base, problem, term, start, _PROBE), before, rows
-        )
+        columns = NullColumns.at(problem, probes(decays, base, problem, term, start, _PROBE), before, rows)
         drops = _drops(*columns.products(tangent, noise, rows), one_sided=term.effect.one_sided)
         best = np.maximum(best, drops)
     return best

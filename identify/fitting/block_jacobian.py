@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from identify.arrays import Array, Mask
 from identify.fitting.tangent import Tangent
 
+
 @dataclass(frozen=True, eq=False)
 class BlockPattern:
     """Which unknowns move which windows: `places[i]` are those of window i, `shared` (unknowns,) marks those of all.
@@ -86,9 +87,7 @@ class BlockJacobian:
 
     def change(self, step: Array) -> Array:
         """Return how the misfit changes by a small step of the unknowns, (readings,)."""
-        return np.concatenate(
-            [step[at] @ block for at, block in zip(self.places, self.blocks, strict=True)]
-        )
+        return np.concatenate([step[at] @ block for at, block in zip(self.places, self.blocks, strict=True)])
 
     def gradient(self, misfit: Array) -> Array:
         """Return the products of all columns with a misfit (readings,), (unknowns,)."""
@@ -122,10 +121,10 @@ class BlockJacobian:
         kept = np.ones(len(self.shared), dtype=bool) if kept is None else kept
         if len(self.blocks) == 1:
             return Tangent.of((self.blocks[0][kept[self.places[0]]],), None)
-        own = [
-            block[kept[at] & ~self.shared[at]] for at, block in zip(self.places, self.blocks, strict=True)
+        own = [block[kept[at] & ~self.shared[at]] for at, block in zip(self.places, self.blocks, strict=True)]
+        common = [
+            block[kept[at] & self.shared[at]] for at, block in zip(self.places, self.blocks, strict=True)
         ]
-        common = [block[kept[at] & self.shared[at]] for at, block in zip(self.places, self.blocks, strict=True)]
         return Tangent.of(own, common)
 
 

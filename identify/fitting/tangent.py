@@ -15,7 +15,7 @@ from identify.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """An orthonormal basis: `own[i]` (n, k) moves window i only, `shared[i]` (n, s) are its rows of the directions of all."""
+    """An orthonormal basis: `own[i]` (n, k) moves window i only, `shared[i]` (n, s) are rows of those of all."""
 
     own: tuple[Array, ...]
     shared: tuple[Array, ...]
@@ -42,7 +42,10 @@ class Tangent:
 
     def free(self, columns: Array) -> Array:
         """Return what the parameters cannot follow of some columns (readings, m) or of one (readings,)."""
-        parts = [part - basis @ (basis.T @ part) for basis, part in zip(self.own, self._split(columns), strict=True)]
+        parts = [
+            part - basis @ (basis.T @ part)
+            for basis, part in zip(self.own, self._split(columns), strict=True)
+        ]
         if self.shared[0].shape[1]:
             common = np.sum([basis.T @ part for basis, part in zip(self.shared, parts, strict=True)], axis=0)
             for part, basis in zip(parts, self.shared, strict=True):

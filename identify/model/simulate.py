@@ -271,8 +271,10 @@ def _run(  # type: ignore[no-untyped-def]
             for _ in range(_EVENTS_PER_STEP):
                 t = start + (h - remaining)
                 step, crossed, stuck = remaining, False, dry and s == 0.0
-                position = (t - t0) / interval
-                _drive_step(external, position, step / interval, drives)
+                position = 0.0
+                if external.shape[0] > 1:
+                    position = (t - t0) / interval
+                    _drive_step(external, position, step / interval, drives)
                 un, vn, an = u, 0.0, 0.0
                 if stuck and memory:
                     _hold(addresses, t, u, step, states, table, work)
