@@ -124,9 +124,7 @@ def try_terms(
         best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
         enough = _BEHIND * best_cost if goal is None else goal
         others = begun[len(leaders) : polished]
-        tried += pool.map(
-            lambda beginning: _finish(base, beginning, scales, enough, also_ran=goal is None), others
-        )
+        tried += pool.map(lambda beginning: _finish(base, beginning, scales, enough), others)
         tried += [_leave(base, near, beginning, scales) for beginning in begun[polished:]]
     best: dict[str, Candidate] = {}
     for candidate in tried:
@@ -176,11 +174,9 @@ def _begin(
     return best
 
 
-def _finish(
-    base: Fit, begun: _Beginning, scales: Scales, goal: float, *, also_ran: bool = False
-) -> Candidate:
+def _finish(base: Fit, begun: _Beginning, scales: Scales, goal: float) -> Candidate:
     start = {u.name: float(t) for u, t in zip(begun.problem.unknowns, begun.theta, strict=True)}
-    found = fit(begun.problem.model, base.windows, start, base.frequency, goal=goal, hopeless_early=also_ran)
+    found = fit(begun.problem.model, base.windows, start, base.frequency, goal=goal)
     return judged(found, base, begun.term, scales)
 
 

@@ -19,8 +19,6 @@ from identify.preprocessing.fit_window import FitWindow
 
 _GROWTH = (3.0, 8.0, 20.0, 50.0, 120.0)
 _FAR_OFF = 30.0
-_HOPELESS = 3.0
-"""Times a goal of chi-square that a few cycles may leave, which are not fitted to the end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,23 +118,18 @@ def fit(
     tolerance: float = 0.02,
     near: bool = False,
     goal: float = 0.0,
-    hopeless_early: bool = False,
 ) -> Fit:
     """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed.
 
     A start that is `near`, from curves of the whole decay, is not lost again to its first few cycles. A fit that creeps
-    towards a `goal` of chi-square above 0 is left as it is. One that already misses it by far in its first few cycles
-    is left at its start where it is `hopeless_early`: more cycles never leave less.
+    towards a `goal` of chi-square above 0 is left as it is.
     """
     whole = Problem(model, windows, frequency)
     theta = start_at = np.clip(whole.theta(start), whole.low, whole.high)
     first = whole.residuals(theta)
     far = _off(first)
     if far and not near:
-        grown = _grow(model, windows, theta, frequency, goal if hopeless_early else 0.0)
-        if grown is None:
-            return fit_at(whole, start_at)
-        theta = grown
+        theta = _grow(model, windows, theta, frequency)
     found = minimise_fully(whole, theta, tolerance=tolerance, goal=goal)
     if far and not near and not found.cost < float(first @ first):  # lost to the first few cycles
         found = minimise_fully(whole, start_at, tolerance=tolerance, goal=goal)
@@ -160,20 +153,14 @@ def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | 
     return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
 
 
-def _grow(
-    model: Model, windows: tuple[FitWindow, ...], theta: Array, frequency: float, goal: float
-) -> Array | None:
-    """Return the unknowns after fits to more and more cycles; None where a few leave far more than a `goal` above 0."""
+def _grow(model: Model, windows: tuple[FitWindow, ...], theta: Array, frequency: float) -> Array:
     longest = max(len(s) for s in windows)
     for cycles in _GROWTH:
         samples = int(cycles * 2.0 * np.pi / frequency * windows[0].rate)
         if samples >= longest:
             break
         short = Problem(model, tuple(s.until(min(samples, len(s))) for s in windows), frequency)
-        found = minimise(short, theta, steps=8, tolerance=1.0)
-        if 0.0 < _HOPELESS * goal < found.cost:
-            return None
-        theta = found.theta
+        theta = minimise(short, theta, steps=8, tolerance=1.0).theta
     return theta
 
 
