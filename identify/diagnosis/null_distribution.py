@@ -74,7 +74,10 @@ def null_distribution(
     )
     low, high = theta <= problem.low, theta >= problem.high
     tangent = jacobian.tangent(~(low | high))
-    for at, side in [*((j, 1.0) for j in np.flatnonzero(low).tolist()), *((j, -1.0) for j in np.flatnonzero(high).tolist())]:
+    for at, side in [
+        *((j, 1.0) for j in np.flatnonzero(low).tolist()),
+        *((j, -1.0) for j in np.flatnonzero(high).tolist()),
+    ]:
         noise = _pressed(noise, side * jacobian.column(at), tangent)
     free = tangent.free(noise)
     scales = scales_of(decays[0], dict.fromkeys(base.windows[0].channels, ()))

@@ -16,6 +16,10 @@ from identify.arrays import Array, Mask
 from identify.fitting.tangent import Tangent
 
 
+_STOOD_STILL = 1e-12
+"""Share of a step's square that lies in a window below which it was not moved."""
+
+
 @dataclass(frozen=True, eq=False)
 class BlockPattern:
     """Which unknowns move which windows: `places[i]` are those of window i, `shared` (unknowns,) marks those of all.
@@ -107,13 +111,16 @@ class BlockJacobian:
         """Return the one nearest to this that agrees with a step after which the misfit was off by `surprise`.
 
         `size` (unknowns,) is what each unknown is measured in. Entries that are zero by nature stay so (Broyden, 1965,
-        eq. 4.5, in each window with its own unknowns: Schubert, Math. Comp. 24, 1970).
+        eq. 4.5, in each window with its own unknowns: Schubert, Math. Comp. 24, 1970). A window that a step has hardly
+        moved teaches nothing but rounding.
         """
-        blocks = []
+        blocks, largest = [], float(np.sum((step / size) ** 2))
         for at, block, rows in zip(self.places, self.blocks, self.rows, strict=True):
             moved = step[at] / size[at]
-            share = moved / size[at] / max(float(moved @ moved), 1e-300)
-            blocks.append(block + np.outer(share, surprise[rows]))
+            square = float(moved @ moved)
+            if square > _STOOD_STILL * largest:
+                block = block + np.outer(moved / size[at] / square, surprise[rows])
+            blocks.append(block)
         return type(self)(self.pattern, tuple(blocks))
 
     def tangent(self, kept: Mask | None = None) -> Tangent:

@@ -63,3 +63,10 @@ def test_a_mended_jacobian_foretells_the_step_that_it_was_mended_with_in_every_w
     np.testing.assert_allclose(mended.change(step), jacobian.change(step) + surprise, atol=1e-12)
     assert not dense(mended)[40:, 2:4].any()
     assert not dense(mended)[:40, 4:].any()
+
+
+def test_a_window_that_a_step_did_not_move_keeps_its_block(jacobian):
+    step = np.array([0.0, 0.0, 1.0, -1.0, 1e-9, 0.0, 0.0])
+    mended = jacobian.mended(step, np.ones(7), np.ones(100))
+    np.testing.assert_array_equal(mended.blocks[1], jacobian.blocks[1])
+    assert not np.array_equal(mended.blocks[0], jacobian.blocks[0])
