@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from identify.arrays import Array, Mask
 from identify.fitting.tangent import Tangent
 
-
 _STOOD_STILL = 1e-12
 """Share of a step's square that lies in a window below which it was not moved."""
 
