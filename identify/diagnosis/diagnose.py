@@ -315,12 +315,11 @@ def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[Correcte
 
 def _with_held_out(baseline: Baseline, suspects: tuple[Suspect, ...]) -> tuple[Suspect, ...]:
     """Ask the first few suspects what they predict of cycles they were not fitted to."""
-    base = _held_out_error(baseline.fit, baseline.fit.windows)
+    error = cache(lambda found: _held_out_error(found, baseline.fit.windows))
     asked = []
     for place, suspect in enumerate(suspects):
         if place < _HELD_OUT and suspect.fit is not baseline.fit and suspect.claimed:
-            gain = base - _held_out_error(suspect.fit, baseline.fit.windows)
-            suspect = replace(suspect, held_out_gain=gain)
+            suspect = replace(suspect, held_out_gain=error(baseline.fit) - error(suspect.fit))
         asked.append(suspect)
     return tuple(asked)
 

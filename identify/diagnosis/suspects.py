@@ -13,6 +13,7 @@ from identify.diagnosis.linear_gain import Slope, worth_a_fit
 from identify.diagnosis.weak_presence import states_of_term, with_fault
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
+from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import Fit, fit, fit_at
 from identify.fitting.initial_values import (
     initial_values,
@@ -155,7 +156,7 @@ class _Beginning:
     cost: float
 
 
-def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, Array]:
+def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, BlockJacobian]:
     """Return the misfit of the model with one more effect, and its Jacobian, only the new columns taken anew."""
     known_at = slope.problem.index
     take_steps(problem, slope.problem)
@@ -163,7 +164,9 @@ def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tup
     residual, jacobian = linearise(problem, theta, skip=known | held)
     for at, unknown in enumerate(problem.unknowns):
         if known[at]:
-            jacobian[:, at] = slope.jacobian[:, known_at[unknown.name]]
+            before = slope.jacobian.of_unknown(known_at[unknown.name])
+            for (_, row), (_, values) in zip(jacobian.of_unknown(at), before, strict=True):
+                row[:] = values
     return residual, jacobian
 
 
