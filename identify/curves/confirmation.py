@@ -228,7 +228,7 @@ def _next(
             for column, (after, _) in settled.items()
             if _worth(held, after, channel, what in explained)
             and search.plausible(column, after)
-            and _both_faces(search.regression.laws[column].term, held, after, channel)
+            and both_faces(search.regression.laws[column].term, held, after, channel)
         ]
         if not good:
             continue
@@ -333,7 +333,7 @@ def _worth(before: HeldOut, after: HeldOut, channel: str, again: bool) -> bool:
     )
 
 
-def _both_faces(term: Term, before: HeldOut, after: HeldOut, channel: str) -> bool:
+def both_faces(term: Term, before: HeldOut, after: HeldOut, channel: str) -> bool:
     """Whether what an effect with memory says of the other kind of error is borne out too.
 
     What follows the motion late is part spring and part damper, by one strength.

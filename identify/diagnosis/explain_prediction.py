@@ -33,7 +33,7 @@ def explain_unconfirmed(found: Confirmation) -> str:
     """Return that something is left which no effect foretells, how much it is, and what may be behind it."""
     size = three_figures(_share(found))
     others = "the other" if found.parts == 2 else "all the others"
-    basis = "large, middle and small amplitudes from one another" if found.one_record else f"each release from {others}"
+    basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
     words = [f"The model leaves {size} % of the motion when it foretells {basis}."]
     undecided = _undecided(found)
     words += undecided or ["No effect of the library foretells more of it, so none is named."]
