@@ -195,7 +195,11 @@ def run(quick: bool) -> str:
             for place, chosen in enumerate(sets):
                 said = _said(chosen)
                 alone += [said] if len(chosen) == 1 else []
-                result = "missed" if said.verdict == "refused" else outcome(rig, said.named | ({"driven"} & {said.verdict}))
+                result = (
+                    "missed"
+                    if said.verdict == "refused"
+                    else outcome(rig, said.named | ({"driven"} & {said.verdict}))
+                )
                 counts[result] += 1
                 which = "all" if len(chosen) > 1 else f"{place or 1}"
                 rows.append(

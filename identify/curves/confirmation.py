@@ -15,7 +15,7 @@ from identify.curves.curve_search import CurveSearch
 from identify.curves.decay_curve import DecayCurve
 from identify.curves.held_out import HeldOut
 from identify.curves.isolated_mode import IsolatedMode
-from identify.curves.leading_law import choose
+from identify.curves.leading_law import WORTH, choose
 from identify.curves.stability import Contender, leaders
 from identify.effects.effect import Scales
 from identify.errors import NotIdentifiable
@@ -24,9 +24,6 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 
 SHARE = 0.5
 """Share of an error that an effect must remove to be worth a name."""
-
-WORTH = 0.5
-"""Error, in % of the motion, that an effect must remove to be worth a name."""
 
 MOST_PARTS = 0.66
 """Share of the parts left out that an effect must foretell better."""

@@ -43,7 +43,8 @@ def choose(
 ) -> Choice:
     """Return which of the `good` columns leads, from the error that each column leaves and the error before, in %.
 
-    Of those that leave nearly as little the simplest does; none where a law of time leaves hardly more.
+    Of those that leave nearly as little the simplest does, of equally simple ones the first whose error is not worth
+    telling from the least; none where a law of time leaves hardly more.
     """
     removed = {c: before - left[c] for c in left}
     best = max(removed[c] for c in good)
@@ -60,14 +61,17 @@ def choose(
         may_lead = [c for c in near if c in plain] or [min(plain, key=lambda c: left[c])]
     elif not plain and bent > CLEARLY * before:
         return Choice(None, (), ())
-    lead = min(may_lead, key=lambda c: (complexity(laws[c].term.effect), -removed[c]))
+    simple = min(complexity(laws[c].term.effect) for c in may_lead)
+    may_lead = [c for c in may_lead if complexity(laws[c].term.effect) == simple]
+    least = min(left[c] for c in may_lead)
+    lead = min(c for c in may_lead if left[c] <= least + WORTH)  # the library's order, so that repeats agree
     return Choice(lead, _names(laws, (lead, *near)), ())
 
 
 def _drifts(
     laws: Sequence[AveragedLaw], good: Sequence[int], left: Mapping[int, float], before: float
 ) -> list[int]:
-    """Return the laws of time that are not told apart from the best of the amplitude: they remove and leave nearly as much."""
+    """Return the laws of time that remove and leave nearly as much as the best law of the amplitude does."""
     most = max(before - left[c] for c in good)
     ofamplitude = [left[c] for c in good if not laws[c].term.effect.of_time]
     least = max(min(ofamplitude, default=before), WORTH)

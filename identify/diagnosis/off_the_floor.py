@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from identify.curves.confirmation import MOST_RIVALS, WORTH, Confirmation
-from identify.curves.leading_law import complexity
+from identify.curves.confirmation import MOST_RIVALS, Confirmation
+from identify.curves.leading_law import WORTH, complexity
 from identify.diagnosis.confirmed_fit import fit_confirmed
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate

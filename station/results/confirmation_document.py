@@ -53,9 +53,10 @@ class ConfirmedEffectDocument(Part):
 class ConfirmationDocument(Part):
     """What was confirmed; `usual` and `found` are the errors of the model that was asked about and with the effects.
 
-    In `one_record` the parts are its large, middle (where it is long enough for three) and small amplitudes. `undecided` names by "frequency" or "loss" laws
-    that explain it and that are not told apart; `unstable`, of those that none leads in half of the resamplings of the
-    cycles, in how many each does. The amplitude of some release `beats`, or does not die away (`driven`).
+    In `one_record` the parts are its large, middle (where it is long enough for three) and small amplitudes. `undecided`
+    names by "frequency" or "loss" laws that explain it and that are not told apart; `unstable`, of those that none leads in
+    half of the resamplings of the cycles, in how many each does. The amplitude of some release `beats`, or does not die
+    away (`driven`).
     """
 
     one_record: bool
