@@ -135,7 +135,7 @@ def _by_free_run(
         if entry.candidate.term.effect.kind == "physics" and _misfit(entry) < _NEXT_LEAVES * _misfit(first)
     ]
     simplest = min(near, key=lambda entry: (complexity(entry.candidate.term.effect), _misfit(entry)))
-    foretold = next((entry for entry in near if _is_foretold(entry.candidate)), None)
+    foretold = next((entry for entry in near if is_foretold(entry.candidate)), None)
     best = first if beats else foretold or simplest
     left = _misfit(best) / baseline.fit.chi_square
     seen = found is not None and found.has_law(best.candidate.name)
@@ -157,7 +157,7 @@ def _by_free_run(
     )
 
 
-def _is_foretold(candidate: Candidate) -> bool:
+def is_foretold(candidate: Candidate) -> bool:
     """Whether a force has the very strength that the linear part it makes alone has: it has no constant of its own then.
 
     A law with constants to spare, a drift among them, must leave a third of what such a force leaves to be told from it.
