@@ -1,18 +1,30 @@
 """Names off the floor: a force whose strength is foretold by the model's own spring needs no law of time refuted."""
 
 from types import SimpleNamespace
+from typing import Any
 
-import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
-from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.off_the_floor import is_foretold
+from identify.diagnosis import off_the_floor
+from identify.diagnosis.off_the_floor import by_curves, is_foretold
+from identify.diagnosis.ranking import Ranked
+from identify.diagnosis.suspects import Candidate
 from identify.effects.library import find_effect
-from identify.free_decay import FreeDecay
 from identify.model.model import Term, base_model
 
-K, MU_0, MU_1 = 120.0, 2.1, 0.2
+K = 120.0
+
+
+def candidate(name: str, strength: float, misfit: float) -> Candidate:
+    """Return an effect with its strength, fitted so that it leaves a chi-square."""
+    term = Term(find_effect(name))
+    values = {"linear_stiffness.k": K, str(term.strength): strength}
+    fit: Any = SimpleNamespace(
+        model=base_model().plus(term),
+        parameters={n: SimpleNamespace(value=v) for n, v in values.items()},
+        chi_square=misfit,
+    )
+    return Candidate(term, fit, misfit, 1e4 - misfit, True)
 
 
 @pytest.mark.parametrize(
@@ -25,42 +37,27 @@ K, MU_0, MU_1 = 120.0, 2.1, 0.2
     ],
 )
 def test_gravity_alone_has_the_strength_of_the_linear_spring(name: str, strength: float, foretold: bool):
-    term = Term(find_effect(name))
-    values = {"linear_stiffness.k": K, str(term.strength): strength}
-    fit = SimpleNamespace(
-        model=base_model().plus(term), parameters={n: SimpleNamespace(value=v) for n, v in values.items()}
-    )
-    assert is_foretold(SimpleNamespace(term=term, fit=fit)) == foretold
+    assert is_foretold(candidate(name, strength, 1.0)) == foretold
 
 
-def swing(rate: float, seconds: float) -> np.ndarray:
-    """Return the angle of k sin u with dry and viscous friction from 1.1 rad, from reversal to reversal."""
-
-    def slope(t, y):
-        return [y[1], -K * np.sin(y[0]) - MU_1 * y[1] - MU_0 * sign]
-
-    def reversal(t, y):
-        return y[1]
-
-    reversal.terminal = True
-    time = np.arange(int(rate * seconds)) / rate
-    u, begin, angle = np.full(len(time), np.nan), 0.0, 1.1
-    while begin < time[-1]:
-        sign = -np.sign(angle)
-        if K * abs(np.sin(angle)) < MU_0:
-            u[time >= begin] = angle
-            break
-        run = solve_ivp(
-            slope, (begin, begin + 3.0), [angle, 1e-9 * sign], events=reversal, dense_output=True, rtol=1e-9
+@pytest.mark.parametrize(
+    ("gravity", "drift", "verdict"),
+    [(124.0, 2.0, "missing_effect"), (160.0, 2.0, "unknown_effect"), (160.0, 4.0, "missing_effect")],
+)
+def test_a_drift_forbids_a_name_by_the_free_run_unless_its_strength_was_foretold(
+    monkeypatch: pytest.MonkeyPatch, gravity: float, drift: float, verdict: str
+):
+    """A drift that leaves twice as much is not told apart, one that leaves four times as much is."""
+    monkeypatch.setattr(off_the_floor, "free_form", lambda baseline, found: None)
+    ranked = tuple(
+        Ranked(one, 1.0, 0.0, True)
+        for one in (
+            candidate("pendulum_stiffness", gravity, 1.0),
+            candidate("settling_stiffness", 0.2, drift),
         )
-        inside = (time >= begin) & (time <= run.t[-1])
-        u[inside] = run.sol(time[inside])[0]
-        begin, angle = run.t[-1], run.y[0, -1]
-    return u
-
-
-@pytest.mark.slow
-def test_a_pendulum_of_eight_cycles_is_named_where_a_drift_cannot_be_told_apart():
-    noise = 3e-4 * np.random.default_rng(4).standard_normal(2400)
-    found = diagnose(FreeDecay(500.0, displacement=swing(500.0, 4.8) + noise, unit="rad"))
-    assert found.named == ("pendulum_stiffness",)
+    )
+    baseline: Any = SimpleNamespace(fit=SimpleNamespace(chi_square=1e4), floor_is_sure=False)
+    said = by_curves(baseline, ranked, None, ranked[0].candidate.fit)
+    assert said.verdict == verdict
+    if verdict == "missing_effect":
+        assert said.ranked[0].candidate.name == "pendulum_stiffness"
