@@ -21,7 +21,7 @@ from identify.diagnosis.suspects import candidate_terms
 from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
-from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
+from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor
 from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual
@@ -171,6 +171,7 @@ def diagnose(
     """
     whole = prepared_of(decays)
     baseline = fit_baseline(segments_of(whole), model or base_model(), known)
+    whole = tuple(with_floor(prepared, baseline.spread) for prepared in whole)
     foretell = cache(lambda: foretold(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, foretell)
     ranked = rank(baseline, singles(baseline, fitted), chances(baseline, fitted))
