@@ -20,6 +20,9 @@ _TENS = 99.5
 
 _MOST_DECIMALS = 9
 
+EXPLAINS_NOTHING, _ALL = 0.005, 0.9995
+"""Shares below which nothing is explained, and from which on more digits would be noise."""
+
 _PREFIXED = "NJm"
 """First letters of units that can take a prefix."""
 
@@ -52,6 +55,15 @@ def with_error(value: float, std: float) -> str:
         places = 1 - math.floor(math.log10(std))
         value, std = round(value, places), round(std, places)
     return f"{value:.{decimals}f} ± {std:.{decimals}f}"
+
+
+def share_words(share: float) -> str:
+    """Return a share, 0 to 1, of what a model leaves, as it is said of what explains it: "99.9 %", "61 %", "nothing"."""
+    if share < EXPLAINS_NOTHING:
+        return "nothing"
+    if share >= _ALL:
+        return "100 %"
+    return f"{100.0 * share:.1f} %" if share >= 0.99 else f"{100.0 * share:.0f} %"
 
 
 def quantity(estimate: Estimate) -> str:

@@ -18,10 +18,7 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import motion_percent
-from identify.formatting import among, plain_name, quantity, three_figures
-
-_WORTH_NAMING = 0.005
-"""Share of what the model leaves from which on a suspect explains anything."""
+from identify.formatting import EXPLAINS_NOTHING, among, plain_name, quantity, share_words, three_figures
 
 FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
@@ -123,10 +120,10 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
         return f"The floor would also be reached with {each}. {shows}"
     best = min(tried, key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else _explained(baseline, best)
-    if best is None or share < _WORTH_NAMING:
+    if best is None or share < EXPLAINS_NOTHING:
         return f"No other effect explains anything of it. {shows}"
     return (
-        f"The next best, {plain_name(best.effect.name)}, would explain {100.0 * share:.0f} % of it and leaves "
+        f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leaves "
         f"{three_figures(best.error_after)} times the noise. {shows}"
     )
 

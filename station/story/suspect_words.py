@@ -2,11 +2,7 @@
 
 from math import isfinite
 
-_NOTHING = 0.005
-"""Share below which a suspect explains nothing."""
-
-_ALL = 0.9995
-"""Share from which on more digits would be noise."""
+from identify.formatting import share_words
 
 
 def explained_share(before: float | None, after: float | None) -> float | None:
@@ -19,13 +15,7 @@ def explained_share(before: float | None, after: float | None) -> float | None:
 def would_explain(before: float | None, after: float | None) -> str:
     """Return what a suspect would explain of what the model leaves: "99.9 %", "61 %", "nothing"; "-" if not known."""
     share = explained_share(before, after)
-    if share is None:
-        return "-"
-    if share < _NOTHING:
-        return "nothing"
-    if share >= _ALL:
-        return "100 %"
-    return f"{100.0 * share:.1f} %" if share >= 0.99 else f"{100.0 * share:.0f} %"
+    return "-" if share is None else share_words(share)
 
 
 def reaches_floor(after: float | None, std: float | None, sure: bool) -> bool:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from rich.table import Table
 from rich.text import Text
 
-from identify import formatting
 from station.results.documents import EstimateDocument
 from station.results.shares_document import EffectShareDocument, SharesDocument
 from station.text.numbers import DASH, scale, three_figures
@@ -60,11 +59,22 @@ def with_error(found: EstimateDocument) -> str:
     if found.unit in _DECIMALS:
         most = _DECIMALS[found.unit]
     elif not 1e-3 <= abs(value) < 1e5:
-        return three_figures(value) if std is None else formatting.with_error(value, std)
+        return three_figures(value) if std is None else _with_power(value, std)
     else:
         most = max(_FIGURES - 1 - math.floor(math.log10(abs(value))), 0)
     if std is None:
         return f"{value:.{most}f}"
+    return _rounded(value, std, most)
+
+
+def _with_power(value: float, std: float) -> str:
+    """Return "(2.363 ± 0.006)e-4": a column has no room for the zeros."""
+    exponent = math.floor(math.log10(max(abs(value), std)))
+    return f"({_rounded(value / 10.0**exponent, std / 10.0**exponent, _FIGURES - 1)})e{exponent}"
+
+
+def _rounded(value: float, std: float, most: int) -> str:
+    """Return a value with its error rounded up, both with the decimals that the error allows, `most` at most."""
     wanted = max(-math.floor(math.log10(std)), 0) if std > 0.0 else most
     decimals = min(wanted, most)
     up = math.ceil(std * 10**decimals - 1e-9) / 10**decimals

@@ -36,5 +36,5 @@ def fitted_samples(session: Session, prepared: PreparedDecay, fit: Fit) -> Expor
         rate_std=window.rate_std,
     )
     facts = {"model": " + ".join(term.effect.name for term in fit.model.terms)}
-    facts |= {f"fitted {name}": f"{found.value:.9g} +- {found.std:.3g}" for name, found in fit.values.items()}
+    facts |= {f"fitted {name}": f"{found.value:.9g} ± {found.std:.3g}" for name, found in fit.values.items()}
     return Exported(recording, facts_of(session) | facts)

@@ -71,7 +71,7 @@ def test_every_rung_has_a_tab_with_its_errors_whatever_the_time_is(file, refinem
     timelines = {name for batch in chunks(file, "/ladder/**") for name in batch.schema.names}
     assert not timelines & {"time", "rung"}
     tab = next(tab for tab in viewer_tabs.kept_tabs(refinement) if tab.name == "Ladder").layout()
-    assert [one.name for one in tab.contents] == ["0: base model", "1: + cubic_stiffness"]
+    assert [one.name for one in tab.contents] == ["0: usual model", "1: + cubic_stiffness"]
     assert tab.active_tab == 1
 
 
