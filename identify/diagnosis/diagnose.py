@@ -21,7 +21,7 @@ from identify.diagnosis.suspects import candidate_terms
 from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
-from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
+from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_noise_beside
 from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual
@@ -174,6 +174,11 @@ def diagnose(
     foretell = cache(lambda: foretold(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, foretell)
     ranked = rank(baseline, singles(baseline, fitted), chances(baseline, fitted))
+    if _hides_noise(baseline, ranked):
+        clearer = with_noise_beside(baseline, ranked[0].candidate.fit)
+        if clearer is not baseline:
+            baseline = clearer
+            ranked = rank(baseline, singles(baseline, fitted), chances(baseline, fitted))
     faults = _unnamed_faults(baseline)
     judgement = judge(baseline, ranked, faults, library, foretell)
     settled = (
@@ -204,6 +209,12 @@ def diagnose(
         harmonics=harmonics,
         modes=() if verdict == "driven" else other_modes(settled.fit),
     )
+
+
+def _hides_noise(baseline: Baseline, ranked: tuple[Ranked, ...]) -> bool:
+    """Whether a sure floor is out of reach, and an effect may be in the way of seeing what the noise is."""
+    claimed = bool(ranked) and ranked[0].claimed and baseline.floor_is_sure
+    return claimed and not baseline.adequate(ranked[0].candidate.fit)
 
 
 def _unnamed_faults(found: Baseline) -> tuple[CorrectedFault, ...]:
