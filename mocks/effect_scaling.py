@@ -82,33 +82,7 @@ def _draw_shape(
     """Draw what the search for the strength does not scale; the first value is its order of magnitude."""
     w = bench.angular_frequency
     side = -1.0 if random.random() < 0.5 else 1.0
-    per_force = w * w * size  # An acceleration of the order of the total one.
-    first = {
-        "linear_stiffness": w * w,
-        "viscous_damping": w,
-        "quadratic_damping": 1.0 / size,
-        "cubic_damping": 1.0 / (w * size * size),
-        "position_dependent_damping": w / size**2,
-        "cubic_stiffness": w * w / size**2,
-        "quadratic_stiffness": w * w / size,
-        "quintic_stiffness": w * w / size**4,
-        "signed_quadratic_stiffness": w * w / size,
-        "end_stop": w * w,
-        "impact_with_loss": w * w,
-        "dahl_friction": w * w,
-        "lugre_friction": w * w,
-        "bouc_wen_hysteresis": w * w,
-        "settling_stiffness": 1.0,
-        "freeplay": w * w,
-        "bilinear_stiffness": w * w,
-        "hysteresis": w * w,
-        "maxwell_element": w * w,
-        "second_mass": 1.0,
-        "time_varying_stiffness": 1.0,
-        "amplitude_switched_damping": w,
-        "one_way_cable": w * w,
-        "position_dependent_friction": w * w,
-    }.get(name, per_force)
+    first = _magnitude(name, size, w)
     shape = {PARAMETERS[name][0]: side * first if name in SIGNED else first}
     if name in {"end_stop", "impact_with_loss"}:
         shape |= {"gap": size * random.uniform(0.5, 0.85), "side": float(random.integers(-1, 2))}
@@ -144,6 +118,37 @@ def _draw_shape(
     elif name == "adhesion":
         shape |= {"length": random.uniform(0.001, 0.003)}
     return shape
+
+
+def _magnitude(name: str, size: float, w: float) -> float:
+    """Return the value of an effect's first parameter that makes a force of the order of the total one."""
+    force = w * w * size
+    return {
+        "linear_stiffness": w * w,
+        "viscous_damping": w,
+        "quadratic_damping": 1.0 / size,
+        "cubic_damping": 1.0 / (w * size * size),
+        "position_dependent_damping": w / size**2,
+        "cubic_stiffness": w * w / size**2,
+        "quadratic_stiffness": w * w / size,
+        "quintic_stiffness": w * w / size**4,
+        "signed_quadratic_stiffness": w * w / size,
+        "end_stop": w * w,
+        "impact_with_loss": w * w,
+        "dahl_friction": w * w,
+        "lugre_friction": w * w,
+        "bouc_wen_hysteresis": w * w,
+        "settling_stiffness": 1.0,
+        "freeplay": w * w,
+        "bilinear_stiffness": w * w,
+        "hysteresis": w * w,
+        "maxwell_element": w * w,
+        "second_mass": 1.0,
+        "time_varying_stiffness": 1.0,
+        "amplitude_switched_damping": w,
+        "one_way_cable": w * w,
+        "position_dependent_friction": w * w,
+    }.get(name, force)
 
 
 def _draw_memory(name: str, displacement: float, random: np.random.Generator) -> dict[str, float]:

@@ -3,19 +3,19 @@
 import numpy as np
 
 from daq.importing.accelerometer import has_gravity
-from daq.importing.choose import LARGEST, Choice, choose_columns, left_out
+from daq.importing.channel_units import ORDER, in_si, is_angle, of_one_kind, unit_of, without_empty
+from daq.importing.choose import Choice, choose_columns, left_out
 from daq.importing.cutting import cut
 from daq.importing.derived import find_derivation
 from daq.importing.errors import problem
-from daq.importing.options import NONE, ImportOptions, ask
+from daq.importing.options import ImportOptions
 from daq.importing.quantisation import rounding
 from daq.importing.resampling import find_gaps, place
 from daq.importing.table import Table
 from daq.importing.timebase import EVEN, Timebase, from_rate, from_stamps, guess_time_unit
-from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
+from daq.importing.units import SI_LINEAR, Unit
 from daq.recording import Array, Channel, Mask, Recording
 
-ORDER = ("displacement", "velocity", "acceleration", "force")
 DERIVATIVES = (
     ("displacement", "velocity", 1),
     ("velocity", "acceleration", 1),
@@ -29,12 +29,12 @@ def assemble(table: Table, options: ImportOptions) -> Recording:
     """Return the recording that a table holds. Raises ImportProblem with file, line and column when it cannot be."""
     notes = list(table.notes)
     choices = choose_columns(table, options, notes)
-    angular = _is_angle(choices, options)
-    units = {q: _unit(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
-    choices = _without_empty(table, choices, notes)
-    choices = _same_kind(table, choices, units, notes)
+    angular = is_angle(choices, options)
+    units = {q: unit_of(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
+    choices = without_empty(table, choices, notes)
+    choices = of_one_kind(table, choices, units, notes)
     quantities = [q for q in ORDER if q in choices]
-    values = np.array([_converted(table, choices[q], units[q]) for q in quantities])
+    values = np.array([in_si(table, choices[q], units[q]) for q in quantities])
     clock = _clock(table, choices, options, values, notes)
     values = values[:, clock.rows]
     if not options.keep_derived:
@@ -107,107 +107,6 @@ def _between(table: Table, recording: Recording, clock: Timebase, options: Impor
     return cut(recording, start, stop)
 
 
-def _unit(table: Table, choice: Choice, options: ImportOptions, angular: bool, notes: list[str]) -> Unit:
-    """Return the unit of a channel: from the options, the header, or SI by default, and note which."""
-    quantity, text = choice.quantity, options.units.get(choice.quantity)
-    if text is not None:
-        unit = parse_scaled_unit(text)
-        if unit is None or unit.quantity not in (None, quantity):
-            raise problem(
-                table.path, f"'{text}' is no unit of {quantity} that is known here", _unit_examples(quantity)
-            )
-        notes.append(f"{choice.column.place} read as {quantity} in {text}, as asked")
-        return unit
-    asked = ", chosen by the options" if choice.asked else ""
-    if choice.unit is not None:
-        notes.append(f"{choice.column.place} read as {quantity} in {choice.unit_text}{asked}")
-        return choice.unit
-    unit = (SI_ANGULAR if angular else SI_LINEAR)[quantity]
-    notes.append(
-        f"{choice.column.place} read as {quantity}{asked}; it names no unit: {unit.si} was assumed "
-        f"(change it with --unit {quantity}=...)"
-    )
-    return unit
-
-
-def _unit_examples(quantity: str) -> str:
-    examples = {
-        "time": "s, ms, us", "displacement": "m, mm, um, in, rad, deg, V or a scale such as '0.0025 m'",
-        "velocity": "m/s, mm/s, rad/s, deg/s, V", "acceleration": "m/s^2, g, rad/s^2, V", "force": "N, kN, N m, V",
-    }  # fmt: skip
-    return f"give one of {examples[quantity]}"
-
-
-def _without_empty(table: Table, choices: dict[str, Choice], notes: list[str]) -> dict[str, Choice]:
-    kept = {}
-    for quantity, choice in choices.items():
-        if choice.column.bad is None and not np.isfinite(choice.column.values).any():
-            if quantity == "time" or choice.asked:
-                raise problem(table.path, f"{choice.column.place} holds no numbers", "name another one")
-            notes.append(f"{choice.column.place} holds no numbers and was left out")
-            continue
-        kept[quantity] = choice
-    if not any(q in kept for q in ORDER[:3]):
-        raise problem(table.path, "no channel holds numbers", "name another column or another file")
-    return kept
-
-
-def _same_kind(
-    table: Table, choices: dict[str, Choice], units: dict[str, Unit], notes: list[str]
-) -> dict[str, Choice]:
-    """Leave out lengths beside an angle (or angles beside a length) that nobody asked for; refuse those asked for."""
-    mechanical = [q for q in ORDER if q in choices and units[q].quantity is not None]
-    lead = next((q for q in mechanical if choices[q].asked), mechanical[0] if mechanical else "")
-    kept = dict(choices)
-    for quantity in mechanical:
-        if units[quantity].angular == units[lead].angular:
-            continue
-        said = f"{quantity} in {units[quantity].si} beside {lead} in {units[lead].si}"
-        if not any(choices[q].asked for q in mechanical) or choices[quantity].asked:
-            raise problem(
-                table.path, f"mixes an angle with a length ({said})",
-                f"leave one out ({ask(quantity, NONE)}), or give a scale that makes them alike, "
-                f"as in --unit {quantity}='4.0 {(SI_ANGULAR if units[lead].angular else SI_LINEAR)[quantity].si}'",
-            )  # fmt: skip
-        del kept[quantity]
-        notes.append(
-            f"{choices[quantity].column.place} was left out: {said} would mix an angle with a length"
-        )
-    return kept
-
-
-def _is_angle(choices: dict[str, Choice], options: ImportOptions) -> bool:
-    """Return whether channels without a unit are angles: an option's unit decides, else the headers."""
-    asked = [
-        unit
-        for q in ORDER
-        if q in options.units and (unit := parse_scaled_unit(options.units[q])) is not None
-    ]
-    if any(unit.quantity is not None for unit in asked):
-        return any(unit.angular for unit in asked)
-    return any(choices[q].angular for q in ORDER if q in choices)
-
-
-def _converted(table: Table, choice: Choice, unit: Unit) -> Array:
-    column = choice.column
-    if column.bad is not None:
-        line, text = column.bad
-        raise problem(
-            table.path, f"'{text}' in {column.place} is not a number",
-            "repair or remove the line, or choose another column", line=line, column=column.number,
-        )  # fmt: skip
-    with np.errstate(over="ignore", invalid="ignore"):
-        values = column.values * unit.scale
-    finite = np.isfinite(column.values)
-    if np.any(np.abs(values[finite]) > LARGEST):
-        row = int(np.flatnonzero(finite & ~(np.abs(values) <= LARGEST))[0])
-        raise problem(
-            table.path, f"{column.values[row]:.3g} is too large to be a measured {choice.quantity}",
-            "repair or remove the line", line=table.line(row), column=column.number,
-        )  # fmt: skip
-    return np.where(np.isfinite(values), values, np.nan)
-
-
 def _clock(
     table: Table, choices: dict[str, Choice], options: ImportOptions, values: Array, notes: list[str]
 ) -> Timebase:
@@ -237,10 +136,10 @@ def _clock(
                 options=("--rate HZ",),
             )
         return from_rate(rate, rows, f"rate {rate:.6g} Hz, from {source}")
-    _converted(table, time, SI_LINEAR["time"])
+    in_si(table, time, SI_LINEAR["time"])
     column = time.column
     if "time" in options.units or time.unit is not None:
-        unit = _unit(table, time, options, False, notes)
+        unit = unit_of(table, time, options, False, notes)
     else:
         unit, why = guess_time_unit(column)
         how = (
