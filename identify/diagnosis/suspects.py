@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 import numpy as np
 
@@ -118,6 +119,8 @@ def try_terms(
             if b is not None
         ]
         begun.sort(key=lambda beginning: beginning.cost)
+        if near is None:
+            begun = _in_turn(begun)
         leaders = begun[: min(_LEADERS, polished)]
         tried = list(pool.map(lambda beginning: _finish(base, beginning, scales, goal or 0.0), leaders))
         best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
@@ -140,6 +143,15 @@ class _Beginning:
     problem: Problem
     theta: Array
     cost: float
+
+
+def _in_turn(begun: list[_Beginning]) -> list[_Beginning]:
+    """Return two forces for one sensor's fault, each in order: from afar their costs do not compare.
+
+    A force begins by equation error, a fault at the fit without it, and so is never worse than that.
+    """
+    forces, faults = (iter([b for b in begun if b.term.is_force is wanted]) for wanted in (True, False))
+    return [b for turn in zip_longest(forces, forces, faults) for b in turn if b is not None]
 
 
 def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, Array]:
