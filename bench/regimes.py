@@ -142,6 +142,7 @@ def fixed(case: Case, number: int) -> dict[str, Any]:
         "release_time": drawn["hand_s"] / pace,
         "released_at": drawn["released_at_s"] / pace,
         "lag": drawn["displacement_late_s"] / pace,
+        "sensor_pair": case.seed,
     }
     if number:
         result["amplitude"] = drawn["from_m"] * (1.0 - 0.06 * number)

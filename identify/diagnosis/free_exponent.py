@@ -6,8 +6,6 @@ fitted already, and the best of them is near.
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from identify.diagnosis.suspects import Candidate, judged, residual_lines, try_terms
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family

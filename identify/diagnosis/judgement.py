@@ -6,8 +6,8 @@ Here where the floor is reached or sure; off it in `off_the_floor`. What each ca
 from collections.abc import Callable
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.free_exponent import families
+from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.off_the_floor import by_curves, if_foretold
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.search import Pair, pairs

@@ -22,7 +22,7 @@ _OFF_HARMONICS, _HIGHEST = 0.2, 8.0
 """Share of the motion's frequency by which a line must stand off its harmonics, up to the highest that may be seen."""
 
 _DYING, _HALVES = 0.6, 2.0
-"""Ratio of the line in the second half of the record to that in the first below which, by so many standard errors, it dies."""
+"""Ratio of a line in the second half of the record to that in the first below which, by so many errors, it dies."""
 
 
 def common_lines(fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:

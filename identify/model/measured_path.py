@@ -53,9 +53,9 @@ def force_along(
     """Return the force per unit mass and unit strength of an effect along a motion, shape (n,).
 
     `inner` holds the inner parameters by their own names; shared parameters are taken at their rough values for a
-    motion of angular `frequency` (rad/s). Internal states come from equilibrium at the first sample; a memory that fades, from
-    equilibrium at the first sample of the motion `before` (time, displacement, velocity), which ends there, if one is given:
-    a light oscillator has turned by half a cycle while a hand lets go.
+    motion of angular `frequency` (rad/s). Internal states come from equilibrium at the first sample; those of a memory that
+    fades from equilibrium at the first sample of the motion `before` (time, displacement, velocity) that ends there, if
+    one is given: a light oscillator has turned by half a cycle while a hand lets go.
     """
     effect = term.force
     shared = {name: roughly(frequency) for name, roughly in effect.shared_parameters.items()}

@@ -40,7 +40,7 @@ def pre_release_motion(aligned: AlignedDecay, release: Release, zero: float) -> 
 
 
 def _was_read(aligned: AlignedDecay, samples: slice) -> bool:
-    """Whether the acceleration was read throughout, but for one reading: that of the release itself may look like a lost one."""
+    """Whether the acceleration was read throughout, but for one reading: the release itself may look like a lost one."""
     valid, lost = aligned.recorded.valid, aligned.lost.get("acceleration")
     return bool((valid is None or valid[samples].all()) and (lost is None or lost[samples].sum() <= 1))
 
@@ -48,7 +48,8 @@ def _was_read(aligned: AlignedDecay, samples: slice) -> bool:
 def _integrated(
     decay: FreeDecay, release: Release, time: Array, smooth: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    assert decay.acceleration is not None and decay.displacement is not None
+    assert decay.acceleration is not None
+    assert decay.displacement is not None
     still = slice(*release.rest)
     first = release.settle + 1 - len(time)
     a = decay.acceleration[first : release.settle + 1] - float(np.nanmedian(decay.acceleration[still]))
