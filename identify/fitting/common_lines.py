@@ -21,6 +21,9 @@ _AT_ODDS = 0.3
 _OFF_HARMONICS, _HIGHEST = 0.2, 8.0
 """Share of the motion's frequency by which a line must stand off its harmonics, up to the highest that may be seen."""
 
+_UNSURE, _STEADY = 0.9, 0.05
+"""Standard error of a line's frequency times its amplitude in errors, and the least that counts, in bins of the spectrum."""
+
 _DYING, _HALVES = 0.6, 2.0
 """Ratio of a line in the second half of the record to that in the first below which, by so many errors, it dies."""
 
@@ -37,10 +40,12 @@ def common_lines(fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
     found: dict[str, tuple[Line, ...]] = {low: (), "acceleration": ()}
     for f in _shared(_lines(fit, i, low), _lines(fit, i, "acceleration"), window.rate / len(window)):
         seen = {channel: _phasor(fit, i, channel, f, slice(None)) for channel in found}
-        if _is_no_motion(fit, i, f, seen) and not any(_dies(fit, i, channel, f) for channel in found):
+        if _is_no_motion(fit, i, f, seen) and not all(_dies(fit, i, channel, f) for channel in found):
+            clarity = max(abs(size) / _error(window, channel) for channel, size in seen.items())
+            wide = max(_STEADY, _UNSURE / clarity) * window.rate / len(window)
             for channel, size in seen.items():
                 power = 0.5 * float(abs(size) / window.sigma[channel]) ** 2
-                found[channel] = (*found[channel], Line(f, 0.3 * window.rate / len(window), power))
+                found[channel] = (*found[channel], Line(f, wide, power))
     return found
 
 
