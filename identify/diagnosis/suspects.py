@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from itertools import zip_longest
 
 import numpy as np
 
@@ -119,8 +118,6 @@ def try_terms(
             if b is not None
         ]
         begun.sort(key=lambda beginning: beginning.cost)
-        if near is None:
-            begun = _in_turn(begun)
         leaders = begun[: min(_LEADERS, polished)]
         tried = list(pool.map(lambda beginning: _finish(base, beginning, scales, goal or 0.0), leaders))
         best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
@@ -145,15 +142,6 @@ class _Beginning:
     cost: float
 
 
-def _in_turn(begun: list[_Beginning]) -> list[_Beginning]:
-    """Return two forces for one sensor's fault, each in order: from afar their costs do not compare.
-
-    A force begins by equation error, a fault at the fit without it, and so is never worse than that.
-    """
-    forces, faults = (iter([b for b in begun if b.term.is_force is wanted]) for wanted in (True, False))
-    return [b for turn in zip_longest(forces, forces, faults) for b in turn if b is not None]
-
-
 def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, Array]:
     """Return the misfit of the model with one more effect, and its Jacobian, only the new columns taken anew."""
     known_at = slope.problem.index
@@ -173,7 +161,8 @@ def _begin(
     inner = np.array([_is_inner(u.id, term) for u in problem.unknowns])
     best: _Beginning | None = None
     for start in _promising(decays, base, problem.model, term, term_starts(term, scales)):
-        theta = np.clip(problem.theta(start), problem.low, problem.high)
+        theta = _nearer(problem, start, base) if slope is None else problem.theta(start)
+        theta = np.clip(theta, problem.low, problem.high)
         begun = None if slope is None else _from_slope(slope, problem, theta, inner)
         found = minimise(
             problem, theta, steps=_FIRST_STEPS, tolerance=1.0, held=inner, begun=begun, goal=goal
@@ -181,6 +170,21 @@ def _begin(
         if best is None or found.cost < best.cost:
             best = _Beginning(term, problem, found.theta, found.cost)
     return best
+
+
+def _nearer(problem: Problem, start: dict[str, float], base: Fit) -> Array:
+    """Return a start with the states, lags and offsets of a fit without the term, where it is nearer with them.
+
+    At the very first readings of a record that begins in mid-decay the measured motion does not give them.
+    """
+    points = [
+        problem.theta(p) for p in (start, start | {name: e.value for name, e in base.nuisances.items()})
+    ]
+    costs = []
+    for point in points:
+        residual = problem.residuals(np.clip(point, problem.low, problem.high))
+        costs.append(float(residual @ residual) if np.isfinite(residual).all() else np.inf)
+    return points[int(np.argmin(costs))]
 
 
 def _finish(base: Fit, begun: _Beginning, scales: Scales, goal: float) -> Candidate:
