@@ -212,8 +212,9 @@ def diagnose(
 
 
 def _hides_noise(baseline: Baseline, ranked: tuple[Ranked, ...]) -> bool:
-    """Whether a sure floor is out of reach, and an effect may be in the way of seeing what the noise is."""
-    claimed = bool(ranked) and ranked[0].claimed and baseline.floor_is_sure
+    """Whether the floor is out of reach, and an effect may be in the way of seeing the noise of two channels."""
+    paired = all(window.paired for window in baseline.fit.windows)
+    claimed = bool(ranked) and ranked[0].claimed and paired
     return claimed and not baseline.adequate(ranked[0].candidate.fit)
 
 

@@ -23,6 +23,9 @@ _POLISHED_BESIDE_BEST = 10
 
 _SCREENED = 6
 
+_UNSURE = 0.2
+"""Largest relative error of a floor that chance counts with: beyond, the floor is a guess and chance is widened by the misfit."""
+
 
 def singles(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
     """Return the model refitted with each effect it lacks, best first."""
@@ -33,7 +36,11 @@ def singles(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> tuple[
 def chances(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> NullDistribution:
     """Return what each effect would gain by chance if nothing were missing."""
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
-    return null_distribution(baseline.decays, baseline.fit, terms)
+    unsure = tuple(
+        {channel: min(noise.uncertainty / noise.std, _UNSURE) for channel, noise in floor.channels.items()}
+        for floor in baseline.floors
+    )
+    return null_distribution(baseline.decays, baseline.fit, terms, unsure=unsure)
 
 
 @dataclass(frozen=True, eq=False)
