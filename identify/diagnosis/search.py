@@ -24,7 +24,7 @@ _POLISHED_BESIDE_BEST = 10
 _SCREENED = 6
 
 _UNSURE = 0.2
-"""Largest relative error of a floor that chance counts with: beyond, the floor is a guess and chance is widened by the misfit."""
+"""Largest relative error of a floor that chance counts with: beyond, the misfit that stays widens chance."""
 
 
 def singles(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
