@@ -79,6 +79,6 @@ def probes(
     for i in range(len(base.windows)):
         for j in range(term.force.states):
             name = str(term.state(j).of_release(i, len(base.windows)))
-            if name in states:
+            if name in states and name in problem.index:
                 points.append(point | {name: states[name] + 0.5 * sizes[j]})
     return [problem.theta(p) for p in points]
