@@ -175,12 +175,14 @@ def diagnose(
     fitted = _worth_a_fit(baseline, library, foretell)
     ranked = rank(baseline, singles(baseline, fitted), chances(baseline, fitted))
     if _hides_noise(baseline, ranked):
-        clearer = with_noise_beside(baseline, ranked[0].candidate.fit)
-        if clearer is not baseline:
-            baseline = clearer
-            ranked = rank(baseline, singles(baseline, fitted), chances(baseline, fitted))
+        baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
     faults = _unnamed_faults(baseline)
     judgement = judge(baseline, ranked, faults, library, foretell)
+    if judgement.verdict == "unknown_effect" and baseline.floor_is_sure:
+        clearer, ranked = _seen_again(baseline, judgement.final, ranked, fitted)
+        if clearer is not baseline:
+            baseline, faults = clearer, _unnamed_faults(clearer)
+            judgement = judge(baseline, ranked, faults, library, foretell)
     settled = (
         refit_at_floor(baseline.decays, judgement.final) if judgement.final is not baseline.fit else baseline
     )
@@ -209,6 +211,16 @@ def diagnose(
         harmonics=harmonics,
         modes=() if verdict == "driven" else other_modes(settled.fit),
     )
+
+
+def _seen_again(
+    baseline: Baseline, found: Fit, ranked: tuple[Ranked, ...], library: tuple[Effect, ...]
+) -> tuple[Baseline, tuple[Ranked, ...]]:
+    """Return the baseline with the noise that a better fit leaves, and its suspects; as they were where that is no other."""
+    clearer = with_noise_beside(baseline, found)
+    if clearer is baseline:
+        return baseline, ranked
+    return clearer, rank(clearer, singles(clearer, library), chances(clearer, library))
 
 
 def _hides_noise(baseline: Baseline, ranked: tuple[Ranked, ...]) -> bool:
