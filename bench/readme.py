@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.console import Console
 
 from bench.workbench_server import ROOT
+from identify.formatting import plain_name
 from station.operations.mystery import Solved, solve
 from station.settings import Settings
 from station.text.ladder_text import show_ladder
@@ -30,8 +31,8 @@ def block(solved: Solved) -> str:
     words = (
         f"The usual model (stiffness, dry and viscous friction) leaves {three_figures(first.error.motion_percent)} % of the motion.\n"
         f"That sounds good, and is {three_figures(first.error.chi2)} times what the noise of the sensors explains:\n"
-        f"`station compare mystery_{SEED}`. Of all the effects that `station diagnose mystery_{SEED}` tries,\n"
-        f"only {named.replace('_', ' ')} reaches the floor. It is added by\n"
+        f"`station compare mystery_{SEED} --model usual`. Of all the effects that `station diagnose mystery_{SEED}` tries,\n"
+        f"only {plain_name(named)} reaches the floor. It is added by\n"
         f"`station refine mystery_{SEED} --add {named}`, which leaves {three_figures(last.error.chi2)} times the noise:\n"
     )
     return f"{words}\n```\n{_ladder(solved)}\n```\n"

@@ -32,6 +32,8 @@ from daq.trigger import Trigger
 __all__ = ["CaptureObserver", "CaptureSettings", "capture"]
 
 RESEND_ROUNDS = 3
+MICROMETRES = 1e-4
+"""Noise of a length (m) below which it is told in um."""
 
 
 def capture(
@@ -159,7 +161,7 @@ class _Capture:
         settings = self._settings
         if self._early is not None:
             return self._early
-        noise = ", ".join(f"{c.name} {self._noise[c.name]:.2g} {c.unit}" for c in self._channels)
+        noise = ", ".join(f"{c.name} {_small(self._noise[c.name], c.unit)}" for c in self._channels)
         self._stream.state("armed", f"release the mass; noise at rest: {noise}")
         began = time.monotonic()
         for block in self._stream.during(settings.trigger_timeout_s):
@@ -279,6 +281,11 @@ class _Requests:
 def _beside(assembly: Assembly) -> list[tuple[int, int]]:
     """Return what the checksum needs beside the recording."""
     return lost_outside(assembly.samples, assembly.end, assembly.start, assembly.stop, assembly.total)
+
+
+def _small(value: float, unit: str) -> str:
+    """Return a noise with its unit, lengths in um."""
+    return f"{1e6 * value:.2g} um" if unit == "m" and value < MICROMETRES else f"{value:.2g} {unit}"
 
 
 def _waited(seconds: float, began: float) -> str:

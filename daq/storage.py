@@ -13,7 +13,7 @@ from typing import IO
 
 from daq.errors import NotASession, SessionExists, SessionLocked, StorageError
 
-TEMPORARY = ".new"
+TEMPORARY, LOCK = ".new", ".lock"
 LOOK_AGAIN_S = 0.02
 
 _CAREFUL = sum(
@@ -26,6 +26,10 @@ def refused(path: Path, error: OSError) -> StorageError:
     if error.errno == errno.ENOSPC:
         return StorageError(f"{path}: the disk is full; free some space or name a folder on another disk")
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+        if path.name == LOCK:
+            return StorageError(
+                f"{path.parent}: this session may not be written ({error.strerror}); make it writable, or copy it elsewhere"
+            )
         return StorageError(f"{path}: not writable here ({error.strerror}); name another folder")
     return StorageError(f"{path}: {error.strerror or error}; check the disk or name another folder")
 
@@ -172,7 +176,7 @@ def digest(data: bytes) -> str:
 class Lock:
     """A lock on a folder that the system takes back when the process dies, however it dies."""
 
-    NAME = ".lock"
+    NAME = LOCK
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / self.NAME

@@ -9,6 +9,17 @@ _PROPER = {"coulomb": "Coulomb", "stribeck": "Stribeck", "maxwell": "Maxwell", "
            "bouc": "Bouc", "wen": "Wen", "ac": "AC"}  # fmt: skip
 """Words of effects' names that are names of persons, or letters."""
 
+_LARGE, _SMALL = 1e6, 1e-4
+"""Sizes outside of which a power of ten is taken out."""
+
+_MANY, _FEW = 99999.5, 1e-6
+"""Sizes from which on, and below which, three figures take a power of ten."""
+
+_TENS = 99.5
+"""Standard error from which on the digits before the point are rounded too: two of them are figures."""
+
+_MOST_DECIMALS = 9
+
 _PREFIXED = "NJm"
 """First letters of units that can take a prefix."""
 
@@ -21,20 +32,31 @@ def decimals_for(std: float) -> int:
 
 
 def with_error(value: float, std: float) -> str:
-    """Return "13115.0 ± 0.4" with the digits that the error allows."""
+    """Return "13115.0 ± 0.4" with the digits that the error allows; "(-1.18 ± 0.10)e6" where they would be many."""
     if not math.isfinite(value):
         return "unknown"
     if not math.isfinite(std):
         return f"{value:.5g} ± unknown"
-    if abs(value) >= 1e6 or 0 < abs(value) < 1e-4:
-        return f"{value:.4g} ± {std:.1g}"
+    if std == 0.0:
+        return f"{value:.5g}"
+    size = max(abs(value), std)
+    if size >= _LARGE or size < _SMALL:
+        exponent = math.floor(math.log10(size))
+        whole, error = value / 10.0**exponent, std / 10.0**exponent
+        decimals = min(decimals_for(error), _MOST_DECIMALS)
+        return f"({whole:.{decimals}f} ± {error:.{decimals}f})e{exponent}"
     decimals = decimals_for(std)
+    if decimals > _MOST_DECIMALS:
+        return f"{value:.{_MOST_DECIMALS}f} ± {std:.1g}"
+    if std >= _TENS:
+        places = 1 - math.floor(math.log10(std))
+        value, std = round(value, places), round(std, places)
     return f"{value:.{decimals}f} ± {std:.{decimals}f}"
 
 
 def quantity(estimate: Estimate) -> str:
     """Return an estimate with its error, where there is one, and its unit."""
-    unit = "" if estimate.unit == "1" else f" {estimate.unit}"
+    unit = "" if estimate.unit in ("", "1") else f" {estimate.unit}"
     if not math.isfinite(estimate.std) or estimate.std == 0.0:
         return f"{estimate.value:.4g}{unit}"
     return f"{with_error(estimate.value, estimate.std)}{unit}"
@@ -57,9 +79,12 @@ def damping_name(order: int) -> str:
 
 
 def three_figures(value: float) -> str:
-    """Return an error or a ratio with three figures; "-" where there is none."""
+    """Return an error or a ratio with three figures, as "1.24e8" where it would be many digits; "-" where there is none."""
     if not math.isfinite(value):
         return "-"
+    if abs(value) >= _MANY or 0.0 < abs(value) < _FEW:
+        mantissa, _, exponent = f"{value:.2e}".partition("e")
+        return f"{mantissa}e{int(exponent)}"
     return f"{value:.0f}" if abs(value) >= 100 else f"{value:#.3g}"
 
 

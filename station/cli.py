@@ -5,6 +5,7 @@ answers at once. To add a command: write the file, add a line to COMMANDS.
 """
 
 import importlib
+import re
 import sys
 import traceback
 from collections.abc import Sequence
@@ -119,7 +120,7 @@ def run(arguments: list[str]) -> int:
         cause = error.__cause__ or error
         return _failed(cause, exits.INTERRUPTED, _interrupted(cause), arguments)
     except click.ClickException as error:
-        return _failed(error, exits.USAGE, _usage_sentence(error), arguments)
+        return _failed(error, exits.USAGE, _usage_sentence(error, arguments), arguments)
     except BrokenPipeError:  # the reader of a pipe has left, as `head` does
         sys.stderr.close()
         return exits.DONE
@@ -157,12 +158,32 @@ def _kept(sentence: str, error: BaseException) -> str:
     return sentence if folder is None or str(folder) in sentence else f"{sentence} (kept: {folder})"
 
 
-def _usage_sentence(error: click.ClickException) -> str:
+def _usage_sentence(error: click.ClickException, arguments: list[str]) -> str:
     sentence = error.format_message().rstrip(".")
-    sentence = f"{sentence[:1].lower()}{sentence[1:]}"
+    sentence = in_plain_words(f"{sentence[:1].lower()}{sentence[1:]}")
     context = getattr(error, "ctx", None)
-    where = context.command_path if context is not None else "station"
+    named = next((word for word in arguments if any(word == entry.name for entry in COMMANDS)), "")
+    where = context.command_path if context is not None else f"station {named}".strip()
     return f"{sentence}; see `{where} --help`"
+
+
+_BOUNDS = {">": "above", ">=": "at least", "<": "below", "<=": "at most"}
+_TURNED = {"<": ">", "<=": ">="}
+
+
+def in_plain_words(sentence: str) -> str:
+    """Return the refusal of a number with its bounds in words: "-3.0 is not in the range x>0." becomes "must be above 0"."""
+    found = re.search(r"(\S+) is not in the range (?:(\S+?)(<=?))?x(?:([<>]=?)(\S+))?$", sentence)
+    if found is None:
+        return re.sub(
+            r"is not a valid (float|integer)(?: range)?$",
+            lambda kind: "is no number" if kind.group(1) == "float" else "is no whole number",
+            sentence,
+        )
+    given, low, first, second, other = found.groups()
+    bounds = [f"{_BOUNDS[_TURNED[first]]} {low}"] if low else []
+    bounds += [f"{_BOUNDS[second]} {other}"] if other else []
+    return f"{sentence[: found.start()]}it is {given}, and must be {' and '.join(bounds)}"
 
 
 def _failed(error: BaseException, code: int, sentence: str, arguments: list[str]) -> int:

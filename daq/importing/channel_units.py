@@ -33,11 +33,13 @@ def unit_of(table: Table, choice: Choice, options: ImportOptions, angular: bool,
             raise problem(
                 table.path, f"'{text}' is no unit of {quantity} that is known here", _unit_examples(quantity)
             )
-        notes.append(f"{choice.column.place} read as {quantity} in {text}, as asked")
+        other = choice.unit is not None and choice.unit != unit
+        though = f", though its header says {_spelled(choice.unit_text)}" if other else ""
+        notes.append(f"{choice.column.place} read as {quantity} in {text}, as asked{though}")
         return unit
     asked = ", chosen by the options" if choice.asked else ""
     if choice.unit is not None:
-        notes.append(f"{choice.column.place} read as {quantity} in {choice.unit_text}{asked}")
+        notes.append(f"{choice.column.place} read as {quantity} in {_spelled(choice.unit_text)}{asked}")
         return choice.unit
     unit = (SI_ANGULAR if angular else SI_LINEAR)[quantity]
     notes.append(
@@ -45,6 +47,11 @@ def unit_of(table: Table, choice: Choice, options: ImportOptions, angular: bool,
         f"(change it with --unit {quantity}=...)"
     )
     return unit
+
+
+def _spelled(text: str) -> str:
+    """Return a unit as it is read: "m/s^2" for the "m_s2" of a header."""
+    return text.replace("_s2", "/s^2").replace("_s", "/s")
 
 
 def _unit_examples(quantity: str) -> str:

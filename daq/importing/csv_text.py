@@ -119,7 +119,8 @@ def _cell_by_cell(
     remarks = [i for i in rows if lines[i].lstrip().startswith(COMMENTS)]
     if remarks:
         notes.append(
-            f"{len(remarks)} lines between the rows are remarks and were left out, first line {remarks[0] + 1}"
+            f"between the rows {_counted(len(remarks), 'line is a remark and was', 'lines are remarks and were')} left out, "
+            f"{'the first ' if len(remarks) > 1 else ''}line {remarks[0] + 1}"
         )
         rows = [i for i in rows if not lines[i].lstrip().startswith(COMMENTS)]
     try:
@@ -162,6 +163,10 @@ def _cell_by_cell(
             f"{len(short)} rows are cut short (first line {first}); their missing cells count as invalid"
         )
     return [parse_column(column, dialect.decimal) for column in zip(*cells, strict=True)], rows
+
+
+def _counted(number: int, one: str, many: str) -> str:
+    return f"{number} {one if number == 1 else many}"
 
 
 def _counts(column: Parsed) -> bool:

@@ -115,7 +115,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     if coarse and uneven:
         notes.append(
             f"the time stamps stray by {_milli(stray)} rms from an even clock, that is no more than the rounding of the "
-            f"stamps to {_milli(quantum(time))}: even times were rebuilt at {1 / slope:.6g} ± {rate_std:.1g} Hz"
+            f"stamps to {_milli(quantum(time))}: even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
         notes.extend(_evenness(slope, stray, resample))
@@ -178,6 +178,14 @@ def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:
             f"{text}; the samples were put on the even clock by a cubic spline through their stamps, as asked",
         )
     return (f"{text}; the mean rate is used and nothing was resampled (--resample does)",)
+
+
+def _rate(rate: float, std: float) -> str:
+    """Return a rate in Hz with the digits that its error allows."""
+    if not 0.0 < std < rate:
+        return f"{rate:.6g} Hz"
+    decimals = min(max(0, 1 - int(np.floor(np.log10(std)))), 9)
+    return f"{rate:.{decimals}f} ± {std:.{decimals}f} Hz"
 
 
 def _milli(seconds: float) -> str:

@@ -21,7 +21,7 @@ from identify.diagnosis.suspects import candidate_terms
 from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
-from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_noise_beside
+from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor, with_noise_beside
 from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual
@@ -170,7 +170,8 @@ def diagnose(
     unknown's name. Raises NotIdentifiable when a release holds too little to fit anything.
     """
     whole = prepared_of(decays)
-    baseline = fit_baseline(segments_of(whole), model or base_model(), known)
+    first = baseline = fit_baseline(segments_of(whole), model or base_model(), known)
+    whole = tuple(with_floor(prepared, baseline.spread) for prepared in whole)
     foretell = cache(lambda: foretold(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, foretell)
     ranked = rank(baseline, singles(baseline, fitted), chances(baseline, fitted))
@@ -183,6 +184,8 @@ def diagnose(
         if clearer is not baseline:
             baseline, faults = clearer, _unnamed_faults(clearer)
             judgement = judge(baseline, ranked, faults, library, foretell)
+    if baseline is not first:  # other noise, another floor
+        whole = tuple(replace(prepared, floor_std=baseline.spread) for prepared in whole)
     settled = (
         refit_at_floor(baseline.decays, judgement.final) if judgement.final is not baseline.fit else baseline
     )

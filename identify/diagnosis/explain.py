@@ -52,7 +52,7 @@ def explain(
     if top is not None and top.confirmed is not None and confirmation is not None:
         return explain_confirmed(suspects, confirmation)
     if verdict == "unknown_effect" or top is None:
-        return _unknown(baseline, top, shape, confirmation)
+        return _unknown(baseline, _best(baseline, suspects), shape, confirmation)
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
     first = _named(baseline, top, together, settled)
@@ -155,15 +155,23 @@ def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
     )
 
 
+def _best(baseline: Baseline, suspects: tuple[Suspect, ...]) -> Suspect | None:
+    """Return the suspect that leaves least, where the first one explains more than chance would; None otherwise."""
+    if not suspects or not suspects[0].claimed:
+        return None
+    tried = [s for s in suspects if not _is_corrected(s) and s.fit is not baseline.fit]
+    return min(tried, key=lambda s: s.error_after, default=suspects[0])
+
+
 def _unknown(
-    baseline: Baseline, top: Suspect | None, shape: NonparametricForce | None, foretold: Confirmation | None
+    baseline: Baseline, best: Suspect | None, shape: NonparametricForce | None, foretold: Confirmation | None
 ) -> str:
     first = (
         "Something is missing that the library does not name: the model leaves "
         f"{_left(baseline, baseline.fit, baseline.reduced(baseline.fit))}"
     )
-    if top is not None and top.claimed:
-        name, left = plain_name(top.effect.name), _left(baseline, top.fit, top.error_after)
+    if best is not None:
+        name, left = plain_name(best.effect.name), _left(baseline, best.fit, best.error_after)
         first += f", and the best named effect, {name}, still {left}"
     first += f", where the floor is {floor_of(baseline)}."
     if not baseline.floor_is_sure and foretold is None and baseline.decays[0].window.force is None:

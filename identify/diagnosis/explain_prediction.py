@@ -71,9 +71,10 @@ def _undecided(found: Confirmation) -> list[str]:
         if what in found.unstable:
             sentences.append(_unstable(what, found, too))
             continue
+        alike = f"{_among(names)} explain it alike" if len(names) > 1 else f"{_among(names)} would explain it"
         sentences.append(
-            f"{_KINDS[what].capitalize()} changes{too}, and {_among(names)} explain it alike, so none is named; "
-            f"{another} from a quarter of the amplitude tells time from amplitude."
+            f"{_KINDS[what].capitalize()} changes{too}, and {alike}, but none is named: {another} from a quarter of the "
+            "amplitude tells time from amplitude."
         )
     return sentences
 

@@ -41,8 +41,19 @@ class Baseline:
 
     @property
     def spread(self) -> float:
-        """Standard error of the reduced chi-square of an adequate model."""
-        return float(np.sqrt(np.mean([floor.chi_square_std**2 for floor in self.floors])))
+        """Standard error of the reduced chi-square of an adequate model, as it was decided for these records."""
+        decided = [prepared.floor_std for prepared in self.decays]
+        each = [
+            floor.chi_square_std if std is None else std
+            for std, floor in zip(decided, self.floors, strict=True)
+        ]
+        return float(np.sqrt(np.mean(np.square(each))))
+
+    @property
+    def decided(self) -> "Baseline":
+        """The same with the width of its floor kept in the releases: one record has one, whatever is fitted later."""
+        width = self.spread
+        return replace(self, decays=tuple(with_floor(prepared, width) for prepared in self.decays))
 
     @property
     def floor_is_sure(self) -> bool:
@@ -96,7 +107,10 @@ class Baseline:
 def fit_baseline(
     decays: tuple[PreparedDecay, ...], model: Model, known: dict[str, float] | None = None
 ) -> Baseline:
-    """Fit a model and settle the floor with its residual; `known` are values to begin from, by unknown's name."""
+    """Fit a model and settle the floor with its residual; `known` are values to begin from, by unknown's name.
+
+    The width of the floor is decided by the first model that is fitted to a release, and carried in its `floor_std`.
+    """
     windows = tuple(prepared.window for prepared in decays)
     frequency = decays[0].frequency
     start = known if known is not None else initial_values(decays, model, {})
@@ -104,7 +118,12 @@ def fit_baseline(
     mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
     if any(new is not old for new, old in zip(mended, decays, strict=True)):
         found = fit(model, tuple(prepared.window for prepared in mended), found.point, frequency)
-    return refit_at_floor(mended, found)
+    return refit_at_floor(mended, found).decided
+
+
+def with_floor(prepared: PreparedDecay, width: float) -> PreparedDecay:
+    """Return a release with the standard error of the reduced chi-square at its floor, unless that was decided before."""
+    return prepared if prepared.floor_std is not None else replace(prepared, floor_std=width)
 
 
 def _without_stale(prepared: PreparedDecay, found: Fit, i: int) -> PreparedDecay:
@@ -134,7 +153,8 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
 def with_noise_beside(baseline: Baseline, found: Fit) -> Baseline:
     """Return a baseline with the noise that a better fit leaves; the same where that has no other colour and no other lines.
 
-    What a model lacks hides lines and slow noise in its residual, or is taken for them.
+    What a model lacks hides lines and slow noise in its residual, or is taken for them. With other noise the width of the
+    floor is decided anew.
     """
     colours = noise_colours(baseline.decays, found)
     if _kinds(colours) == _kinds(baseline.floors[0].colours):
@@ -142,7 +162,8 @@ def with_noise_beside(baseline: Baseline, found: Fit) -> Baseline:
     floors = refine_floor(found, tuple(prepared.noise for prepared in baseline.decays), colours)
     old = baseline.fit
     windows = tuple(floor.on(window) for floor, window in zip(floors, old.windows, strict=True))
-    return Baseline(baseline.decays, fit(old.model, windows, old.point, old.frequency, near=True), floors)
+    undecided = tuple(replace(prepared, floor_std=None) for prepared in baseline.decays)
+    return Baseline(undecided, fit(old.model, windows, old.point, old.frequency, near=True), floors).decided
 
 
 def _kinds(colours: dict[str, ChannelColour]) -> dict[str, tuple[str, int]]:

@@ -28,7 +28,8 @@ class CorrectedFault:
 
     `drop` is that chi-square, in units of the noise, of so many `readings` (0 where it is one number's); `parameters`
     what was found; `term` names it in a model. `remarked` tells that the fault is there, though no more than its
-    calibration leaves open: worth a remark, and no verdict.
+    calibration leaves open: worth a remark, and no verdict. `words` say what was found and what is left open, in a clause;
+    "" where the parameters say it.
     """
 
     term: Term
@@ -36,6 +37,7 @@ class CorrectedFault:
     readings: int
     parameters: dict[str, Estimate]
     remarked: bool = False
+    words: str = ""
 
     @property
     def surplus(self) -> float:
@@ -81,14 +83,29 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
     weights = 1.0 / np.array(variances)
     mean = float(np.average(errors, weights=weights))
     own = float(weights.sum() ** -0.5)
-    variance = own**2 + float(np.mean(allowed)) ** 2
+    open_ = float(np.mean(allowed))
+    variance = own**2 + open_**2
     drop = mean**2 / variance
     if not np.isfinite(drop):
         return None
     error = Estimate(mean, float(np.sqrt(variance)), "1")
     fault = fault_allowed_as("gain")
     remarked = abs(mean) > max(_WORTH_A_REMARK, _SIGNIFICANT_DROP**0.5 * own)
-    return CorrectedFault(Term(fault), drop, 0, {fault.strength.name: error}, remarked)
+    stated = all(prepared.window.gain_uncertainty for prepared in decays)
+    words = _differ(mean, own, open_, stated=stated)
+    return CorrectedFault(Term(fault), drop, 0, {fault.strength.name: error}, remarked, words)
+
+
+def _differ(mean: float, own: float, open_: float, *, stated: bool) -> str:
+    """Return by how much two sensors differ as measured, and how that stands to what their calibrations leave open."""
+    size = abs(mean)
+    place = "within" if size <= open_ else "far beyond" if size > _SIGNIFICANT_DROP**0.5 * open_ else "beyond"
+    whose = "that their calibrations leave open" if stated else "left open, as no calibration is stated"
+    digits = max(0, min(4, 1 - int(np.floor(np.log10(max(100.0 * own, 1e-4))))))
+    return (
+        f"the two sensors differ by {100.0 * size:.{digits}f} ± {100.0 * own:.{digits}f} %, {place} the "
+        f"{100.0 * open_:.2g} % {whose}"
+    )
 
 
 def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:

@@ -30,7 +30,7 @@ STRANGE = 50.0
 """Error of the prediction, in % of the motion, from which on neither model seems to be of this bench."""
 
 BASIS: dict[UsualFrom, str] = {
-    "the_same_releases": "the usual model was fitted to what the model was fitted to",
+    "the_same_releases": "the usual model was fitted to the same releases as the model",
     "the_other_releases": "the usual model has the medians of what it finds on each of the other releases",
     "the_release_itself": "the usual model was fitted to this very release and foretells nothing, which favours it",
 }

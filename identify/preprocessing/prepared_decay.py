@@ -53,7 +53,8 @@ class PreparedDecay(Summarised):
     fit, and `lost` marks the readings of each channel that its sensor repeated or lost. `rest` is None where none was
     recorded. `block` is how many readings of the record each one here is the mean of, and `share` the share of its
     motion that is fitted where this is one of several pieces of a long release. `mass` is in kg (kg m^2 for angles), None
-    where it is unknown. `use` says which part of the record this is, and why it ends there.
+    where it is unknown. `use` says which part of the record this is, and why it ends there. `floor_std` is the standard
+    error of the reduced chi-square of a model that explains the record; None until a first fit has decided it.
     """
 
     window: FitWindow
@@ -68,6 +69,7 @@ class PreparedDecay(Summarised):
     share: float = 1.0
     mass: float | None = None
     use: RecordUse | None = None
+    floor_std: float | None = None
 
     def brief(self) -> Summary:
         """Return what will be fitted."""

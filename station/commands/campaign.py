@@ -5,17 +5,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import GAIN
+from station.commands.options import GAIN, known_places
 from station.output import json_option, print_json, progress, screen
 
 if TYPE_CHECKING:
     from station.campaign.crew import Crew
+    from station.results.campaign_document import CampaignDocument
 
 TABLE, TRENDS = "sessions.csv", "trends.csv"
 
 
 @click.command("campaign")
-@click.argument("sessions", nargs=-1, metavar="[FOLDER | SESSION...]")
+@click.argument("sessions", nargs=-1, metavar="[FOLDER | SESSION...]", callback=known_places)
 @click.option("--diagnose", is_flag=True, help="Diagnose each session too: seconds each.")
 @click.option(
     "--output",
@@ -87,8 +88,26 @@ def command(
         print_json(document.plain())
     else:
         show_campaign(screen(), document)
+        folders = {source.name: source.folder for source in sources}
+        for line in _next(document, folders, sessions):
+            screen().print(line, markup=False, soft_wrap=True)
     if not document.rows:
         raise NothingIdentified(f"none of the {len(sources)} sessions has a result; the reasons are above")
+
+
+def _next(document: "CampaignDocument", folders: dict[str, Path], given: tuple[str, ...]) -> list[str]:
+    """Return the command that comes next: the session that lies farthest out, else a diagnosis of all."""
+    from station.text.next_step import next_line
+
+    outside = [one for chart in document.charts for one in chart.outside if one.session in folders]
+    if outside:
+        farthest = max(outside, key=lambda one: abs(one.sigmas or 0.0))
+        return [next_line("diagnose", folders[farthest.session])]
+    if document.rows and not document.diagnosed:
+        return [next_line("campaign", "--diagnose", *given)]
+    return [next_line("report", folders[row.result.session]) for row in document.rows[:1]] or [
+        next_line("list", *given[:1])
+    ]
 
 
 def _crew(workers: int | None, scheduler: str | None, sessions: int) -> "Crew":

@@ -32,11 +32,28 @@ if TYPE_CHECKING:
 )
 @MASS
 @MASS_STD
-@click.option("--duration", type=float, metavar="S", help="Seconds after the release (8).")
-@click.option("--rate", type=float, metavar="HZ", help="Sampling rate (256).")
-@click.option("--pre-trigger", type=float, metavar="S", help="Seconds kept before the release (1).")
-@click.option("--patience", type=float, metavar="S", help="How long to wait for the release (60).")
-@click.option("--level", type=float, metavar="M", help="Smallest swing taken for a release.")
+@click.option(
+    "--duration",
+    type=click.FloatRange(0, 3600, min_open=True),
+    metavar="S",
+    help="Seconds after the release (8).",
+)
+@click.option("--rate", type=click.FloatRange(5, 20_000), metavar="HZ", help="Sampling rate (256).")
+@click.option(
+    "--pre-trigger", type=click.FloatRange(0.5, 60), metavar="S", help="Seconds kept before the release (1)."
+)
+@click.option(
+    "--patience",
+    type=click.FloatRange(0, 3600, min_open=True),
+    metavar="S",
+    help="How long to wait for the release (60).",
+)
+@click.option(
+    "--level",
+    type=click.FloatRange(0, min_open=True),
+    metavar="M",
+    help="Smallest swing taken for a release.",
+)
 @click.option(
     "--lines", is_flag=True, help="The board prints numbers, a line a sample; PORT may be a file that grows."
 )

@@ -1,17 +1,11 @@
 """`station compare`: by how much a model fails on a session, and where."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from station.commands.options import MASS_INSTEAD, MODEL, SESSION
 from station.output import json_option, print_json, progress, screen
-
-if TYPE_CHECKING:
-    from identify.model.model import Model
-
-USUAL = "usual"
 
 
 @click.command("compare")
@@ -36,17 +30,13 @@ def command(
     identify` found, with its orders; `--model usual` is stiffness, dry and
     viscous friction.
     """
-    from identify.model.model import base_model
-    from station.operations.comparing import compare_session, own_model, write_view
+    from station.operations.comparing import compare_session, identified_model, write_view
     from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
-    if model_file is None:
-        model: Path | Model = own_model(opened, settings)
-    else:
-        model = base_model() if str(model_file) == USUAL else model_file
+    model = identified_model(opened, settings) if model_file is None else model_file
     compared, document = compare_session(opened, settings, model, mass=mass)
     if as_json:
         print_json(document.plain())
@@ -55,7 +45,7 @@ def command(
         from station.text.next_step import next_line
 
         show_comparison(screen(), compared)
-        fails = not compared.baseline.at_floor
+        fails = not compared.judged.at_floor
         screen().print(
             next_line("diagnose" if fails else "report", opened.folder), markup=False, soft_wrap=True
         )

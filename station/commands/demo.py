@@ -90,12 +90,10 @@ def command(
 
 def _examples(settings_file: str | None, name: str | None, as_json: bool) -> None:
     """List the recordings that come with the station, or import one and identify it."""
-    from station.operations.examples import EXAMPLES, open_example
-    from station.operations.identifying import identify_session, refuse_if_nothing
-    from station.settings import load_settings
-    from station.story.preparation import options_for
-    from station.text.terminal import next_steps, show_identification
+    from station.operations.examples import EXAMPLES, example
 
+    if name is not None:
+        example(name)  # a typo is answered before the numerics are loaded
     if name is None:
         if as_json:
             print_json({"examples": [{"name": e.name, "file": e.file, "about": e.about} for e in EXAMPLES]})
@@ -104,6 +102,12 @@ def _examples(settings_file: str | None, name: str | None, as_json: bool) -> Non
             click.echo(f" {one.name:<20}{one.about}")
         click.echo(f"\n try one: station demo --example {EXAMPLES[0].name}")
         return
+    from station.operations.examples import open_example
+    from station.operations.identifying import identify_session, refuse_if_nothing
+    from station.settings import load_settings
+    from station.story.preparation import options_for
+    from station.text.terminal import next_steps, show_identification
+
     settings = load_settings(settings_file)
     session = open_example(name, settings.sessions)
     result, document = identify_session(session, options_for(session, settings))

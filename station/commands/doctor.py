@@ -45,7 +45,20 @@ def command(settings_file: str | None, port: str | None, seconds: float, as_json
         print_json({"ok": not failed, "findings": entries})
     else:
         _print(findings)
+        screen().print(_next(findings, port, failed=failed), markup=False, soft_wrap=True)
     return exits.NO_BOARD if failed else exits.DONE
+
+
+def _next(findings: list["Finding"], port: str | None, *, failed: bool) -> str:
+    """Return the command that comes next: a capture where a board answered, the same check once a fault is mended."""
+    from station.text.next_step import next_line
+
+    at = () if port is None else ("--port", port)
+    if failed:
+        return f"{next_line('doctor', *at)} (once what failed is mended)"
+    if any(finding.check == "handshake" for finding in findings):
+        return next_line("capture", *at)
+    return f"{next_line('demo')} (no board is needed for it)"
 
 
 def _examine(port: str | None, sessions: Path, rate: float, seconds: float) -> Iterator["Finding"]:

@@ -20,6 +20,29 @@ def known_sessions(
     return value
 
 
+def known_places(
+    context: click.Context, parameter: click.Parameter, value: tuple[str, ...]
+) -> tuple[str, ...]:
+    """Refuse at once what is no folder, no session and no data file; without any the settings' folder is meant."""
+    from station.results.session_names import refuse_unknown
+    from station.settings import load_settings
+
+    settings = load_settings(context.obj)
+    for name in value:
+        if name != str(settings.sessions):
+            refuse_unknown(name, settings.sessions, "folder, session or data file")
+    return value
+
+
+def known_model_place(context: click.Context, parameter: click.Parameter, value: str) -> str:
+    """Refuse at once a model that is neither a file nor a session."""
+    from station.results.session_names import refuse_unknown
+    from station.settings import load_settings
+
+    refuse_unknown(value, load_settings(context.obj).sessions, "model file or session")
+    return value
+
+
 def known_effect(context: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
     """Refuse at once an effect that is not in the library; a formula, and names of a file of effects, pass."""
     from station.suggestions import MEASURED_CURVE, did_you_mean, effect_names
@@ -29,8 +52,8 @@ def known_effect(context: click.Context, parameter: click.Parameter, value: str 
     names = (*effect_names(), MEASURED_CURVE)
     if value in names:
         return value
-    meant = did_you_mean(value, names) or f"; there are {', '.join(names)}"
-    raise UsageProblem(f"no effect is called '{value}'{meant}")
+    more = 'see `station effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
+    raise UsageProblem(f"no effect is called '{value}'{did_you_mean(value, names)}; {more}")
 
 
 SESSION = click.argument("session", callback=known_sessions)
@@ -40,7 +63,7 @@ MODEL = click.option(
     "model_file",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Begin with this model instead of stiffness, dry and viscous friction.",
+    help="A model file; or `usual` (stiffness, dry, viscous friction), `identified`.",
 )
 EFFECTS = click.option(
     "--effects",

@@ -45,6 +45,7 @@ def command(
     from station.operations.line_boards import profiles_of
     from station.settings import load_settings
     from station.text.lines_text import show_format, show_lines
+    from station.text.next_step import next_line
 
     settings = load_settings(settings_file)
     if name is not None:
@@ -75,9 +76,9 @@ def command(
     told_name = name or "NAME"
     if kept is not None:
         progress(f"kept: {kept}")
-        click.echo(f"next: station capture --port {port} --profile {told_name}")
+        click.echo(next_line("capture", "--port", port, "--profile", told_name))
     else:
-        click.echo(f"next: station profile {told_name} --port {port} (the same options keep it)")
+        click.echo(f"{next_line('profile', told_name, '--port', port)} (the same options keep it)")
 
 
 def _decided(sample: "Sample", options: "LineOptions", *, may_ask: bool) -> "LineFormat":

@@ -7,6 +7,7 @@ import click
 from station.commands.options import SESSIONS
 from station.exits import UsageProblem
 from station.output import print_json, progress
+from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from station.results.identification_document import IdentificationDocument
@@ -26,18 +27,18 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
     table.
     """
     from identify.errors import NotIdentifiable
-    from station.operations.identifying import identify_session
+    from station.operations.identifying import identify_session, kept_options
     from station.results.sessions import open_session
     from station.settings import load_settings
-    from station.story.preparation import options_for
     from station.text import table
 
     settings = load_settings(settings_file)
     documents: list[IdentificationDocument] = []
+    folders = []
     for name in sessions:
         session = open_session(name, settings.sessions)
         try:
-            result, document = identify_session(session, options_for(session, settings))
+            result, document = identify_session(session, kept_options(session, settings))
         except NotIdentifiable as refusal:
             progress(f"left out: {name}: {refusal}")
             continue
@@ -45,6 +46,7 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
             progress(f"left out: {name}: nothing identified")
             continue
         documents.append(document)
+        folders.append(session.folder)
     if not documents:
         raise NotIdentifiable("none of the sessions could be identified")
     if len({document.record.unit for document in documents}) > 1:
@@ -59,3 +61,8 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
     else:
         writers = {"text": table.as_text, "csv": table.as_csv, "latex": table.as_latex}
         click.echo(writers[form](tables), nl=False)
+        step = next_line("diagnose" if len(folders) > 1 else "compare", *folders)
+        if form == "text":
+            click.echo(f"\n{step}")
+        else:  # the table goes into a file
+            progress(step)

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import EFFECTS, SESSIONS
+from station.commands.options import EFFECTS, SESSIONS, known_model_place
 from station.output import json_option, print_json, progress, screen
 
 
 @click.command("validate")
-@click.argument("model")
+@click.argument("model", callback=known_model_place)
 @SESSIONS
 @EFFECTS
 @click.option("--hold", is_flag=True, help="Hold the linear spring and the viscous part too.")

@@ -33,14 +33,13 @@ def command(
 
     Identifies it first, and keeps the recording in the session's results.
     """
-    from station.operations.identifying import identify_session, write_view
+    from station.operations.identifying import identify_session, kept_options, write_view
     from station.results.sessions import open_session
     from station.settings import load_settings
-    from station.story.preparation import options_for
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
-    result, _ = identify_session(opened, options_for(opened, settings))
+    result, _ = identify_session(opened, kept_options(opened, settings))
     from station.operations.viewer_tabs import viewed_tabs
 
     file = write_view(opened, result, viewed_tabs(opened, settings))

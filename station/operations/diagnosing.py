@@ -7,7 +7,8 @@ from identify.diagnosis.diagnose import Diagnosis
 from identify.errors import NotIdentifiable
 from identify.model.model import base_model
 from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
-from station.operations.session_set import SessionSet, chosen_model, open_sessions, whole_library
+from station.operations.beginning import beginning
+from station.operations.session_set import SessionSet, open_sessions, whole_library
 from station.output import print_json
 from station.results.diagnosis_document import (
     DiagnosisDocument,
@@ -74,9 +75,10 @@ def diagnose_sessions(
 ) -> tuple[Diagnosis, DiagnosisDocument]:
     """Diagnose sessions together; return the diagnosis and its document, which `keep` writes."""
     library = whole_library(effects_file)
-    model, known, expressions = chosen_model(model_file, sessions.decays, library)
-    found, left_out = diagnose(sessions.decays, model, known, library=library, progress=progress)
-    return found, diagnosis_document(sessions.names, found, expressions, left_out)
+    begun = beginning(sessions.sessions, sessions.decays, model_file, library)
+    found, left_out = diagnose(sessions.decays, begun.model, begun.known, library=library, progress=progress)
+    document = diagnosis_document(sessions.names, found, begun.expressions, left_out)
+    return found, document.model_copy(update={"model_is": begun.words, "model_remark": begun.remark})
 
 
 def keep(sessions: SessionSet, document: DiagnosisDocument) -> None:

@@ -72,7 +72,7 @@ def disk(sessions: Path) -> Iterator[Finding]:
         return
     grade = Grade.WARN if slowest > SLOW_SYNC_S else Grade.PASS
     yield Finding(
-        grade, "disk sync", f"{slowest * 1e3:.1f} ms at most of 5", "use a local disk for the sessions"
+        grade, "disk sync", f"{slowest * 1e3:.1f} ms, the slowest of 5", "use a local disk for the sessions"
     )
 
 

@@ -8,7 +8,6 @@ from daq.importing.options import ImportOptions
 from daq.session import Session
 from daq.session_info import SessionInfo
 from station.exits import UsageProblem
-from station.results.sessions import import_file
 from station.suggestions import did_you_mean
 
 IN_A_CLONE = Path(__file__).resolve().parents[2] / "examples"
@@ -60,6 +59,8 @@ def examples_folder() -> Path:
 
 def open_example(name: str, sessions: Path) -> Session:
     """Return the session of an example; it is imported into `sessions` the first time."""
+    from station.results.sessions import import_file
+
     wanted = example(name)
     file = examples_folder() / wanted.file
     folder = sessions / wanted.name

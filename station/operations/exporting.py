@@ -10,6 +10,7 @@ import numpy as np
 from daq.exporting import Exported, encode
 from daq.recording import Recording
 from daq.session import Session
+from daq.storage import refused
 from identify.errors import NotIdentifiable
 from identify.formatting import with_error
 from identify.preprocessing.aligned_decay import locate_and_align
@@ -60,7 +61,10 @@ def write_exported(exported: Exported, form: str, file: Path, *, overwrite: bool
     if file.exists() and not overwrite:
         raise UsageProblem(f"{file} is there already; choose another name, or --overwrite")
     content = encode(exported, form)
-    descriptor, name = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
+    try:
+        descriptor, name = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
+    except OSError as error:
+        raise refused(file, error) from error
     try:
         with os.fdopen(descriptor, "wb") as part:
             part.write(content)

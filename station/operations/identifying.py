@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING
 
 from daq.session import Session
 from identify.errors import NotIdentifiable
-from station.exits import NOT_IDENTIFIABLE, Problem
+from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
+from station.operations.beginning import kept_identification
+from station.operations.record_floor import with_floor
 from station.results.documents import write_document
 from station.results.identification_document import NAME, IdentificationDocument, identification_document
+from station.settings import Settings
 from station.story.identification import Identification
 from station.story.pipeline import identify, judged
-from station.story.preparation import Options, prepare_recording
+from station.story.preparation import Options, options_for, prepare_recording
 
 if TYPE_CHECKING:
     from station.views.tab import Tab
@@ -35,12 +38,26 @@ def identify_session(session: Session, options: Options) -> tuple[Identification
     recording = session.recording()
     result = identify(recording, options)
     try:
-        result = judged(result, prepare_recording(recording, options))
+        prepared = with_floor(session, prepare_recording(recording, options))
+        result = judged(result, prepared)
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
-    document = identification_document(session.folder.name, result)
+    document = identification_document(session.folder.name, result, options)
     write_document(session, NAME, document)
     return result, document
+
+
+def kept_options(session: Session, settings: Settings, mass: float | None = None) -> Options:
+    """Return the options with the orders that the operator chose when the session was identified, where they did."""
+    options = options_for(session, settings, mass)
+    try:
+        kept = kept_identification(session)
+    except UsageProblem:  # altered: it is made again
+        return options
+    if kept is None or kept.orders is None or not kept.orders.chosen:
+        return options
+    orders = kept.orders
+    return replace(options, max_order=orders.max_order, stiffness_orders=tuple(orders.stiffness_orders))
 
 
 def refuse_if_nothing(result: Identification) -> None:

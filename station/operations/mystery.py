@@ -15,7 +15,7 @@ from rich.text import Text
 from daq.session import Session
 from daq.session_info import SessionInfo
 from identify.fitting.model_error import errors_of
-from identify.formatting import plain_name
+from identify.formatting import decimals_for, plain_name
 from identify.model.model import base_model
 from identify.model.parameter_id import ParameterId
 from station.exits import Problem
@@ -23,6 +23,7 @@ from station.operations.capturing import record
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.new_session import capture_settings, new_folder
+from station.operations.record_floor import prepare_with_floor
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
 from station.operations.simulated_board import simulated_board
@@ -31,10 +32,9 @@ from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.settings import Settings
 from station.story.engineering_values import Weighing
-from station.story.preparation import prepare_session
 from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
-from station.text.numbers import three_figures
+from station.text.numbers import three_figures, with_unit
 
 MASS_KG = 21.36
 SEEDS = 1000
@@ -129,7 +129,7 @@ def solve(
 def _solve(
     session: Session, settings: Settings, say: Say, console: Console | None, seed: int, envelope: Path
 ) -> Solved:
-    sessions = SessionSet((session,), (prepare_session(session, settings),))
+    sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
     say(
         "1. COMPARE: how well does the usual model explain the recording?",
         "The model is fitted, then run freely from the release, and laid over the measurement.",
@@ -230,8 +230,8 @@ def _side_by_side(solved: Solved) -> list[str]:
             if id.effect == solved.truth["hidden"]:
                 lines.append(f"{name:<30}{value:>11.5g}")
             continue
-        std = "" if estimate.std is None else f" ± {estimate.std:.2g}"
-        lines.append(f"{name:<30}{value:>11.5g}   found {estimate.value:.6g}{std} {estimate.unit}")
+        digits = f"{value:>11.5g}" if not estimate.std else f"{value:>11.{decimals_for(estimate.std)}f}"
+        lines.append(f"{name:<30}{digits}   found {with_unit(estimate)}")
     return lines
 
 

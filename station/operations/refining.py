@@ -14,13 +14,14 @@ from identify.formatting import plain_name, three_figures
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.session_set import chosen_model, whole_library
+from station.operations.beginning import beginning
+from station.operations.record_floor import prepare_with_floor
+from station.operations.session_set import whole_library
 from station.results.documents import Errors, seen
 from station.results.ladder import LADDER, KeptLadder, KeptRung, kept_rung, read_ladder, write_ladder
 from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress, refine
-from station.story.preparation import prepare_session
 from station.suggestions import MEASURED_CURVE, did_you_mean
 
 
@@ -53,13 +54,13 @@ def open_refinement(
     ladder = None if reset or model_file is not None else read_ladder(session)
     if gain_percent is None and ladder is not None:
         gain_percent = ladder.gain_percent
-    prepared = prepare_session(session, settings, gain_percent)
+    prepared = prepare_with_floor(session, settings, gain_percent)
     if ladder is None:
-        model, known, expressions = chosen_model(model_file, (prepared,), library)
-        rung = first_rung((prepared,), model, known)
+        begun = beginning((session,), (prepared,), model_file, library)
+        rung = first_rung((prepared,), begun.model, begun.known)
         ladder = KeptLadder(
             format=1,
-            rungs=(kept_rung(rung, expressions),),
+            rungs=(kept_rung(rung, begun.expressions, begun.words),),
             present=0,
             floor=floor_of(prepared, rung),
             gain_percent=gain_percent,

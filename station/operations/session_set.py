@@ -1,4 +1,4 @@
-"""The sessions that the operator named, the model to begin with, and the library of effects."""
+"""The sessions that the operator named, and the library of effects."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -6,13 +6,11 @@ from pathlib import Path
 from daq.session import Session
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
-from identify.model.model import Model, base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.results.models import read_model, starting_values
+from station.operations.record_floor import prepare_with_floor
 from station.results.sessions import open_session
 from station.settings import Settings
-from station.story.preparation import prepare_session
 
 MOST_SESSIONS = 12
 
@@ -44,7 +42,7 @@ def open_sessions(
     folders = [session.folder.resolve() for session in sessions]
     if len(set(folders)) < len(folders):
         raise UsageProblem("one session was given twice; each release counts once")
-    decays = tuple(prepare_session(session, settings, gain_percent) for session in sessions)
+    decays = tuple(prepare_with_floor(session, settings, gain_percent) for session in sessions)
     _check_alike(sessions, decays)
     return SessionSet(sessions, decays)
 
@@ -78,13 +76,3 @@ def whole_library(file: Path | None) -> tuple[Effect, ...]:
             raise UsageProblem(f"{file}: {effect.name} is in the library already; choose another name")
         taken.add(effect.name)
     return (*LIBRARY, *own)
-
-
-def chosen_model(
-    file: Path | None, decays: tuple[PreparedDecay, ...], library: tuple[Effect, ...] = LIBRARY
-) -> tuple[Model, dict[str, float] | None, tuple[str, ...]]:
-    """Return the model to begin with, the values to begin from (None: from the data), and its expressions."""
-    if file is None:
-        return base_model(), None, ()
-    known = read_model(file, library)
-    return known.model, starting_values(known, decays), known.expressions

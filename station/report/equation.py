@@ -20,8 +20,8 @@ from station.text.numbers import SPACE, typeset, typeset_error, typeset_figures,
 TITLE = "The equation of motion"
 FAR = 4.0
 SEGMENTS = (
-    "these are the values of the ladder, fitted in {} pieces that share the physics. The errors below are those of "
-    "the same model run over the whole record at once, in which a wandering phase counts as misfit."
+    "these values, and the errors below, are those of {} pieces of the record that share the physics. The places below "
+    "are those of one run over the whole record, in which a wandering phase counts as misfit."
 )
 
 CURVE = (
@@ -35,7 +35,7 @@ def equation(found: Findings) -> Section:
     compared = found.refined.compared if found.refined is not None else found.compared
     if compared is None:
         return Section("equation", TITLE, (left_out(found.left_out["comparison"]),))
-    fit = compared.baseline.fit if found.refined is None else found.refined.top.fit
+    fit = compared.judged.fit if found.refined is None else found.refined.top.fit
     parts: list[Part] = [
         Equation((_letters(fit), _numbers(fit))),
         Paragraph(
@@ -64,10 +64,10 @@ def equation(found: Findings) -> Section:
 
 def caution(compared: Compared) -> str:
     """Return why the standard errors cannot be taken at their word, or ""."""
-    seen = compared.comparison
-    if seen.chi_square <= 1.0 + FAR * seen.chi_square_std:
+    error = compared.error
+    if error.chi_square <= 1.0 + FAR * error.floor_std:
         return ""
-    motion, chi_square = typeset_figures(seen.motion_error), typeset_figures(seen.chi_square)
+    motion, chi_square = typeset_figures(error.motion_percent), typeset_figures(error.chi_square)
     return (
         f"This model leaves {motion} % of the motion, {chi_square} times what noise explains. The standard errors are those "
         "of noise alone; what the model lacks may have moved its parameters by more."

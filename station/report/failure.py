@@ -1,32 +1,38 @@
-"""The section of the comparison: how large the errors of the usual model are, what they mean, and where it fails."""
+"""The section of the comparison: how large the errors of the model to begin with are, what they mean, and where it fails."""
 
 import numpy as np
 
 from identify.comparison.discrepancy_text import DiscrepancyText
+from identify.formatting import plain_name
 from station.report import comparison_figures as draw
 from station.report.content import Facts, Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
 from station.story.compared import Compared
 from station.text.comparison_text import floor_text, harmonics_text
+from station.text.layout import sentence
 from station.text.numbers import energy_scale, typeset, typeset_error, typeset_figures, typeset_unit
 
-TITLE = "The usual model compared with the measurement"
+TITLE = "The model to begin with, compared with the measurement"
 MOST_CYCLES = 12
 
 
 def comparison(found: Findings) -> Section:
-    """Say and draw where stiffness, dry and viscous friction fail."""
+    """Say and draw where the model to begin with fails."""
     compared = found.compared
     if compared is None:
         return Section("comparison", TITLE, (left_out(found.left_out["comparison"]),))
     seen, fit = compared.comparison, compared.baseline.fit
     parts: list[Part] = [
         Paragraph(
-            f"{' + '.join(fit.model.names)}, fitted to the whole record and run freely.", label="Model"
+            f"{sentence(compared.words).rstrip('.')}: {' + '.join(plain_name(name) for name in fit.model.names)}, fitted to "
+            "the record and run freely.",
+            label="Model",
         ),
         errors(compared),
         Paragraph(seen.cause, label="Sensor or physics", strong=True),
     ]
+    if compared.one_run:
+        parts.append(Paragraph(compared.one_run, label="Long record"))
     if not fit.converged or fit.unidentifiable:
         parts.append(Paragraph(fit.outcome, label="Fit"))
     parts.append(places(compared))
@@ -53,14 +59,15 @@ def comparison(found: Findings) -> Section:
 
 def errors(compared: Compared) -> Table:
     """Return the three errors with what noise alone would leave and what each means."""
-    seen = compared.comparison
-    cycles = f"{seen.horizon:.3g} s ({seen.horizon_cycles:.0f} cycles)"
+    seen, error = compared.comparison, compared.error
+    count = error.horizon_s * compared.baseline.fit.frequency / (2.0 * np.pi)
+    cycles = f"{typeset_figures(error.horizon_s)} s ({count:.0f} cycles)"
     rows = (
-        ("force", f"{typeset_figures(seen.force_error)} %", f"{typeset_figures(seen.force_floor)} %",
+        ("force", f"{typeset_figures(error.force_mse_percent)} %", f"{typeset_figures(seen.force_floor)} %",
          "mean square, eq. (18), with the force taken at the measured motion"),
-        ("motion", f"{typeset_figures(seen.motion_error)} %", f"{typeset_figures(compared.motion_floor)} %",
+        ("motion", f"{typeset_figures(error.motion_percent)} %", f"{typeset_figures(compared.motion_floor)} %",
          f"rms of the free run over {cycles}, of the {seen.motion_channel}'s rms"),
-        ("chi²", typeset_figures(seen.chi_square), f"1 ± {seen.chi_square_std:.2f}",
+        ("chi²", typeset_figures(error.chi_square), f"1 ± {error.floor_std:.2f}",
          "reduced: misfit over noise; 1 when nothing is left to explain"),
     )  # fmt: skip
     return Table("Errors of the model", ("error", "value", "noise alone", "meaning"), rows, wordy=True)

@@ -8,10 +8,13 @@ from daq.recording import Recording
 from daq.session import Session
 from identify.diagnosis.ladder import Rung
 from identify.errors import NotIdentifiable
+from identify.fitting.baseline import fit_baseline
 from station.exits import Problem, UsageProblem
+from station.operations.beginning import beginning
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
-from station.operations.identifying import identify_session
+from station.operations.identifying import identify_session, kept_options
+from station.operations.record_floor import prepare_with_floor
 from station.operations.refining import Refinement, open_refinement, rung_again
 from station.operations.session_curves import kept_curves
 from station.operations.session_set import SessionSet
@@ -26,7 +29,7 @@ from station.settings import Settings
 from station.story.compared import Compared
 from station.story.identification import Identification
 from station.story.pipeline import Progress, compare, compare_fitted
-from station.story.preparation import Options, options_for, prepare_session
+from station.story.preparation import Options
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +67,7 @@ def gather(
     `mass` (kg) replaces the session's. Raises DataLost when the session holds no sample; what else cannot be done is
     left out and says why.
     """
-    found = Findings(session, session.recording(), options_for(session, settings, mass))
+    found = Findings(session, session.recording(), kept_options(session, settings, mass))
     _identify(found)
     _compare(found, settings, mass)
     if diagnose:
@@ -88,12 +91,15 @@ def _identify(found: Findings) -> None:
 
 
 def _compare(found: Findings, settings: Settings, mass: float | None) -> None:
-    """Compare with the usual model; kept in the session only where no comparison is kept yet."""
+    """Compare with the model to begin with; kept in the session only where no comparison is kept yet."""
     session = found.session
     try:
         if (session.results / comparison_document.NAME).is_file():
-            prepared = prepare_session(session, settings, mass=mass)
-            found.compared = compare(session.folder.name, prepared, mass=found.options.mass)
+            prepared = prepare_with_floor(session, settings, mass=mass)
+            begun = beginning((session,), (prepared,))
+            found.compared = compare(
+                session.folder.name, prepared, begun.model, mass=found.options.mass, words=begun.words
+            )
         else:
             found.compared, _ = compare_session(session, settings, mass=mass)
     except NotIdentifiable as refusal:
@@ -102,7 +108,7 @@ def _compare(found: Findings, settings: Settings, mass: float | None) -> None:
 
 def _diagnose(found: Findings, settings: Settings, progress: Progress) -> None:
     try:
-        sessions = SessionSet((found.session,), (prepare_session(found.session, settings),))
+        sessions = SessionSet((found.session,), (prepare_with_floor(found.session, settings),))
         _, document = diagnose_sessions(sessions, progress=progress)
         keep(sessions, document)
     except NotIdentifiable as refusal:
@@ -149,6 +155,7 @@ def _refit(found: Findings, refinement: Refinement) -> None:
     ladder, prepared, name, mass = (
         refinement.ladder, refinement.prepared, found.session.folder.name, found.options.mass
     )  # fmt: skip
+    words = "the present model"
     try:
         top = rung_again(refinement, ladder.top)
     except (Problem, NotIdentifiable) as refusal:
@@ -160,10 +167,11 @@ def _refit(found: Findings, refinement: Refinement) -> None:
         known = known_model(ladder.top.model, "the ladder", refinement.library)
         start = starting_values(known, (prepared,))
         try:
-            compared = compare(name, prepared, known.model, start, mass=mass)
+            whole = fit_baseline((prepared,), known.model, start)
+            compared = compare_fitted(name, whole, mass=mass, words=words, judged=top.baseline)
         except NotIdentifiable as refusal:
             found.left_out["ladder"] = str(refusal)
             return
     else:
-        compared = compare_fitted(name, top.baseline, mass=mass)
+        compared = compare_fitted(name, top.baseline, mass=mass, words=words)
     found.refined = FittedLadder(ladder, top, compared)

@@ -9,6 +9,7 @@ from station.text.curves_text import curves_caption
 from station.text.diagnosis_text import (
     confirmed_by,
     foretells,
+    found_in_sensor,
     headline,
     not_told_apart,
     shown_suspects,
@@ -132,7 +133,7 @@ def _parameters(suspect: SuspectDocument | FindingDocument) -> str:
 def _findings(document: DiagnosisDocument) -> list[Part]:
     parts: list[Part] = []
     for finding in document.findings:
-        text = f"{finding.title} ({_parameters(finding)}); {finding.what_to_do}."
+        text = f"{sentence(typeset(found_in_sensor(finding))).rstrip('.')}; {finding.what_to_do}."
         parts.append(Paragraph(text, label="Sensor"))
     shape = document.shape
     if shape is not None and shape.curves:

@@ -60,8 +60,9 @@ def _length(found: Findings) -> str:
 def _sampling(found: Findings) -> str:
     recording = found.recording
     n = recording.samples.shape[1]
-    error = "" if not recording.rate_std else f" ± {recording.rate_std:.2g} Hz"
-    return f"{recording.rate:.8g} Hz{error}, {n} samples, {n / recording.rate:.4g} s"
+    std = recording.rate_std
+    rate = typeset_error(recording.rate, std) if std else f"{recording.rate:.8g}"
+    return f"{rate} Hz, {n} samples, {n / recording.rate:.4g} s"
 
 
 def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:

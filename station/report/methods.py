@@ -5,7 +5,17 @@ from identify.formatting import damping_name
 from station.report import identification_figures as draw
 from station.report.content import Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
-from station.text.numbers import lowered, scale, typeset_error, typeset_figures, typeset_symbol, typeset_unit
+from station.story.adequacy import judgement
+from station.text.layout import sentence
+from station.text.numbers import (
+    lowered,
+    scale,
+    typeset,
+    typeset_error,
+    typeset_figures,
+    typeset_symbol,
+    typeset_unit,
+)
 from station.text.table import Tables, make_tables
 
 TITLE = "Identification by two methods"
@@ -28,6 +38,9 @@ def methods(found: Findings) -> Section:
             parts.append(Paragraph(f"not identified: {result.refusals[name].rstrip('.')}.", label=label))
     if result.wavelet is None and result.restoring_force is None:
         return Section("methods", TITLE, tuple(parts))
+    judged = result.adequacy
+    if judged is not None and not judged.quotable:
+        parts.append(Paragraph(sentence(typeset(judgement(judged))), label="Judged", strong=True))
     tables = make_tables([found.document])
     parts += [_table_1(tables), _table_2(found), _details(found)]
     if _disagree(parts):

@@ -30,7 +30,7 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
     model = explaining(found)
     rows: Rows = []
     if model is not None:
-        rows.append(("model", f"{_names(model.fit)}: {model.left}, which is the noise"))
+        rows.append(("model", f"{_names(model.fit)}: {model.left}"))
         rows += values(model.fit, found)
         aligned = None if found.identification is None else found.identification.alignment
         doubt = "" if aligned is None else scale_doubt(aligned.gain)
@@ -44,7 +44,8 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
         confirmed = confirmed_by(found.diagnosis)
         if confirmed:
             rows.append(("prediction", sentence(confirmed)))
-    if found.refined is not None and found.refined.ladder.present > 0:
+    refined_explains = found.refined is not None and found.refined.top.at_floor
+    if found.refined is not None and found.refined.ladder.present > 0 and not refined_explains:
         compared = found.refined.compared
         rows.append(("present model", f"{_names(compared.baseline.fit)}: leaves {_left(compared)}"))
     final = found.refined.compared if found.refined is not None else found.compared
@@ -59,11 +60,11 @@ def explaining(found: Findings) -> Explaining | None:
     refined, adequate = found.refined, None
     if refined is not None and refined.top.at_floor:
         top = refined.top
-        return Explaining(top.stated, _over_noise(top.error.chi_square))
+        return Explaining(top.stated, _over_noise(top.error.chi_square, top.error.floor_std))
     if found.identification is not None:
         adequate = found.identification.adequacy
     if adequate is not None and adequate.adequate:
-        return Explaining(adequate.fit, _over_noise(adequate.chi_square))
+        return Explaining(adequate.fit, _over_noise(adequate.chi_square, adequate.chi_square_std))
     return None
 
 
@@ -90,8 +91,8 @@ def _names(fit: Fit) -> str:
     return " + ".join(plain_name(name) for name in fit.model.names)
 
 
-def _over_noise(chi_square: float) -> str:
-    return f"leaves {typeset_figures(chi_square)} x the noise"
+def _over_noise(chi_square: float, std: float) -> str:
+    return f"leaves {typeset_figures(chi_square)} x the noise (noise floor 1 ± {std:.2f})"
 
 
 def _nothing_explains(found: Findings) -> str:
@@ -107,20 +108,20 @@ def _nothing_explains(found: Findings) -> str:
 
 
 def _usual(found: Findings, model: Explaining | None) -> Rows:
-    """Return the usual model beside the one that explains the record, as what it is."""
+    """Return the model to begin with beside the one that explains the record, as what it is."""
     if found.compared is None:
         return []
-    fit = found.compared.baseline.fit
+    fit, name = found.compared.judged.fit, found.compared.words.removeprefix("the ").split(",")[0]
     left = f"leaves {_left(found.compared)}"
     if model is not None and set(model.fit.model.names) == set(fit.model.names):
-        return [("usual model", left)]
+        return [(name, left)]
     quoted = "; ".join(
         f"{one.name} {_quantity(one.value)}"
         for one in engineering_values(
-            found.compared.baseline.stated(fit), found.options.mass, found.options.mass_std
+            found.compared.judged.stated(fit), found.options.mass, found.options.mass_std
         )
     )
-    return [("usual model", f"{left}; not to be quoted, for comparison only: {quoted}")]
+    return [(name, f"{left}; not to be quoted, for comparison only: {quoted}")]
 
 
 def _methods(found: Findings) -> Rows:
@@ -144,6 +145,6 @@ def _methods(found: Findings) -> Rows:
 
 
 def _left(compared: Compared) -> str:
-    seen = compared.comparison
-    motion, chi_square = typeset_figures(seen.motion_error), typeset_figures(seen.chi_square)
+    error = compared.error
+    motion, chi_square = typeset_figures(error.motion_percent), typeset_figures(error.chi_square)
     return f"{motion} % of the motion, {chi_square} x the noise"

@@ -103,8 +103,19 @@ class HarmonicsDocument(Part):
     significance: Numbers
 
 
+class OneRun(Part):
+    """What a model leaves of the whole record in one free run."""
+
+    motion_percent: Number
+    chi2: Number
+
+
 class ComparisonDocument(Document):
-    """A model beside a measurement: how large its errors are, and where."""
+    """A model beside a measurement: how large its errors are, and where.
+
+    `model_is` says which model it is. `error` is that of the `pieces` in which a long record is judged, `one_run` that of
+    one free run from the release to the end.
+    """
 
     session: str
     model: ComparedModel
@@ -118,24 +129,30 @@ class ComparisonDocument(Document):
     cycles: Cycles
     phase_plane: PhasePlaneDocument
     harmonics: HarmonicsDocument
+    model_is: str = "the usual model"
+    pieces: int = 1
+    one_run: OneRun | None = None
 
 
 def comparison_document(compared: Compared) -> ComparisonDocument:
     """Return a comparison as it is kept."""
-    found = compared.comparison
+    found, error = compared.comparison, compared.error
     return ComparisonDocument.model_validate(
         {
             "format": 1,
             "session": compared.name,
             "model": _model(compared),
             "error": {
-                "force_mse_percent": found.force_error,
+                "force_mse_percent": error.force_mse_percent,
                 "force_mse_percent_of_noise": found.force_floor,
-                "motion_percent": found.motion_error,
+                "motion_percent": error.motion_percent,
                 "motion_channel": found.motion_channel,
-                "chi2": found.chi_square,
-                "chi2_std": found.chi_square_std,
+                "chi2": error.chi_square,
+                "chi2_std": error.floor_std,
             },
+            "model_is": compared.words,
+            "pieces": compared.pieces,
+            "one_run": {"motion_percent": found.motion_error, "chi2": found.chi_square},
             "horizon": {"seconds": found.horizon, "cycles": found.horizon_cycles},
             "noise_floor": dict(found.floor),
             "summary": found.summary,

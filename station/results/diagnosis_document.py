@@ -109,7 +109,7 @@ class SuspectDocument(Part):
 
 
 class FindingDocument(Part):
-    """A sensor's fault that every fit corrects, and that ought to be mended."""
+    """A sensor's fault that every fit corrects, and that ought to be mended; `words` say what was found, in a clause."""
 
     effect: str
     title: str
@@ -117,6 +117,7 @@ class FindingDocument(Part):
     parameters: dict[str, EstimateDocument]
     chi2_drop: Number
     what_to_do: str
+    words: str = ""
 
 
 class CurveDocument(Part):
@@ -188,6 +189,7 @@ class DiagnosisDocument(Document):
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
     `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
+    `model_is` says which model it is that was diagnosed, `model_remark` why it is not the one that was identified.
     """
 
     sessions: list[str]
@@ -213,6 +215,8 @@ class DiagnosisDocument(Document):
     shares: list[SharesDocument] = Field(default_factory=list)
     used: list[UsedDocument] = Field(default_factory=list)
     modes: list[ModeDocument] = Field(default_factory=list)
+    model_is: str = "the usual model"
+    model_remark: str = ""
 
 
 def diagnosis_document(
@@ -350,6 +354,7 @@ def _finding(fault: CorrectedFault) -> dict[str, Any]:
         "parameters": fault.parameters,
         "chi2_drop": fault.drop,
         "what_to_do": effect.confirming_test,
+        "words": fault.words,
     }
 
 

@@ -5,7 +5,7 @@ from pydantic import AliasChoices, Field
 
 from station.results.documents import Document, EstimateDocument, Number, Part
 from station.story.identification import Identification
-from station.story.preparation import MOTION
+from station.story.preparation import MOTION, Options
 
 NAME = "identification.json"
 
@@ -89,6 +89,14 @@ class AdequacyDocument(Part):
     sigmas: Number
 
 
+class OrdersDocument(Part):
+    """The highest order of damping and the orders of stiffness that were tried, and whether the operator chose them."""
+
+    max_order: int
+    stiffness_orders: list[int]
+    chosen: bool = Field(validation_alias=AliasChoices("chosen", "orders_chosen"))
+
+
 class IdentificationDocument(Document):
     """One release, identified; what could not be had is None, and `refusals` says why."""
 
@@ -101,10 +109,20 @@ class IdentificationDocument(Document):
     restoring_force_without_alignment: RestoringForceDocument | None
     refusals: dict[str, str]
     adequacy: AdequacyDocument | None = None
+    orders: OrdersDocument | None = None
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """The effects of the identified model where the operator chose its orders; none where nobody did."""
+        if self.orders is None or not self.orders.chosen or self.adequacy is None:
+            return ()
+        return tuple(self.adequacy.effects)
 
 
-def identification_document(name: str, result: Identification) -> IdentificationDocument:
-    """Return the identification of the session `name` as it is kept."""
+def identification_document(
+    name: str, result: Identification, options: Options | None = None
+) -> IdentificationDocument:
+    """Return the identification of the session `name` as it is kept; `options` are those that it was made with."""
     return IdentificationDocument.model_validate(
         {
             "format": 1,
@@ -117,6 +135,7 @@ def identification_document(name: str, result: Identification) -> Identification
             "restoring_force_without_alignment": result.without_alignment,
             "refusals": dict(result.refusals),
             "adequacy": result.adequacy,
+            "orders": options,
         }
     )
 

@@ -20,7 +20,7 @@ class KeptRung(Part):
     """One rung: what was added or removed, the model with its values, and its errors.
 
     `nuisances` are the release's own values (state at the start, lag, gain, offsets), from which the same fit is
-    found again at once.
+    found again at once. `begun_with` says which model it is that the ladder began with; "" above that rung.
     """
 
     added: str = ""
@@ -29,11 +29,17 @@ class KeptRung(Part):
     error: Errors
     chi2_std: float
     nuisances: dict[str, float]
+    begun_with: str = ""
 
     @property
     def effects(self) -> list[str]:
         """The effects' names."""
         return self.model.names
+
+    @property
+    def began(self) -> str:
+        """Which model it is that the ladder began with, in two words, as "usual model"."""
+        return self.begun_with.split(",")[0].removeprefix("the ") or "first model"
 
     @property
     def parameters(self) -> dict[str, Value]:
@@ -65,8 +71,8 @@ class KeptLadder(Document):
         return self.model_copy(update=changes)
 
 
-def kept_rung(rung: Rung, expressions: tuple[str, ...]) -> KeptRung:
-    """Return a rung as it is kept."""
+def kept_rung(rung: Rung, expressions: tuple[str, ...], begun_with: str = "") -> KeptRung:
+    """Return a rung as it is kept; `begun_with` says of the first which model it is."""
     return KeptRung(
         added=rung.added,
         removed=rung.removed,
@@ -74,6 +80,7 @@ def kept_rung(rung: Rung, expressions: tuple[str, ...]) -> KeptRung:
         error=Errors.model_validate(rung.error),
         chi2_std=rung.error.floor_std,
         nuisances={name: found.value for name, found in rung.fit.nuisances.items()},
+        begun_with=begun_with,
     )
 
 

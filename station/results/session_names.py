@@ -43,10 +43,10 @@ def session_folder(argument: str, sessions: Path) -> Path:
     return found
 
 
-def refuse_unknown(argument: str, sessions: Path) -> None:
+def refuse_unknown(argument: str, sessions: Path, what: str = "session or data file") -> None:
     """Raise UsageProblem where an argument is no folder, no file and no session's name, before anything long begins."""
     if not Path(argument).exists() and find_session(argument, sessions) is None:
-        raise no_such(argument, sessions, "session or data file")
+        raise no_such(argument, sessions, what)
 
 
 def no_such(argument: str, sessions: Path, what: str = "session") -> UsageProblem:
@@ -54,7 +54,10 @@ def no_such(argument: str, sessions: Path, what: str = "session") -> UsageProble
     path = Path(argument)
     place = sessions if len(path.parts) < 2 else path.parent
     names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
-    meant = did_you_mean(path.name, names)
+    beside = [entry.name for entry in Path().iterdir()] if len(path.parts) < 2 and "file" in what else []
+    meant = did_you_mean(path.name, [*names, *sorted(beside)])
+    if not names and not meant and place == sessions:
+        meant = "; there are none yet: `station demo` and `station import FILE` make one"
     return UsageProblem(
         f"{argument}: there is no such {what} (sessions are looked for in {place.resolve()}){meant}"
     )

@@ -22,6 +22,7 @@ from station.results.import_command import typed
 from station.results.session_names import find_session, no_such
 from station.story.free_part import free_from
 from station.story.preparation import Options, free_decay
+from station.suggestions import did_you_mean
 
 MOST_RELEASES = 100
 FEWEST_SAMPLES = 32
@@ -80,8 +81,12 @@ def import_file(
     With one release the session is `folder`, or the file's name within `sessions`; where the file holds several runs
     `_run` and the name of the run are added, and a number where one holds several releases. Nothing is overwritten.
     """
+    if file.is_dir():
+        raise UsageProblem(f"{file} is a folder; give a file in it (a shell writes them all as {file}/*)")
     if not file.is_file():
-        raise UsageProblem(f"{file}: there is no such file")
+        place = file.parent
+        names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
+        raise UsageProblem(f"{file}: there is no such file{did_you_mean(file.name, names)}")
     pieces, notes = _pieces(
         read_runs(file, options), whole=options.start is not None or options.stop is not None
     )

@@ -15,8 +15,6 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
 
-_MANY = 1e5
-
 Method = WaveletResult | RestoringForceResult
 
 FAR_APART = 4.0
@@ -106,15 +104,10 @@ def _sigmas(first: Estimate, other: Estimate) -> float:
     return abs(first.value - other.value) / error if 0.0 < error < float("inf") else 0.0
 
 
-def times(ratio: float) -> str:
-    """Return how many times the noise is left, with three figures; in powers of ten where it would be many digits."""
-    return three_figures(ratio) if ratio < _MANY else f"{ratio:.0e}".replace("e+0", "e").replace("e+", "e")
-
-
 def judgement(found: Adequacy) -> str:
     """Return in a sentence whether the values may be quoted."""
     floor = f"noise floor 1 ± {found.chi_square_std:.2f}"
-    left = f"{three_figures(found.motion_percent)} % of the motion, {times(found.chi_square)} x the noise"
+    left = f"{three_figures(found.motion_percent)} % of the motion, {three_figures(found.chi_square)} x the noise"
     if not found.adequate:
         return f"this model leaves {left} ({floor}): do not quote its values"
     if not found.quotable:

@@ -6,19 +6,53 @@ import numpy as np
 
 from identify.comparison.compare import Comparison
 from identify.fitting.baseline import Baseline
+from identify.fitting.model_error import ModelError, errors_of
+from identify.formatting import three_figures
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A model as fitted to the session `name`, and where it fails."""
+    """A model as fitted to the session `name`, and where it fails; `words` say which model it is.
+
+    `judged` is the fit by which the model is judged, as everywhere: that of the pieces of a long record, in which the
+    phase wanders by more than forces move it; of a short one `baseline` itself, one free run over the whole record.
+    """
 
     name: str
     baseline: Baseline
     comparison: Comparison
+    judged: Baseline
+    words: str = "the usual model"
+
+    @property
+    def error(self) -> ModelError:
+        """The three errors by which the model is judged."""
+        return errors_of(self.judged)
+
+    @property
+    def pieces(self) -> int:
+        """In how many pieces the record is judged."""
+        return len(self.judged.decays)
+
+    @property
+    def one_run(self) -> str:
+        """What the model leaves of a long record run in one piece, and why that is more; "" for a short record."""
+        if self.pieces < 2:
+            return ""
+        seen = self.comparison
+        return (
+            f"The record is long: it is judged in {self.pieces} pieces that share the physics, each begun anew. "
+            f"In one run over {seen.horizon_cycles:.0f} cycles the same model leaves "
+            f"{three_figures(seen.motion_error)} % of the motion, {three_figures(seen.chi_square)} times the noise, since "
+            "there the phase may wander with clock and temperature; places and cycles are those of that run."
+        )
 
     @property
     def motion_floor(self) -> float:
         """What noise alone leaves of the motion, in % of its rms."""
-        window, channel = self.baseline.fit.windows[0], self.comparison.motion_channel
-        rms = float(np.std(window.readings[channel][window.used[channel]]))
-        return 100.0 * self.comparison.floor[channel].std / rms if rms > 0 else float("nan")
+        channel, shares = self.comparison.motion_channel, []
+        for window in self.judged.fit.windows:
+            used = window.used[channel]
+            rms = float(np.std(window.readings[channel][used]))
+            shares.append(window.sigma[channel] / rms if rms > 0 else float("nan"))
+        return 100.0 * float(np.sqrt(np.mean(np.square(shares))))

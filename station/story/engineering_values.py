@@ -100,6 +100,13 @@ def engineering_values(
             name = f"{term.effect.title}, {term.effect.strength.name}"
         whole = None if mass is None else times_mass(value, mass, mass_std, unit)
         found.append(EngineeringValue(str(name), whole or value, value if whole is not None else None))
+        named = part is None and term.effect in LIBRARY
+        inner = fit.of(term, 0) if named else {}
+        found += [
+            EngineeringValue(f"{term.effect.title}, {other}", estimate)
+            for other, estimate in inner.items()
+            if other != term.effect.strength.name
+        ]
     return (*found, *_of_the_oscillation(fit))
 
 

@@ -22,8 +22,10 @@ from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
+from identify.fitting.initial_values import initial_values
 from identify.fitting.leave_one_out import LeftOut, leave_one_out
-from identify.fitting.segments import segments_by_release
+from identify.fitting.segments import segments_by_release, segments_of
+from identify.formatting import plain_name, three_figures
 from identify.model.model import Model, base_model
 from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -99,18 +101,42 @@ def compare(
     known: dict[str, float] | None = None,
     *,
     mass: float | None = None,
+    words: str = "the usual model",
 ) -> Compared:
-    """Fit a model to the session `name` and find where it fails.
+    """Fit a model to the session `name` and find where it fails; a long record is judged in its pieces.
 
     The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin from, by unknown's
-    name; with a `mass` (kg) forces are in N.
+    name; with a `mass` (kg) forces are in N; `words` say which model it is.
     """
-    return compare_fitted(name, fit_baseline((prepared,), model or base_model(), known), mass=mass)
+    baseline = fit_baseline((prepared,), model or base_model(), known)
+    return compare_fitted(name, baseline, mass=mass, words=words)
 
 
-def compare_fitted(name: str, baseline: Baseline, *, mass: float | None = None) -> Compared:
-    """Find where a model fails that is fitted already, on the decay as the fit has corrected it."""
-    return Compared(name, baseline, compare_baseline(baseline, mass=mass))
+def compare_fitted(
+    name: str,
+    baseline: Baseline,
+    *,
+    mass: float | None = None,
+    words: str = "the usual model",
+    judged: Baseline | None = None,
+) -> Compared:
+    """Find where a model fails that is fitted already, on the decay as the fit has corrected it.
+
+    `judged` is its fit to the pieces of a long record, where that is at hand.
+    """
+    return Compared(
+        name, baseline, compare_baseline(baseline, mass=mass), judged or _in_pieces(baseline), words
+    )
+
+
+def _in_pieces(whole: Baseline) -> Baseline:
+    """Return a fit to a whole record as one to its pieces, from the values of the former; itself where it is short."""
+    parts = segments_of(whole.decays)
+    if len(parts) < 2:
+        return whole
+    physics = {name: found.value for name, found in whole.fit.parameters.items()}
+    start = initial_values(parts, whole.fit.model, physics)
+    return fit_baseline(parts, whole.fit.model, start)
 
 
 def diagnose(
@@ -142,6 +168,7 @@ def refine(
     """Add what is missing until nothing is; the first rung is the model itself."""
 
     def on_rung(rung: Rung, sentence: str) -> None:
-        progress(f"{sentence}: chi2 {rung.error.chi_square:.3g} ({' + '.join(rung.effects)})")
+        names = " + ".join(plain_name(name) for name in rung.effects)
+        progress(f"{sentence}: chi2 {three_figures(rung.error.chi_square)} ({names})")
 
     return refine_decay(prepared, model, library=library, known=known, progress=on_rung)

@@ -12,6 +12,9 @@ from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from station.settings import Settings
 
 MOTION = ("displacement", "velocity", "acceleration")
+MAX_ORDER, STIFFNESS_ORDERS = 3, (1,)
+"""Orders of damping and stiffness that are tried where nobody chose any."""
+
 DELAY_UNCERTAINTY = 0.15
 """Relative uncertainty of a stated delay: the resistors inside of sensors are good to 15 %."""
 
@@ -22,8 +25,13 @@ class Options:
 
     mass: float | None = None
     mass_std: float | None = None
-    max_order: int = 3
-    stiffness_orders: tuple[int, ...] = (1,)
+    max_order: int = MAX_ORDER
+    stiffness_orders: tuple[int, ...] = STIFFNESS_ORDERS
+
+    @property
+    def orders_chosen(self) -> bool:
+        """Whether the orders are other than those that are tried where nobody chose any."""
+        return (self.max_order, tuple(self.stiffness_orders)) != (MAX_ORDER, STIFFNESS_ORDERS)
 
 
 def options_for(session: Session, settings: Settings, mass: float | None = None) -> Options:

@@ -38,7 +38,11 @@ def headline(document: CampaignDocument) -> str:
     """Return how many sessions there are, and how many have no result."""
     done = "diagnosed" if document.diagnosed else "identified"
     failed = f", {len(document.failed)} failed" if document.failed else ""
-    return f"{len(document.rows)} sessions {done}{failed}"
+    return f"{_sessions(len(document.rows))} {done}{failed}"
+
+
+def _sessions(number: int) -> str:
+    return f"{number} session{'s' * (number != 1)}"
 
 
 def worth_showing(trends: list[TrendDocument]) -> list[TrendDocument]:
@@ -138,6 +142,7 @@ def _time(document: CampaignDocument) -> str:
         return "nothing was missing or changed: all was kept from before"
     kept = f"; {document.kept} kept from before" if document.kept else ""
     return (
-        f"{document.done} sessions in {duration(document.wall_s)} by {document.workers} workers "
+        f"{_sessions(document.done)} in {duration(document.wall_s)} by {document.workers} "
+        f"worker{'s' * (document.workers != 1)} "
         f"({duration(document.work_s)} of their time){kept}"
     )

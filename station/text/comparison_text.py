@@ -7,20 +7,21 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.formatting import scaled
+from identify.formatting import plain_name, scaled
 from station.story.compared import Compared
 from station.text.layout import labelled
-from station.text.numbers import energy_scale, with_error
+from station.text.numbers import energy_scale, three_figures, with_error
 
 ROWS = 8
-LABEL_WIDTH = 13
+LABEL_WIDTH = 15
 
 
 def show_comparison(console: Console, compared: Compared) -> None:
     """Print the errors, whether a sensor or physics is to blame, the worst places, the cycles, the harmonics."""
     found, fit = compared.comparison, compared.baseline.fit
     console.print()
-    console.print(Text(f" {compared.name}: compared with {' + '.join(fit.model.names)}", style="bold"))
+    console.print(Text(f" {compared.name}: compared with {compared.words}", style="bold"))
+    console.print(labelled("model", " + ".join(plain_name(name) for name in fit.model.names), LABEL_WIDTH))
     if not fit.converged or fit.unidentifiable:
         console.print(labelled("fit", fit.outcome, LABEL_WIDTH))
     console.print()
@@ -28,6 +29,8 @@ def show_comparison(console: Console, compared: Compared) -> None:
     console.print()
     console.print(labelled("floor", floor_text(compared), LABEL_WIDTH))
     console.print(labelled("cause", found.cause, LABEL_WIDTH))
+    if compared.one_run:
+        console.print(labelled("one run", compared.one_run, LABEL_WIDTH))
     console.print()
     console.print(Text(" Worst places", style="bold"))
     if not found.places:
@@ -43,7 +46,7 @@ def show_comparison(console: Console, compared: Compared) -> None:
 
 def errors(compared: Compared) -> Table:
     """Return the three errors side by side with what each means and what noise alone would leave."""
-    found = compared.comparison
+    found, error = compared.comparison, compared.error
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column("error")
     table.add_column("value", justify="right")
@@ -51,16 +54,22 @@ def errors(compared: Compared) -> Table:
     table.add_column("meaning")
     table.add_row(
         "force",
-        f"{found.force_error:.3g} %",
-        f"{found.force_floor:.2g} %",
+        f"{three_figures(error.force_mse_percent)} %",
+        f"{three_figures(found.force_floor)} %",
         "eq. (18), at the measured motion",
     )
-    horizon = f"free run, rms, {found.horizon:.3g} s ({found.horizon_cycles:.0f} cycles)"
-    table.add_row("motion", f"{found.motion_error:.3g} %", f"{compared.motion_floor:.2g} %", horizon)
+    cycles = error.horizon_s * compared.baseline.fit.frequency / (2.0 * np.pi)
+    horizon = f"free run, rms, {three_figures(error.horizon_s)} s ({cycles:.0f} cycles)"
+    table.add_row(
+        "motion",
+        f"{three_figures(error.motion_percent)} %",
+        f"{three_figures(compared.motion_floor)} %",
+        horizon,
+    )
     table.add_row(
         "chi-square",
-        f"{found.chi_square:.4g}",
-        f"1 ± {found.chi_square_std:.2f}",
+        three_figures(error.chi_square),
+        f"1 ± {error.floor_std:.2f}",
         "over the noise; 1: nothing left",
     )
     return table
@@ -110,8 +119,11 @@ def harmonics_text(compared: Compared) -> str:
     for i, order in enumerate(orders.order):
         if orders.significance[i] > 4.0:
             amount = scaled(float(orders.amplitude[i]) * units.force_scale, units.force_unit)
-            phase = np.degrees(orders.phase[i])
+            phase = round(float(np.degrees(orders.phase[i])))
+            sure = f"({orders.significance[i]:.0f} sigma)"
             parts.append(
-                f"{order:.0f} times the frequency: {amount} at {phase:.0f}° ({orders.significance[i]:.0f} sigma)"
+                f"constant: {amount} {sure}"
+                if order == 0
+                else f"{order:.0f} times the frequency: {amount} at {phase}° {sure}"
             )
     return "; ".join(parts) if parts else "none of the residual force stands out of the noise"

@@ -12,6 +12,7 @@ from identify.formatting import among, plain_name
 from station.results.confirmation_document import ConfirmationDocument
 from station.results.diagnosis_document import (
     DiagnosisDocument,
+    FindingDocument,
     HeldOutDocument,
     NoiseFloorDocument,
     SuspectDocument,
@@ -56,14 +57,15 @@ def show_diagnosis(console: Console, document: DiagnosisDocument, weighing: Weig
 def _errors(document: DiagnosisDocument, floor: NoiseFloorDocument) -> Text:
     error, named = document.error, document.error_with_named
     text = (
-        f"model: {' + '.join(document.model.effects)}\n"
+        f"{document.model_is}: {' + '.join(plain_name(name) for name in document.model.effects)}\n"
         f"leaves {three_figures(error.motion_percent)} % of the motion over {error.horizon_s or 0.0:.1f} s, "
         f"{three_figures(error.force_mse_percent)} % of the force,\n"
         f"and {three_figures(error.chi2)} times what noise explains (chi2; floor 1.00 ± {floor.chi2_std:.2f})"
     )
     if document.named and named is not None:
+        with_it = among([plain_name(name) for name in document.named])
         text += (
-            f";\nwith {' and '.join(document.named)}: {three_figures(named.motion_percent)} % of the motion, "
+            f";\nwith {with_it}: {three_figures(named.motion_percent)} % of the motion, "
             f"{three_figures(named.chi2)} times"
         )
     return Text(text)
@@ -177,7 +179,10 @@ def _reached(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
 
 
 def _parameters(suspect: SuspectDocument, most: int | None) -> str:
-    parts = [f"{name} {with_unit(value)}" for name, value in list(suspect.parameters.items())[:most]]
+    parts = [
+        f"{name.replace('[0]', ' of the first')} {with_unit(value)}"
+        for name, value in list(suspect.parameters.items())[:most]
+    ]
     where = f"in the {suspect.channel}" if suspect.channel else ""
     return "; ".join([*([where] if where else []), *parts])
 
@@ -200,8 +205,12 @@ def _weighed(document: DiagnosisDocument, weighing: Weighing | None) -> list[tup
 
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     facts = [("used", used(document))] if document.used else []
+    if document.model_remark:
+        facts.append(("model", document.model_remark))
     if document.differences:
-        differ = [f"{one.session} in {one.parameter}{_by(one.percent)}" for one in document.differences]
+        differ = [
+            f"{one.session} in {_of_effect(one.parameter)}{_by(one.percent)}" for one in document.differences
+        ]
         facts.append(
             ("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: one model has to fit both")
         )
@@ -213,10 +222,9 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         facts.append(("foretold", foretold))
     if document.rivals:
         facts.append(("the same", not_told_apart(document)))
-    for finding in document.findings:
-        where = f" in the {finding.channel}" if finding.channel else ""
-        values = ", ".join(f"{name} {with_unit(value)}" for name, value in finding.parameters.items())
-        facts.append(("sensor", f"{finding.title}{where} ({values}); {finding.what_to_do}"))
+    facts += [
+        ("sensor", f"{found_in_sensor(finding)}; {finding.what_to_do}") for finding in document.findings
+    ]
     shape = document.shape
     if shape is not None and shape.coordinates:
         over = " and ".join(shape.coordinates)
@@ -232,6 +240,21 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     return facts
 
 
+def _of_effect(parameter: str) -> str:
+    """Return "k of linear stiffness" for "linear_stiffness.k"."""
+    effect, _, name = parameter.partition(".")
+    return f"{name} of {plain_name(effect)}" if name else plain_name(effect)
+
+
+def found_in_sensor(finding: FindingDocument) -> str:
+    """Return what was found of a sensor's fault that every fit corrects, in a clause."""
+    if finding.words:
+        return finding.words
+    where = f" in the {finding.channel}" if finding.channel else ""
+    values = ", ".join(f"{name} {with_unit(value)}" for name, value in finding.parameters.items())
+    return f"{finding.title}{where} ({values})"
+
+
 def _by(percent: float | None) -> str:
     return "" if percent is None else f" by {percent:+.3g} %"
 
@@ -242,7 +265,9 @@ def used(document: DiagnosisDocument) -> str:
         return document.used[0].words
     cut = [f"{one.session}: {one.words}" for one in document.used if one.ended == "readings_missing"]
     shares = [100.0 * (one.share or 0.0) for one in document.used]
-    whole = f"{min(shares):.0f} to {max(shares):.0f} % of each record after its release"
+    low, high = f"{min(shares):.0f}", f"{max(shares):.0f}"
+    part = f"{low} to {high} %" if low != high else "all" if low == "100" else f"{low} %"
+    whole = f"{part} of each record after its release"
     return "; ".join([whole, *cut])
 
 

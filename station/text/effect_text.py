@@ -36,7 +36,9 @@ def show_list(console: Console, effects: Sequence[Effect]) -> None:
 
 def show_effect(console: Console, effect: Effect, portrait: Portrait | None) -> None:
     """Print one effect: what it is, its parameters, how it shows, what confirms it, and its charts."""
-    console.print(Text(f"\n {plain_name(effect.name)} ({effect.name}): {effect.title}", style="bold"))
+    console.print(Text(f"\n {plain_name(effect.name)}", style="bold"))
+    console.print(_line("name", effect.name))
+    console.print(_line("what it is", effect.title))
     console.print(
         _line("equation", f"{effect.equation}" + (" (per unit mass)" if effect.kind == "physics" else ""))
     )

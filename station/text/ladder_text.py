@@ -37,9 +37,9 @@ def _table(ladder: KeptLadder) -> Table:
     table.add_column("effect", no_wrap=True)
     table.add_column("force\nMSE %", justify="right")
     table.add_column("motion\n%", justify="right")
-    table.add_column("chi2", justify="right")
+    table.add_column("chi2", justify="right", no_wrap=True)
     table.add_column("change", justify="right")
-    table.add_column("", width=12)
+    table.add_column("", max_width=12, no_wrap=True, overflow="crop")
     largest = max((rung.error.chi2 or 1.0 for rung in ladder.rungs), default=1.0)
     before: KeptRung | None = None
     for place, rung in enumerate(ladder.rungs):
@@ -81,7 +81,7 @@ def step(rung: KeptRung) -> str:
         return f"+ {rung.added}"
     if rung.removed:
         return f"- {rung.removed}"
-    return "base model" if len(rung.effects) < 4 else f"model of {len(rung.effects)} effects"
+    return rung.began
 
 
 def bar(chi_square: float | None, largest: float, width: int = 12) -> str:

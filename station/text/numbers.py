@@ -10,7 +10,6 @@ from identify.estimate import Estimate
 
 DASH = "-"
 SPACE = "\u00a0"  # keeps a number with its error and its unit on one line
-EVIDENCE = ((100.0, "decisive"), (12.0, "strong"), (4.6, "some"))
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _LARGE, _SMALL = 1e5, 1e-3
@@ -52,14 +51,6 @@ def with_unit(found: Estimated) -> str:
 def three_figures(value: float | None) -> str:
     """Return an error with three figures, a dash where there is none."""
     return formatting.three_figures(_number(value))
-
-
-def evidence(nats: float | None) -> str:
-    """Return evidence in words and in nats: how much better than chance."""
-    if nats is None or not math.isfinite(nats):
-        return "none"
-    words = next((word for limit, word in EVIDENCE if nats >= limit), "none")
-    return f"{words} {nats:.0f}" if abs(nats) < 1e4 else f"{words} {nats:.1e}".replace("e+0", "e")
 
 
 def probability(p: float | None) -> str:

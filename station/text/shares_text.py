@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from rich.table import Table
 from rich.text import Text
 
+from identify import formatting
 from station.results.documents import EstimateDocument
 from station.results.shares_document import EffectShareDocument, SharesDocument
 from station.text.numbers import DASH, scale, three_figures
@@ -59,7 +60,7 @@ def with_error(found: EstimateDocument) -> str:
     if found.unit in _DECIMALS:
         most = _DECIMALS[found.unit]
     elif not 1e-3 <= abs(value) < 1e5:
-        return f"{value:.3g}" if std is None else f"{value:.2e} ± {std:.0e}"
+        return three_figures(value) if std is None else formatting.with_error(value, std)
     else:
         most = max(_FIGURES - 1 - math.floor(math.log10(abs(value))), 0)
     if std is None:

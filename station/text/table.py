@@ -9,10 +9,11 @@ from typing import Any
 
 from identify.formatting import decimals_for
 from station.results.identification_document import IdentificationDocument, MethodDocument
-from station.text.numbers import scale
+from station.text.numbers import scale, with_error
 
 MOST_DECIMALS = 8
 METHODS = ("WT", "RFS")
+LONGEST_NAME = 22
 
 
 def _methods(document: IdentificationDocument) -> tuple[MethodDocument | None, MethodDocument | None]:
@@ -49,12 +50,16 @@ class Cell:
 
 @dataclass(frozen=True)
 class Row:
-    """One session: its name, the amplitude just after its release with its unit, and a cell for each column."""
+    """One session: its name, the amplitude just after its release with its unit, and a cell for each column.
+
+    `quotable` is False where the identified model does not explain the record, or the methods disagree.
+    """
 
     session: str
     amplitude: float | None
     unit: str
     cells: tuple[Cell | None, ...]
+    quotable: bool = True
 
 
 @dataclass(frozen=True)
@@ -76,6 +81,7 @@ def make_tables(documents: list[IdentificationDocument]) -> Tables:
             document.release.amplitude,
             document.record.unit,
             tuple(q.of(method) for q in quantities for method in _methods(document)),
+            document.adequacy is None or document.adequacy.quotable,
         )
         for document in documents
     )
@@ -119,7 +125,12 @@ def as_json(tables: Tables) -> dict[str, Any]:
     quantities = [(name, unit) for name, _, unit in tables.columns[::2]]
     return {
         "table_1": [
-            {"session": row.session, "amplitude": row.amplitude, "amplitude_unit": row.unit}
+            {
+                "session": row.session,
+                "amplitude": row.amplitude,
+                "amplitude_unit": row.unit,
+                "quotable": row.quotable,
+            }
             | {
                 key: None if cell is None else {"value": cell.value, "std": cell.std, "unit": unit}
                 for key, cell, (_, _, unit) in zip(names, row.cells, tables.columns, strict=True)
@@ -144,12 +155,12 @@ def as_csv(tables: Tables) -> str:
     header = ["session", "amplitude", "amplitude unit"]
     for name, method, unit in tables.columns:
         header += [f"{name} ({method}) [{unit}]", f"std {name} ({method}) [{unit}]"]
-    writer.writerow(header)
+    writer.writerow([*header, "quotable"])
     for row in tables.rows:
         line: list[object] = [row.session, "" if row.amplitude is None else f"{row.amplitude:.6g}", row.unit]
         for cell in row.cells:
             line += ["", ""] if cell is None else [repr(cell.value), repr(cell.std)]
-        writer.writerow(line)
+        writer.writerow([*line, "yes" if row.quotable else "no"])
     writer.writerow([])
     header = ["method"]
     for name, _, unit in tables.columns[::2]:
@@ -174,8 +185,11 @@ def as_latex(tables: Tables) -> str:
     for row in tables.rows:
         cells = [_pair(cell) for cell in row.cells]
         amplitude = "--" if row.amplitude is None else f"{row.amplitude:.4f} {row.unit}"
-        lines.append(" & ".join([_escaped(row.session), amplitude, *cells]) + " \\\\")
-    lines += ["\\hline", "\\end{tabular}", ""]
+        lines.append(
+            " & ".join([f"{_escaped(row.session)}{'' if row.quotable else '$^*$'}", amplitude, *cells])
+            + " \\\\"
+        )
+    lines += ["\\hline", "\\end{tabular}", *(f"{line} \\\\" for line in _doubt(tables)), ""]
     lines += [f"\\begin{{tabular}}{{l{'r' * len(tables.columns)}}}", "\\hline"]
     heads = []
     for name, _, unit in tables.columns[::2]:
@@ -211,30 +225,54 @@ def _escaped(text: str) -> str:
 
 
 def as_text(tables: Tables) -> str:
-    """Return both tables as text within 80 columns where the names allow it."""
+    """Return both tables as text within 80 columns."""
     out = ["Table 1. Identified parameters, one line a release (± one standard error)", ""]
-    width = max([7, *(len(row.session) for row in tables.rows)])
-    width = min(width, 24)
+    names = [_within(f"{row.session}{'' if row.quotable else '*'}") for row in tables.rows]
+    width = max([7, *(len(name) for name in names)])
     for first in range(0, len(tables.columns), 2):
         name, _, unit = tables.columns[first]
         out.append(
             f"{'release':<{width}}  {'amplitude':>10}  {f'{name} (WT)':>18}  {f'{name} (RFS)':>18}  {unit}"
         )
-        for row in tables.rows:
+        for shown, row in zip(names, tables.rows, strict=True):
             amplitude = "-" if row.amplitude is None else _length(row.amplitude, row.unit)
             cells = [_plain(cell) for cell in row.cells[first : first + 2]]
-            out.append(f"{row.session[-width:]:<{width}}  {amplitude:>10}  {cells[0]:>18}  {cells[1]:>18}")
+            out.append(f"{shown:<{width}}  {amplitude:>10}  {cells[0]:>18}  {cells[1]:>18}")
         out.append("")
+    if doubt := _doubt(tables):
+        out += [*doubt, ""]
+    if len(tables.rows) < 2:
+        return "\n".join(out).rstrip("\n") + "\n"
     out.append(f"Table 2. Mean and standard deviation over {len(tables.rows)} releases")
     out.append("")
-    out.append(f"{'':<8}" + "".join(f"  {f'{name} [{unit}]':>20}" for name, _, unit in tables.columns[::2]))
-    for method, means in tables.summary:
-        out.append(f"{method:<8}" + "".join(f"  {_plain(cell):>20}" for cell in means))
+    both = dict(tables.summary)
+    out.append(f"{'':<6}{'unit':<8}" + "".join(f"  {method:>22}" for method in both))
+    for place, (name, _, unit) in enumerate(tables.columns[::2]):
+        out.append(
+            f"{name:<6}{unit:<8}" + "".join(f"  {_plain(means[place]):>22}" for means in both.values())
+        )
     return "\n".join(out) + "\n"
 
 
+def _within(name: str) -> str:
+    """Return a name, its middle left out where it is longer than a table of 80 columns has place for."""
+    return name if len(name) <= LONGEST_NAME else f"{name[:10]}..{name[12 - LONGEST_NAME :]}"
+
+
+def _doubt(tables: Tables) -> list[str]:
+    """Return the note under a table in which values stand that must not be quoted."""
+    if all(row.quotable for row in tables.rows):
+        return []
+    return [
+        "* do not quote: the identified model does not explain this record, or the",
+        "  methods disagree.",
+    ]
+
+
 def _plain(cell: Cell | None) -> str:
-    return "-" if cell is None else f"{number(cell.value, cell.std)} ± {_spread(cell)}"
+    if cell is None:
+        return "-"
+    return with_error(cell.value, cell.std) if math.isfinite(cell.std) else f"{cell.value:.4g} (one)"
 
 
 def _length(value: float, unit: str) -> str:

@@ -6,6 +6,7 @@ from rich.table import Table
 from rich.text import Text
 
 from identify.fitting.validation import BASIS
+from identify.formatting import plain_name
 from station.results.validation_document import PredictionDocument, ValidationDocument
 from station.text.layout import labelled, sentence
 from station.text.numbers import three_figures
@@ -20,7 +21,9 @@ def show_validation(console: Console, document: ValidationDocument) -> None:
     console.print()
     console.print(Padding(Text(document.sentence, style=STYLES[document.verdict]), (0, 1)))
     console.print()
-    console.print(labelled("model", " + ".join(document.model.names), LABEL_WIDTH))
+    console.print(
+        labelled("model", " + ".join(plain_name(name) for name in document.model.names), LABEL_WIDTH)
+    )
     console.print(labelled("from", _source(document), LABEL_WIDTH))
     console.print()
     console.print(Padding(_table(document), (0, 0, 0, 1)))

@@ -7,8 +7,9 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.comparison.discrepancy_text import DiscrepancyText
+from identify.formatting import plain_name
 from station.story.compared import Compared
-from station.text.numbers import energy_scale, scale
+from station.text.numbers import energy_scale, scale, three_figures
 from station.views import log, palette, plots
 from station.views.figure import figure, legend
 from station.views.log import Array
@@ -208,18 +209,21 @@ def _cycles(stream: rr.RecordingStream, compared: Compared, root: str) -> None:
 
 def summary(compared: Compared) -> str:
     """Return the errors and the worst places as markdown."""
-    found = compared.comparison
+    found, error = compared.comparison, compared.error
+    names = " + ".join(plain_name(name) for name in compared.baseline.fit.model.names)
     lines = [
-        f"**{compared.name}** against {', '.join(compared.baseline.fit.model.names)}",
+        f"**{compared.name}** against {compared.words}: {names}",
         "",
         "| error | value | at the floor |",
         "|---|---:|---:|",
-        f"| force, eq. (18) | {found.force_error:.3g} % | {found.force_floor:.2g} % |",
-        f"| motion, free run of {found.horizon:.2g} s | {found.motion_error:.3g} % | {compared.motion_floor:.2g} % |",
-        f"| chi-square | {found.chi_square:.4g} | 1 ± {found.chi_square_std:.2f} |",
+        f"| force, eq. (18) | {three_figures(error.force_mse_percent)} % | {three_figures(found.force_floor)} % |",
+        f"| motion, free run of {three_figures(error.horizon_s)} s | {three_figures(error.motion_percent)} % "
+        f"| {three_figures(compared.motion_floor)} % |",
+        f"| chi-square | {three_figures(error.chi_square)} | 1 ± {error.floor_std:.2f} |",
         "",
         found.cause,
         "",
+        *([compared.one_run, ""] if compared.one_run else []),
     ]
     if not found.places:
         lines.append(f"**{found.summary}**")

@@ -9,6 +9,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from identify.fitting.fit import Fit
+from identify.formatting import plain_name
 from station.results.ladder import KeptLadder, KeptRung
 from station.story.measured_curves import MeasuredCurve, measured_curves
 from station.text.ladder_text import changed_parameters, step
@@ -183,7 +184,12 @@ def _errors(fitted: FittedLadder, place: int) -> "Figure":
 def summary(fitted: FittedLadder, place: int) -> str:
     """Return what one rung did, as markdown."""
     rung, floor = fitted.rungs[place], fitted.ladder.floor
-    lines = [f"# {fitted.name}, rung {place}", "", f"**{step(rung)}**: {' + '.join(rung.effects)}", ""]
+    lines = [
+        f"# {fitted.name}, rung {place}",
+        "",
+        f"**{step(rung)}**: {' + '.join(plain_name(name) for name in rung.effects)}",
+        "",
+    ]
     lines += ["| error | this rung | before | floor |", "|---|---:|---:|---:|"]
     before = fitted.rungs[place - 1].error if place else None
     for name, title in ERRORS:

@@ -13,7 +13,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.diagnosis_document import DiagnosisDocument, ShapeDocument, SuspectDocument
 from station.results.diagnosis_fits import DiagnosisFits
 from station.story.suspect_words import would_explain
-from station.text.diagnosis_text import headline, in_order, not_told_apart
+from station.text.diagnosis_text import found_in_sensor, headline, in_order, not_told_apart
 from station.text.layout import sentence
 from station.text.numbers import scale, three_figures, with_unit
 from station.views import log, palette, plots
@@ -131,7 +131,7 @@ def summary(document: DiagnosisDocument) -> str:
         lines += ["", f"## {plain_name(first.effect)} (`{first.effect}`)", "", first.title, ""]
         lines += [f"- {name} = {with_unit(value)}" for name, value in first.parameters.items()]
     for finding in document.findings:
-        lines += ["", f"**Sensor**: {finding.title}; {finding.what_to_do}."]
+        lines += ["", f"**Sensor**: {found_in_sensor(finding)}; {finding.what_to_do}."]
     lines += ["", "## Record next", "", document.next_experiment]
     return "\n".join(lines)
 

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 def picture_of(compared: Compared) -> view_models.Picture:
     """Return what the details of the page draw."""
-    found = compared.comparison
+    found, error = compared.comparison, compared.error
     units = DiscrepancyText(found.unit, found.mass)
     step = max(1, math.ceil(len(found.time) / MOST_POINTS))
     factor, unit = scale("displacement", found.unit)
@@ -37,16 +37,16 @@ def picture_of(compared: Compared) -> view_models.Picture:
         plane=_plane(compared, factor, units.force_scale),
         cycles=_cycles(compared, units),
         errors={
-            "force_mse_percent": found.force_error,
+            "force_mse_percent": error.force_mse_percent,
             "force_floor_percent": found.force_floor,
-            "motion_percent": found.motion_error,
-            "chi2": found.chi_square,
-            "chi2_std": found.chi_square_std,
-            "horizon_s": found.horizon,
-            "cycles": found.horizon_cycles,
+            "motion_percent": error.motion_percent,
+            "chi2": error.chi_square,
+            "chi2_std": error.floor_std,
+            "horizon_s": error.horizon_s,
+            "cycles": error.horizon_s * compared.baseline.fit.frequency / (2.0 * math.pi),
         },
         summary=found.summary,
-        cause=found.cause,
+        cause=" ".join(filter(None, (found.cause, compared.one_run))),
         places=tuple(place.text for place in found.places[:MOST_PLACES]),
     )
 

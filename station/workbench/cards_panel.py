@@ -6,7 +6,7 @@ from nicegui import ui
 
 from station.results.diagnosis_document import DiagnosisDocument, SuspectDocument
 from station.results.ladder import KeptLadder
-from station.text.diagnosis_text import foretold_parts, not_told_apart
+from station.text.diagnosis_text import foretold_parts, found_in_sensor, not_told_apart
 from station.text.layout import sentence
 from station.text.numbers import typeset
 from station.workbench import view_models, widgets
@@ -97,7 +97,7 @@ class CardsPanel:
             if document.rivals:
                 widgets.label(sentence(not_told_apart(document)), "small wrap strong")
             for finding in document.findings:
-                widgets.label(f"Sensor: {finding.title}; {finding.what_to_do}", "small wrap bad")
+                widgets.label(f"Sensor: {found_in_sensor(finding)}; {finding.what_to_do}", "small wrap bad")
             widgets.label("Record next", "small strong")
             widgets.label(document.next_experiment, "small wrap")
 

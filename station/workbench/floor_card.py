@@ -39,7 +39,7 @@ class FloorCard:
             return
         self._words.text = (
             f"The model leaves {three_figures(top.error.chi2)} times the noise (1.00 ± {top.chi2_std:.2f} is noise "
-            f"alone). Added to the usual model: "
+            f"alone). Added to the {view.ladder.rungs[0].began}: "
             f"{', '.join(plain(n) for n in top.effects if n not in view.ladder.rungs[0].effects) or 'nothing'}."
         )
         self._equation.text = typeset(top.model.equation)

@@ -5,11 +5,10 @@ from pathlib import Path
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Problem
-from station.operations.identifying import identify_session
+from station.operations.identifying import identify_session, kept_options
 from station.results.identification_document import IdentificationDocument
 from station.settings import Settings
 from station.story.pipeline import Progress
-from station.story.preparation import options_for
 from station.text.numbers import scale, typeset, typeset_error, typeset_symbol, typeset_unit
 from station.text.table import Cell, Tables, make_tables
 from station.text.terminal import rows, uncorrected
@@ -24,7 +23,7 @@ def identified(
     """Identify a session by both methods, and others for the tables; those that hold too little are named in the notes."""
     progress(f"identifying {folder.name}")
     session = Session.open(folder)
-    result, document = identify_session(session, options_for(session, settings))
+    result, document = identify_session(session, kept_options(session, settings))
     documents, notes = [document], []
     for place, other in enumerate(others):
         progress(f"identifying {other.name}: {place + 1} of {len(others)}")
@@ -57,7 +56,7 @@ def identified(
 
 def _document(settings: Settings, folder: Path) -> IdentificationDocument:
     session = Session.open(folder)
-    return identify_session(session, options_for(session, settings))[1]
+    return identify_session(session, kept_options(session, settings))[1]
 
 
 def _weighed(document: IdentificationDocument) -> bool:

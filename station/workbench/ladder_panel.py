@@ -106,4 +106,4 @@ def _step(ladder: KeptLadder, place: int) -> str:
         return f"+ {plain(rung.added)}"
     if rung.removed:
         return f"− {plain(rung.removed)}"
-    return "usual model" if place == 0 else title("model")
+    return rung.began if place == 0 else title("model")

@@ -14,6 +14,7 @@ from pathlib import Path
 from station.exits import UsageProblem
 from station.library_messages import say_in_one_line
 from station.settings import Settings
+from station.text.next_step import next_line
 
 HOST = "127.0.0.1"
 STATIC = Path(__file__).parent / "static"
@@ -103,6 +104,7 @@ def _run(
         asyncio.run(run())
     except KeyboardInterrupt:
         say("workbench closed; everything is kept in the sessions")
+        say(next_line("list", settings.sessions))
     finally:
         if state.capturing is not None:
             state.capturing.cancel()

@@ -201,13 +201,13 @@ def open_example(settings: Settings, progress: Progress, name: str) -> str:
 
 def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path) -> int:
     """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
-    from station.operations.identifying import identify_session, write_view
+    from station.operations.identifying import identify_session, kept_options, write_view
     from station.operations.viewer_tabs import viewed_tabs
     from station.views import web_viewer
 
     session = Session.open(folder)
     progress("identifying")
-    result, _ = identify_session(session, options_for(session, settings))
+    result, _ = identify_session(session, kept_options(session, settings))
     progress("writing the recording")
     file = write_view(session, result, viewed_tabs(session, settings))
     if not (temporary / web_viewer.FILES[0]).is_file():

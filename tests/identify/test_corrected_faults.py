@@ -53,6 +53,21 @@ def test_an_ordinary_gain_error_is_remarked_on_and_no_fault():
     assert not fault.significant
 
 
+@pytest.mark.parametrize(
+    ("gain", "stated", "said"),
+    [
+        (1.01, 0.0, "differ by 1.00 ± 0.40 %, within the 3 % left open, as no calibration is stated"),
+        (0.99, 0.005, "differ by 1.00 ± 0.40 %, beyond the 0.5 % that their calibrations leave open"),
+        (1.2, 0.0, "differ by 20.00 ± 0.40 %, far beyond the 3 %"),
+    ],
+)
+def test_a_remark_on_a_gain_says_the_difference_and_what_is_left_open(gain, stated, said):
+    prepared, _, found = fitted()
+    prepared = replace(prepared, window=prepared.window.with_(gain_uncertainty=stated))
+    own = 0.004 / max(found.reduced, 1.0) ** 0.5  # the misfit widens it
+    assert said in gain_fault(prepared, with_gain(found, gain, own)).words
+
+
 def test_releases_of_one_pair_of_sensors_share_its_calibration():
     prepared, _, found = fitted()
     prepared = replace(prepared, window=prepared.window.with_(gain_uncertainty=0.01))

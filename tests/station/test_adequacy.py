@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from identify.estimate import Estimate
+from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model, model_of_orders
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 from station.cli import run
-from station.story.adequacy import adequacy, farthest, identified_model, judgement, scale_doubt, times
+from station.story.adequacy import adequacy, farthest, identified_model, judgement, scale_doubt
 from station.story.engineering_values import engineering_values, times_mass
 
 MASS = 21.36
@@ -109,7 +110,12 @@ def test_gains_that_differ_leave_the_forces_uncertain():
 
 
 def test_a_large_ratio_is_a_power_of_ten():
-    assert [times(ratio) for ratio in (0.9876, 22.91, 229.1, 286998817.0)] == ["0.988", "22.9", "229", "3e8"]
+    assert [three_figures(ratio) for ratio in (0.9876, 22.91, 229.1, 286998817.0)] == [
+        "0.988",
+        "22.9",
+        "229",
+        "2.87e8",
+    ]
 
 
 def test_the_error_of_the_mass_joins_that_of_the_value():

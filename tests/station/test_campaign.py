@@ -140,7 +140,9 @@ def test_the_command_prints_one_screen_and_keeps_its_tables(made, at_home, capsy
     folder = made[0]
     assert station(["campaign", str(folder)]) == 0
     printed = capsys.readouterr()
-    assert max(len(line) for line in printed.out.splitlines()) <= 80
+    *page, following = printed.out.splitlines()
+    assert max(len(line) for line in page) <= 80
+    assert following.startswith(" next: station ")
     assert "8 sessions identified, 2 failed" in printed.out
     assert "linear_stiffness.k against" in printed.out
     assert "1/s^2 per degC" in printed.out
@@ -194,7 +196,7 @@ def test_ctrl_c_says_that_the_same_command_goes_on(tmp_path, monkeypatch, capsys
     ("words", "sentence"),
     [
         (["empty"], "no session in empty"),
-        (["nowhere"], "there is no such session"),
+        (["nowhere"], "there is no such folder, session or data file"),
         (
             [".", "--scheduler", "tcp://127.0.0.1:1", "--workers", "2"],
             "a cluster has the workers that it has",

@@ -121,9 +121,9 @@ def test_effects_as_json_gives_the_signature(capsys):
     np.testing.assert_allclose(found["change_of_w2_1_s2"], 0.75 * k3 * a**2, rtol=1e-4)  # Duffing's backbone
 
 
-def test_an_unknown_effect_is_answered_with_the_names_there_are(capsys):
+def test_an_unknown_effect_is_answered_with_where_the_names_are(capsys):
     assert run(["effects", "bogus"]) != 0
-    assert "cubic_stiffness" in capsys.readouterr().err
+    assert "see `station effects`" in capsys.readouterr().err
 
 
 def test_a_sensors_fault_has_no_picture(tmp_path, capsys):

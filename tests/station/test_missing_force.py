@@ -15,7 +15,7 @@ from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
-from station.text.numbers import change, evidence, probability, three_figures
+from station.text.numbers import change, probability, three_figures
 
 VERDICTS = (
     "missing_effect",
@@ -229,9 +229,6 @@ def test_numbers_are_written_for_people():
         "132",
     ]
     assert [probability(value) for value in (None, 1e-9, 0.004, 0.5)] == ["-", "<1e-6", "4e-3", "0.50"]
-    assert [evidence(value) for value in (None, 1.0, 6.0, 20.0, 2e5)] == [
-        "none", "none 1", "some 6", "strong 20", "decisive 2.0e5"
-    ]  # fmt: skip
     assert [change(10.0, 1.0), change(1.0, 10.0), change(1.0, 0.9), change(None, 1.0)] == [
         "÷ 10",
         "x 10",

@@ -73,7 +73,7 @@ def test_every_rung_is_a_step_with_its_errors(file, refinement):
 
 def test_each_rung_tells_what_it_added_and_why_the_climb_stopped(file):
     first, second = texts(file, "/ladder/summary")
-    assert "base model" in first
+    assert "usual model" in first
     assert "+ cubic_stiffness" in second
     assert "floor is reached" in second
 
