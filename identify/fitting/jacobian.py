@@ -51,7 +51,8 @@ def take_steps(problem: Problem, other: Problem) -> None:
 
 def _improve_step(problem: Problem, j: int, change: Array, size: float) -> bool:
     """Adapt the step of unknown j to the change that it made; return whether it was so wrong that it is taken again."""
-    moved = float(np.sqrt(np.mean(change**2)))
+    with np.errstate(over="ignore"):  # a motion that nearly ran away: the step shrinks as far as it may
+        moved = float(np.sqrt(np.mean(change**2)))
     grow = float(np.clip(_READABLE / moved if moved > 0.0 else np.inf, 1.0 / _STEP_GROWTH, _STEP_GROWTH))
     before = problem.steps[j]
     problem.steps[j] = float(np.clip(before * grow, 1e-12 * size, _LONGEST_STEP * size))
