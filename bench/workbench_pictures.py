@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from bench.workbench import ALL
 from bench.workbench_server import ROOT, admitted, browser, workbench
 
 PICTURES = ROOT / "docs" / "pictures"
@@ -11,11 +12,11 @@ SIZE = {"width": 1280, "height": 720}
 
 def main(folder: Path) -> None:
     """Walk through a mystery, light, then look at the end of it, dark."""
-    with workbench() as printed, browser() as started:
+    with workbench() as printed, browser(webgl=True) as started:
         page, address = admitted(started, printed, viewport=SIZE, color_scheme="light")
         page.set_default_timeout(90_000)
         page.goto(address)
-        page.wait_for_function("document.querySelectorAll('.session polyline').length == 3")
+        page.wait_for_function("document.querySelectorAll('.session polyline[points*=\" \"]').length == 3")
         page.wait_for_timeout(1500)
         _keep(page, folder / "workbench_empty.png")
         page.goto(f"{address}/?session=mystery_7")
@@ -25,7 +26,7 @@ def main(folder: Path) -> None:
         page.wait_for_timeout(900)
         _keep(page, folder / "workbench_busy.png")
         page.wait_for_selector("button.card-suspect")
-        page.wait_for_function("Object.keys(bench.state.suspects).length >= 3")
+        page.wait_for_function(ALL)
         page.wait_for_function("!document.querySelector('[inert]')")
         page.mouse.move(640, 5)
         page.wait_for_timeout(800)
@@ -44,7 +45,7 @@ def main(folder: Path) -> None:
         dark, _ = admitted(started, printed, viewport={"width": 1920, "height": 1080}, color_scheme="dark")
         dark.goto(f"{address}/?session=mystery_7")
         dark.wait_for_selector("button.card-suspect")
-        dark.wait_for_function("Object.keys(bench.state.suspects).length >= 3")
+        dark.wait_for_function(ALL)
         dark.wait_for_timeout(1500)
         _keep(dark, folder / "workbench_dark.png")
         page.get_by_role("tab", name="3-D / Rerun").click()

@@ -20,7 +20,7 @@ from station.operations.simulated_board import simulated_board
 ROOT = Path(__file__).resolve().parent.parent
 SEEDS = (3, 12, 7)
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-SOFTWARE_GL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+VIRTUAL_CARD = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 
 
 @contextmanager
@@ -55,12 +55,18 @@ def admitted(browser: Browser, printed: str, **options: Any) -> tuple[Page, str]
 
 
 @contextmanager
-def browser() -> Iterator[Browser]:
-    """Start the browser that is installed here."""
+def browser(*, webgl: bool = False) -> Iterator[Browser]:
+    """Start the browser that is installed here.
+
+    Rerun's viewer needs `webgl`, for which the processor plays a graphics card: that alone takes 0.5 s of it for each
+    picture of the page, so that nothing is timed so.
+    """
     program = next((found for name in BROWSERS if (found := shutil.which(name))), None)
     if program is None:
         raise FileNotFoundError(f"no browser here; looked for {', '.join(BROWSERS)}")
     with sync_playwright() as play:
-        started = play.chromium.launch(executable_path=program, args=["--no-sandbox", *SOFTWARE_GL])
+        started = play.chromium.launch(
+            executable_path=program, args=["--no-sandbox", *(VIRTUAL_CARD if webgl else ())]
+        )
         yield started
         started.close()

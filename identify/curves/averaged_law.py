@@ -54,11 +54,11 @@ class AveragedLaw:
         """Whether the curves cannot tell the effect from a linear spring and damper."""
         if self.term.effect.of_time:
             return False
-        for values, size in ((self.early.damping, 1.0), (self.early.stiffening, 1.0)):
-            spread = np.ptp(values)
-            if spread > _SHAPELESS * size * max(float(np.abs(values).max()), 1e-300):
+        some = [0, len(self.amplitudes) // 2, -1]
+        for values in (self.early.damping[some], self.early.stiffening[some]):
+            if np.ptp(values) > _SHAPELESS * max(float(np.abs(values).max()), 1e-300):
                 return False
-        return bool(np.abs(self.centre).max() < _SHAPELESS * self.amplitudes.max())
+        return bool(np.abs(self.centre[some]).max() < _SHAPELESS * self.amplitudes.max())
 
 
 def amplitude_grid(curves: Iterable[DecayCurve]) -> Array:
@@ -79,8 +79,9 @@ def laws_of(
         if not isinstance(term.effect, ForceEffect) or term.effect.line:
             continue
         for inner in term_starts(term, scales, fine=True):
-            if not law_of(term, inner, frequency, grid[[0, len(grid) // 2, -1]], duration).shapeless:
-                laws.append(law_of(term, inner, frequency, grid, duration))
+            law = law_of(term, inner, frequency, grid, duration)
+            if not law.shapeless:
+                laws.append(law)
     return tuple(laws)
 
 

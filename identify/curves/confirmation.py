@@ -15,7 +15,7 @@ from identify.curves.curve_search import CurveSearch
 from identify.curves.decay_curve import DecayCurve
 from identify.curves.held_out import HeldOut
 from identify.curves.isolated_mode import IsolatedMode
-from identify.curves.leading_law import choose
+from identify.curves.leading_law import WORTH, choose
 from identify.curves.stability import Contender, leaders
 from identify.effects.effect import Scales
 from identify.errors import NotIdentifiable
@@ -24,9 +24,6 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 
 SHARE = 0.5
 """Share of an error that an effect must remove to be worth a name."""
-
-WORTH = 0.5
-"""Error, in % of the motion, that an effect must remove to be worth a name."""
 
 MOST_PARTS = 0.66
 """Share of the parts left out that an effect must foretell better."""
@@ -221,12 +218,14 @@ def _next(
     settled = {c: search.settled((*columns, c), rows) for c in _screened(search, columns, held, rows)}
     for channel in sorted(_CHANNELS, key=lambda c: -held.mean(c)):
         what = _WORDS[channel]
-        if what in undecided:
-            continue
+        if what in undecided or (search.one_record and what in explained):
+            continue  # the one curve of one record is not divided between two laws
         good = [
             column
             for column, (after, _) in settled.items()
-            if _worth(held, after, channel, what in explained) and search.plausible(column, after)
+            if _worth(held, after, channel, what in explained)
+            and search.plausible(column, after)
+            and both_faces(search.regression.laws[column].term, held, after, channel)
         ]
         if not good:
             continue
@@ -329,6 +328,15 @@ def _worth(before: HeldOut, after: HeldOut, channel: str, again: bool) -> bool:
         after.mean(other) < before.mean(other) + spoils
         and after.mean("centre") < before.mean("centre") + spoils
     )
+
+
+def both_faces(term: Term, before: HeldOut, after: HeldOut, channel: str) -> bool:
+    """Whether what an effect with memory says of the other kind of error is borne out too.
+
+    What follows the motion late is part spring and part damper, by one strength.
+    """
+    other = "phase" if channel == "envelope" else "envelope"
+    return not term.force.states or after.mean(other) <= max(SHARE * before.mean(other), WORTH)
 
 
 def _screened(

@@ -8,7 +8,7 @@ from identify.arrays import Array
 from identify.curves.averaged_law import AveragedLaw, amplitude_grid, inner_of, law_of, laws_of, values_of
 from identify.curves.curve_regression import CurveRegression, Rows
 from identify.curves.decay_curve import DecayCurve
-from identify.curves.held_out import HeldOut, cut_in_two, hold_out
+from identify.curves.held_out import HeldOut, cut_by_amplitude, hold_out
 from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.simulated_curve import simulated_curve
 from identify.effects.effect import Scales
@@ -39,7 +39,7 @@ class CurveSearch:
             for decay, mode in zip(decays, modes, strict=True)
         )
         self.one_record = len(decays) == 1
-        self.parts = cut_in_two(self.whole[0]) if self.one_record else self.whole
+        self.parts = cut_by_amplitude(self.whole[0]) if self.one_record else self.whole
         frequency = float(np.median(np.concatenate([curve.frequency for curve in self.whole])))
         duration = max(float(curve.time[-1]) for curve in self.whole)
         grid = amplitude_grid(self.whole)
@@ -87,14 +87,20 @@ class CurveSearch:
         measured = self.regression.measured if self.one_record else (self.regression.measured[release],)
         if run is None:
             return list(measured)
-        middle = len(self.parts[0])
-        halves = self.one_record and len(self.parts) > 1
-        runs = (run.part(0, middle), run.part(middle - 1, len(run))) if halves else (run,)
+        runs = self._cut(run) if self.one_record else (run,)
         less = []
         for rows, piece in zip(measured, runs, strict=True):
             excess = self.regression.excess(piece, columns, strengths)
             less.append(rows if excess is None else rows.minus(excess))
         return less
+
+    def _cut(self, run: DecayCurve) -> tuple[DecayCurve, ...]:
+        """Return a curve of the one record cut where the measured one is; neighbours have a point in common."""
+        pieces, first = [], 0
+        for part in self.parts:
+            pieces.append(run.part(first, first + len(part)))
+            first += len(part) - 1
+        return tuple(pieces)
 
     def settled(self, columns: tuple[int, ...], rows: Sequence[Rows]) -> tuple[HeldOut, tuple[Rows, ...]]:
         """Return the errors of a model with its own corrections, and the corrected rows."""

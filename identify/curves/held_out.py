@@ -6,6 +6,7 @@ in two at the geometric mean of its amplitudes: the large amplitudes foretell th
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -31,7 +32,7 @@ class HeldOut:
     @property
     def counted(self) -> tuple[MotionError, ...]:
         """The errors of prediction that means are taken of."""
-        return self.foretold[-1:] if self.one_record else self.foretold
+        return self.foretold[1:] if self.one_record else self.foretold
 
     def mean(self, channel: str, *, fitted: bool = False) -> float:
         """Return the rms over parts of one kind of error ("envelope", "phase", "centre", "motion"), % of the motion."""
@@ -48,14 +49,23 @@ class HeldOut:
         return sum(getattr(mine, channel) < getattr(theirs, channel) for mine, theirs in pairs)
 
 
-def cut_in_two(curve: DecayCurve) -> tuple[DecayCurve, ...]:
-    """Return the part of large and the part of small amplitudes, one point in common; the whole where it is too short."""
+def cut_by_amplitude(curve: DecayCurve) -> tuple[DecayCurve, ...]:
+    """Return the large, middle and small amplitudes of a curve, equal in ratio, one point in common between neighbours.
+
+    Two parts where it is too short for three, the whole where it is too short for two.
+    """
     size = np.log(curve.amplitude)
-    middle = int(np.argmin(np.abs(size - 0.5 * (size.max() + size.min()))))
-    middle = min(max(middle, _FEWEST), len(curve) - 1 - _FEWEST)
-    if middle < _FEWEST:
-        return (curve,)
-    return curve.part(0, middle + 1), curve.part(middle, len(curve))
+    for parts in (3, 2):
+        if len(curve) <= parts * _FEWEST:
+            continue
+        levels = np.linspace(size.max(), size.min(), parts + 1)[1:-1]
+        edges = [0, *(int(np.argmin(np.abs(size - level))) for level in levels), len(curve) - 1]
+        for i in range(1, parts):
+            edges[i] = max(edges[i], edges[i - 1] + _FEWEST)
+        for i in range(parts - 1, 0, -1):
+            edges[i] = min(edges[i], edges[i + 1] - _FEWEST)
+        return tuple(curve.part(first, last + 1) for first, last in pairwise(edges))
+    return (curve,)
 
 
 def hold_out(

@@ -16,6 +16,10 @@ CLEARLY = 1.0 / 3.0
 """Share of the error of every law without inner parameters below which a law with some is taken: it can bend to much."""
 
 
+WORTH = 0.5
+"""Error, in % of the motion, that an effect must remove to be worth a name; what is below is not told apart."""
+
+
 @dataclass(frozen=True)
 class Choice:
     """The column that leads, None where none does, the names of its rivals, and of laws of time that may be behind."""
@@ -39,23 +43,45 @@ def choose(
 ) -> Choice:
     """Return which of the `good` columns leads, from the error that each column leaves and the error before, in %.
 
-    Of those that leave nearly as little the simplest does; none where a law of time leaves hardly more.
+    Of those that leave nearly as little the simplest does, of equally simple ones the first whose error is not worth
+    telling from the least; none where a law of time leaves hardly more.
     """
     removed = {c: before - left[c] for c in left}
     best = max(removed[c] for c in good)
     near = central([c for c in good if removed[c] >= NEARLY * best])
-    drifts = [c for c in left if laws[c].term.effect.of_time and removed[c] >= DRIFT_NEARLY * best]
+    drifts = _drifts(laws, good, left, before)
     if drifts:
         return Choice(None, _names(laws, (*near, *drifts)), _names(laws, drifts))
+    near = [c for c in near if not laws[c].term.effect.of_time]
     plain = [c for c in good if not laws[c].term.effect.inner]
-    if plain and min(left[c] for c in near) > CLEARLY * min(left[c] for c in plain):
-        near = [*near, min(plain, key=lambda c: left[c])]
-    elif not plain and min(left[c] for c in near) > CLEARLY * before:
-        near = []
     if not near:
         return Choice(None, (), ())
-    lead = min(near, key=lambda c: (complexity(laws[c].term.effect), -removed[c]))
+    may_lead, bent = near, min(left[c] for c in near)
+    if plain and bent > CLEARLY * min(left[c] for c in plain):
+        may_lead = [c for c in near if c in plain] or [min(plain, key=lambda c: left[c])]
+    elif not plain and bent > CLEARLY * before:
+        return Choice(None, (), ())
+    simple = min(complexity(laws[c].term.effect) for c in may_lead)
+    may_lead = [c for c in may_lead if complexity(laws[c].term.effect) == simple]
+    least = min(left[c] for c in may_lead)
+    lead = min(c for c in may_lead if left[c] <= least + WORTH)  # the library's order, so that repeats agree
     return Choice(lead, _names(laws, (lead, *near)), ())
+
+
+def _drifts(
+    laws: Sequence[AveragedLaw], good: Sequence[int], left: Mapping[int, float], before: float
+) -> list[int]:
+    """Return the laws of time that remove and leave nearly as much as the best law of the amplitude does."""
+    most = max(before - left[c] for c in good)
+    ofamplitude = [left[c] for c in good if not laws[c].term.effect.of_time]
+    least = max(min(ofamplitude, default=before), WORTH)
+    return [
+        c
+        for c in left
+        if laws[c].term.effect.of_time
+        and before - left[c] >= DRIFT_NEARLY * most
+        and CLEARLY * left[c] <= least
+    ]
 
 
 def _names(laws: Sequence[AveragedLaw], columns: Sequence[int]) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ import numpy as np
 
 from identify.curves.decay_curve import DecayCurve
 from identify.curves.isolated_mode import IsolatedMode
-from identify.fitting.initial_values import initial_values
+from identify.fitting.initial_values import initial_nuisances, initial_values
 from identify.fitting.problem import Problem
 from identify.model.model import Model
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -22,7 +22,8 @@ def simulated_curve(
     at = int(mode.first[0])
     window = prepared.window.part(slice(at, None)).with_(pre_release=None)
     problem = Problem(model, (window,), prepared.frequency)
-    theta = problem.theta(initial_values((prepared,), model, values) | values)
+    begin = initial_nuisances if all(str(t.strength) in values for t in model.forces) else initial_values
+    theta = problem.theta(begin((prepared,), model, values) | values)
     places = list(problem.layout.releases[0].start)
     theta[places] = prepared.motion.displacement[at], prepared.motion.velocity[at]
     curve = None

@@ -99,7 +99,7 @@ def leaders(
     contest = _Contest(search.regression, used, [one.rows for one in everyone])
     random = np.random.default_rng(_SEED)
     parts = range(len(search.parts))
-    counted = (parts[-1],) if search.one_record else tuple(parts)
+    counted = tuple(parts[1:] if search.one_record else parts)
     work = len(everyone) * len(counted) * (1 + len(search.parts))
     found = []
     for _ in range(min(RESAMPLINGS, max(_WORK // work, _FEWEST))):

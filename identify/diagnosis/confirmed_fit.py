@@ -4,8 +4,9 @@ from identify.curves.confirmation import Confirmation
 from identify.diagnosis.suspects import try_terms
 from identify.diagnosis.weak_presence import states_of_term
 from identify.fitting.baseline import Baseline
-from identify.fitting.fit import Fit, fit
+from identify.fitting.fit import Fit, fit, is_far
 from identify.fitting.initial_values import initial_values
+from identify.model.model import Model
 
 
 def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
@@ -27,14 +28,18 @@ def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
         base.point | linear | strengths | states,
         initial_values(baseline.decays, model, base.point | strengths) | linear | strengths,
     )
-    ends = [
-        fit(model, base.windows, start, base.frequency, near=near)
-        for start in starts
-        for near in (False, True)
-    ]
+    ends = [end for start in starts for end in _ends(base, model, start)]
     ends.append(_one_after_the_other(baseline, found))
     best = min(ends, key=lambda end: end.chi_square)
     return best if best.chi_square < base.chi_square else None
+
+
+def _ends(base: Fit, model: Model, start: dict[str, float]) -> list[Fit]:
+    """Return the fits from a start that may be far off, grown from its first few cycles, and from the start as it is."""
+    near = fit(model, base.windows, start, base.frequency, near=True)
+    if not is_far(model, base.windows, start, base.frequency):
+        return [near]
+    return [fit(model, base.windows, start, base.frequency), near]
 
 
 def _one_after_the_other(baseline: Baseline, found: Confirmation) -> Fit:

@@ -163,33 +163,36 @@ def diagnose(
     *,
     library: tuple[Effect, ...] = LIBRARY,
     known: dict[str, float] | None = None,
+    progress: Callable[[str], None] = lambda words: None,
 ) -> Diagnosis:
     """Return what a model lacks on one release, or on several that share their physics.
 
     The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin the fit from, by
-    unknown's name. Raises NotIdentifiable when a release holds too little to fit anything.
+    unknown's name. `progress` is told each step in words, counted where it has a known number of fits. Raises
+    NotIdentifiable when a release holds too little to fit anything.
     """
     whole = prepared_of(decays)
     first = baseline = fit_baseline(segments_of(whole), model or base_model(), known)
     whole = tuple(with_floor(prepared, baseline.spread) for prepared in whole)
     foretell = cache(lambda: foretold(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, foretell)
-    ranked = rank(baseline, singles(baseline, fitted), chances(baseline, fitted))
+    tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
+    progress("finding what each effect would explain by chance")
+    ranked = rank(baseline, tried, chances(baseline, fitted))
     if _hides_noise(baseline, ranked):
         baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
-    faults = _unnamed_faults(baseline)
-    judgement = judge(baseline, ranked, faults, library, foretell)
+    progress("judging whether one effect explains it, or several together")
+    judgement = judge(baseline, ranked, _unnamed_faults(baseline), library, foretell)
     if judgement.verdict == "unknown_effect" and baseline.floor_is_sure:
-        clearer, ranked = _seen_again(baseline, judgement.final, ranked, fitted)
-        if clearer is not baseline:
-            baseline, faults = clearer, _unnamed_faults(clearer)
-            judgement = judge(baseline, ranked, faults, library, foretell)
+        before, (baseline, ranked) = baseline, _seen_again(baseline, judgement.final, ranked, fitted)
+        if baseline is not before:
+            judgement = judge(baseline, ranked, _unnamed_faults(baseline), library, foretell)
     if baseline is not first:  # other noise, another floor
         whole = tuple(replace(prepared, floor_std=baseline.spread) for prepared in whole)
     settled = (
         refit_at_floor(baseline.decays, judgement.final) if judgement.final is not baseline.fit else baseline
     )
-    suspects = _with_held_out(baseline, _suspects(baseline, judgement, faults, settled))
+    suspects = _with_held_out(baseline, _suspects(baseline, judgement, _unnamed_faults(baseline), settled))
     verdict = judgement.verdict
     if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
@@ -336,12 +339,11 @@ def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[Correcte
 
 def _with_held_out(baseline: Baseline, suspects: tuple[Suspect, ...]) -> tuple[Suspect, ...]:
     """Ask the first few suspects what they predict of cycles they were not fitted to."""
-    base = _held_out_error(baseline.fit, baseline.fit.windows)
+    error = cache(lambda found: _held_out_error(found, baseline.fit.windows))
     asked = []
     for place, suspect in enumerate(suspects):
         if place < _HELD_OUT and suspect.fit is not baseline.fit and suspect.claimed:
-            gain = base - _held_out_error(suspect.fit, baseline.fit.windows)
-            suspect = replace(suspect, held_out_gain=gain)
+            suspect = replace(suspect, held_out_gain=error(baseline.fit) - error(suspect.fit))
         asked.append(suspect)
     return tuple(asked)
 

@@ -33,7 +33,7 @@ def explain_unconfirmed(found: Confirmation) -> str:
     """Return that something is left which no effect foretells, how much it is, and what may be behind it."""
     size = three_figures(_share(found))
     others = "the other" if found.parts == 2 else "all the others"
-    basis = "small amplitudes from large ones and back" if found.one_record else f"each release from {others}"
+    basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
     words = [f"The model leaves {size} % of the motion when it foretells {basis}."]
     undecided = _undecided(found)
     words += undecided or ["No effect of the library foretells more of it, so none is named."]
@@ -57,8 +57,7 @@ def _prediction(found: Confirmation) -> str:
     left = "" if after < 1.0 else f"; what is left, {three_figures(after)} % of the motion, has no name"
     basis = f"Confirmed on {found.better} of {found.parts} other releases"
     if found.one_record:
-        back = " and back" if found.better == found.parts else ""
-        basis = f"Confirmed within this record, small amplitudes from large ones{back}"
+        basis = f"Confirmed within this record, on {found.better} of {found.parts} ranges of amplitude from the rest"
     return (
         f"{basis}: prediction error {three_figures(before)} to {three_figures(after)} % of the motion{left}."
     )

@@ -14,6 +14,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.diagnosis.weak_presence import probes, with_fault
 from identify.effects.effect import Scales
+from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import Fit
 from identify.fitting.initial_values import term_starts
 from identify.fitting.jacobian import linearise
@@ -38,12 +39,12 @@ _NEAR = 1.5
 
 @dataclass(frozen=True, eq=False)
 class Slope:
-    """How the misfit of a fit depends on its unknowns: the fit, its problem, misfit (n,) and Jacobian (n, unknowns)."""
+    """How the misfit of a fit depends on its unknowns: the fit, its problem, misfit (n,) and Jacobian."""
 
     base: Fit
     problem: Problem
     residual: Array
-    jacobian: Array
+    jacobian: BlockJacobian
 
     @classmethod
     def of(cls, base: Fit) -> Self:
@@ -53,9 +54,7 @@ class Slope:
 
     def free_of_known(self, columns: Array) -> Array:
         """Return what the model's own parameters cannot follow of columns (n, m)."""
-        size = np.linalg.norm(self.jacobian, axis=0)
-        basis = np.linalg.qr(self.jacobian / np.where(size > 0.0, size, 1.0))[0]
-        return np.asarray(columns - basis @ (basis.T @ columns))
+        return self.jacobian.tangent().free(columns)
 
 
 def worth_a_fit(

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
+from identify.diagnosis.null_columns import NullColumns
 from identify.diagnosis.null_lines import line_drops, rows_of
 from identify.diagnosis.weak_presence import probes, with_fault
 from identify.effects.effect import Scales
@@ -19,6 +20,7 @@ from identify.fitting.fit import Fit
 from identify.fitting.initial_values import scales_of, term_starts
 from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
+from identify.fitting.tangent import Tangent
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
@@ -82,9 +84,13 @@ def null_distribution(
     if unsure:
         noise *= _strengths(base, unsure, draws)
     low, high = theta <= problem.low, theta >= problem.high
-    tangent = _directions(jacobian[:, ~(low | high)])
-    for column, side in [*((j, 1.0) for j in jacobian.T[low]), *((j, -1.0) for j in jacobian.T[high])]:
-        noise = _pressed(noise, side * column, tangent)
+    tangent = jacobian.tangent(~(low | high))
+    for at, side in [
+        *((j, 1.0) for j in np.flatnonzero(low).tolist()),
+        *((j, -1.0) for j in np.flatnonzero(high).tolist()),
+    ]:
+        noise = _pressed(noise, side * jacobian.column(at), tangent)
+    free = tangent.free(noise)
     scales = scales_of(decays[0], dict.fromkeys(base.windows[0].channels, ()))
     drops: dict[str, Array] = {}
     for term in terms:
@@ -92,9 +98,9 @@ def null_distribution(
         if term.effect.line:
             best = line_drops(base, term, noise)
         elif term.is_force:
-            best = _column_drops(decays, base, term, scales, tangent, noise)
+            best = _column_drops(decays, base, term, scales, tangent, free)
         else:
-            best = _fault_drops(base, term, scales, tangent, noise)
+            best = _fault_drops(base, term, scales, tangent, free)
         drops[name] = np.maximum(drops[name], best) if name in drops else best
     search = np.max([_surprise(np.sort(d), d) for d in drops.values()], axis=0)
     return NullDistribution({name: np.sort(d) for name, d in drops.items()}, np.sort(search))
@@ -117,18 +123,12 @@ def _strengths(base: Fit, unsure: tuple[dict[str, float], ...], draws: int) -> A
     return np.concatenate(rows)
 
 
-def _directions(jacobian: Array) -> Array:
-    """Return an orthonormal basis of what the fit's own parameters can follow, (readings, parameters)."""
-    size = np.linalg.norm(jacobian, axis=0)
-    return np.asarray(np.linalg.qr(jacobian / np.where(size > 0.0, size, 1.0))[0])
-
-
-def _pressed(noise: Array, column: Array, tangent: Array) -> Array:
+def _pressed(noise: Array, column: Array, tangent: Tangent) -> Array:
     """Return the draws under which a parameter at its bound would stay there: those that lift it are mirrored.
 
     `column` is how the misfit changes as the parameter moves into its range.
     """
-    free = column - tangent @ (tangent.T @ column)
+    free = tangent.free(column)
     size = float(np.linalg.norm(free))
     if not size > 1e-9 * float(np.linalg.norm(column)):
         return noise
@@ -147,28 +147,16 @@ def _surprise(draws: Array, values: Array, slope: float = 0.5) -> Array:
 
 
 def _column_drops(
-    decays: tuple[PreparedDecay, ...], base: Fit, term: Term, scales: Scales, tangent: Array, noise: Array
+    decays: tuple[PreparedDecay, ...], base: Fit, term: Term, scales: Scales, tangent: Tangent, noise: Array
 ) -> Array:
     problem = Problem(base.model.plus(term), base.windows, base.frequency)
     before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
-    blocks: list[list[Array]] = []
-    for start in term_starts(term, scales, fine=True):
-        block = [
-            problem.residuals(theta) - before for theta in probes(decays, base, problem, term, start, _PROBE)
-        ]
-        blocks.append([c for c in block if np.isfinite(c).all() and np.linalg.norm(c) > 1e-9])
+    rows = rows_of(base.windows)
     best = np.zeros(noise.shape[1])
-    if not any(blocks):
-        return best
-    columns = np.column_stack([column for block in blocks for column in block])
-    columns = columns - tangent @ (tangent.T @ columns)
-    size = np.sqrt(np.maximum(np.sum(columns**2, axis=0), 1e-300))
-    together, along = columns.T @ columns / np.outer(size, size), (columns.T @ noise) / size[:, None]
-    first = 0
-    for block in blocks:
-        own = slice(first, first + len(block))
-        first += len(block)
-        best = np.maximum(best, _drops(together[own, own], along[own], one_sided=term.effect.one_sided))
+    for start in term_starts(term, scales, fine=True):
+        columns = NullColumns.at(problem, probes(decays, base, problem, term, start, _PROBE), before, rows)
+        drops = _drops(*columns.products(tangent, noise, rows), one_sided=term.effect.one_sided)
+        best = np.maximum(best, drops)
     return best
 
 
@@ -187,7 +175,7 @@ def _drops(together: Array, along: Array, *, one_sided: bool) -> Array:
     return np.asarray(np.sum(amount**2, axis=0))
 
 
-def _fault_drops(base: Fit, term: Term, scales: Scales, tangent: Array, noise: Array) -> Array:
+def _fault_drops(base: Fit, term: Term, scales: Scales, tangent: Tangent, noise: Array) -> Array:
     """Sum over the releases of the best drop by a fault that each has with parameters of its own."""
     problem = Problem(base.model.plus(term), base.windows, base.frequency)
     before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
@@ -196,10 +184,9 @@ def _fault_drops(base: Fit, term: Term, scales: Scales, tangent: Array, noise: A
         for start in term_starts(term, scales, fine=True)
     ]
     changes = [change for change in changes if np.isfinite(change).all()]
-    followed = tangent.T @ noise
     total = np.zeros(noise.shape[1])
-    for rows in rows_of(base.windows):
-        amounts = _amounts([change[rows] for change in changes], tangent[rows], noise[rows], followed)
+    for i, rows in enumerate(rows_of(base.windows)):
+        amounts = _amounts([change[rows] for change in changes], tangent.part(i), noise[rows])
         if not amounts:
             continue
         if term.fault.held_at_first:
@@ -210,19 +197,18 @@ def _fault_drops(base: Fit, term: Term, scales: Scales, tangent: Array, noise: A
     return total
 
 
-def _amounts(
-    columns: list[Array], tangent: Array, noise: Array, followed: Array
-) -> list[tuple[Array, Array]]:
+def _amounts(columns: list[Array], tangent: Array, noise: Array) -> list[tuple[Array, Array]]:
     """Return how much of each draw lies along each column, (draws,) each, and along what earlier columns leave of it.
 
-    Columns (readings,) are those of one release, less what the fit's parameters follow in all of them.
+    Columns (readings,) are those of one release, less what the fit's parameters follow in all of them; of the noise that
+    is left out already.
     """
     if not columns:
         return []
     design = np.column_stack(columns)
     own = tangent.T @ design
     together = design.T @ design - own.T @ own
-    along = design.T @ noise - own.T @ followed
+    along = design.T @ noise
     size = np.diag(together)
     kept = [j for j in range(len(columns)) if size[j] > 1e-18 + 1e-12 * float(columns[j] @ columns[j])]
     scale = np.sqrt(size[kept])

@@ -11,10 +11,13 @@ from identify.fitting.fit import Fit
 from identify.model.model import Term
 from identify.preprocessing.fit_window import FitWindow
 
-_AT_ONCE = 50
-"""Draws that are transformed together: spectra of all would need too much memory."""
+_AT_ONCE = 1_500_000
+"""Numbers that are transformed together: spectra of all draws would need too much memory."""
 
 _LONGEST = 1 << 16
+
+_ONE_CLOCK = 1e-6
+"""Share of a sample by which two windows of one record may seem to be off its samples."""
 
 
 def rows_of(windows: tuple[FitWindow, ...]) -> list[slice]:
@@ -25,51 +28,82 @@ def rows_of(windows: tuple[FitWindow, ...]) -> list[slice]:
 
 def line_drops(base: Fit, term: Term, noise: Array) -> Array:
     """Return the largest drop of chi-square by a line, of each draw of noise (readings, draws)."""
-    parts = [noise[:, first : first + _AT_ONCE] for first in range(0, noise.shape[1], _AT_ONCE)]
+    size = _size(base.windows) if term.is_force else 2 * max(len(window) for window in base.windows)
+    many = max(_AT_ONCE // size, 1)
+    parts = [noise[:, first : first + many] for first in range(0, noise.shape[1], many)]
     return np.concatenate(
-        [_of_force(base, part) if term.is_force else _of_sensor(base, term, part) for part in parts]
+        [_of_force(base, part, size) if term.is_force else _of_sensor(base, term, part) for part in parts]
     )
 
 
 def _of_sensor(base: Fit, term: Term, noise: Array) -> Array:
     total = np.zeros(noise.shape[1])
     for window, rows in zip(base.windows, rows_of(base.windows), strict=True):
-        spectra = _spectra(window, noise[rows], 2 * len(window))
-        if term.channel in spectra:
-            total += np.max(np.abs(spectra[term.channel][2:-2]) ** 2, axis=0)
+        if term.channel in window.channels:
+            found = _scaled(window, noise[rows])[term.channel]
+            padded = np.zeros((len(window), noise.shape[1]))
+            padded[window.used[term.channel]] = found
+            spectrum = np.fft.rfft(padded, 2 * len(window), axis=0)
+            total += np.max(np.abs(spectrum[2:-2]) ** 2, axis=0)
     return total
 
 
-def _of_force(base: Fit, noise: Array) -> Array:
-    windows = base.windows
+def _size(windows: tuple[FitWindow, ...]) -> int:
+    """Return the length of the transform that resolves a line through all windows."""
     first = min(window.time for window in windows)
     size = 2 * max(len(window) for window in windows)
     if any(window.segment for window in windows):
         span = max(window.time + len(window) / window.rate for window in windows) - first
         size = min(max(size, 2 * int(span * windows[0].rate)), _LONGEST)
-    together: Array | float = 0.0
-    power: Array | float = 0.0
-    for window, rows in zip(windows, rows_of(windows), strict=True):
-        omega = 2.0 * np.pi * np.fft.rfftfreq(size, 1.0 / window.rate)
-        late = np.exp(-1j * omega * (window.time - first))
+    return size
+
+
+def _of_force(base: Fit, noise: Array, size: int) -> Array:
+    """Add up the spectra of all windows at their times; pieces of one record, whose samples have one clock, as one."""
+    windows = base.windows
+    start = min(window.time for window in windows)
+    together, power = np.zeros((size // 2 + 1, noise.shape[1]), dtype=complex), np.zeros(size // 2 + 1)
+    rows = rows_of(windows)
+    for pieces in _records(windows):
+        first = windows[pieces[0]]
+        omega = 2.0 * np.pi * np.fft.rfftfreq(size, 1.0 / first.rate)
+        late = np.exp(-1j * omega * (first.time - start))
         weight = {"displacement": np.ones_like(omega), "velocity": omega * 1j, "acceleration": -(omega**2)}
-        for channel, spectrum in _spectra(window, noise[rows], size).items():
-            shown = np.conj(weight[channel] * late) / window.sigma[channel]
-            count = int(window.used[channel].sum()) if len(windows) > 1 else 1
-            together = together + np.sqrt(count) * spectrum * shown[:, None]
-            power = power + count * np.abs(shown) ** 2
+        for channel in first.channels:
+            record = np.zeros((size, noise.shape[1]))
+            for i in pieces:
+                window = windows[i]
+                at = round((window.time - first.time) * first.rate) + np.flatnonzero(window.used[channel])
+                count = len(at) if len(windows) > 1 else 1
+                values = _scaled(window, noise[rows[i]])[channel]
+                record[at % size] += np.sqrt(count) / window.sigma[channel] * values
+                power += count / window.sigma[channel] ** 2 * np.abs(weight[channel]) ** 2
+            together += np.fft.rfft(record, axis=0) * (np.conj(weight[channel]) * late)[:, None]
     peaks = np.abs(together) ** 2 / np.maximum(power, 1e-300)[:, None]
     return np.asarray(np.max(peaks[2:-2], axis=0))
 
 
-def _spectra(window: FitWindow, noise: Array, size: int) -> dict[str, Array]:
-    """Return the spectra, (size / 2 + 1, draws), of the noise of each channel, whose power is 2 in the mean."""
-    spectra, first = {}, 0
+def _records(windows: tuple[FitWindow, ...]) -> list[list[int]]:
+    """Return the windows in groups whose samples lie on one clock: the pieces of each record."""
+    groups: list[list[int]] = []
+    for i, window in enumerate(windows):
+        for group in groups:
+            first = windows[group[0]]
+            apart = (window.time - first.time) * first.rate
+            alike = window.rate == first.rate and window.channels == first.channels
+            if alike and abs(apart - round(apart)) < _ONE_CLOCK and apart > 0.0:
+                group.append(i)
+                break
+        else:
+            groups.append([i])
+    return groups
+
+
+def _scaled(window: FitWindow, noise: Array) -> dict[str, Array]:
+    """Return the noise of each channel at its used readings, (used, draws), scaled to a power of 2 in all in the mean."""
+    found, first = {}, 0
     for channel in window.channels:
-        used = window.used[channel]
-        count = int(used.sum())
-        padded = np.zeros((len(window), noise.shape[1]))
-        padded[used] = noise[first : first + count]
+        count = int(window.used[channel].sum())
+        found[channel] = noise[first : first + count] / np.sqrt(max(count, 1) / 2.0)
         first += count
-        spectra[channel] = np.fft.rfft(padded, size, axis=0) / np.sqrt(max(count, 1) / 2.0)
-    return spectra
+    return found

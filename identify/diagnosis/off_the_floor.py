@@ -8,12 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from identify.curves.confirmation import MOST_RIVALS, WORTH, Confirmation
-from identify.curves.leading_law import complexity
+from identify.curves.confirmation import MOST_RIVALS, Confirmation
+from identify.curves.leading_law import WORTH, complexity
 from identify.diagnosis.confirmed_fit import fit_confirmed
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
 from identify.diagnosis.verdict import Judgement, free_form
+from identify.effects.force_effect import ForceEffect
 from identify.fitting.baseline import ADEQUATE, Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.misfit_errors import with_misfit_errors
@@ -28,6 +29,9 @@ _NEXT_LEAVES = 3.0
 
 _CLEAR = 3.0
 """Standard errors, of the misfit that is there, by which a strength must differ from none."""
+
+_THE_SAME = 0.05
+"""Relative difference up to which a strength is the one foretold: one in thirty of those between -1 and 2 times it."""
 
 _LINE_LEAVES = 0.5
 """Share of chi-square that a second line may leave where the amplitude beats."""
@@ -131,11 +135,13 @@ def _by_free_run(
         if entry.candidate.term.effect.kind == "physics" and _misfit(entry) < _NEXT_LEAVES * _misfit(first)
     ]
     simplest = min(near, key=lambda entry: (complexity(entry.candidate.term.effect), _misfit(entry)))
-    best = first if beats else simplest
+    foretold = next((entry for entry in near if is_foretold(entry.candidate)), None)
+    best = first if beats else foretold or simplest
     left = _misfit(best) / baseline.fit.chi_square
     seen = found is not None and found.has_law(best.candidate.name)
     denied = seen and found is not None and best.candidate.name not in found.mentioned
-    apart = len(near) <= MOST_RIVALS + 1 and not any(entry.candidate.term.effect.of_time for entry in near)
+    drifts = any(entry.candidate.term.effect.of_time for entry in near)
+    apart = len(near) <= MOST_RIVALS + 1 and (foretold is not None or not drifts)
     if not (beats or (left < _NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
         return None
     rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
@@ -149,6 +155,21 @@ def _by_free_run(
         shape=shape,
         confirmation=found,
     )
+
+
+def is_foretold(candidate: Candidate) -> bool:
+    """Whether a force has the very strength that the linear part it makes alone has: it has no constant of its own then.
+
+    A law with constants to spare, a drift among them, must leave a third of what such a force leaves to be told from it.
+    """
+    effect = candidate.term.effect
+    part = effect.may_be_all_of if isinstance(effect, ForceEffect) else None
+    name = None if part is None else candidate.fit.model.linear_strength(part)
+    if name is None:
+        return False
+    values = candidate.fit.parameters
+    whole = values[str(name)].value
+    return abs(values[str(candidate.term.strength)].value - whole) < _THE_SAME * whole
 
 
 def _misfit(entry: Ranked) -> float:

@@ -86,8 +86,9 @@ def promising_triples(
     columns = _free_columns(prepared, model, terms, scales)
     if columns is None:
         return ()
-    known = {name: at for at, name in enumerate(dict.fromkeys(begun.name for begun in columns.begun))}
-    effect = np.array([known[begun.name] for begun in columns.begun])
+    names = [begun.name for begun in columns.begun]
+    first = [at for at, name in enumerate(names) if at == 0 or name != names[at - 1]]
+    effect = np.repeat(np.arange(len(first)), np.diff([*first, len(names)]))
     apart = effect[:, None] != effect
     two = columns.left - _explained_by_two(columns.along, columns.overlap)
     found: dict[tuple[int, ...], tuple[float, tuple[int, int, int]]] = {}
@@ -97,11 +98,13 @@ def promising_triples(
         left = columns.left - columns.along[i] ** 2 - _explained_by_two(beside, overlap)
         left[~apart | (effect == effect[i])[:, None] | (effect == effect[i])[None, :]] = np.inf
         left = np.maximum(left, 0.0)
-        least = min(least, float(left.min()))
-        for j, k in np.argwhere(np.triu(left <= _TIMES_LEAST * least, 1)):
-            key = tuple(sorted((int(effect[i]), int(effect[j]), int(effect[k]))))
-            if key not in found or left[j, k] < found[key][0]:
-                found[key] = float(left[j, k]), (i, int(j), int(k))
+        best = np.minimum.reduceat(np.minimum.reduceat(left, first, axis=0), first, axis=1)
+        least = min(least, float(best.min()))
+        for m, n in np.argwhere(np.triu(best <= _TIMES_LEAST * least, 1)):
+            key = tuple(sorted((int(effect[i]), int(m), int(n))))
+            if key not in found or best[m, n] < found[key][0]:
+                j, k = np.argwhere((left == best[m, n]) & (effect == m)[:, None] & (effect == n))[0]
+                found[key] = float(best[m, n]), (i, int(j), int(k))
     if not least < _THIRD_HELPS * float(two[apart].min(initial=np.inf)):
         return ()
     kept = sorted(entry for entry in found.values() if entry[0] <= _TIMES_LEAST * least)

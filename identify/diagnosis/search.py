@@ -1,6 +1,6 @@
 """The search for what is missing: one effect, or two together."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from identify.diagnosis.null_distribution import NullDistribution, null_distribution
@@ -27,10 +27,14 @@ _UNSURE = 0.2
 """Largest relative error of a floor that chance counts with: beyond, the misfit that stays widens chance."""
 
 
-def singles(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> tuple[Candidate, ...]:
-    """Return the model refitted with each effect it lacks, best first."""
+def singles(
+    baseline: Baseline,
+    library: tuple[Effect, ...] = LIBRARY,
+    counted: Callable[[int, int], None] = lambda done, whole: None,
+) -> tuple[Candidate, ...]:
+    """Return the model refitted with each effect it lacks, best first; `counted` is told how many fits are done."""
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
-    return try_terms(baseline.decays, baseline.fit, terms)
+    return try_terms(baseline.decays, baseline.fit, terms, counted=counted)
 
 
 def chances(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> NullDistribution:

@@ -1,8 +1,10 @@
 """Suspects: every effect that the model lacks, refitted in turn."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from itertools import count
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,6 +13,7 @@ from identify.diagnosis.linear_gain import Slope, worth_a_fit
 from identify.diagnosis.weak_presence import states_of_term, with_fault
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
+from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import Fit, fit, fit_at
 from identify.fitting.initial_values import (
     initial_values,
@@ -28,6 +31,8 @@ from identify.model.parameter_id import ParameterId, nuisance
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.spectrum import strongest_lines
+
+_Found = TypeVar("_Found")
 
 _LINES = 3
 _STARTS = 3
@@ -97,13 +102,14 @@ def try_terms(
     *,
     polished: int = _POLISHED,
     goal: float | None = None,
+    counted: Callable[[int, int], None] = lambda done, whole: None,
 ) -> tuple[Candidate, ...]:
     """Refit the model with each term added; return the best variant of each effect, best first.
 
     From each start the term's inner parameters are held at first, so that all others can make room for it. The most
     promising ones, `polished` of them, are then fitted freely: the first few to the end, the others until they creep
     with twice the best of these still below. Where only a `goal` of chi-square counts, terms that cannot come near it are
-    left out, and a fit that creeps towards it is left.
+    left out, and a fit that creeps towards it is left. `counted` is told how many fits are done, and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
     slope = Slope.of(base) if goal is not None or base.reduced < _FAR_OFF else None
@@ -111,19 +117,27 @@ def try_terms(
         terms = worth_a_fit(decays, slope, terms, scales, goal)
     near = slope if base.reduced < _FAR_OFF else None
     floor = 0.0 if goal is None else goal
+    done, whole = count(1), len(terms) + min(polished, len(terms))
+
+    def step(found: _Found) -> _Found:
+        counted(next(done), whole)
+        return found
+
     with ThreadPoolExecutor() as pool:
         begun = [
             b
-            for b in pool.map(lambda term: _begin(decays, base, near, term, scales, floor), terms)
+            for b in map(step, pool.map(lambda term: _begin(decays, base, near, term, scales, floor), terms))
             if b is not None
         ]
         begun.sort(key=lambda beginning: beginning.cost)
         leaders = begun[: min(_LEADERS, polished)]
-        tried = list(pool.map(lambda beginning: _finish(base, beginning, scales, goal or 0.0), leaders))
+        tried = list(
+            map(step, pool.map(lambda beginning: _finish(base, beginning, scales, goal or 0.0), leaders))
+        )
         best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
         enough = _BEHIND * best_cost if goal is None else goal
         others = begun[len(leaders) : polished]
-        tried += pool.map(lambda beginning: _finish(base, beginning, scales, enough), others)
+        tried += map(step, pool.map(lambda beginning: _finish(base, beginning, scales, enough), others))
         tried += [_leave(base, near, beginning, scales) for beginning in begun[polished:]]
     best: dict[str, Candidate] = {}
     for candidate in tried:
@@ -142,7 +156,7 @@ class _Beginning:
     cost: float
 
 
-def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, Array]:
+def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tuple[Array, BlockJacobian]:
     """Return the misfit of the model with one more effect, and its Jacobian, only the new columns taken anew."""
     known_at = slope.problem.index
     take_steps(problem, slope.problem)
@@ -150,7 +164,9 @@ def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tup
     residual, jacobian = linearise(problem, theta, skip=known | held)
     for at, unknown in enumerate(problem.unknowns):
         if known[at]:
-            jacobian[:, at] = slope.jacobian[:, known_at[unknown.name]]
+            before = slope.jacobian.of_unknown(known_at[unknown.name])
+            for (_, row), (_, values) in zip(jacobian.of_unknown(at), before, strict=True):
+                row[:] = values
     return residual, jacobian
 
 

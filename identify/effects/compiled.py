@@ -1,6 +1,7 @@
 """Calling a compiled effect by its address, so that a model is an array of addresses and never recompiles."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 from llvmlite import ir
@@ -38,11 +39,13 @@ def _compile(function: Callable[..., Any], signature: Any, cache: bool) -> Any:
     return (compiled if cache else njit)(signature, error_model="numpy")(function)
 
 
+@lru_cache(maxsize=256)
 def address_of_force(function: Any) -> int:
-    """Return where a compiled force lies in memory; 0 for None."""
+    """Return where a compiled force lies in memory; 0 for None. It stays where it is, and is looked up once."""
     return 0 if function is None else int(_get_wrapper_address(function, _FORCE))
 
 
+@lru_cache(maxsize=256)
 def address_of_rates(function: Any) -> int:
     """Return where a compiled rate lies in memory; 0 for None."""
     return 0 if function is None else int(_get_wrapper_address(function, _RATES))

@@ -41,7 +41,8 @@ class ForceEffect(Effect):
     unknowns of the fit. `starts(scales)` lists starting values of the inner parameters, `fine_starts(scales)` closer
     ones where midpoints between those would leave gaps. `fastest_rate(p)` is the angular frequency (rad/s) that the
     integration must resolve for the sake of the effect, None where the motion's own does. `nonsmooth` forces want a
-    finer step. A `linear_part` is built into the simulator.
+    finer step. A `linear_part` is built into the simulator. What `may_be_all_of` a linear part has the strength of that
+    part on a rig where nothing else adds to it, and then no constant of its own.
     """
 
     force: Any = None
@@ -56,6 +57,7 @@ class ForceEffect(Effect):
     fastest_rate: Callable[[Array], float] | None = None
     nonsmooth: bool = False
     linear_part: LinearPart | None = None
+    may_be_all_of: LinearPart | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()

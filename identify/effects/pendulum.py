@@ -4,7 +4,7 @@ from math import sin
 
 from identify.effects.compiled import force_function
 from identify.effects.effect import Parameter
-from identify.effects.force_effect import ForceEffect
+from identify.effects.force_effect import ForceEffect, LinearPart
 
 
 @force_function
@@ -24,6 +24,7 @@ PENDULUM_STIFFNESS = ForceEffect(
     ),
     force=_pendulum,
     units=("rad",),
+    may_be_all_of=LinearPart.STIFFNESS,
     plausible=lambda values, scales: values["g"] > _MOST_OF_IT * scales.frequency**2,
     symptom="the frequency falls with the square of the angle, as 1 - angle^2/16 where there is no other spring",
     confirming_test="turn the axis vertical, so that gravity has no moment: the frequency is the same at every angle",

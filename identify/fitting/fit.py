@@ -8,6 +8,7 @@ from identify.arrays import Array
 from identify.clock_error import with_clock
 from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
+from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.jacobian import linearise
 from identify.fitting.levenberg_marquardt import minimise, minimise_fully
 from identify.fitting.parameter_layout import Unknown
@@ -126,7 +127,7 @@ def fit(
     whole = Problem(model, windows, frequency)
     theta = start_at = np.clip(whole.theta(start), whole.low, whole.high)
     first = whole.residuals(theta)
-    far = not np.isfinite(first).all() or float(first @ first) > _FAR_OFF * len(first)
+    far = _off(first)
     if far and not near:
         theta = _grow(model, windows, theta, frequency)
     found = minimise_fully(whole, theta, tolerance=tolerance, goal=goal)
@@ -136,7 +137,17 @@ def fit(
     return _result(whole, found.theta, found.cost, jacobian, settled=found.settled)
 
 
-def fit_at(problem: Problem, theta: Array, slope: tuple[Array, Array] | None = None) -> Fit:
+def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float], frequency: float) -> bool:
+    """Whether starting values by name are so far off that a fit which is not `near` grows its window."""
+    problem = Problem(model, windows, frequency)
+    return _off(problem.residuals(np.clip(problem.theta(start), problem.low, problem.high)))
+
+
+def _off(misfit: Array) -> bool:
+    return not np.isfinite(misfit).all() or float(misfit @ misfit) > _FAR_OFF * len(misfit)
+
+
+def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | None = None) -> Fit:
     """Return the fit as it stands at some values, without a further step; `slope` is misfit and Jacobian, if known."""
     residual, jacobian = slope or linearise(problem, theta)
     return _result(problem, theta, float(residual @ residual), jacobian, settled=False)
@@ -153,12 +164,11 @@ def _grow(model: Model, windows: tuple[FitWindow, ...], theta: Array, frequency:
     return theta
 
 
-def _result(problem: Problem, theta: Array, cost: float, jacobian: Array, *, settled: bool) -> Fit:
+def _result(problem: Problem, theta: Array, cost: float, jacobian: BlockJacobian, *, settled: bool) -> Fit:
     size = problem.sizes(theta)
-    scaled = jacobian * size
     at_bound = (theta <= problem.low) | (theta >= problem.high)
-    scaled[:, at_bound] = 0.0
-    normal = scaled.T @ scaled
+    normal = jacobian.normal() * np.outer(size, size)
+    normal[at_bound], normal[:, at_bound] = 0.0, 0.0
     values, vectors = np.linalg.eigh(normal)
     weak = values < 1e-13 * values.max()
     inverse = 1.0 / np.maximum(values, max(1e-16 * values.max(), 1e-300))

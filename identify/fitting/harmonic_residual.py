@@ -73,12 +73,10 @@ def harmonic_residual(fit: Fit, *, seed: int = 0, draws: int = _DRAWS) -> Harmon
     residual, jacobian = linearise(problem, fit.theta)
     if not np.isfinite(residual).all():
         return HarmonicResidual(np.inf, 0.0, {})
-    free = jacobian[:, np.linalg.norm(jacobian, axis=0) > 0.0]
-    tangent = np.linalg.qr(free / np.linalg.norm(free, axis=0))[0]
+    tangent = jacobian.tangent(np.diag(jacobian.normal()) > 0.0)
     random = np.random.default_rng(seed)
     noise = np.concatenate([w.draw_noise(c, random, draws) for w in fit.windows for c in w.channels])
-    noise -= tangent @ (tangent.T @ noise)
-    columns = np.column_stack([residual, noise])
+    columns = np.column_stack([residual, tangent.free(noise)])
     at: dict[str, list[Array]] = {}
     off: dict[str, list[Array]] = {}
     first = 0

@@ -24,6 +24,14 @@ def initial_values(
     values = dict(inner)
     for term, strength in zip(model.forces, _strengths(decays, model, inner), strict=True):
         values[str(term.strength)] = float(strength)
+    return values | initial_nuisances(decays, model, inner)
+
+
+def initial_nuisances(
+    decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str, float]
+) -> dict[str, float]:
+    """Return where what the releases need besides the physics may begin, by unknown's name: states, lag, gain, offsets."""
+    values: dict[str, float] = {}
     if any(prepared.window.estimates_mass for prepared in decays):
         values[str(nuisance("force_gain"))] = 1.0
     for i, prepared in enumerate(decays):

@@ -1,8 +1,12 @@
 """The Jacobian: how the misfit changes with each unknown, by forward differences whose steps are kept from call to call."""
 
+from collections.abc import Sequence
+from math import inf, isfinite, sqrt
+
 import numpy as np
 
 from identify.arrays import Array, Mask
+from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.problem import Problem
 from identify.model.simulate import Response
 
@@ -17,15 +21,15 @@ _READABLE = 3e-3
 """Root mean square change of the readings, in units of the noise, at which a difference is taken."""
 
 
-def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tuple[Array, Array]:
-    """Return the misfit (n,) and its Jacobian (n, unknowns) by forward differences; zero where skipped.
+def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tuple[Array, BlockJacobian]:
+    """Return the misfit (n,) and its Jacobian by forward differences; zero where skipped.
 
     The problem keeps the steps, each so large that it moves the readings well above rounding and well below the noise.
     """
     responses = problem.responses(theta)
     parts = [problem.residual_of(i, problem.read(theta, i, r)) for i, r in enumerate(responses)]
     residual = np.concatenate(parts)
-    jacobian = np.zeros((len(residual), len(theta)))
+    jacobian = BlockJacobian.zeros(problem.pattern, [len(part) for part in parts])
     if not np.isfinite(residual).all():
         return residual, jacobian
     size = problem.sizes(theta)
@@ -33,12 +37,18 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
     for j in range(len(theta)):
         if skip is not None and skip[j]:
             continue
+        rows = list(jacobian.of_unknown(j))
         for _ in range(_STEP_TRIALS):
-            step, change = _difference(problem, theta, j, responses, parts)
-            if not _improve_step(problem, j, change, float(size[j])):
+            step, changes = _difference(problem, theta, j, [i for i, _ in rows], responses, parts)
+            with np.errstate(over="ignore"):
+                moved = sqrt(sum(float(c @ c) for c, _ in changes) / len(residual))
+            if not _improve_step(problem, j, moved, float(size[j])):
                 break
-        change[np.abs(change) >= _JUMP] = 0.0
-        jacobian[:, j] = change / step
+        for (_, row), (change, largest) in zip(rows, changes, strict=True):
+            if largest < _JUMP:
+                np.divide(change, step, out=row)
+            else:
+                np.divide(change, step, out=row, where=np.abs(change) < _JUMP)
     return residual, jacobian
 
 
@@ -49,29 +59,34 @@ def take_steps(problem: Problem, other: Problem) -> None:
             problem.steps[at] = other.steps[other.index[unknown.name]]
 
 
-def _improve_step(problem: Problem, j: int, change: Array, size: float) -> bool:
-    """Adapt the step of unknown j to the change that it made; return whether it was so wrong that it is taken again."""
-    with np.errstate(over="ignore"):  # a motion that nearly ran away: the step shrinks as far as it may
-        moved = float(np.sqrt(np.mean(change**2)))
-    grow = float(np.clip(_READABLE / moved if moved > 0.0 else np.inf, 1.0 / _STEP_GROWTH, _STEP_GROWTH))
-    before = problem.steps[j]
-    problem.steps[j] = float(np.clip(before * grow, 1e-12 * size, _LONGEST_STEP * size))
+def _improve_step(problem: Problem, j: int, moved: float, size: float) -> bool:
+    """Adapt the step of unknown j to the rms change that it made; return whether it was so wrong that it is taken again."""
+    wanted = _READABLE / moved if moved > 0.0 else inf
+    before = float(problem.steps[j])
+    step = before * min(max(wanted, 1.0 / _STEP_GROWTH), _STEP_GROWTH)
+    problem.steps[j] = min(max(step, 1e-12 * size), _LONGEST_STEP * size)
     return not 0.03 < problem.steps[j] / before < 30.0
 
 
 def _difference(
-    problem: Problem, theta: Array, j: int, responses: list[Response], parts: list[Array]
-) -> tuple[float, Array]:
-    """Return the step taken in unknown j and the change of the misfit, shape (n,)."""
+    problem: Problem,
+    theta: Array,
+    j: int,
+    windows: Sequence[int],
+    responses: list[Response],
+    parts: list[Array],
+) -> tuple[float, list[tuple[Array, float]]]:
+    """Return the step taken in unknown j, and the change of the misfit of each of the `windows` that it moves, (n,).
+
+    With each comes its largest value; what is not finite counts as no change.
+    """
     unknown, size = problem.unknowns[j], problem.steps[j]
     moved = theta.copy()
     moved[j] += -size if theta[j] + size > problem.high[j] else size
     step = float(moved[j] - theta[j])
     changes = []
-    for i, (response, part) in enumerate(zip(responses, parts, strict=True)):
-        if unknown.window not in (-1, i):
-            changes.append(np.zeros(len(part)))
-            continue
+    for i in windows:
+        response = responses[i]
         if unknown.simulated:
             response = problem.respond(moved, i)
         elif j == problem.layout.releases[i].lag:
@@ -80,6 +95,9 @@ def _difference(
                 response.velocity - step * response.acceleration,
                 response.acceleration,
             )
-        changes.append(problem.residual_of(i, problem.read(moved, i, response)) - part)
-    change = np.concatenate(changes)
-    return step, np.where(np.isfinite(change), change, 0.0)
+        change = problem.residual_of(i, problem.read(moved, i, response)) - parts[i]
+        largest = float(np.abs(change).max(initial=0.0))
+        if not isfinite(largest):
+            change = np.where(np.isfinite(change), change, 0.0)
+        changes.append((change, largest))
+    return step, changes

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array, Mask
+from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 
@@ -27,7 +28,7 @@ class Minimum:
 
     theta: Array
     cost: float
-    jacobian: Array
+    jacobian: BlockJacobian
     exact: bool
     settled: bool
     given_up: bool = False
@@ -50,14 +51,14 @@ def minimise(
     steps: int = MOST_STEPS,
     tolerance: float = 0.02,
     held: Mask | None = None,
-    begun: tuple[Array, Array] | None = None,
+    begun: tuple[Array, BlockJacobian] | None = None,
     goal: float = 0.0,
 ) -> Minimum:
     """Lower chi-square from `theta`, until a step gains less than `tolerance`.
 
     Given up where two steps on end gain less than 2 % of what is missing to a `goal` above 0, which is then not reached
     in as many steps as there are. Unknowns that are `held` stay where they are. `begun` is the misfit at `theta` with a
-    Jacobian that may be approximate. Between exact Jacobians each step mends the last one (Broyden, 1965, eq. 4.5).
+    Jacobian that may be approximate. Between exact Jacobians each step mends the last one.
     """
     theta = np.clip(theta, problem.low, problem.high)
     never = np.zeros(len(theta), dtype=bool) if held is None else held
@@ -109,7 +110,7 @@ def _step(
     problem: Problem,
     theta: Array,
     residual: Array,
-    jacobian: Array,
+    jacobian: BlockJacobian,
     never: Mask,
     damping: float,
     tolerance: float,
@@ -117,9 +118,8 @@ def _step(
     """Return the step that lowers chi-square; None when none is predicted to gain more than `tolerance`."""
     cost = _sum_of_squares(residual)
     size = problem.sizes(theta)
-    scaled = jacobian * size
-    gradient = scaled.T @ residual
-    normal = scaled.T @ scaled
+    gradient = jacobian.gradient(residual) * size
+    normal = jacobian.normal() * np.outer(size, size)
     still = never | ((theta <= problem.low) & (gradient > 0)) | ((theta >= problem.high) & (gradient < 0))
     normal[still] = 0.0
     normal[:, still] = 0.0
@@ -143,12 +143,13 @@ def _step(
     return None
 
 
-def _mended(problem: Problem, jacobian: Array, theta: Array, residual: Array, step: _Step) -> Array:
+def _mended(
+    problem: Problem, jacobian: BlockJacobian, theta: Array, residual: Array, step: _Step
+) -> BlockJacobian:
     """Return the Jacobian changed as little as agrees with what a step did to the misfit."""
-    size = problem.sizes(theta)
-    moved = (step.theta - theta) / size
-    surprise = step.residual - residual - jacobian @ (step.theta - theta)
-    return jacobian + np.outer(surprise, moved / size / max(float(moved @ moved), 1e-300))
+    moved = step.theta - theta
+    surprise = step.residual - residual - jacobian.change(moved)
+    return jacobian.mended(moved, problem.sizes(theta), surprise)
 
 
 def _sum_of_squares(residual: Array) -> float:

@@ -4,6 +4,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.compiled import STATES
+from identify.fitting.block_jacobian import BlockPattern
 from identify.fitting.parameter_layout import NOWHERE, Unknown, lay_out
 from identify.model.model import Model
 from identify.model.simulate import Response, make_system, simulate, substeps_for
@@ -30,8 +31,9 @@ class Problem:
         self.high = np.array([u.high for u in self.unknowns])
         self.size = np.array([u.size for u in self.unknowns])
         self.index = {u.name: i for i, u in enumerate(self.unknowns)}
+        self.pattern = BlockPattern.of([u.window for u in self.unknowns], len(windows))
         self.steps = np.zeros(len(self.unknowns))
-        self._last: tuple[Array, list[Response]] | None = None
+        self._last: list[tuple[Array, Response]] = []
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -72,10 +74,17 @@ class Problem:
         )
 
     def responses(self, theta: Array) -> list[Response]:
-        """Simulate all windows; those of the last call are kept, since what was tried is then linearised and read."""
-        if self._last is None or not np.array_equal(self._last[0], theta):
-            self._last = theta.copy(), [self.respond(theta, i) for i in range(len(self.windows))]
-        return self._last[1]
+        """Simulate all windows, anew only where an unknown of the window differs from the last call.
+
+        What was tried is then linearised and read; and a start that changes moves one window only.
+        """
+        own = [theta[at] for at in self.pattern.places]
+        if not self._last:
+            self._last = [(values, self.respond(theta, i)) for i, values in enumerate(own)]
+        for i, values in enumerate(own):
+            if not np.array_equal(self._last[i][0], values):
+                self._last[i] = values, self.respond(theta, i)
+        return [response for _, response in self._last]
 
     def states_at_start(self, theta: Array, i: int) -> dict[str, float]:
         """Return the internal states at the start of window i, by "effect.state0"."""
@@ -136,14 +145,9 @@ class Problem:
     def residual_of(self, i: int, predicted: dict[str, Array]) -> Array:
         """Return the misfit of window i in units of the noise, coloured noise whitened, unused readings left out."""
         window = self.windows[i]
-        parts = []
-        for channel in window.channels:
-            used = window.used[channel]
-            if channel in window.colour:
-                parts.append(window.in_noise(channel, window.readings[channel] - predicted[channel])[used])
-                continue
-            parts.append((window.readings[channel][used] - predicted[channel][used]) / window.sigma[channel])
-        return np.concatenate(parts)
+        return np.concatenate(
+            [window.compared(c, window.readings[c] - predicted[c]) for c in window.channels]
+        )
 
     def residuals(self, theta: Array) -> Array:
         """Return the misfit of all windows in units of the noise; inf where the motion runs away."""

@@ -7,6 +7,7 @@ position, velocity and acceleration at both ends of the step, so that a late cha
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,16 @@ class System:
 
     addresses: NDArray[np.int64]
     nonsmooth: bool
+
+    @cached_property
+    def has_friction(self) -> bool:
+        """Whether some effect has dry friction."""
+        return bool(self.addresses[:, 1].any())
+
+    @cached_property
+    def has_memory(self) -> bool:
+        """Whether some effect has internal states."""
+        return bool(self.addresses[:, 2].any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,8 +271,10 @@ def _run(  # type: ignore[no-untyped-def]
             for _ in range(_EVENTS_PER_STEP):
                 t = start + (h - remaining)
                 step, crossed, stuck = remaining, False, dry and s == 0.0
-                position = (t - t0) / interval
-                _drive_step(external, position, step / interval, drives)
+                position = 0.0
+                if external.shape[0] > 1:
+                    position = (t - t0) / interval
+                    _drive_step(external, position, step / interval, drives)
                 un, vn, an = u, 0.0, 0.0
                 if stuck and memory:
                     _hold(addresses, t, u, step, states, table, work)
@@ -326,11 +339,11 @@ def simulate(
     (slots, 2) their internal states at the start; `external` (samples,) a recorded force per unit mass. Displacement
     and velocity are read at `lag` s before each sample. A motion that runs away is filled with inf.
     """
-    dry = bool(linear[2] > 0.0 or system.addresses[:, 1].any())
+    dry = bool(linear[2] > 0.0 or system.has_friction)
     readings = np.empty((3, samples))
     _run(
         system.addresses,
-        bool(system.addresses[:, 2].any()),
+        system.has_memory,
         dry,
         time,
         samples,

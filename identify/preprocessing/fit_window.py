@@ -62,7 +62,7 @@ class FitWindow:
     def __len__(self) -> int:
         return len(next(iter(self.readings.values())))
 
-    @property
+    @cached_property
     def channels(self) -> tuple[str, ...]:
         """The channels present, in the order displacement, velocity, acceleration."""
         return tuple(c for c in CHANNELS if c in self.readings)
@@ -77,7 +77,7 @@ class FitWindow:
         """Whether a force of unknown scale acts, so that the mass is one of the unknowns."""
         return self.force is not None and not self.force_known
 
-    @property
+    @cached_property
     def clock(self) -> Array:
         """Time since the release of each sample, s."""
         return self.time + np.arange(len(self)) / self.rate
@@ -91,6 +91,17 @@ class FitWindow:
         scaled = misfit / self.sigma[channel]
         whitening = self._whitening.get(channel)
         return scaled if whitening is None else whitening(scaled)
+
+    def compared(self, channel: str, misfit: Array) -> Array:
+        """Return a misfit (n,) of one channel, SI, in units of its noise, whitened, at the used readings alone."""
+        if channel in self.colour:
+            return np.asarray(self.in_noise(channel, misfit)[self.used[channel]])
+        return np.asarray(misfit[self._place[channel]] / self.sigma[channel])
+
+    @cached_property
+    def _place(self) -> dict[str, slice | Mask]:
+        """Where the used readings of each channel are: a slice where nothing is missing between the first and the last."""
+        return {channel: _slice_of(mask) for channel, mask in self.used.items()}
 
     def draw_noise(self, channel: str, random: np.random.Generator, draws: int) -> Array:
         """Return noise of the used readings of a channel as a fit with this window would see it, (used, draws).
@@ -126,3 +137,11 @@ class FitWindow:
     def until(self, samples: int) -> Self:
         """Return the window cut after some samples."""
         return self.part(slice(samples))
+
+
+def _slice_of(mask: Mask) -> slice | Mask:
+    """Return what picks the marked samples: a slice where they lie side by side, which copies nothing."""
+    at = np.flatnonzero(mask)
+    if len(at) and at[-1] - at[0] + 1 == len(at):
+        return slice(int(at[0]), int(at[-1]) + 1)
+    return mask

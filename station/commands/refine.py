@@ -95,7 +95,7 @@ def command(
         from station.operations import viewer_tabs
 
         if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
-            progress("the viewer shows the ladder: step along its timeline `rung`")
+            progress("the viewer shows the ladder: one tab a rung")
 
 
 def _refuse_several(steps: "Mapping[str, object]") -> None:

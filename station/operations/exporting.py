@@ -30,7 +30,7 @@ def exported_session(session: Session, settings: Settings, *, aligned: bool = Tr
     be estimated; values are not rescaled otherwise.
     """
     recording = session.recording()
-    facts = _facts(session)
+    facts = facts_of(session)
     if not aligned:
         return Exported(recording, facts | {"channels": "as recorded"}), "The channels are as recorded."
     try:
@@ -89,7 +89,8 @@ def _moved(recording: Recording, alignment: Alignment) -> tuple[Recording, str]:
     return replace(recording, samples=samples, valid=recording.valid & known), name
 
 
-def _facts(session: Session) -> dict[str, str]:
+def facts_of(session: Session) -> dict[str, str]:
+    """Return what a file says of a session, as short texts by name."""
     info = session.info
     board = info.board
     known = {

@@ -129,30 +129,29 @@ def show_suspects(sessions: SessionSet, found: Diagnosis, document: DiagnosisDoc
     if url is None:
         return False
     from station.views import show
-    from station.views.log import TIMELINE
 
     shown = diagnosed_curves(sessions.names, sessions.decays, document, found.library)
     curves = () if shown is None else (curves_tab(shown),)
     tabs = (suspects_tab(fits_of(found, document)), *curves)
-    show.send_tabs(url, _recording(sessions.sessions[0]), tabs, TIMELINE)
+    show.send_tabs(url, _recording(sessions.sessions[0]), tabs)
     return True
 
 
 def show_ladder(refinement: Refinement, at: str | None = None) -> bool:
     """Show the ladder in the viewer `at` a URL, else in the one that is open, or in a new one; False where there is none.
 
-    Every call draws under a path of its own, since what was logged at a rung before cannot be replaced.
+    Every call draws under a path of its own, since what a viewer has drawn of a rung before may differ.
     """
     from station.views.open_viewer import url_or_new
 
     url = at or url_or_new()
     if url is None:
         return False
-    from station.views import ladder, show
+    from station.views import show
 
     suspects = kept_suspects_tab(refinement)
     tabs = (ladder_tab(refinement, f"/ladder/{time.time_ns()}"), *([suspects] if suspects else []))
-    show.send_tabs(url, _recording(refinement.session), tabs, ladder.TIMELINE)
+    show.send_tabs(url, _recording(refinement.session), tabs)
     return True
 
 

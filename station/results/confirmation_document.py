@@ -8,7 +8,7 @@ from identify.curves.confirmation import Confirmation
 from identify.curves.held_out import HeldOut
 from station.results.documents import Number, Part
 
-HALVES = ("large amplitudes", "small amplitudes")
+AMPLITUDES = ("large amplitudes", "middle amplitudes", "small amplitudes")
 
 
 class PredictionErrors(Part):
@@ -53,9 +53,10 @@ class ConfirmedEffectDocument(Part):
 class ConfirmationDocument(Part):
     """What was confirmed; `usual` and `found` are the errors of the model that was asked about and with the effects.
 
-    In `one_record` the parts are its large and its small amplitudes. `undecided` names by "frequency" or "loss" laws
-    that explain it and that are not told apart; `unstable`, of those that none leads in half of the resamplings of the
-    cycles, in how many each does. The amplitude of some release `beats`, or does not die away (`driven`).
+    In `one_record` the parts are its large, middle (where it is long enough for three) and small amplitudes. `undecided`
+    names by "frequency" or "loss" laws that explain it and that are not told apart; `unstable`, of those that none leads in
+    half of the resamplings of the cycles, in how many each does. The amplitude of some release `beats`, or does not die
+    away (`driven`).
     """
 
     one_record: bool
@@ -106,7 +107,8 @@ def _names(found: Confirmation, sessions: tuple[str, ...]) -> tuple[str, ...]:
     with_curve = tuple(sessions[i] for i in found.releases if i < len(sessions))
     if found.one_record:
         several = len(sessions) > 1 and len(with_curve) == 1
-        return tuple(f"{with_curve[0]}, {half}" for half in HALVES) if several else HALVES
+        parts = AMPLITUDES if found.parts == len(AMPLITUDES) else (AMPLITUDES[0], AMPLITUDES[-1])
+        return tuple(f"{with_curve[0]}, {part}" for part in parts) if several else parts
     if found.parts == len(sessions):
         return sessions
     if found.parts == len(with_curve):

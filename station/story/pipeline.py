@@ -146,11 +146,15 @@ def diagnose(
     *,
     library: tuple[Effect, ...] = LIBRARY,
     progress: Progress = silent,
+    steps: Progress = silent,
 ) -> tuple[Diagnosis, tuple[LeftOut, ...] | None]:
-    """Find out what a model lacks; with several releases also the error on each of what was found on the others."""
+    """Find out what a model lacks; with several releases also the error on each of what was found on the others.
+
+    `steps` is told each fit as it is counted, `progress` only what takes long.
+    """
     chosen = model or base_model()
     progress(f"trying {len(library) - len(chosen.terms)} effects")
-    found = diagnose_decays(decays, chosen, library=library, known=known)
+    found = diagnose_decays(decays, chosen, library=library, known=known, progress=steps)
     if len(decays) < 2:
         return found, None
     progress("leaving one session out at a time")

@@ -108,12 +108,12 @@ def foretells(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
 
 
 def confirmed_by(document: DiagnosisDocument) -> str:
-    """Return on how many other releases, or halves of the record, what is named is confirmed, and its error; "" if none."""
+    """Return on how many other releases, or parts of the record, what is named is confirmed, and its error; "" if none."""
     found = document.confirmation
     if found is None or not document.confirmed:
         return ""
-    where = "halves of the record, each foretold from the other" if found.one_record else "other releases"
-    what = "the small amplitudes" if found.one_record else "the prediction"
+    where = "parts of the record, each foretold from the rest" if found.one_record else "other releases"
+    what = "all but the large amplitudes" if found.one_record else "the prediction"
     before, after = found.usual.motion_percent, found.found.motion_percent
     return (
         f"confirmed on {found.better} of {found.parts} {where}: error of {what} {three_figures(before)} to "
@@ -130,12 +130,12 @@ def foretold_parts(document: DiagnosisDocument) -> str:
     for before, after in zip(found.usual.by_part, found.found.by_part, strict=True):
         change = f" to {three_figures(after.motion_percent)}" if found.effects else ""
         parts.append(f"{before.part} {three_figures(before.motion_percent)}{change} %")
-    what = "each half from the other" if found.one_record else "each release from the others"
+    what = "each part of the amplitudes from the rest" if found.one_record else "each release from the others"
     return f"{what}, error in % of the motion: {', '.join(parts)} ({_medians(found)})"
 
 
 def _medians(found: ConfirmationDocument) -> str:
-    """Return the errors of phase and envelope: their medians, or those of the small amplitudes of one record."""
+    """Return the errors of phase and envelope: their medians, or those of all but the large amplitudes of one record."""
     parts = []
     for name, before, after in (
         ("phase", found.usual.phase_percent, found.found.phase_percent),

@@ -9,6 +9,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.curves.amplitude_curve import AmplitudeCurve
 from identify.curves.laid_over import DecayCurves, LaidOver
+from identify.formatting import plain_name
 from station.text.numbers import scale
 from station.views import palette
 from station.views.plots import Look, literal
@@ -90,7 +91,7 @@ def _law(axis: "Axes", panel: Panel, laid: LaidOver, factor: float, look: Look, 
 
 def label(laid: LaidOver) -> str:
     """Return how a law is called in a legend."""
-    name = laid.law.name.replace("_", " ")
+    name = plain_name(laid.law.name)
     return {"usual": name, "named": f"with {name}", "rival": f"or {name}"}[laid.law.role]
 
 

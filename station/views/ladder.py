@@ -1,7 +1,6 @@
-"""The Ladder tab: every rung is a step of the timeline `rung`; the model closes in, the bars fall to the floor."""
+"""The Ladder tab: a tab for each rung, whatever the time is; the model closes in, the bars fall to the floor."""
 
 from dataclasses import dataclass
-from io import BytesIO
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
 
 ROOT = "/ladder"
 NAME = "Ladder"
-TIMELINE = "rung"
 CYCLES = 2.5
 NOISE = 2.0
 ROOM = 1.15
@@ -52,37 +50,26 @@ class FittedLadder:
 
 
 def write(stream: rr.RecordingStream, fitted: FittedLadder, root: str = ROOT) -> None:
-    """Log each rung as a step; `root` is another one each time the ladder has changed."""
+    """Log each rung under a path of its own; `root` is another one each time the ladder has changed."""
     close_up = _close_up(fitted)
     reach = _reach(fitted)
     for place in range(len(fitted.fits)):
-        stream.set_time(TIMELINE, sequence=place)
-        stream.set_time(
-            log.TIMELINE, duration=float(place)
-        )  # so that the tab is not empty on the other tabs' timeline
-        _frame(stream, f"{root}/motion", _motion(fitted, place, close_up, reach))
-        _frame(stream, f"{root}/errors", _errors(fitted, place))
+        here = f"{root}/{place}"
+        window = fitted.fits[place].windows[0]
+        left = {c: fitted.fits[place].residual(c) for c in window.channels}
+        log.picture(stream, f"{here}/motion", _motion(fitted, place, close_up, reach), left)
+        errors = {name: [getattr(fitted.rungs[place].error, name)] for name, _ in ERRORS}
+        log.picture(stream, f"{here}/errors", _errors(fitted, place), errors)
         for curve in _curves(fitted, place):
             drawn, (axis,) = figure(5.4, 3.6)
             plots.measured_curve(axis, curve, plots.SCREEN)
-            _frame(stream, f"{root}/curve", drawn)
-        text = rr.TextDocument(summary(fitted, place), media_type="text/markdown")
-        stream.log(f"{root}/summary", text)
-        for name, _ in ERRORS:
-            value = getattr(fitted.rungs[place].error, name)
-            stream.log(f"{root}/numbers/{name}", rr.Scalars([np.nan if value is None else value]))
-    stream.reset_time()
+            log.picture(stream, f"{here}/curve", drawn, {})
+        log.markdown(stream, f"{here}/summary", summary(fitted, place))
 
 
 def _curves(fitted: FittedLadder, place: int) -> tuple[MeasuredCurve, ...]:
     """Return the measured curve of a rung, the last one where there are several; nothing where there is none."""
     return measured_curves(fitted.fits[place], fitted.rungs[place].model.expressions)[-1:]
-
-
-def _frame(stream: rr.RecordingStream, path: str, drawn: "Figure") -> None:
-    buffer = BytesIO()
-    drawn.savefig(buffer, format="png", facecolor=palette.PANEL)
-    stream.log(path, rr.EncodedImage(contents=buffer.getvalue(), media_type="image/png"))
 
 
 def _close_up(fitted: FittedLadder) -> slice:
@@ -204,15 +191,18 @@ def summary(fitted: FittedLadder, place: int) -> str:
     lines += [f"- {name} = {with_unit(value)}" for name, value in rung.parameters.items()]
     if place == len(fitted.rungs) - 1 and fitted.ladder.stopped_because:
         lines += ["", f"**{sentence(fitted.ladder.stopped_because)}**"]
-    elif place < len(fitted.rungs) - 1:
-        lines += ["", "*Step on along the timeline `rung`.*"]
     return "\n".join(lines)
 
 
 def tab(fitted: FittedLadder, root: str = ROOT) -> rrb.Container:
-    """Return the layout of the tab."""
+    """Return the layout of the tab: the present rung is in front."""
+    rungs = [_rung(fitted, place, f"{root}/{place}") for place in range(len(fitted.fits))]
+    return rrb.Tabs(*rungs, active_tab=len(rungs) - 1, name=NAME)
+
+
+def _rung(fitted: FittedLadder, place: int, root: str) -> rrb.Container:
     words: rrb.View | rrb.Container = log.document("This rung", f"{root}/summary")
-    if any(_curves(fitted, place) for place in range(len(fitted.fits))):
+    if _curves(fitted, place):
         curve = log.shown_picture("The measured curve", f"{root}/curve")
         words = rrb.Vertical(words, curve, row_shares=[1.6, 1.0])
     return rrb.Horizontal(
@@ -220,5 +210,5 @@ def tab(fitted: FittedLadder, root: str = ROOT) -> rrb.Container:
         log.shown_picture("The errors fall to the floor", f"{root}/errors"),
         words,
         column_shares=[1.35, 0.9, 0.75],
-        name=NAME,
+        name=f"{place}: {step(fitted.rungs[place])}",
     )

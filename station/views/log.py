@@ -102,16 +102,14 @@ def _over_time(name: str, contents: list[str], between: tuple[float, float] | No
     )
 
 
-def blueprint(
-    tabs: Sequence[rrb.Container], timeline: str = TIMELINE, *, active: int = 0, follow: bool = False
-) -> rrb.Blueprint:
-    """Return a layout of tabs with the panels out of the way; `follow` keeps to the newest step of the timeline."""
+def blueprint(tabs: Sequence[rrb.Container], *, active: int = 0, follow: bool = False) -> rrb.Blueprint:
+    """Return a layout of tabs with the panels out of the way; `follow` keeps to the newest sample."""
     play_state = {"play_state": "Following"} if follow else {}
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=active),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=timeline, **play_state),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, **play_state),
         auto_views=False,
         auto_layout=False,
     )

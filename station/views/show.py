@@ -29,11 +29,11 @@ def send(url: str, name: str, result: Identification) -> None:
     _fill(stream, name, result)
 
 
-def send_tabs(url: str, name: str, tabs: tuple[Tab, ...], timeline: str) -> None:
+def send_tabs(url: str, name: str, tabs: tuple[Tab, ...]) -> None:
     """Send tabs alone to a viewer that is open already, the first in front; what went there under the same name stays."""
     stream = rr.RecordingStream(APPLICATION, recording_id=name, send_properties=False)
     stream.connect_grpc(url)
-    layout = log.blueprint([tab.layout() for tab in tabs], timeline, follow=True)
+    layout = log.blueprint([tab.layout() for tab in tabs])
     stream.send_blueprint(layout, make_active=True, make_default=True)
     for tab in tabs:
         tab.write(stream)

@@ -19,7 +19,7 @@ class BusyBar:
         """Lay out the line; `cancel` stops what runs."""
         self._line = ui.element("section").classes("card tight busybar").props("role=status aria-live=polite")
         with self._line, widgets.line():
-            ui.spinner(size="18px")
+            widgets.spinner()
             self._label = widgets.label("", "grow")
             self._bar = (
                 ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded").classes("share")
@@ -34,12 +34,13 @@ class BusyBar:
             self._line.set_visibility(False)
             return False
         seconds = time.monotonic() - running.since
-        self._label.text = (
-            f"{running.title}: {session.progress or 'waiting for a free worker'} ({seconds:.0f} s)"
-        )
-        done = session.share_done
-        self._bar.set_visibility(done is not None)
-        self._bar.value = done or 0.0
         slow = running.long or seconds > SLOW_S
         self._line.set_visibility(slow)
+        if slow:  # each change is a message to the browser, which then lays out the page
+            self._label.text = (
+                f"{running.title}: {session.progress or 'waiting for a free worker'} ({seconds:.0f} s)"
+            )
+            done = session.share_done
+            self._bar.set_visibility(done is not None)
+            self._bar.value = round(done or 0.0, 2)
         return slow

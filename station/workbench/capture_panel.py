@@ -30,7 +30,8 @@ class CapturePanel:
 
     def __init__(self, state: AppState, began: Callable[[CaptureRun], None], chosen: str | None) -> None:
         self._state, self._began, self._chosen = state, began, chosen
-        self._shown: Progress | None = None
+        before = state.capturing
+        self._shown: Progress | None = before.now if before is not None and _is_past(before, chosen) else None
         self._own: CaptureRun | None = None
 
     def build(self) -> None:
@@ -42,9 +43,12 @@ class CapturePanel:
                 with widgets.line():
                     self._port = ui.select(
                         self._known(), value=settings.capture.port, label="Port", with_input=True,
-                        new_value_mode="add-unique", clearable=True,
+                        new_value_mode="add-unique",
                     ).props('dense outlined options-dense aria-label="Port of the board"').classes("grow")  # fmt: skip
-                    widgets.button("Find", self._find, "Ask every port whether a board answers there")
+                find = widgets.button(
+                    "Find the board", self._find, "Find: ask every port whether a board answers there"
+                )
+                find.style("width:100%; margin-top:6px")
                 with widgets.line().style("padding-top:6px"):
                     self._mass = _field("Mass, kg", settings.specimen.mass_kg)
                     self._duration = _field("Record, s", settings.capture.duration)
@@ -168,6 +172,12 @@ class CapturePanel:
         with self._message:
             for text, kind in lines:
                 widgets.label(text, f"small wrap {kind}")
+
+
+def _is_past(run: CaptureRun, chosen: str | None) -> bool:
+    """Return whether a capture ended before this tab was opened, and is of another session or of none."""
+    now = run.now
+    return now.finished and (now.session is None or now.session.name != chosen)
 
 
 def _field(label: str, value: float | None) -> ui.number:

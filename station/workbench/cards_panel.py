@@ -134,7 +134,8 @@ class CardsPanel:
         name = suspect.effect
         words = explained_words(view.ladder.top.error.chi2, suspect.error_after, view.ladder.top.chi2_std)
         with self._button(name, plain(name), words, "" if suspect.claimed else "weak"):
-            widgets.label(view.equations.get(name, suspect.title), "mono equation")
+            equation = view.equations.get(name, suspect.title)
+            widgets.label(equation, "mono equation").props["title"] = equation
             close = [plain(other) for other in suspect.confusable_with[:2]]
             taken = f"taken for: {', '.join(close)}" if close else ""
             widgets.label(taken if suspect.claimed else "no better than chance", "taken")

@@ -5,6 +5,7 @@ from nicegui import ui
 from station.text.numbers import three_figures
 from station.workbench import charts, curve_charts, view_models, widgets
 from station.workbench.chart_parts import Options
+from station.workbench.session_state import SessionState
 from station.workbench.theme import Theme
 
 NOTICED = 0.15
@@ -20,31 +21,38 @@ PLACES = {
 
 
 class DetailsPanel:
-    """The further pictures of one session's present model."""
+    """The further pictures of one session's present model; nothing is drawn while the tab is not looked at."""
 
-    def __init__(self) -> None:
+    def __init__(self, session: SessionState) -> None:
+        self._session = session
+        self._drawn: object = None
         self._names: tuple[str, ...] = ()
         self._colours: Theme | None = None
         self._charts: dict[str, ui.echart] = {}
 
     def build(self) -> None:
         """Make the panel; it is empty until something is shown."""
-        with widgets.card("tight"):
+        self._wait = widgets.label("", "faint")
+        with widgets.card("tight") as self._top:
             self._numbers = ui.element("div").classes("numbers")
             self._summary = widgets.label("", "wrap")
             self._cause = widgets.label("", "small faint wrap")
         self._frame = ui.element("div").classes("pictures")
 
-    def show(
-        self,
-        picture: view_models.Picture,
-        curves: view_models.DecayCurves | None,
-        colours: Theme,
-        of_ladder: float | None,
-    ) -> None:
-        """Draw a comparison, and the curves of a diagnosis; `of_ladder` is the chi-square that the present rung has."""
-        self._show_errors(picture, of_ladder)
-        options = _options(picture, curves, colours)
+    def show(self, colours: Theme) -> None:
+        """Draw the comparison and the curves of the session as it stands, unless they are drawn already."""
+        view, found = self._session.view, self._session.details
+        self._wait.text = self._session.no_details or "Comparing the model with the measurement …"
+        if (found, colours) == self._drawn:
+            return
+        self._drawn = (found, colours)
+        for part in (self._top, self._frame):
+            part.set_visibility(found is not None)
+        self._wait.set_visibility(found is None)
+        if found is None or view is None:
+            return
+        self._show_errors(found.picture, view.ladder.top.error.chi2)
+        options = _options(found, colours)
         if tuple(options) != self._names or colours is not self._colours:
             self._names, self._colours = tuple(options), colours
             self._make(options)
@@ -86,12 +94,10 @@ class DetailsPanel:
                 self._charts[name] = chart
 
 
-def _options(
-    picture: view_models.Picture, curves: view_models.DecayCurves | None, colours: Theme
-) -> dict[str, Options]:
-    at_middle, at_reversal = charts.sections(picture, colours)
-    frequency, energy = charts.cycles(picture, colours)
-    drawn = curve_charts.decay_curves(curves, colours) if curves is not None else ()
+def _options(found: view_models.Details, colours: Theme) -> dict[str, Options]:
+    at_middle, at_reversal = charts.sections(found.picture, colours)
+    frequency, energy = charts.cycles(found.picture, colours)
+    drawn = curve_charts.decay_curves(found.curves, colours) if found.curves is not None else ()
     return dict(zip(CURVES, drawn, strict=False)) | {
         "at-middle": at_middle,
         "at-reversal": at_reversal,

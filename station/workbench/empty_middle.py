@@ -22,7 +22,7 @@ def say_empty(
             widgets.label("What was recorded is kept. Choose another session, or record again.", "small")
             RawPictures(session).build()
         elif session is not None:
-            ui.spinner(size="32px")
+            widgets.spinner(32)
             widgets.label("The session is read, and the usual model fitted to it.")
         elif key:
             widgets.label(f"There is no session called {key}", "strong wrap")
@@ -32,8 +32,8 @@ def say_empty(
                 "Where does the usual model of a vibration fail, and what is missing in it?", "welcome"
             )
             widgets.label(
-                "Record a release from a board, drop a file, or choose a session on the left. Then: see where the "
-                "model fails, point at what it may lack, add it, and watch the error fall to the noise.",
+                "Record a release from a board (arm it, then let the mass go), drop a file, or choose a session. Then: see "
+                "where the model fails, point at what it may lack, add it, and watch the error fall to the noise.",
                 "wrap",
             ).style("max-width:560px")
             with widgets.line():

@@ -23,12 +23,12 @@ class FloorCard:
         with self._card:
             widgets.label("At the noise floor", "floor-title")
             self._words = widgets.label("", "small wrap")
-            self._equation = widgets.label("", "mono wrap")
-            self._values = ui.element("div").classes("small")
             with widgets.line("wrapping"):
                 widgets.button("Report", self._report, "Write the report of this model", strong=True)
                 widgets.button("Validate on another release", self._validate)
                 widgets.button("Drop what is not needed", self._prune)
+            self._equation = widgets.label("", "mono wrap")
+            self._values = ui.element("div").classes("small")
         self._card.set_visibility(False)
 
     def show(self, view: view_models.View) -> None:
@@ -46,7 +46,13 @@ class FloorCard:
         self._values.clear()
         with self._values:
             for name, value in top.parameters.items():
-                words = typeset(with_unit(value))
-                if name in view.with_mass:
-                    words = f"{typeset(view.with_mass[name])} ({words} per unit mass)"
-                widgets.label(f"{plain(name.partition('.')[0])}: {name.partition('.')[2]} = {words}")
+                effect, _, parameter = name.partition(".")
+                words = widgets.whole(typeset(with_unit(value)))
+                per_mass = name in view.with_mass
+                if per_mass:
+                    widgets.label(
+                        f"{plain(effect)}: {parameter} = {widgets.whole(typeset(view.with_mass[name]))}"
+                    )
+                    widgets.label(f"({words} per unit mass)", "faint")
+                else:
+                    widgets.label(f"{plain(effect)}: {parameter} = {words}")

@@ -1,10 +1,11 @@
 """The frames of a session as a worker keeps them: each model is fitted and run once, however often it is looked at."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.fit import Fit
+from identify.fitting.fit import Fit, fit
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.refining import Refinement
@@ -27,17 +28,17 @@ class FrameStore:
     frames: dict[str, view_models.Frame] = field(default_factory=dict)
     fits: dict[str, Fit] = field(default_factory=dict)
 
-    def put(self, name: str, prepared: PreparedDecay, fit: Fit) -> view_models.Frame:
+    def put(self, name: str, prepared: PreparedDecay, found: Fit) -> view_models.Frame:
         """Draw a fitted model, unless it was drawn before, and keep it."""
         if name not in self.frames:
             if self.ground is None:
-                self.ground = ground_of(prepared, fit, self.mass)
+                self.ground = ground_of(prepared, found, self.mass)
             while len(self.frames) >= MOST_KEPT:
                 oldest = next(iter(self.frames))
                 del self.frames[oldest]
                 self.fits.pop(oldest, None)
-            self.frames[name] = frame_of(self.ground, fit)
-            self.fits[name] = fit
+            self.frames[name] = frame_of(self.ground, found)
+            self.fits[name] = found
         return self.frames[name]
 
 
@@ -56,6 +57,13 @@ def fit_of(refinement: Refinement, model: ModelFile, nuisances: dict[str, float]
     return fit_baseline((refinement.prepared,), known.model, start).fit
 
 
+def _fit_near(base: Fit, refinement: Refinement, model: ModelFile) -> Fit:
+    """Return a suspect's model fitted to the whole release from its values, which are not lost to another minimum."""
+    known = known_model(model, "the diagnosis", refinement.library)
+    start = starting_values(known, (refinement.prepared,))
+    return fit(known.model, base.windows, start, base.frequency, near=True)
+
+
 def of_ladder(store: FrameStore, refinement: Refinement, ladder: KeptLadder, progress: Progress) -> None:
     """Draw all rungs."""
     for number, rung in enumerate(ladder.rungs):
@@ -64,19 +72,19 @@ def of_ladder(store: FrameStore, refinement: Refinement, ladder: KeptLadder, pro
 
 
 def of_suspects(
-    store: FrameStore, refinement: Refinement, document: DiagnosisDocument, progress: Progress
-) -> dict[str, str]:
-    """Draw the model with each of the first suspects; return the names of the frames by effect."""
-    found: dict[str, str] = {}
+    store: FrameStore, refinement: Refinement, document: DiagnosisDocument
+) -> Iterator[view_models.Drawn]:
+    """Draw the model with each of the first suspects, and yield each as soon as it is drawn."""
+    top = refinement.ladder.top
+    of_rung(store, refinement, top)
+    base = store.fits[frame_id(top.model)]
     shown = [suspect for suspect in document.suspects if suspect.model is not None][: view_models.MOST_CARDS]
-    for number, suspect in enumerate(shown):
+    for suspect in shown:
         assert suspect.model is not None
-        progress(f"drawing suspect {number + 1} of {len(shown)}")
         name = frame_id(suspect.model)
         try:
             if name not in store.frames:
-                store.put(name, refinement.prepared, fit_of(refinement, suspect.model, {}))
+                store.put(name, refinement.prepared, _fit_near(base, refinement, suspect.model))
         except (NotIdentifiable, UsageProblem):  # shown without a picture
             continue
-        found[suspect.effect] = name
-    return found
+        yield view_models.Drawn({name: store.frames[name]}, {suspect.effect: name})

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from daq.exporting import encode
 from identify.fitting.fit import Fit
 from identify.fitting.problem import Problem
 from station.operations.validating import validate_sessions
@@ -13,7 +14,7 @@ from station.settings import Settings
 from station.story.pipeline import Progress
 from station.text.numbers import three_figures
 from station.workbench import identified, view_models
-from station.workbench.export import as_csv
+from station.workbench.export import fitted_samples
 from station.workbench.frame_store import of_rung
 from station.workbench.frames import frame_id, frame_of
 from station.workbench.opened_session import Opened, open_session
@@ -31,7 +32,9 @@ def export(settings: Settings, progress: Progress, folder: Path) -> str:
     """Return the aligned channels, the present model and the residuals as CSV."""
     progress("writing the samples")
     opened = open_session(settings, folder)
-    return as_csv(opened.refinement.prepared, _present_fit(opened))
+    refinement = opened.refinement
+    exported = fitted_samples(refinement.session, refinement.prepared, _present_fit(opened))
+    return encode(exported, "csv").decode()
 
 
 def _present_fit(opened: Opened) -> Fit:

@@ -37,7 +37,7 @@ class IdentificationPanel:
         job = self._job = Job()
         self._busy.clear()
         with self._busy:
-            ui.spinner(size="18px")
+            widgets.spinner()
             widgets.label("Identifying: envelope and frequency, and the restoring force surface", "grow")
             widgets.button("Cancel", job.cancel)
         try:
@@ -62,6 +62,9 @@ class IdentificationPanel:
     def _show(self, found: view_models.Identified) -> None:
         self._body.clear()
         with self._body:
+            if found.judgement:
+                with widgets.card(f"tight judged {'' if found.quotable else 'not-quotable'}"):
+                    widgets.label(found.judgement, f"strong wrap {'good' if found.quotable else 'bad'}")
             with widgets.card("tight"), widgets.line():
                 widgets.label(found.lag[0], "lag")
                 widgets.label(found.lag[1], "small grow wrap")

@@ -8,11 +8,14 @@ from station.exits import Problem
 from station.operations.identifying import identify_session, kept_options
 from station.results.identification_document import IdentificationDocument
 from station.settings import Settings
+from station.story.adequacy import Adequacy, judgement
 from station.story.pipeline import Progress
+from station.text.layout import sentence
 from station.text.numbers import scale, typeset, typeset_error, typeset_symbol, typeset_unit
 from station.text.table import Cell, Tables, make_tables
 from station.text.terminal import rows, uncorrected
 from station.workbench import view_models
+from station.workbench.names import plain
 
 NONE = "–"
 
@@ -50,8 +53,20 @@ def identified(
     ]
     tables += _tables(make_tables(documents))
     return view_models.Identified(
-        _lag(document), tuple(tables), (*notes, *([f"Without {typeset(warning)}."] if warning else []))
+        _lag(document),
+        tuple(tables),
+        (*notes, *([f"Without {typeset(warning)}."] if warning else [])),
+        _judged(result.adequacy),
+        result.adequacy is not None and result.adequacy.quotable,
     )
+
+
+def _judged(found: Adequacy | None) -> str:
+    """Return whether the identified values may be quoted, with the model that they belong to."""
+    if found is None:
+        return ""
+    names = " + ".join(plain(name) for name in found.effects)
+    return typeset(sentence(f"both methods stand for {names}; {judgement(found)}"))
 
 
 def _document(settings: Settings, folder: Path) -> IdentificationDocument:

@@ -64,10 +64,10 @@ class ModelCard:
                 widgets.label(title(entry.effect), "strong grow wrap")
             widgets.label(view.equations.get(entry.effect, ""), "mono faint indent")
             for name, value in entry.parameters.items():
-                words = widgets.label(f"{name} = {typeset(with_unit(value))}", "small indent")
+                words = widgets.label(f"{name} = {widgets.whole(typeset(with_unit(value)))}", "small indent")
                 whole = view.with_mass.get(f"{entry.effect}.{name}")
                 if whole is not None:
-                    widgets.label(f"with the mass {typeset(whole)}", "small faint indent")
+                    widgets.label(f"with the mass {widgets.whole(typeset(whole))}", "small faint indent")
                 self._slider(f"{entry.effect}.{name}", name, value, words)
 
     def _slider(self, full: str, name: str, value: Value, words: ui.label) -> None:

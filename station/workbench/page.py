@@ -37,7 +37,6 @@ class Page:
         folder = state.session_list.folder_of(key) if key else None
         self._session: SessionState | None = state.sessions.at(folder) if folder else None
         self._seen = -1
-        self._shown: object = None
         self._dark = False
 
     def build(self) -> None:
@@ -45,7 +44,9 @@ class Page:
         ui.page_title(f"{self._key} · workbench" if self._key else "workbench")
         self._mode = ui.dark_mode(None)
         self._header()
-        with ui.element("div").classes("bench-columns").props("id=columns"):
+        with ui.element("div").classes("bench-columns").props("id=columns") as columns:
+            if self._key is None:
+                columns.classes("start")
             with ui.element("aside").classes("bench-column rail").props('id=rail aria-label="The bench"'):
                 self._capture = CapturePanel(self._state, self._record, self._key)
                 self._capture.build()
@@ -77,6 +78,7 @@ class Page:
                 "Sessions", lambda: run("bench.turnRail()"), "Show or hide sessions and recording"
             )
             rail.classes("rail-button").props("aria-controls=rail")
+            rail.set_visibility(self._key is not None)
             ui.link("Free-Decay Station", "/").classes("bench-title").style(
                 "color:inherit;text-decoration:none"
             )
@@ -115,12 +117,12 @@ class Page:
         ):
             for name in (STORY, DETAILS, NUMBERS, RERUN):
                 ui.tab(name)
-        self._head_tabs.set_visibility(self._session is not None)
+        self._head_tabs.set_visibility(False)
 
     def _build_panels(self, session: SessionState) -> None:
         self._story, self._details, self._cards = (
             StoryPanel(),
-            DetailsPanel(),
+            DetailsPanel(session),
             CardsPanel(session, self._state.session_list),
         )
         self._identified = IdentificationPanel(session, self._state.session_list)
@@ -137,8 +139,11 @@ class Page:
                 if self._key is not None:
                     viewer = RerunTab(self._state, session, self._key, self._host, lambda: self._dark)
                     viewer.build()
-                    opens = {RERUN: viewer.open, NUMBERS: self._identified.open}
+                    opens = {RERUN: viewer.open, NUMBERS: self._identified.open, DETAILS: self._show_details}
                     self._head_tabs.on_value_change(lambda e: opens[e.value]() if e.value in opens else None)
+
+    def _show_details(self) -> None:
+        self._details.show(theme(self._dark))
 
     def _say_empty(self) -> None:
         say_empty(self._empty, self._session, self._key, self._capture.solve_mystery)
@@ -158,7 +163,6 @@ class Page:
         run(f"bench.keepTheme({'true' if self._dark else 'false'})")
         self._set_theme()
         run("bench.redraw()")
-        self._shown = None
         self._seen = -1
 
     def _set_theme(self) -> None:
@@ -207,6 +211,7 @@ class Page:
     def _show(self, session: SessionState) -> None:
         self._notice_label.text = session.notice
         self._notice.set_visibility(bool(session.notice))
+        self._head_tabs.set_visibility(session.view is not None)
         if session.view is None:
             self._empty.set_visibility(True)
             self._say_empty()
@@ -215,14 +220,12 @@ class Page:
         self._tabs.set_visibility(True)
         self._right.set_visibility(True)
         view = session.view
-        now = (view, self._dark)
         if view.stage is not None:
             self._story.show(view.stage)
         self._ladder.show(view)
         self._cards.show(view)
-        if now != self._shown:
-            self._shown = now
-            self._details.show(view.picture, view.curves, theme(self._dark), view.ladder.top.error.chi2)
+        if self._head_tabs.value == DETAILS:
+            self._show_details()
         self._feed.send()
         if self._rung is not None and 0 <= self._rung < len(view.ladder.rungs) and self._feed.whole:
             run(f"bench.filmTo({self._rung})")

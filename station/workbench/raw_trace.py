@@ -1,5 +1,6 @@
 """The trace of a record as it stands, for one that allows no analysis: what was recorded is shown all the same."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -34,10 +35,18 @@ def raw_traces(settings: Settings, progress: Progress, folder: Path) -> tuple[vi
         at = np.array(places, dtype=np.intp)
         found.append(
             view_models.RawTrace(
-                channel.name, typeset(unit), numbers(at / recording.rate, 1e-4), for_eye(values[at])
+                _without_unit(channel.name),
+                typeset(unit),
+                numbers(at / recording.rate, 1e-4),
+                for_eye(values[at]),
             )
         )
     return tuple(found)
+
+
+def _without_unit(name: str) -> str:
+    """Return the name of a channel without the unit that a file may have put behind it in brackets."""
+    return re.sub(r"\s*[\[(][^\[\]()]*[\])]$", "", name) or name
 
 
 def _extremes(values: np.ndarray, part: np.ndarray) -> list[int]:

@@ -51,7 +51,7 @@ class ReportButton:
         self._job, self._message = Job(), "gathering"
         self._place.clear()
         with self._place:
-            ui.spinner(size="16px")
+            widgets.spinner(16)
             self._words = widgets.label(self._message, "small faint")
             widgets.button("Cancel", self._cancel, "Cancel the report")
         try:

@@ -35,7 +35,7 @@ class RerunTab:
         self._frame.clear()
         self._top.clear()
         with self._top, widgets.card("tight"), widgets.line():
-            ui.spinner(size="18px")
+            widgets.spinner()
             widgets.label("Writing the recording: surface, ridge, comparison, ladder", "grow")
             widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
         try:
@@ -51,7 +51,7 @@ class RerunTab:
             self._top.clear()
             with self._frame:
                 with widgets.card("tight viewer-wait"), widgets.line():
-                    ui.spinner(size="18px")
+                    widgets.spinner()
                     widgets.label(
                         "Rerun's viewer is starting: its program has 43 MB, which takes up to half a minute the first time.",
                         "grow",

@@ -3,7 +3,9 @@
 import asyncio
 import re
 import time
+from collections.abc import Coroutine
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +16,6 @@ from station.workbench import view_models
 from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
 
 MOST_UNDONE = 50
-LASTS_S = {"diagnose": 8.0, "refine": 20.0, "prune": 4.0}
-"""How long a task is expected to take before it was done once."""
-
-NEVER_DONE = 0.95
 
 
 @dataclass(frozen=True)
@@ -27,7 +25,6 @@ class Running:
     title: str
     since: float
     long: bool
-    task: str = ""
 
 
 class SessionState:
@@ -36,11 +33,14 @@ class SessionState:
     def __init__(self, folder: Path, workers: WorkerPool) -> None:
         self.folder = folder
         self.view: view_models.View | None = None
+        self.details: view_models.Details | None = None
+        self.no_details = ""
+        self._detailed: view_models.View | None = None
         self.frames: dict[str, view_models.Frame] = {}
         self.suspect_frames: dict[str, str] = {}
+        self._suspects_drawn = False
         self.earlier: list[KeptLadder] = []
         self._diagnoses: dict[tuple[str, ...], DiagnosisDocument] = {}
-        self._lasted = dict(LASTS_S)
         self.others: tuple[Path, ...] = ()
         self.problem = ""
         self.notice = ""
@@ -70,15 +70,18 @@ class SessionState:
             self.notice = f"{self.running.title if self.running else ''} is under way; wait, or cancel it"
             self.version += 1
             return False
-        self.running = Running(title, time.monotonic(), long, task)
+        self.running = Running(title, time.monotonic(), long)
         self._loop = asyncio.get_running_loop()
         self.progress, self.notice, self.problem = "", "", ""
         self._job = Job()
         self.version += 1
-        running = asyncio.get_running_loop().create_task(self._run(self._job, task, arguments))
+        self._keep(self._run(self._job, task, arguments))
+        return True
+
+    def _keep(self, story: Coroutine[Any, Any, None]) -> None:
+        running = asyncio.get_running_loop().create_task(story)
         self._tasks.add(running)
         running.add_done_callback(self._tasks.discard)
-        return True
 
     def cancel(self) -> None:
         """End the computation that is under way; what was kept before stays."""
@@ -89,12 +92,11 @@ class SessionState:
     async def _run(self, job: Job, task: str, arguments: tuple[Any, ...]) -> None:
         from station.workbench.build_view_models import results_stamp
 
-        title, begun = self.running.title if self.running else task, time.monotonic()
+        title = self.running.title if self.running else task
         try:
             found = await self._workers.do(
                 job, str(self.folder), task, self.folder, *arguments, progress=self._on_progress
             )
-            self._lasted[task] = time.monotonic() - begun
             self._take(task, found)
         except Cancelled:
             changed = self.view is not None and self.view.stamp != results_stamp(self.folder)
@@ -109,7 +111,7 @@ class SessionState:
         finally:
             self.running, self._job = None, None
             self.version += 1
-        await self._complete_frames()
+        await asyncio.gather(self._complete_frames(), self._complete_details())  # a worker for each
         if task in ("add", "remove") and not job.cancelled:
             self._ask_again()
 
@@ -133,10 +135,25 @@ class SessionState:
             self.earlier = (
                 self.earlier[:-1] if task == "restore" else [*self.earlier, before.ladder][-MOST_UNDONE:]
             )
-        if before is not None and found.diagnosis != before.diagnosis:
-            self.suspect_frames = {}  # this diagnosis, or one by a command, has other suspects
+        if before is None or _steps(before.ladder) != _steps(found.ladder):
+            self.details = None  # of another model
+        if before is not None and found.diagnosis != before.diagnosis:  # by the page or by a command
+            self.suspect_frames, self._suspects_drawn = {}, False
         wanted = {*found.rung_frames, *self.suspect_frames.values()}
         self.frames = {name: frame for name, frame in self.frames.items() if name in wanted} | found.frames
+
+    async def _complete_details(self) -> None:
+        """Compare the present model with the measurement: that is asked for once the ladder is on the page."""
+        view = self.view
+        if view is None or view is self._detailed:
+            return
+        try:
+            found, problem = await self.ask(Job(), "details"), ""
+        except (Cancelled, Failed) as failure:
+            found, problem = None, str(failure) or "cancelled"
+        if view is self.view:
+            self.details, self.no_details, self._detailed = found, problem, view
+            self.version += 1
 
     async def _complete_frames(self) -> None:
         """Let the frames be drawn that are not at hand: of other rungs, and of the suspects."""
@@ -144,17 +161,27 @@ class SessionState:
         if view is None:
             return
         document = view.diagnosis if view.about_present else None
-        suspects = document is not None and bool(document.suspects) and not self.suspect_frames
+        suspects = document is not None and bool(document.suspects) and not self._suspects_drawn
         if not suspects and all(name in self.frames for name in view.rung_frames):
             return
         try:
-            frames, named = await self._workers.do(Job(), str(self.folder), "frames", self.folder, document)
+            found = await self.ask(Job(), "frames", document, progress=partial(self._on_drawn, view))
         except (Cancelled, Failed):
             return
+        if self._take_drawn(view, found):
+            self._suspects_drawn |= suspects
+
+    def _on_drawn(self, view: view_models.View, content: str | view_models.Drawn) -> None:
+        """Show a suspect's frame as soon as it is drawn. Called in the worker's thread."""
+        if not isinstance(content, str):
+            self._loop.call_soon_threadsafe(self._take_drawn, view, content)
+
+    def _take_drawn(self, view: view_models.View, found: view_models.Drawn) -> bool:
         if view is not self.view:  # another task has answered meanwhile, and asks for its own
-            return
-        self.frames, self.suspect_frames = self.frames | frames, named
+            return False
+        self.frames, self.suspect_frames = self.frames | found.frames, self.suspect_frames | found.suspects
         self.version += 1
+        return True
 
     async def ask(self, job: Job, task: str, *arguments: Any, progress: Progress = silent) -> Any:
         """Return what a task beside the ladder finds, while the ladder stays as it is; raises Failed or Cancelled."""
@@ -167,15 +194,11 @@ class SessionState:
 
     @property
     def share_done(self) -> float | None:
-        """How far the computation is, 0 to 1: by what it says itself, else by how long it took last time."""
-        running = self.running
-        if running is None:
+        """How far the step under way is, 0 to 1; None where it does not count what it does."""
+        counted = re.search(r"(\d+) of (\d+)", self.progress) if self.busy else None
+        if counted is None or int(counted[2]) == 0:
             return None
-        counted = re.search(r"(\d+) of (\d+)", self.progress)
-        if counted is not None and int(counted[2]) > 0:
-            return int(counted[1]) / int(counted[2])
-        expected = self._lasted.get(running.task)
-        return None if not expected else min(NEVER_DONE, (time.monotonic() - running.since) / expected)
+        return min(1.0, int(counted[1]) / int(counted[2]))
 
     def _on_progress(self, content: str | view_models.View) -> None:
         """Note what a worker says; a view of what was found so far is shown at once. Called in the worker's thread."""

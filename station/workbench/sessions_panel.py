@@ -138,9 +138,9 @@ class SessionsPanel:
                 refused = self._refused(entry.folder)
                 word = "no analysis" if refused else entry.verdict
                 widgets.label(word, f"tag {'ok' if word in GOOD else 'bad'}")
-                widgets.label(thumbnail.amplitude if thumbnail else "")
             widgets.svg(sparkline(thumbnail.line if thumbnail else []))
-            widgets.label(entry.date, "small faint date")
+            amplitude = f" · {thumbnail.amplitude}" if thumbnail and thumbnail.amplitude else ""
+            widgets.label(f"{entry.date}{amplitude}", "small faint date")
             problem = entry.problem or (thumbnail.problem if thumbnail else "")
             if problem:
                 widgets.label(problem, "small bad wrap").style("grid-column:1/-1")
@@ -192,7 +192,7 @@ class SessionsPanel:
     def _importing(self, name: str) -> None:
         self._message.clear()
         with self._message, widgets.line():
-            ui.spinner(size="16px")
+            widgets.spinner(16)
             widgets.label(f"reading {name}", "small grow wrap")
             widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
 

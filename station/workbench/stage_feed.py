@@ -33,8 +33,9 @@ class StageFeed:
         news: dict[str, Any] = {
             "rungs": list(view.rung_frames),
             "present": view.ladder.present,
+            "busy": self._session.busy,
             "suspects": self._offered(view),
-            "says": says_of(view),
+            "says": says_of(view, self._session.details),
         }
         for effect, frame in news[
             "suspects"

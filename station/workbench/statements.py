@@ -12,18 +12,22 @@ from station.workbench.ladder_bars import share
 from station.workbench.names import plain
 
 
-def says_of(view: view_models.View) -> dict[str, dict[str, Any]]:
-    """Return the words of each rung, as "rung0", and of each suspect, by its effect."""
+def says_of(view: view_models.View, details: view_models.Details | None = None) -> dict[str, dict[str, Any]]:
+    """Return the words of each rung, as "rung0", and of each suspect, by its effect.
+
+    `details` tell where the present model fails, as soon as they are known.
+    """
+    summary = f"{details.picture.summary} " if details is not None else ""
     found: dict[str, dict[str, Any]] = {}
     for place, rung in enumerate(view.ladder.rungs):
-        found[f"rung{place}"] = _rung(view, place, rung)
+        found[f"rung{place}"] = _rung(view, place, rung, summary)
     if view.diagnosis is not None:
         for suspect in view.diagnosis.suspects:
             found[suspect.effect] = _suspect(view, suspect)
     return found
 
 
-def _rung(view: view_models.View, place: int, rung: KeptRung) -> dict[str, Any]:
+def _rung(view: view_models.View, place: int, rung: KeptRung, summary: str) -> dict[str, Any]:
     error, floor = rung.error, view_models.reaches_floor(rung)
     present = place == view.ladder.present
     if floor:
@@ -36,7 +40,7 @@ def _rung(view: view_models.View, place: int, rung: KeptRung) -> dict[str, Any]:
         )
     more = _shares(error.motion_percent, error.force_mse_percent)
     if present and not floor:
-        more = f"{view.picture.summary} {more}"
+        more = f"{summary}{_shares(error.motion_percent, None)}"
     if not present:
         more = f"Rung {place}: {' + '.join(plain(name) for name in rung.effects)}. {more}"
     return {"big": f"{three_figures(error.chi2)} ×", "what": what, "more": more, "floor": floor}

@@ -24,7 +24,7 @@ from station.workbench import further_tasks, view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
 from station.workbench.climbing import climb
 from station.workbench.decay_curves import curves_of
-from station.workbench.frame_store import of_ladder, of_suspects
+from station.workbench.frame_store import of_ladder, of_rung, of_suspects
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session, present_model
 from station.workbench.pruning import drop_needless
@@ -45,23 +45,28 @@ def look(settings: Settings, progress: Progress, folder: Path) -> view_models.Vi
 def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models.View:
     """Return what the page shows; the frame of the present rung comes with it, the others when `frames` is asked."""
     session, store = opened.refinement.session, opened.store
-    model = present_model(session)
-    compared, _ = compare_session(session, settings, model, prepared=opened.refinement.prepared)
     diagnosis = kept_diagnosis(session)
     names = tuple(frame_id(rung.model) for rung in ladder.rungs)
-    store.put(names[ladder.present], opened.refinement.prepared, compared.baseline.fit)
+    of_rung(store, opened.refinement, ladder.top)
     return view_models.View(
         ladder,
-        picture_of(compared),
         diagnosis,
         equations_of(ladder),
         results_stamp(session.folder),
-        curves_of(settings, opened.refinement, diagnosis),
         None if store.ground is None else store.ground.stage,
         {name: store.frames[name] for name in names if name in store.frames},
         names,
         with_mass=_with_mass(settings, opened, ladder),
     )
+
+
+def details(settings: Settings, progress: Progress, folder: Path) -> view_models.Details:
+    """Compare the present model with the measurement; return what the tab Curves shows of it."""
+    progress("comparing with the measurement")
+    opened = open_session(settings, folder)
+    refinement, session = opened.refinement, opened.refinement.session
+    compared, _ = compare_session(session, settings, present_model(session), prepared=refinement.prepared)
+    return view_models.Details(picture_of(compared), curves_of(settings, refinement, kept_diagnosis(session)))
 
 
 def _with_mass(settings: Settings, opened: Opened, ladder: KeptLadder) -> dict[str, str]:
@@ -142,7 +147,7 @@ def diagnose(
         sessions = open_sessions((str(folder), *(str(other) for other in others)), settings)
         progress("asking whether the releases share their physics")
         shared = physics_shared(sessions, False, progress)
-    _, document = diagnose_sessions(sessions, present_model(session), None, progress)
+    _, document = diagnose_sessions(sessions, present_model(session), None, progress, progress)
     document = document if shared is None else with_differences(document, shared)
     keep(sessions, document)
     return _view(settings, opened, refinement.ladder)
@@ -150,19 +155,22 @@ def diagnose(
 
 def frames(
     settings: Settings, progress: Progress, folder: Path, document: DiagnosisDocument | None = None
-) -> tuple[dict[str, view_models.Frame], dict[str, str]]:
-    """Return the frames of all rungs and of a diagnosis' suspects, and the names of the latter by effect."""
+) -> view_models.Drawn:
+    """Return the frames of all rungs and of a diagnosis' suspects; each suspect's is sent as soon as it is drawn."""
     opened = open_session(settings, folder)
     refinement, store = opened.refinement, opened.store
     of_ladder(store, refinement, refinement.ladder, progress)
-    suspects = {} if document is None else of_suspects(store, refinement, document, progress)
+    suspects: dict[str, str] = {}
+    for one in () if document is None else of_suspects(store, refinement, document):
+        suspects |= one.suspects
+        progress(one)  # type: ignore[arg-type]
     found = dict(store.frames)
     if document is not None and document.suspects and not reaches_floor(refinement.ladder.top):
         progress("drawing the measured curve")
         with contextlib.suppress(Problem, NotIdentifiable):  # it has no card then
             name, frame = frame_of_tried(store, refinement, MEASURED_CURVE, "the measured curve")
             found[name], suspects[MEASURED_CURVE] = frame, name
-    return found, suspects
+    return view_models.Drawn(found, suspects)
 
 
 def thumbnail(settings: Settings, progress: Progress, folder: Path) -> view_models.Thumbnail:
@@ -237,6 +245,7 @@ TASKS: dict[str, Callable[..., Any]] = {
     "again": begin_again,
     "diagnose": diagnose,
     "frames": frames,
+    "details": details,
     "restore": restore,
     "prune": prune,
     "raw": raw_traces,

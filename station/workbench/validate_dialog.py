@@ -52,7 +52,7 @@ class ValidateDialog:
         self._job = Job()
         self._body.clear()
         with self._body, widgets.line():
-            ui.spinner(size="18px")
+            widgets.spinner()
             widgets.label("foretelling", "small grow")
         try:
             sentence, table = await self._session.ask(self._job, "validate", self._session.others)

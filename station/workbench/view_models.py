@@ -121,6 +121,14 @@ class Frame:
     says: dict[str, str] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Frames by their names, and the names of those of suspects by effect."""
+
+    frames: dict[str, Frame]
+    suspects: dict[str, str] = field(default_factory=dict)
+
+
 @dataclass(frozen=True)
 class AmplitudeLine:
     """Frequency (Hz) and damping ratio (%) against amplitude: of a release with standard errors, or of a model.
@@ -148,20 +156,28 @@ class DecayCurves:
 
 
 @dataclass(frozen=True, eq=False)
-class View:
-    """What the page shows of a session: ladder, comparison of the present model, last diagnosis, equations by effect.
+class Details:
+    """What the tab Curves shows: the comparison of the present model, and the curves of the last diagnosis.
 
-    `curves` come with a diagnosis; None where the record is too short for them. `frames` are those at hand, by the name
-    of `rung_frames` (one for each rung). `note` is what a task has to say,
+    `curves` come with a diagnosis; None where the record is too short for them.
+    """
+
+    picture: Picture
+    curves: DecayCurves | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What the page shows of a session: ladder, last diagnosis, equations by effect.
+
+    `frames` are those at hand, by the name of `rung_frames` (one for each rung). `note` is what a task has to say,
     `with_mass` the strengths of the present model with the mass in them, by "effect.parameter", where it is known.
     """
 
     ladder: KeptLadder
-    picture: Picture
     diagnosis: DiagnosisDocument | None = None
     equations: dict[str, str] = field(default_factory=dict)
     stamp: tuple[int, ...] = ()
-    curves: DecayCurves | None = None
     stage: Stage | None = None
     frames: dict[str, Frame] = field(default_factory=dict)
     rung_frames: tuple[str, ...] = ()
@@ -207,11 +223,16 @@ class TextTable:
 
 @dataclass(frozen=True)
 class Identified:
-    """What both identifications find: the lag with what is said of it, tables, and reasons in sentences."""
+    """What both identifications find: the lag with what is said of it, tables, and reasons in sentences.
+
+    `judgement` says whether the values may be quoted (`quotable`); "" where no model was fitted to the record.
+    """
 
     lag: tuple[str, str]
     tables: tuple[TextTable, ...]
     notes: tuple[str, ...]
+    judgement: str = ""
+    quotable: bool = False
 
 
 @dataclass(frozen=True)

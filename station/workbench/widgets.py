@@ -27,6 +27,21 @@ def label(text: str, classes: str = "") -> ui.label:
     return ui.label(text).classes(classes)
 
 
+def whole(value: str) -> str:
+    """Return a value that no line break tears from its error or its unit."""
+    return value.replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def spinner(size: int = 18) -> ui.element:
+    """Show that something runs; it turns by the compositor, so that a computation beside it loses nothing."""
+    return (
+        ui.element("span")
+        .classes("turning")
+        .style(f"width:{size}px; height:{size}px")
+        .props("aria-hidden=true")
+    )
+
+
 def button(
     text: str, does: Callable[[], Any], name: str = "", strong: bool = False, classes: str = ""
 ) -> ui.button:

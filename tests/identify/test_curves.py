@@ -8,7 +8,7 @@ from identify.curves.averaged_law import law_of
 from identify.curves.confirmation import confirm
 from identify.curves.curve_regression import CurveRegression
 from identify.curves.decay_curve import DecayCurve
-from identify.curves.held_out import cut_in_two
+from identify.curves.held_out import cut_by_amplitude
 from identify.curves.isolated_mode import IsolatedMode
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.suspects import candidate_terms
@@ -110,11 +110,15 @@ def test_beats_and_a_drive_are_seen_and_a_decay_is_neither():
     assert driven.driven
 
 
-def test_a_record_is_cut_at_the_geometric_mean_of_its_amplitudes():
+def test_a_record_is_cut_in_three_equal_ratios_of_amplitude_and_a_short_one_in_two():
     time = np.arange(60.0)
     whole = DecayCurve(time, np.exp(-0.05 * time), 8.0 * time, 0 * time, 0 * time)
-    large, small = cut_in_two(whole)
-    assert large.amplitude[-1] == small.amplitude[0] == pytest.approx(np.exp(-0.05 * 59 / 2), rel=0.03)
+    large, middle, small = cut_by_amplitude(whole)
+    assert large.amplitude[-1] == middle.amplitude[0] == pytest.approx(np.exp(-0.05 * 59 / 3), rel=0.03)
+    assert middle.amplitude[-1] == small.amplitude[0] == pytest.approx(np.exp(-0.05 * 118 / 3), rel=0.03)
+    assert [len(part) for part in cut_by_amplitude(whole.part(0, 16))] == [6, 6, 6]
+    assert [len(part) for part in cut_by_amplitude(whole.part(0, 15))] == [8, 8]
+    assert [len(part) for part in cut_by_amplitude(whole.part(0, 10))] == [10]
 
 
 @pytest.mark.parametrize(

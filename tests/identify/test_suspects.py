@@ -58,7 +58,11 @@ def test_the_hidden_effect_gains_most_and_its_strength_is_found():
     terms = tuple(
         Term(find_effect(n)) for n in ("cubic_stiffness", "quadratic_damping", "quadratic_stiffness")
     )
-    tried = try_terms(start.decays, start.fit, terms)
+    counted: list[tuple[int, int]] = []
+    tried = try_terms(
+        start.decays, start.fit, terms, counted=lambda done, whole: counted.append((done, whole))
+    )
+    assert counted == [(done, 6) for done in range(1, 7)]  # each begun, and each fitted to the end
     assert tried[0].name == "cubic_stiffness"
     assert [c.score for c in tried] == sorted(c.score for c in tried)
     found = tried[0].fit.values["cubic_stiffness.k3"]

@@ -99,6 +99,10 @@ def test_every_release_that_was_left_out_has_its_errors_under_its_name():
 def test_the_parts_of_one_record_are_its_large_and_its_small_amplitudes():
     kept = confirmation_document(confirmation(one_record=True), ("first",))
     assert [one.part for one in kept.found.by_part] == ["large amplitudes", "small amplitudes"]
+    three = confirmation()
+    kept = confirmation_document(replace(three, one_record=True), ("first",))
+    parts = [f"{size} amplitudes" for size in ("large", "middle", "small")]
+    assert [one.part for one in kept.found.by_part] == parts
 
 
 def test_releases_are_numbered_where_one_of_the_sessions_has_no_curve():
@@ -138,9 +142,9 @@ def test_it_is_said_on_how_many_other_releases_and_in_percent_of_the_motion():
     parts = foretold_parts(found)
     assert "first 5.00 to 1.00 %, second 6.00 to 9.00 %, third 10.0 to 2.00 %" in parts
     assert parts.endswith("(median: phase 6.00 to 2.00 %, envelope 3.00 to 0.00 %)")
-    halves = document(confirmation(one_record=True), ("first",))
-    assert "2 of 2 halves of the record" in confirmed_by(halves)
-    assert confirmed_by(halves).endswith("error of the small amplitudes 6.00 to 2.00 % of the motion")
+    alone = document(confirmation(one_record=True), ("first",))
+    assert "2 of 2 parts of the record" in confirmed_by(alone)
+    assert confirmed_by(alone).endswith("error of all but the large amplitudes 6.00 to 2.00 % of the motion")
 
 
 def test_the_terminal_says_percent_of_the_motion_before_chi_square_and_what_each_suspect_foretells():

@@ -1,4 +1,4 @@
-"""The tabs Suspects and Ladder, read back: what they show is what was found, and every rung is a step."""
+"""The tabs Suspects and Ladder, read back: what they show is what was found, and every rung has a tab."""
 
 import shutil
 import socket
@@ -64,15 +64,19 @@ def texts(file, path):
     return found
 
 
-def test_every_rung_is_a_step_with_its_errors(file, refinement):
-    errors = [rung.error.chi2 for rung in refinement.ladder.rungs]
-    assert np.array_equal(column(file, "/ladder/numbers/chi2", "Scalars:scalars"), errors)
-    steps = {step for batch in chunks(file, "/ladder/motion") for step in batch.column("rung").to_pylist()}
-    assert steps == {0, 1}
+def test_every_rung_has_a_tab_with_its_errors_whatever_the_time_is(file, refinement):
+    for place, rung in enumerate(refinement.ladder.rungs):
+        assert column(file, f"/ladder/{place}/errors/numbers", "chi2") == [rung.error.chi2]
+        assert chunks(file, f"/ladder/{place}/motion")
+    timelines = {name for batch in chunks(file, "/ladder/**") for name in batch.schema.names}
+    assert not timelines & {"time", "rung"}
+    tab = next(tab for tab in viewer_tabs.kept_tabs(refinement) if tab.name == "Ladder").layout()
+    assert [one.name for one in tab.contents] == ["0: base model", "1: + cubic_stiffness"]
+    assert tab.active_tab == 1
 
 
 def test_each_rung_tells_what_it_added_and_why_the_climb_stopped(file):
-    first, second = texts(file, "/ladder/summary")
+    (first,), (second,) = (texts(file, f"/ladder/{place}/summary") for place in (0, 1))
     assert "usual model" in first
     assert "+ cubic_stiffness" in second
     assert "floor is reached" in second

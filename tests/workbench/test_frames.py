@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from daq.exporting import encode
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.model.model import Term, base_model
 from station.results.sessions import open_session
 from station.settings import Settings
 from station.story.preparation import prepare_session
-from station.workbench.export import as_csv
+from station.workbench.export import fitted_samples
 from station.workbench.frames import frame_of, ground_of
 
 DATA = Path(__file__).resolve().parent.parent / "data"
@@ -82,16 +83,23 @@ def test_every_sample_lies_in_one_cell_of_each_map_and_in_the_right_one(prepared
     assert np.corrcoef(row, np.hypot(u, v / release.frequency))[0, 1] > 0.99
 
 
-def test_the_exported_samples_name_their_units_and_the_residual_is_what_the_model_leaves(prepared):
+def test_the_exported_samples_are_written_as_station_export_does_and_the_residual_is_what_the_model_leaves(
+    prepared, tmp_path
+):
     release = prepared["release_14"]
     fit = fitted(release)
-    head, *rows = csv.reader(io.StringIO(as_csv(release, fit)))
-    assert head[:4] == [
-        "time since release [s]", "displacement aligned [m]", "velocity aligned [m/s]", "acceleration aligned [m/s^2]",
+    session = open_session(str(DATA / "hidden" / "release_14.csv"), tmp_path / "sessions")
+    text = encode(fitted_samples(session, release, fit), "csv").decode()
+    head, *rows = csv.reader(line for line in io.StringIO(text) if not line.startswith("#"))
+    assert head[:5] == [
+        "time [s]", "time_since_release [s]", "displacement_aligned [m]", "velocity_aligned [m/s]",
+        "acceleration_aligned [m/s^2]",
     ]  # fmt: skip
     assert len(rows) == len(release.window)
     read, model, residual = (
-        head.index(f"acceleration {what} [m/s^2]") for what in ("read", "model", "residual")
+        head.index(f"acceleration_{what} [m/s^2]") for what in ("read", "model", "residual")
     )
     for row in rows[200:900:100]:
         assert float(row[read]) - float(row[model]) == pytest.approx(float(row[residual]), abs=1e-7)
+    assert f"# session: {session.folder.name}\n" in text
+    assert "# model: linear_stiffness + coulomb_friction + viscous_damping\n" in text

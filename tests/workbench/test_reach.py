@@ -123,15 +123,10 @@ def test_the_film_keeps_its_scales_the_address_its_rung_and_undo_takes_a_step_ba
 def test_two_cursors_give_the_decrement_between_them(solved):
     page = solved
     truth = page.evaluate("bench.state.stage.frequency_hz")
-    told = "bench.between() && document.getElementById('readout').textContent.startsWith('Between')"
-    for _ in range(5):  # pictures that arrive take the cursors away
-        for at in (110, 250):
-            page.locator("[data-plot=left]").click(position={"x": at, "y": 60})
-        page.mouse.move(5, 5)
-        page.wait_for_timeout(1500)
-        if page.evaluate(told):
-            break
-    page.wait_for_function(told)
+    for at in (110, 250):
+        page.locator("[data-plot=left]").click(position={"x": at, "y": 60})
+    page.mouse.move(5, 5)
+    page.get_by_text("Between the cursors").wait_for()
     told = page.locator("#readout").inner_text()
     seconds, cycles, ratio, decrement = (
         float(re.search(pattern, told).group(1))
@@ -139,5 +134,47 @@ def test_two_cursors_give_the_decrement_between_them(solved):
     )
     assert cycles == pytest.approx(seconds * truth, rel=0.05)
     assert decrement == pytest.approx(math.log(ratio) / cycles, rel=0.02)
+    cursors = "JSON.stringify(bench.cursors)"
+    before = page.evaluate(cursors)
+    page.locator("button.card-suspect").first.click()
+    page.wait_for_function("document.querySelectorAll('.rung').length == 2")
+    page.get_by_text("At the noise floor").wait_for()
+    assert page.evaluate(cursors) == before  # they stay when another model's pictures come, and other samples
+    page.evaluate("""() => { const every = (kept, i) => i % 2 === 0, s = bench.state.stage, halved = {};
+      for (const key in s) halved[key] = Array.isArray(s[key]) && key !== "traces" ? s[key].filter(every) : s[key];
+      bench.moments = bench.cursors.map(i => s.time[i]);
+      bench.receive({stage: halved, frames: {...bench.state.frames}}) }""")
+    assert page.evaluate(
+        "bench.cursors.every((i, k) => Math.abs(bench.state.stage.time[i] - bench.moments[k]) < 0.01)"
+    )
     page.locator("[data-plot=left]").dblclick(position={"x": 150, "y": 60})
     page.wait_for_function("bench.between() === '' && bench.state.zoom === null")
+
+
+@pytest.mark.slow
+def test_the_mark_follows_a_pointer_that_leaves_while_a_frame_is_drawn(solved):
+    page = solved
+    page.locator("[data-plot=left]").hover(position={"x": 120, "y": 60})
+    page.get_by_text(re.compile(r"t = \d\.\d{3} s")).wait_for()
+    page.evaluate("""() => { const box = document.querySelector("[data-plot=left]").getBoundingClientRect();
+      const move = (x, y) => (document.elementFromPoint(x, y) || document.body).dispatchEvent(
+        new MouseEvent("mousemove", {bubbles: true, clientX: x, clientY: y}));
+      move(box.x + 200, box.y + 60); move(5, 5) }""")
+    page.get_by_text("Point at a picture").wait_for()
+
+
+@pytest.mark.slow
+def test_what_is_looked_at_stays_while_further_pictures_come(solved):
+    page = solved
+    page.locator("button.card-suspect").first.click()
+    page.get_by_text("At the noise floor").wait_for()
+    page.wait_for_function("!document.querySelector('[inert]')")
+    page.locator("#film").focus()
+    page.keyboard.press("ArrowLeft")
+    page.get_by_text("looking at rung 0").wait_for()
+    again = """({present}) => { const s = bench.state;
+      bench.own({frame: s.frames[s.rungs[0]], says: s.says.rung0, name: "own"});
+      bench.receive({rungs: [...s.rungs], present, busy: false, suspects: {}, says: {...s.says}, names: {}});
+      return [s.film, s.suspects["(own)"] ?? null] }"""
+    assert page.evaluate(again, {"present": 1}) == [0, "(own)"]
+    assert page.evaluate(again, {"present": 0}) == [None, None]  # another model: the film starts from it

@@ -126,6 +126,9 @@ def test_a_computation_is_cancelled_and_the_next_one_works(visit, bench):
     page = visit.page
     page.goto(bench.fresh("mystery_7", "cancelled"))
     page.wait_for_selector(".rung")
+    page.wait_for_function(
+        "/the measured motion/.test(document.querySelector('#statement .more').textContent)"
+    )
     kept = {path.name: path.read_bytes() for path in bench.results("cancelled").iterdir()}
     rungs = page.locator(".rung").count()
     page.get_by_role("button", name="Diagnose").click()

@@ -12,7 +12,8 @@ import pytest
 
 from station.settings import Settings
 from station.workbench import worker
-from station.workbench.session_state import SessionState
+from station.workbench.session_state import Running, SessionState
+from station.workbench.view_models import Drawn
 
 
 def alone(story: Callable[[], Coroutine[Any, Any, Any]]) -> Any:
@@ -106,7 +107,7 @@ class Answering:
 
     async def do(self, job: Any, key: str, task: str, *arguments: Any, progress: Any = None) -> Any:
         self.asked.append(task)
-        return self.answers[task]
+        return self.answers.get(task)
 
 
 def test_frames_are_drawn_again_when_a_command_has_diagnosed_since():
@@ -114,7 +115,7 @@ def test_frames_are_drawn_again_when_a_command_has_diagnosed_since():
         pool = Answering({})
         session = SessionState(Path("none"), pool)  # type: ignore[arg-type]
         for diagnosis, drawn in ((["a"], "first"), (["b"], "second"), (["b"], "second")):
-            frames = ({drawn: "frame"}, {diagnosis[0]: drawn})
+            frames = Drawn({drawn: "frame"}, {diagnosis[0]: drawn})
             pool.answers = {"look": Looked(Asked(Named(diagnosis)), Top(Named(diagnosis))), "frames": frames}
             assert session.start("Reading", "look")
             await asyncio.gather(*session._tasks)
@@ -170,3 +171,16 @@ def test_a_click_of_a_second_tab_that_is_dropped_is_told_and_stays_told():
         assert session.notice.startswith("Adding cubic stiffness is under way")
 
     alone(story)
+
+
+def test_progress_is_the_share_of_what_a_task_counts_and_none_where_it_counts_nothing():
+    session = SessionState(Path("none"), Answering({}))  # type: ignore[arg-type]
+    assert session.share_done is None
+    session.running = Running("Trying every effect", 0.0, True)
+    for words, share in (
+        ("fit 12 of 48", 0.25),
+        ("drawing suspect 8 of 8", 1.0),
+        ("judging whether one effect explains it, or several together", None),
+    ):
+        session.progress = words
+        assert session.share_done == share

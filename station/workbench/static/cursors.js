@@ -3,7 +3,7 @@
   const bench = (window.bench = window.bench || {}), S = bench.state, TURN = 2 * Math.PI;
   bench.moment = null;
   bench.cursors = [];
-  const HINT = "Point at a picture: the same moment is marked in all. Drag over time to zoom, double click to see all; click sets a cursor, a second click the other.";
+  const HINT = "Point at a picture to mark the moment in all. Drag: zoom. Double click: see all. Two clicks: two cursors.";
   const timePlots = () => ["overlay", "left"].map((name) => bench.plots[name]).filter((p) => p && p.alive && p.box);
 
   function nearest(distance) {
@@ -78,6 +78,13 @@
       ["one", "two"].forEach((kind, k) => bar(plot, kind, bench.cursors[k] === undefined ? null : S.stage.time[bench.cursors[k]]));
   };
   bench.setCursor = (i) => { bench.cursors = bench.cursors.length === 2 ? [i] : [...bench.cursors, i]; bench.drawCursors(); bench.mark(null); };
+  // The moments that stay marked when the samples are others: those nearest in time.
+  bench.keepMoments = (before) => {
+    if (!before) return;
+    const same = (i) => nearest((k) => Math.abs(S.stage.time[k] - before.time[i]));
+    bench.cursors = bench.cursors.map(same);
+    if (bench.moment !== null) bench.moment = same(bench.moment);
+  };
   bench.clearCursors = () => { bench.cursors = []; bench.drawCursors(); bench.mark(null); };
 
   // Zoom.
@@ -95,17 +102,19 @@
     const box = host.getBoundingClientRect();
     return { name: host.dataset.plot, plot, at: plot.at(event.clientX - box.left, event.clientY - box.top) };
   };
-  let drag = null, waiting = false;
+  let drag = null, latest = null;
   document.addEventListener("mousedown", (event) => {
     const hit = plotAt(event);
     if (hit && hit.at && hit.name !== "map" && event.button === 0) { drag = { plot: hit.plot, from: hit.at[0], to: hit.at[0], x: event.clientX }; event.preventDefault(); hit.plot.host.focus({ preventScroll: true }); }
   });
   document.addEventListener("mousemove", (event) => {
-    if (waiting || !S.stage) return;
-    waiting = true;
+    if (!S.stage) return;
+    const waiting = latest !== null;
+    latest = event;  // the frame that is drawn next knows where the pointer is by then, not where it was when one was asked for
+    if (waiting) return;
     requestAnimationFrame(() => {
-      waiting = false;
-      const hit = plotAt(event);
+      const hit = plotAt(latest);
+      latest = null;
       if (drag && hit && hit.at && hit.plot === drag.plot) { drag.to = hit.at[0]; shade(); }
       if (hit && hit.at) bench.mark(momentAt(hit.name, hit.at));
       else if (bench.moment !== null) bench.mark(null);

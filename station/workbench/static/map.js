@@ -138,10 +138,13 @@
       const frame = S.frames[S.suspects[canvas.dataset.effect]], own = canvas.dataset.effect === "";
       const ratio = window.devicePixelRatio || 1, size = canvas.clientWidth || 64, half = size / 2;
       canvas.width = canvas.height = Math.round(size * ratio);
-      const c = canvas.getContext("2d");
+      const c = canvas.getContext("2d", { willReadFrequently: true });
       c.setTransform(ratio, 0, 0, ratio, 0, 0);
       c.strokeStyle = bench.colour("grid"); c.beginPath(); c.arc(half, half, half - 1, 0, TURN); c.stroke();
-      if (!frame && !own) return;
+      if (!frame && !own) {  // its picture is on the way
+        c.fillStyle = bench.colour("faint"); c.textAlign = "center"; c.textBaseline = "middle"; c.font = "18px sans-serif"; c.fillText("…", half, half);
+        return;
+      }
       axes.cells.forEach((code, i) => {
         const left = own ? 0 : frame.cycle[i];
         if (base.cycle[i] === null || left === null) return;

@@ -6,9 +6,13 @@
 
   function ticks(low, high, most) {
     const rough = (high - low) / Math.max(most, 1), power = 10 ** Math.floor(Math.log10(rough));
-    const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= rough * 0.999) || power;
-    const found = [];
-    for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) found.push(i * step);
+    const steps = [0.5, 1, 2, 5, 10].map((m) => m * power), first = Math.max(1, steps.findIndex((s) => s >= rough * 0.999));
+    let step, found;
+    for (let k = first; k >= first - 1; k--) {  // finer where fewer than three numbers would stand at the axis
+      step = steps[k]; found = [];
+      for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) found.push(i * step);
+      if (found.length > 2) break;
+    }
     return [found, Math.max(0, -Math.floor(Math.log10(step) + 1e-9))];
   }
   const written = (value, places) => {
@@ -39,7 +43,7 @@
         this.canvas.width = Math.round(w * ratio); this.canvas.height = Math.round(h * ratio);
         this.canvas.style.width = w + "px"; this.canvas.style.height = h + "px";
       }
-      const c = (this.c = this.canvas.getContext("2d"));
+      const c = (this.c = this.canvas.getContext("2d", { willReadFrequently: true }));  // kept in memory: a virtual graphics card draws slowly
       c.setTransform(ratio, 0, 0, ratio, 0, 0);
       c.clearRect(0, 0, w, h);
       const m = this.margins;

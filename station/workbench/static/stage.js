@@ -25,11 +25,18 @@
 
   // What the server sends: only what changed.
   bench.receive = (news) => {
-    if (news.stage) { S.stage = news.stage; S.frames = {}; S.film = S.preview = S.pinned = S.trial = S.zoom = null; }
+    if (news.stage) {
+      const before = S.stage;
+      S.stage = news.stage; S.frames = {}; S.film = S.preview = S.pinned = S.trial = S.zoom = null;
+      bench.keepMoments(before);
+    }
     Object.assign(S.frames, news.frames || {});
-    if (news.rungs) news.suspects = Object.assign({}, news.suspects);  // what was typed belongs to the model before
-    for (const key of ["rungs", "suspects", "says", "names"]) if (news[key]) S[key] = news[key];
-    if (news.present !== undefined) { S.present = news.present; S.film = null; S.pinned = null; S.trial = null; }
+    const another = news.rungs && (news.present !== S.present || news.rungs.join() !== S.rungs.join());
+    for (const key of ["suspects", "says", "names"])
+      if (news[key]) S[key] = !another && "(own)" in S[key] ? { ...news[key], "(own)": S[key]["(own)"] } : news[key];
+    if (news.rungs) S.rungs = news.rungs;
+    if (another) { S.present = news.present; S.film = S.trial = null; }  // what is looked at stays while further pictures come
+    if (another || news.busy === false) S.pinned = null;
     if (news.trial !== undefined) S.trial = news.trial;
     if (news.preview !== undefined) S.preview = news.preview;
     if (S.preview && !S.suspects[S.preview]) S.preview = null;
@@ -111,7 +118,7 @@
     const row = document.getElementById("ghost-rung");
     if (row) {
       row.classList.toggle("shown", !!found);
-      row.querySelector(".what").textContent = found ? "with " + S.names[found] : "(point at a suspect)";
+      row.querySelector(".what").textContent = found ? "with " + S.names[found] : "(point at a card)";
       row.querySelector(".value").textContent = found ? S.says[found].chi2 : "";
       row.querySelector(".fill").style.width = found ? S.says[found].share + "%" : "0";
     }

@@ -1,0 +1,63 @@
+"""Names off the floor: a force whose strength is foretold by the model's own spring needs no law of time refuted."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from identify.diagnosis import off_the_floor
+from identify.diagnosis.off_the_floor import by_curves, is_foretold
+from identify.diagnosis.ranking import Ranked
+from identify.diagnosis.suspects import Candidate
+from identify.effects.library import find_effect
+from identify.model.model import Term, base_model
+
+K = 120.0
+
+
+def candidate(name: str, strength: float, misfit: float) -> Candidate:
+    """Return an effect with its strength, fitted so that it leaves a chi-square."""
+    term = Term(find_effect(name))
+    values = {"linear_stiffness.k": K, str(term.strength): strength}
+    fit: Any = SimpleNamespace(
+        model=base_model().plus(term),
+        parameters={n: SimpleNamespace(value=v) for n, v in values.items()},
+        chi_square=misfit,
+    )
+    return Candidate(term, fit, misfit, 1e4 - misfit, True)
+
+
+@pytest.mark.parametrize(
+    ("name", "strength", "foretold"),
+    [
+        ("pendulum_stiffness", 124.0, True),
+        ("pendulum_stiffness", 112.0, False),
+        ("pendulum_stiffness", 127.0, False),
+        ("cubic_stiffness", 120.0, False),
+    ],
+)
+def test_gravity_alone_has_the_strength_of_the_linear_spring(name: str, strength: float, foretold: bool):
+    assert is_foretold(candidate(name, strength, 1.0)) == foretold
+
+
+@pytest.mark.parametrize(
+    ("gravity", "drift", "verdict"),
+    [(124.0, 2.0, "missing_effect"), (160.0, 2.0, "unknown_effect"), (160.0, 4.0, "missing_effect")],
+)
+def test_a_drift_forbids_a_name_by_the_free_run_unless_its_strength_was_foretold(
+    monkeypatch: pytest.MonkeyPatch, gravity: float, drift: float, verdict: str
+):
+    """A drift that leaves twice as much is not told apart, one that leaves four times as much is."""
+    monkeypatch.setattr(off_the_floor, "free_form", lambda baseline, found: None)
+    ranked = tuple(
+        Ranked(one, 1.0, 0.0, True)
+        for one in (
+            candidate("pendulum_stiffness", gravity, 1.0),
+            candidate("settling_stiffness", 0.2, drift),
+        )
+    )
+    baseline: Any = SimpleNamespace(fit=SimpleNamespace(chi_square=1e4), floor_is_sure=False)
+    said = by_curves(baseline, ranked, None, ranked[0].candidate.fit)
+    assert said.verdict == verdict
+    if verdict == "missing_effect":
+        assert said.ranked[0].candidate.name == "pendulum_stiffness"

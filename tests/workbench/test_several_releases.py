@@ -1,0 +1,88 @@
+"""Several releases of one bench on the page: diagnosed together, and tabulated with their mean."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+
+from daq.capture import CaptureSettings, capture
+from daq.session_info import SessionInfo
+from station.operations.simulated_board import simulated_board
+
+pytestmark = pytest.mark.slow
+NAMES = ("pair_one", "pair_two")
+SEED = 12
+"""Hides quadratic damping, see conftest."""
+
+
+@pytest.fixture(scope="module")
+def pair(bench):
+    """Record two releases of one bench; return what it hides, as its envelope says."""
+    with TemporaryDirectory() as aside:
+        envelope = Path(aside) / "truth.json"
+        with simulated_board(SEED, 0.0, False, "--truth", str(envelope), module="mocks.mystery") as port:
+            for name in NAMES:
+                shutil.rmtree(bench.folder / "sessions" / name, ignore_errors=True)
+                info = SessionInfo(name=name, mass_kg=21.36)
+                wanted = CaptureSettings(check_clock=False, info=info)
+                capture(port, wanted, bench.folder / "sessions" / name)
+        return json.loads(envelope.read_text())
+
+
+def tick_the_other(page):
+    """Choose the second release in the menu that is in view."""
+    page.get_by_role("button", name="Choose releases to look at together").locator("visible=true").click()
+    page.get_by_role("checkbox", name=NAMES[1]).click()
+    page.keyboard.press("Escape")
+    page.get_by_text("With 1 other").locator("visible=true").wait_for()
+
+
+def test_two_releases_of_one_bench_are_diagnosed_together_and_both_keep_the_answer(visit, bench, pair):
+    page = visit.page
+    page.goto(bench.session(NAMES[0]))
+    page.wait_for_selector(".rung")
+    tick_the_other(page)
+    page.get_by_role("button", name="Diagnose", exact=True).click()
+    page.wait_for_selector("button.card-suspect")
+    assert "quadratic damping" in page.locator(".verdict").inner_text()
+    kept = [
+        json.loads((bench.folder / "sessions" / name / "results" / "diagnosis.json").read_text())
+        for name in NAMES
+    ]
+    assert kept[0] == kept[1]
+    assert kept[0]["sessions"] == list(NAMES)
+    first = kept[0]["suspects"][0]
+    found, truth = first["parameters"]["c2"], pair["parameters"][pair["hidden"]]["c2"]
+    assert first["effect"] == pair["hidden"]
+    assert abs(found["value"] - truth) < 4.0 * found["std"]
+
+
+def numbers(row):
+    """Return the values of a row's cells without their errors, by column; what is not a number is left out."""
+    cells = [cell.inner_text() for cell in row.locator("td").all()]
+    found = {n: re.match(r"-?\d+(\.\d+)?(?= ±)", cell) for n, cell in enumerate(cells)}
+    return {n: float(match[0]) for n, match in found.items() if match}
+
+
+def test_table_2_gives_the_mean_of_the_releases_that_are_chosen(visit, bench, pair):
+    page = visit.page
+    page.goto(bench.session(NAMES[0]))
+    page.wait_for_selector(".rung")
+    page.get_by_role("tab", name="Identification").click()
+    page.get_by_text("Table 1.").wait_for()
+    assert page.get_by_text("do not quote its values").count() == 1  # a force is missing in the usual model
+    if page.get_by_text("With 1 other").locator("visible=true").count() == 0:
+        tick_the_other(page)
+    page.get_by_text("Table 2. Mean and standard deviation over 2 releases").wait_for()
+    tables = page.locator(".numbers-table")
+    one, two = (numbers(row) for row in tables.nth(1).locator("tbody tr").all())
+    by_wavelet, by_surface = (numbers(row) for row in tables.nth(2).locator("tbody tr").all())
+    columns = range(2, 2 + 2 * len(by_wavelet))  # after the name and the amplitude, the two methods alternate
+    assert set(one) == set(two) == set(columns)
+    for k, column in enumerate(columns):
+        mean = (by_wavelet if k % 2 == 0 else by_surface)[1 + k // 2]
+        half = 0.5 * abs(one[column] - two[column])
+        assert mean == pytest.approx(0.5 * (one[column] + two[column]), abs=0.1 * half + 0.01 * abs(mean))
