@@ -14,7 +14,11 @@ from mocks.testbed import Bench, Release
 
 @dataclass(frozen=True)
 class BenchParameters:
-    """What is drawn for one recording, SI units; `lag` is how late the displacement is."""
+    """What is drawn for one recording, SI units; `lag` is how late the displacement is.
+
+    `sensor_pair` draws which sensor strays and which lines are picked up, where there are imperfections: several recordings
+    with one number have one pair of sensors. None: that of the recording's own seed.
+    """
 
     stiffness: float
     mu_0: float
@@ -36,6 +40,7 @@ class BenchParameters:
     range_displacement: float = 0.05
     range_acceleration: float = 50.0
     imperfections: tuple[str, ...] = ()
+    sensor_pair: int | None = None
 
     @property
     def bench(self) -> Bench:

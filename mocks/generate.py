@@ -177,7 +177,10 @@ def _with_imperfections(
         fine["displacement"] = _fine(bench, drawn, since, drawn.lag, "displacement")
     seen = imperfections.distorted(names, signal, fine, OVERSAMPLING)
     white = {"displacement": drawn.noise_displacement, "acceleration": drawn.noise_acceleration}
-    return {c: seen[c] + white[c] * imperfections.noise_of(names, c, n, seed, CHANNELS) for c in CHANNELS}
+    pair = seed if drawn.sensor_pair is None else drawn.sensor_pair
+    return {
+        c: seen[c] + white[c] * imperfections.noise_of(names, c, n, seed, CHANNELS, pair) for c in CHANNELS
+    }
 
 
 def find_dropouts(

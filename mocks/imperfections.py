@@ -41,12 +41,21 @@ def check(names: tuple[str, ...]) -> None:
 
 
 def noise_of(
-    names: tuple[str, ...], channel: str, samples: int, seed: int, channels: tuple[str, ...]
+    names: tuple[str, ...],
+    channel: str,
+    samples: int,
+    seed: int,
+    channels: tuple[str, ...],
+    pair: int | None = None,
 ) -> np.ndarray:
-    """Return what the imperfections that are noise add to a channel, (samples,), in units of its white noise."""
+    """Return what the imperfections that are noise add to a channel, (samples,), in units of its white noise.
+
+    `seed` draws the noise of this recording, `pair` (the seed where None) which sensor strays and the frequencies of lines.
+    """
     check(names)
+    pair = seed if pair is None else pair
     random = np.random.default_rng([seed, 6, channels.index(channel)])
-    common = np.random.default_rng([seed, 7])
+    common = np.random.default_rng([pair, 7])
     at = channels[int(common.integers(len(channels)))]
     total = np.zeros(samples)
     if ONE_OVER_F in names:
@@ -57,7 +66,7 @@ def noise_of(
         f = MAINS * (1.0 + 6e-4 * common.uniform(-1.0, 1.0))
         total += HUM_SIZE * np.sin(2.0 * math.pi * (f * np.arange(samples) + random.random()))
     if ALIASED_LINE in names and channel == at:
-        f = np.random.default_rng([seed, 8]).uniform(0.03, 0.49)
+        f = np.random.default_rng([pair, 8]).uniform(0.03, 0.49)
         total += LINE_SIZE * np.sin(2.0 * math.pi * (f * np.arange(samples) + random.random()))
     return total
 

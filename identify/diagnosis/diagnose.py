@@ -21,7 +21,7 @@ from identify.diagnosis.suspects import candidate_terms
 from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
-from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor
+from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor, with_noise_beside
 from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual
@@ -172,20 +172,27 @@ def diagnose(
     NotIdentifiable when a release holds too little to fit anything.
     """
     whole = prepared_of(decays)
-    baseline = fit_baseline(segments_of(whole), model or base_model(), known)
+    first = baseline = fit_baseline(segments_of(whole), model or base_model(), known)
     whole = tuple(with_floor(prepared, baseline.spread) for prepared in whole)
     foretell = cache(lambda: foretold(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, foretell)
     tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
     progress("finding what each effect would explain by chance")
     ranked = rank(baseline, tried, chances(baseline, fitted))
+    if _hides_noise(baseline, ranked):
+        baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
     progress("judging whether one effect explains it, or several together")
-    faults = _unnamed_faults(baseline)
-    judgement = judge(baseline, ranked, faults, library, foretell)
+    judgement = judge(baseline, ranked, _unnamed_faults(baseline), library, foretell)
+    if judgement.verdict == "unknown_effect" and baseline.floor_is_sure:
+        before, (baseline, ranked) = baseline, _seen_again(baseline, judgement.final, ranked, fitted)
+        if baseline is not before:
+            judgement = judge(baseline, ranked, _unnamed_faults(baseline), library, foretell)
+    if baseline is not first:  # other noise, another floor
+        whole = tuple(replace(prepared, floor_std=baseline.spread) for prepared in whole)
     settled = (
         refit_at_floor(baseline.decays, judgement.final) if judgement.final is not baseline.fit else baseline
     )
-    suspects = _with_held_out(baseline, _suspects(baseline, judgement, faults, settled))
+    suspects = _with_held_out(baseline, _suspects(baseline, judgement, _unnamed_faults(baseline), settled))
     verdict = judgement.verdict
     if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
@@ -210,6 +217,23 @@ def diagnose(
         harmonics=harmonics,
         modes=() if verdict == "driven" else other_modes(settled.fit),
     )
+
+
+def _seen_again(
+    baseline: Baseline, found: Fit, ranked: tuple[Ranked, ...], library: tuple[Effect, ...]
+) -> tuple[Baseline, tuple[Ranked, ...]]:
+    """Return the baseline with the noise that a better fit leaves, and its suspects; as they were where that is no other."""
+    clearer = with_noise_beside(baseline, found)
+    if clearer is baseline:
+        return baseline, ranked
+    return clearer, rank(clearer, singles(clearer, library), chances(clearer, library))
+
+
+def _hides_noise(baseline: Baseline, ranked: tuple[Ranked, ...]) -> bool:
+    """Whether the floor is out of reach, and an effect may be in the way of seeing the noise of two channels."""
+    paired = all(window.paired for window in baseline.fit.windows)
+    claimed = bool(ranked) and ranked[0].claimed and paired
+    return claimed and not baseline.adequate(ranked[0].candidate.fit)
 
 
 def _unnamed_faults(found: Baseline) -> tuple[CorrectedFault, ...]:

@@ -6,10 +6,11 @@ Here where the floor is reached or sure; off it in `off_the_floor`. What each ca
 from collections.abc import Callable
 
 from identify.curves.confirmation import Confirmation
+from identify.diagnosis.free_exponent import families
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.off_the_floor import by_curves, if_foretold
 from identify.diagnosis.ranking import Ranked
-from identify.diagnosis.search import Pair, families, pairs
+from identify.diagnosis.search import Pair, pairs
 from identify.diagnosis.triples import Triple, triple
 from identify.diagnosis.verdict import Judgement, free_form, verdict_of
 from identify.effects.effect import Effect
@@ -108,7 +109,8 @@ def _of_three(ranked: tuple[Ranked, ...], three: Triple) -> Judgement:
 
 def _by_family(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
     """Return the judgement of a law with a free exponent that reaches the floor where no named effect does."""
-    best = next((c for c in families(baseline) if c.plausible and baseline.adequate(c.fit)), None)
+    tried = tuple(entry.candidate for entry in ranked)
+    best = next((c for c in families(baseline, tried) if c.plausible and baseline.adequate(c.fit)), None)
     if best is None:
         return None
     entry = Ranked(best, 0.5 * best.gain, float("nan"), True)

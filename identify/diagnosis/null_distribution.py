@@ -32,6 +32,10 @@ _MOST_NUMBERS = 4_000_000
 _PROBE = 1e-3
 _TAIL = 0.1
 
+_STRENGTH_SEED = 1
+_WEAKEST = 0.1
+"""Least strength of drawn noise, in units of the floor, however unsure that is."""
+
 
 @dataclass(frozen=True, eq=False)
 class NullDistribution:
@@ -59,10 +63,15 @@ def null_distribution(
     base: Fit,
     terms: tuple[Term, ...],
     *,
+    unsure: tuple[dict[str, float], ...] = (),
     seed: int = 0,
     draws: int = _DRAWS,
 ) -> NullDistribution:
-    """Draw what each suspect would gain by chance; the same seed gives the same draws."""
+    """Draw what each suspect would gain by chance; the same seed gives the same draws.
+
+    `unsure` is the relative standard error of each channel's noise in each window: it may be so much stronger or weaker
+    than the floor that gains are measured in. None where the noise is known.
+    """
     readings = sum(int(mask.sum()) for window in base.windows for mask in window.used.values())
     draws = min(draws, max(_FEWEST_DRAWS, _MOST_NUMBERS // max(readings, 1)))
     random = np.random.default_rng(seed)
@@ -72,6 +81,8 @@ def null_distribution(
     noise = np.concatenate(
         [window.draw_noise(channel, random, draws) for window in base.windows for channel in window.channels]
     )
+    if unsure:
+        noise *= _strengths(base, unsure, draws)
     low, high = theta <= problem.low, theta >= problem.high
     tangent = jacobian.tangent(~(low | high))
     for at, side in [
@@ -93,6 +104,23 @@ def null_distribution(
         drops[name] = np.maximum(drops[name], best) if name in drops else best
     search = np.max([_surprise(np.sort(d), d) for d in drops.values()], axis=0)
     return NullDistribution({name: np.sort(d) for name, d in drops.items()}, np.sort(search))
+
+
+def _strengths(base: Fit, unsure: tuple[dict[str, float], ...], draws: int) -> Array:
+    """Return how strong the noise of each reading may be in units of the floor, (readings, draws).
+
+    A channel's error is one in all windows: they share their sensor, and most of them their rest.
+    """
+    random = np.random.default_rng(_STRENGTH_SEED)
+    drawn: dict[str, Array] = {}
+    rows = []
+    for window, relative in zip(base.windows, unsure, strict=True):
+        for channel in window.channels:
+            if channel not in drawn:
+                drawn[channel] = random.standard_normal(draws)
+            strength = np.maximum(1.0 + relative.get(channel, 0.0) * drawn[channel], _WEAKEST)
+            rows.append(np.broadcast_to(strength, (int(window.used[channel].sum()), draws)))
+    return np.concatenate(rows)
 
 
 def _pressed(noise: Array, column: Array, tangent: Tangent) -> Array:

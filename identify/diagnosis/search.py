@@ -8,7 +8,6 @@ from identify.diagnosis.rest_evidence import at_rest, denied
 from identify.diagnosis.screening import promising_pairs
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect
-from identify.effects.families import FAMILIES
 from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline
 from identify.fitting.initial_values import scales_of
@@ -24,6 +23,9 @@ _POLISHED_BESIDE_BEST = 10
 
 _SCREENED = 6
 
+_UNSURE = 0.2
+"""Largest relative error of a floor that chance counts with: beyond, the misfit that stays widens chance."""
+
 
 def singles(
     baseline: Baseline,
@@ -38,7 +40,11 @@ def singles(
 def chances(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> NullDistribution:
     """Return what each effect would gain by chance if nothing were missing."""
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
-    return null_distribution(baseline.decays, baseline.fit, terms)
+    unsure = tuple(
+        {channel: min(noise.uncertainty / noise.std, _UNSURE) for channel, noise in floor.channels.items()}
+        for floor in baseline.floors
+    )
+    return null_distribution(baseline.decays, baseline.fit, terms, unsure=unsure)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,13 +84,6 @@ def pairs(
         if _reached(baseline, found):
             break
     return tuple(sorted(found, key=lambda pair: (not pair.plausible, pair.second.score)))
-
-
-def families(baseline: Baseline) -> tuple[Candidate, ...]:
-    """Return the model refitted with each law of a free exponent, best first: for shapes between the names."""
-    scales = scales_of(baseline.decays[0], {})
-    terms = tuple(Term(family.effect, family.held(scales)) for family in FAMILIES)
-    return try_terms(baseline.decays, baseline.fit, terms, goal=baseline.highest * baseline.fit.degrees)
 
 
 def _after_rest(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:

@@ -177,7 +177,8 @@ def _begin(
     inner = np.array([_is_inner(u.id, term) for u in problem.unknowns])
     best: _Beginning | None = None
     for start in _promising(decays, base, problem.model, term, term_starts(term, scales)):
-        theta = np.clip(problem.theta(start), problem.low, problem.high)
+        theta = _nearer(problem, start, base) if slope is None else problem.theta(start)
+        theta = np.clip(theta, problem.low, problem.high)
         begun = None if slope is None else _from_slope(slope, problem, theta, inner)
         found = minimise(
             problem, theta, steps=_FIRST_STEPS, tolerance=1.0, held=inner, begun=begun, goal=goal
@@ -185,6 +186,21 @@ def _begin(
         if best is None or found.cost < best.cost:
             best = _Beginning(term, problem, found.theta, found.cost)
     return best
+
+
+def _nearer(problem: Problem, start: dict[str, float], base: Fit) -> Array:
+    """Return a start with the states, lags and offsets of a fit without the term, where it is nearer with them.
+
+    At the very first readings of a record that begins in mid-decay the measured motion does not give them.
+    """
+    points = [
+        problem.theta(p) for p in (start, start | {name: e.value for name, e in base.nuisances.items()})
+    ]
+    costs = []
+    for point in points:
+        residual = problem.residuals(np.clip(point, problem.low, problem.high))
+        costs.append(float(residual @ residual) if np.isfinite(residual).all() else np.inf)
+    return points[int(np.argmin(costs))]
 
 
 def _finish(base: Fit, begun: _Beginning, scales: Scales, goal: float) -> Candidate:

@@ -23,11 +23,30 @@ def states_of_term(base: Fit, term: Term, inner: dict[str, float]) -> dict[str, 
 
 
 def with_fault(base: Fit, term: Term, start: dict[str, float]) -> dict[str, float]:
-    """Return a fit's values with a sensor's fault in every release."""
+    """Return a fit's values with a sensor's fault in every release.
+
+    Of several, a line has a size and a phase of its own in each.
+    """
     point, count = base.point, len(base.windows)
     for i in range(count):
-        point |= {str(term.parameter(name).of_release(i, count)): value for name, value in start.items()}
+        own = _line_of_release(base, term, start, i) if term.effect.line and count > 1 else start
+        point |= {str(term.parameter(name).of_release(i, count)): value for name, value in own.items()}
     return point
+
+
+def _line_of_release(base: Fit, term: Term, start: dict[str, float], i: int) -> dict[str, float]:
+    """Return the values of a line of the frequency of `start` as the residual of release i shows it."""
+    window = base.windows[i]
+    units = {p.unit: p.name for p in term.effect.parameters}
+    used = window.used[term.channel]
+    angle = 2.0 * np.pi * start[units["Hz"]] * window.clock[used]
+    waves = np.column_stack([np.sin(angle), np.cos(angle)])
+    sine, cosine = np.linalg.lstsq(waves, base.residual(term.channel, i)[used], rcond=None)[0]
+    own = {
+        term.effect.strength.name: float(np.hypot(sine, cosine)),
+        units["rad"]: float(np.arctan2(cosine, sine)),
+    }
+    return start | own
 
 
 def probes(
@@ -60,6 +79,6 @@ def probes(
     for i in range(len(base.windows)):
         for j in range(term.force.states):
             name = str(term.state(j).of_release(i, len(base.windows)))
-            if name in states:
+            if name in states and name in problem.index:
                 points.append(point | {name: states[name] + 0.5 * sizes[j]})
     return [problem.theta(p) for p in points]

@@ -10,7 +10,7 @@ from identify.effects.force_effect import ForceEffect
 
 @force_function
 def _power_of_displacement(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return copysign(p[0] * (abs(u) / p[2]) ** p[1], u)
+    return p[0] * copysign((abs(u) / p[2]) ** p[1], u)
 
 
 POWER_LAW_STIFFNESS = Family(
@@ -37,7 +37,7 @@ POWER_LAW_STIFFNESS = Family(
 
 @force_function
 def _power_of_velocity(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return copysign(p[0] * (abs(v) / p[2]) ** p[1], v)
+    return p[0] * copysign((abs(v) / p[2]) ** p[1], v)
 
 
 POWER_LAW_DAMPING = Family(

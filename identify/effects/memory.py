@@ -97,16 +97,25 @@ def _second_mass_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return z[1], p[1] * p[1] * (u - z[0]) + 2.0 * p[2] * p[1] * (v - z[1])
 
 
+_LOWEST, _HIGHEST = 0.3, 8.0
+"""Frequency of a second mass over the motion's: a slower one is a drift, a faster one a mode that other_modes tells."""
+
+_CLOSE, _WIDE, _APART = 100, 30, 2.0
+
+
 def _line_starts(scales: Scales) -> Starts:
-    highest = 3.0 * scales.rate
+    highest = min(3.0 * scales.rate, _HIGHEST * scales.frequency)
     frequencies = [2.0 * pi * line for line in scales.line_frequencies]
     frequencies += [0.4 * scales.frequency * 1.1**i for i in range(32)]
     return tuple((frequency, 0.02) for frequency in frequencies if frequency < highest)
 
 
 def _fine_line_starts(scales: Scales) -> Starts:
-    ratios = np.geomspace(0.3, 6.0, 20)
-    return tuple((float(r * scales.frequency), zeta) for r in ratios for zeta in (0.005, 0.04))
+    """Return frequencies as close as the record resolves them, up to a number, where little is lost; farther apart else."""
+    low, high = _LOWEST * scales.frequency, min(3.0 * scales.rate, _HIGHEST * scales.frequency)
+    close = np.linspace(low, high, min(_CLOSE, int((high - low) * scales.duration / _APART) + 2))
+    wide = np.geomspace(low, high, _WIDE)
+    return tuple((float(w), 0.005) for w in close) + tuple((float(w), 0.04) for w in wide)
 
 
 SECOND_MASS = ForceEffect(

@@ -11,7 +11,7 @@ from identify.fitting.floor import Floor, refine_floor
 from identify.fitting.harmonic_residual import HarmonicResidual, harmonic_residual
 from identify.fitting.initial_values import initial_values, regress_model
 from identify.fitting.misfit_errors import misfit_density, with_misfit_errors
-from identify.fitting.noise_colour import noise_colours
+from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.model.model import Model
 from identify.preprocessing.lost_readings import stale
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -148,6 +148,30 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
     floors = refine_floor(found, known, noise_colours(decays, found))
     windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))
     return Baseline(decays, fit(found.model, windows, found.point, found.frequency, near=True), floors)
+
+
+def with_noise_beside(baseline: Baseline, found: Fit) -> Baseline:
+    """Return a baseline with the noise that a better fit leaves; the same where that has no other colour and no other lines.
+
+    What a model lacks hides lines and slow noise in its residual, or is taken for them. With other noise the width of the
+    floor is decided anew.
+    """
+    colours = noise_colours(baseline.decays, found)
+    if _kinds(colours) == _kinds(baseline.floors[0].colours):
+        return baseline
+    floors = refine_floor(found, tuple(prepared.noise for prepared in baseline.decays), colours)
+    old = baseline.fit
+    windows = tuple(floor.on(window) for floor, window in zip(floors, old.windows, strict=True))
+    undecided = tuple(replace(prepared, floor_std=None) for prepared in baseline.decays)
+    return Baseline(undecided, fit(old.model, windows, old.point, old.frequency, near=True), floors).decided
+
+
+def _kinds(colours: dict[str, ChannelColour]) -> dict[str, tuple[str, int]]:
+    """Return the shape of each channel's colour, and how many lines are part of it."""
+    return {
+        channel: ("" if colour.shape is None else colour.shape.name, len(colour.lines))
+        for channel, colour in colours.items()
+    }
 
 
 def force_along_motion(prepared: PreparedDecay, found: Fit) -> Array:

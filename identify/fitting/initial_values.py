@@ -122,7 +122,9 @@ def _rows(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> tup
 def _columns(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> list[Array]:
     motion = prepared.motion
     along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
-    columns = [force_along(term, inner_values(term, inner), *along) for term in model.forces]
+    held = prepared.window.pre_release
+    before = None if held is None else (held.time, held.displacement, held.velocity)
+    columns = [force_along(term, inner_values(term, inner), *along, before) for term in model.forces]
     if prepared.window.estimates_mass:
         assert prepared.window.force is not None
         columns.append(-prepared.window.force)

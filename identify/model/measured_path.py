@@ -8,6 +8,9 @@ from identify.arrays import Array
 from identify.effects.compiled import STATES
 from identify.model.model import Model, Term
 
+_STEPS_BEFORE = 16
+"""Steps between two samples of a motion in which a mass sets out: its velocity jumps."""
+
 
 def model_force(model: Model, values: Mapping[str, float], time: Array, u: Array, v: Array) -> Array:
     """Return the force per unit mass (m/s^2) that a fitted model gives at a motion, shape (n,).
@@ -39,15 +42,28 @@ def _table(term: Term, values: Mapping[str, float]) -> tuple[float, ...]:
 
 
 def force_along(
-    term: Term, inner: Mapping[str, float], time: Array, u: Array, v: Array, frequency: float
+    term: Term,
+    inner: Mapping[str, float],
+    time: Array,
+    u: Array,
+    v: Array,
+    frequency: float,
+    before: tuple[Array, Array, Array] | None = None,
 ) -> Array:
     """Return the force per unit mass and unit strength of an effect along a motion, shape (n,).
 
     `inner` holds the inner parameters by their own names; shared parameters are taken at their rough values for a
-    motion of angular `frequency` (rad/s), internal states from equilibrium at the first sample.
+    motion of angular `frequency` (rad/s). Internal states come from equilibrium at the first sample; those of a memory that
+    fades from equilibrium at the first sample of the motion `before` (time, displacement, velocity) that ends there, if
+    one is given: a light oscillator has turned by half a cycle while a hand lets go.
     """
     effect = term.force
     shared = {name: roughly(frequency) for name, roughly in effect.shared_parameters.items()}
     p = effect.table({**inner, **term.held_values, effect.strength.name: 1.0}, shared)
-    states = effect.states_along(p, time, u, v, effect.states_at_rest(float(u[0]), p))
+    if before is None or effect.rates is None or not effect.fading_memory:
+        begun = effect.states_at_rest(float(u[0]), p)
+    else:
+        rest = effect.states_at_rest(float(before[1][0]), p)
+        begun = tuple(effect.states_along(p, *before, rest, steps=_STEPS_BEFORE)[-1])
+    states = effect.states_along(p, time, u, v, begun)
     return effect.force_along(p, time, u, v, states)

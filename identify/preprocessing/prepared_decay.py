@@ -13,10 +13,11 @@ from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.averaged_decay import FEW, averaged
 from identify.preprocessing.equation_error import moving, regress
-from identify.preprocessing.fit_window import CHANNELS, FitWindow, PreReleaseMotion
+from identify.preprocessing.fit_window import CHANNELS, FitWindow
 from identify.preprocessing.motion import Motion, reconstruct
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import RestColour, colour_at_rest
+from identify.preprocessing.pre_release import pre_release_motion
 from identify.preprocessing.record_use import RecordUse, record_use
 from identify.preprocessing.release import Release
 from identify.preprocessing.sampling import too_coarse
@@ -27,8 +28,6 @@ from identify.summary import Summarised, Summary
 _SHORTEST_CYCLES = 4.0
 _LAG_REACH = 0.06
 _SHORTEST_REST = 24
-_PRELUDE_SAMPLES = 4
-_PRELUDE_MARGIN = 16
 _REVERSAL_MARGIN = 0.02
 """Share of the interval between two samples by which the time of a reversal is uncertain."""
 
@@ -151,7 +150,7 @@ def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -
     ).with_(force=None if force is None else force[:length], force_known=record.mass is not None)
     window = _without_reversals(window, motion, max(mu_0, 0.0), averaged=block > 1)
     return PreparedDecay(
-        window.with_(pre_release=_pre_release(corrected, release, zero)),
+        window.with_(pre_release=pre_release_motion(aligned, release, zero)),
         motion,
         frequency,
         aligned.alignment,
@@ -234,19 +233,6 @@ def _without_reversals(
     margin = timing + 4.0 * (motion.noise_velocity or 0.0) + 0.5 * friction / motion.rate
     clear = np.abs(motion.velocity) >= margin
     return window.with_(used=window.used | {"acceleration": window.used["acceleration"] & clear})
-
-
-def _pre_release(decay: FreeDecay, release: Release, zero: float) -> PreReleaseMotion | None:
-    """Return the motion from just before the release to the start of the span; None when the rest was not seen."""
-    before = _PRELUDE_SAMPLES
-    first = release.index - before
-    if decay.displacement is None or release.rest[1] - release.rest[0] < before or first < release.rest[0]:
-        return None
-    motion = reconstruct(decay.with_(release=max(first - _PRELUDE_MARGIN, 0)))
-    skip = first - motion.start
-    part = slice(skip, release.settle - motion.start + 1)
-    time = decay.time[first : release.settle + 1] - release.time_s
-    return PreReleaseMotion(time, motion.displacement[part] - zero, motion.velocity[part])
 
 
 def _base_columns(motion: Motion) -> Array:

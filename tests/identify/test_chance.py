@@ -7,6 +7,7 @@ from scipy import stats
 from test_fit import fitted
 
 from identify.diagnosis.null_distribution import NullDistribution, null_distribution
+from identify.effects.effect import Scales
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.model.model import Term, base_model
@@ -89,3 +90,32 @@ def test_lines_of_a_sensor_add_up_over_releases_and_that_of_a_force_is_one():
     drops = chance_of_three().drops
     assert np.mean(drops["mains_hum"]) == pytest.approx(3.0 * one, rel=0.06)
     assert np.mean(drops["harmonic_forcing"]) == pytest.approx(one, rel=0.12)
+
+
+def test_an_unsure_floor_makes_large_gains_less_surprising():
+    """Noise that is stronger by 1 + 0.4 z, z normal, has 1 + 0.4^2 times the mean gain, and a longer tail."""
+    prepared, _, found = fitted()
+    unsure = (dict.fromkeys(found.windows[0].channels, 0.4),)
+    drops = null_distribution((prepared,), found, TERMS[1:2], unsure=unsure).drops["cubic_stiffness"]
+    sure = drawn_chance().drops["cubic_stiffness"]
+    assert np.mean(drops) == pytest.approx(
+        1.16, abs=0.35
+    )  # of 400 draws with a standard deviation of 2.3, three errors
+    assert np.quantile(drops, 0.98) > np.quantile(sure, 0.98)
+
+
+def test_chance_draws_a_second_mass_wherever_it_is_searched():
+    scales = Scales(
+        amplitude=0.02,
+        frequency=24.8,
+        duration=4.0,
+        rate=256.0,
+        peaks={},
+        lines={"displacement": ((90.0, 1.0, 0.0),)},
+    )
+    searched = [start[0] for start in find_effect("second_mass").starting_values(scales)]
+    drawn_at = sorted({start[0] for start in find_effect("second_mass").fine_starting_values(scales)})
+    assert drawn_at[0] <= min(searched)
+    assert drawn_at[-1] >= max(searched)
+    # a mode is as wide as one over the record's length: a neighbour of two such widths in angular frequency is like it
+    assert np.max(np.diff(drawn_at)) < 2.0 * np.pi / 4.0 * 2.0

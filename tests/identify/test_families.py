@@ -7,6 +7,8 @@ import pytest
 from releases import drawn
 from scipy.special import gamma
 
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.free_exponent import families
 from identify.diagnosis.suspects import try_terms
 from identify.effects.families import BOUC_WEN, FAMILIES, POWER_LAW_DAMPING, POWER_LAW_STIFFNESS
 from identify.effects.library import LIBRARY, find_effect
@@ -77,3 +79,30 @@ def test_the_exponent_of_a_hidden_law_is_found(hidden, family, exponent):
     assert found.reduced < 1.3  # the floor of a single record is known to some 6 %, and the noise to 1.2 here
     assert abs(p.value - true) < 4.0 * p.std  # 1 in 16000 by chance
     assert p.std < 0.15
+
+
+@pytest.mark.parametrize("family", [POWER_LAW_STIFFNESS, POWER_LAW_DAMPING], ids=lambda f: f.effect.name)
+def test_a_power_law_is_in_proportion_to_its_strength_of_either_sign(family):
+    values = {"at": 0.02, family.exponent: 2.5}
+    soft, hard = (average(family.effect, values | {"f": f}, W, A) for f in (-0.6, 0.6))
+    np.testing.assert_allclose(soft.stiffening + soft.damping, -(hard.stiffening + hard.damping), rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_a_softening_law_between_the_names_is_told_as_one_law_and_no_pair_is_made_up():
+    prepared, truth = drawn("power_law_stiffness", 0.03, seed=62200)
+    assert truth["parameters"]["f"] < 0.0
+    found = diagnose(prepared)
+    assert found.named == ("power_law_stiffness",)
+    p = found.final.values["power_law_stiffness.p"]
+    assert abs(p.value - truth["parameters"]["p"]) < 4.0 * p.std  # 1 in 16000 by chance
+
+
+def test_a_law_of_a_free_exponent_begins_at_its_members():
+    """Its strength is that of the member's force: at the member's exponent both leave the same."""
+    prepared, _ = drawn("cubic_stiffness", 0.02, seed=52, seconds=4.0)
+    baseline = fit_baseline((prepared,), base_model())
+    members = try_terms(baseline.decays, baseline.fit, (Term(find_effect("cubic_stiffness")),))
+    law = next(c for c in families(baseline, members) if c.name == "power_law_stiffness")
+    assert law.fit.chi_square <= members[0].fit.chi_square + 0.1  # one more number cannot leave more
+    assert law.fit.values["power_law_stiffness.p"].value == pytest.approx(3.0, abs=0.1)
