@@ -13,6 +13,7 @@ from station.workbench.empty_middle import say_empty
 from station.workbench.floor_card import FloorCard
 from station.workbench.identification_panel import IdentificationPanel
 from station.workbench.ladder_panel import LadderPanel
+from station.workbench.notice_card import NoticeCard
 from station.workbench.report_button import ReportButton
 from station.workbench.rerun_tab import RerunTab
 from station.workbench.scope_panel import ScopePanel
@@ -94,11 +95,8 @@ class Page:
     def _build_middle(self) -> None:
         self._busy = BusyBar()
         self._busy.build(lambda: self._session.cancel() if self._session else None)
-        self._notice = widgets.card("tight notice")
-        with self._notice, widgets.line():
-            self._notice_label = widgets.label("", "grow wrap")
-            widgets.button("Close", self._close_notice, "Close the message")
-        self._notice.set_visibility(False)
+        self._notice = NoticeCard(self._close_notice)
+        self._notice.build()
         self._scope = ScopePanel()
         self._scope.build()
         self._empty = ui.element("div").classes("empty grow")
@@ -209,8 +207,7 @@ class Page:
         self._show(session)
 
     def _show(self, session: SessionState) -> None:
-        self._notice_label.text = session.notice
-        self._notice.set_visibility(bool(session.notice))
+        self._notice.show(session.notice)
         self._head_tabs.set_visibility(session.view is not None)
         if session.view is None:
             self._empty.set_visibility(True)
