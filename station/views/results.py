@@ -3,7 +3,9 @@
 import rerun as rr
 import rerun.blueprint as rrb
 
+from station.story.adequacy import judgement
 from station.story.identification import Identification
+from station.text.layout import sentence
 from station.text.numbers import scale
 from station.text.terminal import rows, uncorrected
 from station.views import log, palette
@@ -54,8 +56,10 @@ def _pair(
 
 
 def table(name: str, result: Identification) -> str:
-    """Return both methods side by side, as markdown."""
-    lines = [f"# {name}", "", "| | unit | wavelet | restoring force |", "|---|---|---:|---:|"]
+    """Return both methods side by side, as markdown: first whether the values may be quoted."""
+    found = result.adequacy
+    judged = () if found is None else ("", f"**{sentence(judgement(found))}**")
+    lines = [f"# {name}", *judged, "", "| | unit | wavelet | restoring force |", "|---|---|---:|---:|"]
     lines += [f"| {label} | {unit} | {wavelet} | {force} |" for label, unit, wavelet, force in rows(result)]
     if result.decay.mass is None:
         lines.append("\nNo mass was given: the stiffness is per unit mass.")

@@ -64,13 +64,14 @@ class ModelCard:
                 widgets.label(title(entry.effect), "strong grow wrap")
             widgets.label(view.equations.get(entry.effect, ""), "mono faint indent")
             for name, value in entry.parameters.items():
-                words = widgets.label(f"{name} = {widgets.whole(typeset(with_unit(value)))}", "small indent")
-                whole = view.with_mass.get(f"{entry.effect}.{name}")
+                whole, what, look = view.with_mass.get(f"{entry.effect}.{name}"), f"{name} = ", "small indent"
                 if whole is not None:
-                    widgets.label(f"with the mass {widgets.whole(typeset(whole))}", "small faint indent")
-                self._slider(f"{entry.effect}.{name}", name, value, words)
+                    widgets.label(what + widgets.whole(typeset(whole)), look)
+                    what, look = "per unit mass ", "small faint indent"
+                words = widgets.label(what + widgets.whole(typeset(with_unit(value))), look)
+                self._slider(f"{entry.effect}.{name}", what, value, words)
 
-    def _slider(self, full: str, name: str, value: Value, words: ui.label) -> None:
+    def _slider(self, full: str, what: str, value: Value, words: ui.label) -> None:
         reach = max(REACH * abs(value.value), 10.0 * (value.std or 0.0))
         if reach == 0.0:
             return
@@ -79,15 +80,14 @@ class ModelCard:
             .classes("by-hand")
             .props(f"type=range min={-STEPS} max={STEPS} step=1 value=0")
         )
-        slider.props["aria-label"] = f"Move {name} of {plain(full.partition('.')[0])} by hand"
+        effect, _, name = full.partition(".")
+        slider.props["aria-label"] = f"Move {name} of {plain(effect)} by hand"
 
         def moved(event: object) -> None:
             step = int(event.args)  # type: ignore[attr-defined]
             now = value.value + reach * (step / STEPS) ** 3  # fine near the fitted value
             unit = typeset(value.unit)
-            words.text = (
-                f"{name} = {now:.6g} {unit} (moved)" if step else f"{name} = {typeset(with_unit(value))}"
-            )
+            words.text = what + (f"{now:.6g} {unit} (moved)" if step else typeset(with_unit(value)))
             self._move(full, now if step else None)
 
         slider.on("input", moved, js_handler="(e) => emit(Number(e.target.value))", throttle=0.08)

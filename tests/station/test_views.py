@@ -1,12 +1,16 @@
 """The viewer's recordings, read back: every number shown is the number that was found."""
 
+from dataclasses import replace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 from synthetic import LAG, OMEGA, RATE, VISCOUS, identification, restoring_force
 
+from station.story.adequacy import Adequacy
 from station.story.identification import Identification
-from station.views import alignment, show
+from station.views import alignment, results, show
 from station.views.restoring_force import mesh
 
 
@@ -134,6 +138,14 @@ def test_the_results_are_the_table_and_both_reconstructions(file, result):
     )
     left = column(file, "/results/force_error", "Scalars:scalars")
     assert np.array_equal(left, result.restoring_force.force - result.restoring_force.force_fit)
+
+
+def test_values_that_must_not_be_quoted_are_told_as_such_before_they_are_shown(result):
+    poor = Adequacy(
+        cast(Any, None), chi_square=229.0, chi_square_std=0.05, motion_percent=0.916, adequate=False
+    )
+    told = results.table("one", replace(result, adequacy=poor))
+    assert told.index("229 x the noise") < told.index("do not quote") < told.index("| wavelet |")
 
 
 def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
