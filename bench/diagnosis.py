@@ -12,6 +12,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a proc
 
 import numpy as np
 
+from bench.null_p_values import distribution
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.refine import refine
 from identify.errors import NotIdentifiable
@@ -175,7 +176,11 @@ def _by_strength(outcomes: list[Outcome]) -> str:
 def _nothing(outcomes: list[Outcome]) -> str:
     claimed = [o for o in outcomes if o.verdict not in ("nothing_missing", "not_enough_data")]
     said = ", ".join(f"{o.verdict} {'+'.join(o.named)} (p {o.p_value:.2g})" for o in claimed) or "none"
-    return f"Nothing hidden, {len(outcomes)} seeds: an effect or a fault claimed in {100 * len(claimed) / len(outcomes):.1f} % ({said})."
+    values = np.sort([o.p_value for o in outcomes if np.isfinite(o.p_value)])
+    return (
+        f"Nothing hidden, {len(outcomes)} seeds: an effect or a fault claimed in {100 * len(claimed) / len(outcomes):.1f} % "
+        f"({said}).\n\n{distribution(values, f'{len(values)} records of 8 s')}"
+    )
 
 
 def _faults(outcomes: list[Outcome]) -> str:

@@ -43,15 +43,20 @@ def distances(values: np.ndarray) -> tuple[float, float]:
 
 
 def section(count: int) -> str:
-    """Return the distribution as markdown."""
-    values = p_values(count)
+    """Return the distribution of small records as markdown."""
+    what = f"white noise: {count} records of {SECONDS:g} s at {RATE:g} Hz"
+    return distribution(p_values(count), what)
+
+
+def distribution(values: np.ndarray, what: str) -> str:
+    """Return how many of sorted p-values are below each level, and how many should be, as markdown."""
     small, large = distances(values)
     rows = "\n".join(
-        f"| {level:g} | {int(np.sum(values < level))} | {level * count:.1f} |" for level in LEVELS
+        f"| {level:g} | {int(np.sum(values < level))} | {level * len(values):.1f} |" for level in LEVELS
     )
     return (
-        f"P-value of the best suspect, nothing hidden, white noise: {count} records of {SECONDS:g} s at {RATE:g} Hz.\n\n"
+        f"P-value of the best suspect, nothing hidden, {what}.\n\n"
         f"| p below | records | expected |\n|---|---|---|\n{rows}\n\n"
         f"Largest excess of small ones {small:.3f}, of large ones {large:.3f}; chance keeps either below "
-        f"{KOLMOGOROV / np.sqrt(count):.3f} in 95 % of samples (Kolmogorov and Smirnov)."
+        f"{KOLMOGOROV / np.sqrt(len(values)):.3f} in 95 % of samples (Kolmogorov and Smirnov)."
     )
