@@ -7,6 +7,7 @@ from identify.effects.force_effect import LinearPart
 from identify.effects.library import LIBRARY
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
+from identify.formatting import plain_name
 
 _TIMES_MASS = {
     "1/s^2": "N/m",
@@ -97,13 +98,13 @@ def engineering_values(
         part = term.force.linear_part
         name = (_NAMES_OF_ANGLES if unit == "rad" else _NAMES).get(part) if part is not None else None
         if part is None:
-            name = f"{term.effect.title}, {term.effect.strength.name}"
+            name = f"{plain_name(term.effect.name)}, {term.effect.strength.name}"
         whole = None if mass is None else times_mass(value, mass, mass_std, unit)
         found.append(EngineeringValue(str(name), whole or value, value if whole is not None else None))
         named = part is None and term.effect in LIBRARY
         inner = fit.of(term, 0) if named else {}
         found += [
-            EngineeringValue(f"{term.effect.title}, {other}", estimate)
+            EngineeringValue(f"{plain_name(term.effect.name)}, {other}", estimate)
             for other, estimate in inner.items()
             if other != term.effect.strength.name
         ]
