@@ -65,7 +65,8 @@ def main(arguments: list[str]) -> int:
             failed.append(name)
             continue
         title = getattr(module, "TITLE", name.capitalize())
-        section = f"## {title}\n\n`python -m bench {name}`\n\n{body}"
+        command = f"python -m bench {name}{' --quick' if chosen.quick else ''}"
+        section = f"## {title}\n\n`{command}`\n\n{body}"
         print(section, flush=True)
         if chosen.write or not chosen.quick:
             write_section(PAGE, name, section)
