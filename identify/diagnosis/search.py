@@ -75,7 +75,9 @@ def pairs(
         for first, terms in stage(baseline, tried, library):
             polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
             goal = baseline.highest * first.fit.degrees
-            seconds = try_terms(baseline.decays, first.fit, terms, polished=polished, goal=goal)
+            seconds = try_terms(
+                baseline.decays, first.fit, terms, polished=polished, goal=goal, promising=stage is _screened
+            )
             seconds = _after_rest(baseline, seconds)
             if seconds:
                 found.append(Pair(first, seconds[0]))

@@ -102,6 +102,7 @@ def try_terms(
     *,
     polished: int = _POLISHED,
     goal: float | None = None,
+    promising: bool = False,
     counted: Callable[[int, int], None] = lambda done, whole: None,
 ) -> tuple[Candidate, ...]:
     """Refit the model with each term added; return the best variant of each effect, best first.
@@ -109,11 +110,13 @@ def try_terms(
     From each start the term's inner parameters are held at first, so that all others can make room for it. The most
     promising ones, `polished` of them, are then fitted freely: the first few to the end, the others until they creep
     with twice the best of these still below. Where only a `goal` of chi-square counts, terms that cannot come near it are
-    left out, and a fit that creeps towards it is left. `counted` is told how many fits are done, and of how many at most.
+    left out by their linear gain, and a fit that creeps towards it is left; where equation error has found the terms
+    `promising`, it is asked first only near the floor: from afar a misfit is not linear in what is missing. `counted`
+    is told how many fits are done, and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
     slope = Slope.of(base) if goal is not None or base.reduced < _FAR_OFF else None
-    if goal is not None and slope is not None:
+    if goal is not None and slope is not None and not (promising and base.reduced >= _FAR_OFF):
         terms = worth_a_fit(decays, slope, terms, scales, goal)
     near = slope if base.reduced < _FAR_OFF else None
     floor = 0.0 if goal is None else goal

@@ -3,11 +3,11 @@
 from math import atan, inf, pi
 
 import numpy as np
-from scipy.signal import lfilter
 
 from identify.arrays import Array
 from identify.effects.effect import Parameter, Scales, near_harmonic
 from identify.effects.sensor_fault import SensorFault
+from identify.recursion import recursion
 
 _BOTH: tuple[dict[str, float | str], ...] = (
     {"channel": "displacement"},
@@ -92,7 +92,7 @@ def _high_pass(time: Array, reading: Array, p: Array) -> Array:
     ramp = (1.0 - keep) / (rate * step) if rate * step > 1e-9 else 1.0
     jumps = np.diff(reading, prepend=reading[0]) * ramp
     jumps[0] = reading[0]
-    passed = np.asarray(lfilter([1.0], [1.0, -keep], jumps))
+    passed = recursion(jumps, keep)
     return np.asarray(passed + p[1] * np.exp(-rate * (time - time[0])))
 
 

@@ -8,7 +8,6 @@ the two powers needs no level of the noise. Its distribution for an adequate mod
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from identify.arrays import Array, Mask
 from identify.fitting.fit import Fit
@@ -131,4 +130,6 @@ def _judged(at: Array, off: Array) -> tuple[float, float]:
     """Return the ratio of the first of two powers over its expectation, and its p-value, from the draws that follow."""
     ratio = float(at[0] / off[0] * np.mean(off[1:]) / np.mean(at[1:]))
     degrees = [2.0 * float(np.mean(p[1:]) ** 2 / np.var(p[1:])) for p in (at, off)]
-    return ratio, float(stats.f.sf(ratio, *degrees))
+    from scipy.stats import f as fisher  # costs every program half a second to load
+
+    return ratio, float(fisher.sf(ratio, *degrees))

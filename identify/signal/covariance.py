@@ -1,9 +1,9 @@
 """The spread of parameters: what noise does to them, and what a misfit adds."""
 
 import numpy as np
-from scipy.signal import lfilter
 
 from identify.arrays import Array
+from identify.recursion import recursion
 
 _SURE = 3.0  # standard deviations by which a misfit must exceed the noise before it counts
 
@@ -40,6 +40,6 @@ def correlated_covariance(residual: Array, gain: Array, independent: float, para
     variance = float(np.mean(residual**2)) * stretches / (stretches - parameters)
     # the exponential's product with a row is one recursion forwards and one backwards
     fade = float(np.exp(-1 / length))
-    forwards = lfilter([1.0], [1.0, -fade], gain, axis=1)
-    backwards = lfilter([1.0], [1.0, -fade], gain[:, ::-1], axis=1)[:, ::-1]
+    forwards = recursion(gain.T, fade).T
+    backwards = recursion(gain.T[::-1], fade)[::-1].T
     return np.asarray(variance * (forwards + backwards - gain) @ gain.T)
