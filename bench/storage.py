@@ -52,7 +52,7 @@ class Relay:
             while time.monotonic() < end and self._board.recv(4096):
                 pass
         except TimeoutError:
-            pass
+            pass  # quiet at last
         self._board.settimeout(None)
 
     def _run(self) -> None:

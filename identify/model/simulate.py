@@ -231,26 +231,19 @@ def _read_before(readings, interval, lag, u, v, a):  # type: ignore[no-untyped-d
     return due
 
 
+@compiled(**_INLINE)
+def _run_away(readings, due, after):  # type: ignore[no-untyped-def]
+    """Make the readings of a motion that left all bounds infinite, from `due` on, those of acceleration from `after` on."""
+    for j in range(due, readings.shape[1]):
+        readings[0, j], readings[1, j] = np.inf, np.inf
+    for j in range(after, readings.shape[1]):
+        readings[2, j] = np.inf
+
+
 @compiled(**_COMPILE)
 def _run(  # type: ignore[no-untyped-def]
-    addresses,
-    memory,
-    dry,
-    t0,
-    n,
-    interval,
-    substeps,
-    u,
-    v,
-    states,
-    linear,
-    table,
-    lag,
-    external,
-    readings,
-    work,
-    drives,
-):
+    addresses, memory, dry, t0, n, interval, substeps, u, v, states, linear, table, lag, external, readings, work, drives,
+):  # fmt: skip
     """Write displacement, velocity and acceleration at the samples into `readings` (3, n)."""
     h = interval / substeps
     _drive_step(external, 0.0, 0.0, drives)
@@ -303,10 +296,7 @@ def _run(  # type: ignore[no-untyped-def]
                 if remaining <= 1e-9 * h:
                     break
             if not (abs(u) < 1e12):
-                for j in range(due, n):
-                    readings[0, j], readings[1, j] = np.inf, np.inf
-                for j in range(i + 1, n):
-                    readings[2, j] = np.inf
+                _run_away(readings, due, i + 1)
                 return
     for i in range(due, n):  # an early channel ends after the run
         readings[0, i] = u + (i * interval - lag - (n - 1) * interval) * v

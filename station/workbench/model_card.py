@@ -115,7 +115,7 @@ class ModelCard:
                     with self._body:
                         run(f"bench.receive({{trial: {json.dumps(asdict(frame))}}})")
         except (Failed, Cancelled):
-            pass
+            pass  # values at which no motion can be drawn: the last picture stays
         finally:
             self._asking = False
 

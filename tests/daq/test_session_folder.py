@@ -193,10 +193,13 @@ def test_whatever_a_session_holds_it_is_read_or_refused_in_words(
         opened = Session.open(session.folder)
         opened.recording()
         opened.manifest()
-    except StationError:
-        pass
+        said = "read"
+    except StationError as refused:
+        said = str(refused)
     finally:
         path.write_bytes(content)
+    assert said
+    assert "Traceback" not in said
 
 
 def test_a_link_in_place_of_a_file_is_not_followed(session: Session) -> None:
