@@ -65,7 +65,9 @@ class Problem:
             states=self._states_at_start(theta, table, i),
             samples=len(window),
             rate=window.rate,
-            substeps=substeps_for(self._fastest_rate(table), window.rate, nonsmooth=self.system.nonsmooth),
+            substeps=substeps_for(
+                self._fastest_rate(table, window.rate), window.rate, nonsmooth=self.system.nonsmooth
+            ),
             time=window.time,
             lag=float(lag),
             external=window.force
@@ -116,12 +118,15 @@ class Problem:
                     states[row] = effect.states_along(p, *motion, rest, steps=_PRE_RELEASE_STEPS)[-1]
         return states
 
-    def _fastest_rate(self, table: Array) -> float:
-        """Return the angular frequency (rad/s) that the integration must resolve."""
+    def _fastest_rate(self, table: Array, sampling: float) -> float:
+        """Return the angular frequency (rad/s) that the integration must resolve of readings at a rate (Hz).
+
+        What an effect does far beyond the readings is not followed: there the run diverges, and so bounds the fit.
+        """
         fastest = self.frequency
         for row, term in zip(table, self.layout.forces, strict=True):
             rate = term.force.fastest_rate
-            fastest = fastest if rate is None else max(fastest, rate(row))
+            fastest = fastest if rate is None else max(fastest, min(rate(row), sampling))
         return fastest
 
     def read(self, theta: Array, i: int, response: Response) -> dict[str, Array]:
