@@ -208,7 +208,8 @@ def _nearer(problem: Problem, start: dict[str, float], base: Fit) -> Array:
 
 def _finish(base: Fit, begun: _Beginning, scales: Scales, goal: float) -> Candidate:
     start = {u.name: float(t) for u, t in zip(begun.problem.unknowns, begun.theta, strict=True)}
-    found = fit(begun.problem.model, base.windows, start, base.frequency, goal=goal)
+    near = begun.cost <= base.chi_square
+    found = fit(begun.problem.model, base.windows, start, base.frequency, near=near, goal=goal)
     return judged(found, base, begun.term, scales)
 
 
