@@ -1,7 +1,6 @@
 """Suspects: every effect that the model lacks, refitted in turn."""
 
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import TypeVar
@@ -126,22 +125,14 @@ def try_terms(
         counted(next(done), whole)
         return found
 
-    with ThreadPoolExecutor() as pool:
-        begun = [
-            b
-            for b in map(step, pool.map(lambda term: _begin(decays, base, near, term, scales, floor), terms))
-            if b is not None
-        ]
-        begun.sort(key=lambda beginning: beginning.cost)
-        leaders = begun[: min(_LEADERS, polished)]
-        tried = list(
-            map(step, pool.map(lambda beginning: _finish(base, beginning, scales, goal or 0.0), leaders))
-        )
-        best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
-        enough = _BEHIND * best_cost if goal is None else goal
-        others = begun[len(leaders) : polished]
-        tried += map(step, pool.map(lambda beginning: _finish(base, beginning, scales, enough), others))
-        tried += [_leave(base, near, beginning, scales) for beginning in begun[polished:]]
+    begun = [step(_begin(decays, base, near, term, scales, floor)) for term in terms]
+    begun = sorted((b for b in begun if b is not None), key=lambda beginning: beginning.cost)
+    leaders = begun[: min(_LEADERS, polished)]
+    tried = [step(_finish(base, beginning, scales, floor)) for beginning in leaders]
+    best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
+    enough = _BEHIND * best_cost if goal is None else goal
+    tried += [step(_finish(base, beginning, scales, enough)) for beginning in begun[len(leaders) : polished]]
+    tried += [_leave(base, near, beginning, scales) for beginning in begun[polished:]]
     best: dict[str, Candidate] = {}
     for candidate in tried:
         if candidate.name not in best or candidate.score < best[candidate.name].score:

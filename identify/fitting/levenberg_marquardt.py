@@ -154,7 +154,7 @@ def _mended(
 
 
 def _least(tolerance: float, cost: float, residual: Array) -> float:
-    """Return the gain of chi-square that matters: a tolerance in units of what is left of each reading, if beyond the noise."""
+    """Return the gain of chi-square that matters: `tolerance`, in units of what is left of a reading, if above the noise."""
     return tolerance * max(cost / len(residual), 1.0)
 
 
