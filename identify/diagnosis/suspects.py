@@ -13,7 +13,7 @@ from identify.diagnosis.weak_presence import states_of_term, with_fault
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
 from identify.fitting.block_jacobian import BlockJacobian
-from identify.fitting.fit import Fit, fit, fit_at
+from identify.fitting.fit import FAR_OFF, Fit, fit, fit_at
 from identify.fitting.initial_values import (
     initial_values,
     inner_values,
@@ -125,8 +125,8 @@ def try_terms(
         counted(next(done), whole)
         return found
 
-    begun = [step(_begin(decays, base, near, term, scales, floor)) for term in terms]
-    begun = sorted((b for b in begun if b is not None), key=lambda beginning: beginning.cost)
+    tried_to_begin = [step(_begin(decays, base, near, term, scales, floor)) for term in terms]
+    begun = sorted((b for b in tried_to_begin if b is not None), key=lambda beginning: beginning.cost)
     leaders = begun[: min(_LEADERS, polished)]
     tried = [step(_finish(base, beginning, scales, floor)) for beginning in leaders]
     best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
@@ -167,7 +167,8 @@ def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tup
 def _begin(
     decays: tuple[PreparedDecay, ...], base: Fit, slope: Slope | None, term: Term, scales: Scales, goal: float
 ) -> _Beginning | None:
-    problem = Problem(base.model.plus(term), base.windows, base.frequency)
+    coarse = base.reduced > FAR_OFF
+    problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=coarse)
     inner = np.array([_is_inner(u.id, term) for u in problem.unknowns])
     best: _Beginning | None = None
     for start in _promising(decays, base, problem.model, term, term_starts(term, scales)):

@@ -18,13 +18,17 @@ class Problem:
 
     The nuisances are the state at the start of the window, the internal states of effects with memory, and,
     where there are two channels, lag and gain; and an offset of every channel. `steps` (unknowns,) are the steps of
-    differentiation, 0 until they are known.
+    differentiation, 0 until they are known. A `coarse` problem is integrated in longer steps: what they are off by shows
+    beside the noise, but not beside a misfit that is much larger.
     """
 
-    def __init__(self, model: Model, windows: tuple[FitWindow, ...], frequency: float) -> None:
+    def __init__(
+        self, model: Model, windows: tuple[FitWindow, ...], frequency: float, *, coarse: bool = False
+    ) -> None:
         self.model = model
         self.windows = windows
         self.frequency = frequency
+        self.coarse = coarse
         self.layout = lay_out(model, windows, frequency)
         self.system = make_system(tuple(term.force for term in self.layout.forces))
         self.low = np.array([u.low for u in self.unknowns])
@@ -66,7 +70,10 @@ class Problem:
             samples=len(window),
             rate=window.rate,
             substeps=substeps_for(
-                self._fastest_rate(table, window.rate), window.rate, nonsmooth=self.system.nonsmooth
+                self._fastest_rate(table, window.rate),
+                window.rate,
+                nonsmooth=self.system.nonsmooth,
+                coarse=self.coarse,
             ),
             time=window.time,
             lag=float(lag),
