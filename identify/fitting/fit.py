@@ -122,8 +122,9 @@ def fit(
 ) -> Fit:
     """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed.
 
-    Far from the readings the motion is integrated in longer steps. A start that is `near`, from curves of the whole decay, is not lost again to its first few cycles. A fit that creeps
-    towards a `goal` of chi-square above 0 is left as it is.
+    Far from the readings the motion is integrated in longer steps. A start that is `near`, from curves of the whole
+    decay, is not lost again to its first few cycles. A fit that creeps towards a `goal` of chi-square above 0 is left as
+    it is.
     """
     problem = Problem(model, windows, frequency)
     theta = start_at = np.clip(problem.theta(start), problem.low, problem.high)
