@@ -47,7 +47,8 @@ class CurveSearch:
         self.base = tuple(
             law_of(term, inner_of(term, known), frequency, grid, duration) for term in model.forces
         )
-        laws = (*self.base, *laws_of(terms, frequency, scales, grid, duration))
+        closer = not self.one_record  # one curve alone is followed by any memory that may be chosen freely
+        laws = (*self.base, *laws_of(terms, frequency, scales, grid, duration, closer=closer))
         self.regression = CurveRegression(self.parts, laws, frequency)
 
     @property

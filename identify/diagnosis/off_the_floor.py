@@ -52,7 +52,7 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
         return replace(alone, confirmation=found)
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
     open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
-    clear = best.term.effect.kind != "physics" or _is_clear(best.fit, best.term)
+    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term)
     if best.name in found.names or (open_to_it and clear and not found.effects):
         return replace(alone, confirmation=found)
     return by_curves(baseline, alone.ranked, found, best.fit)
@@ -88,7 +88,7 @@ def _worthy(baseline: Baseline, found: Confirmation) -> Fit | None:
     between them, and the one run of all has one of each. Where the floor is known, half an explanation is not a name.
     """
     whole = fit_confirmed(baseline, found) if found.effects else None
-    if whole is None or not any(e.alone or _is_clear(whole, e.term) for e in found.effects):
+    if whole is None or not any(e.alone or is_clear(whole, e.term) for e in found.effects):
         return None
     left = whole.chi_square / baseline.fit.chi_square
     return None if baseline.floor_is_sure and left > _NEXT_TO_NOTHING else whole
@@ -112,7 +112,7 @@ def _of_confirmed(
     )
 
 
-def _is_clear(whole: Fit, term: Term) -> bool:
+def is_clear(whole: Fit, term: Term) -> bool:
     """Whether the strength of an effect differs from none by some errors of the misfit that is there.
 
     Its inner parameters are held at their values: at no strength they mean nothing, and with them free a strength that
