@@ -14,6 +14,9 @@ _TRIALS = 12
 _CONFIRMATIONS = 3
 _CREEPS = 0.02
 _UNDAMPED = 1e-3
+_NEAR_FLOOR = 2.0
+"""Reduced chi-square up to which all that is left counts as noise."""
+
 _AS_PREDICTED = 0.7
 """Share of the predicted drop of chi-square from which on the Jacobian counts as good."""
 
@@ -154,12 +157,12 @@ def _mended(
 
 
 def _least(tolerance: float, cost: float, problem: Problem, readings: int) -> float:
-    """Return the gain of chi-square that matters: `tolerance` in units of the noise, and of what is left beyond it.
+    """Return the gain of chi-square that matters: `tolerance` in units of the noise, and of what is left well above it.
 
     That repeats in every reading of a half-cycle.
     """
     half_cycle = np.pi / problem.frequency * problem.windows[0].rate
-    return tolerance * float(1.0 + max(cost / readings - 1.0, 0.0) * half_cycle)
+    return tolerance * float(1.0 + max(cost / readings - _NEAR_FLOOR, 0.0) * half_cycle)
 
 
 def _sum_of_squares(residual: Array) -> float:
