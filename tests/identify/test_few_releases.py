@@ -1,0 +1,65 @@
+"""Two of many releases are searched for several effects; all of them judge."""
+
+import numpy as np
+import pytest
+from releases import drawn
+
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.few_releases import FewReleases
+from identify.diagnosis.search import singles
+from identify.effects.library import find_effect
+from identify.fitting.baseline import fit_baseline
+from identify.model.model import base_model
+
+RIG = {"stiffness": 614.0, "mu_0": 0.13, "mu_1": 0.28, "rate": 256.0}
+SPRING = {"cubic_stiffness": {"k3": 9000.0}}
+PAIR = SPRING | {"quadratic_damping": {"c2": 0.8}}
+AMPLITUDES = (0.012, 0.024, 0.006, 0.018)
+
+
+def several(hidden, parameters, seconds=2.5, amplitudes=AMPLITUDES):
+    return tuple(
+        drawn(hidden, 0.02, 910 + i, amplitude=a, seconds=seconds, parameters=parameters, **RIG)[0]
+        for i, a in enumerate(amplitudes)
+    )
+
+
+def test_the_largest_and_the_smallest_amplitude_are_searched_and_all_are_fitted_to_what_is_found():
+    decays = several("cubic_stiffness", SPRING)
+    whole = fit_baseline(decays, base_model())
+    tried = singles(whole, (find_effect("cubic_stiffness"), find_effect("clipping")))
+    few = FewReleases.of(whole, tried)
+    assert [round(1e3 * d.amplitude) for d in few.baseline.decays] == [24, 6]
+    assert len(few.baseline.fit.windows) == 2
+    by_name = {c.name: c for c in few.tried}
+    assert by_name.keys() == {c.name for c in tried}
+    again = few.on_all(by_name["cubic_stiffness"].fit)
+    k3 = again.values["cubic_stiffness.k3"]
+    assert abs(k3.value - 9000.0) < 5.0 * k3.std
+    assert again.reduced < 1.1
+    assert len(again.windows) == len(decays)
+
+
+def test_of_two_releases_both_are_searched():
+    decays = several("cubic_stiffness", SPRING, amplitudes=(0.02, 0.01))
+    whole = fit_baseline(decays, base_model())
+    few = FewReleases.of(whole, ())
+    assert few.baseline is whole
+    assert few.on_all(whole.fit) is whole.fit
+
+
+@pytest.mark.slow
+def test_two_effects_in_four_releases_are_named():
+    found = diagnose(several("cubic_stiffness+quadratic_damping", PAIR, seconds=5.0))
+    assert set(found.named) == set(PAIR)
+    assert len(found.final.windows) == len(AMPLITUDES)
+
+
+@pytest.mark.slow
+def test_what_two_releases_show_and_all_do_not_is_not_named():
+    decays = list(several("cubic_stiffness+quadratic_damping", PAIR, seconds=5.0))
+    other = {"cubic_stiffness": {"k3": -9000.0}, "quadratic_damping": {"c2": 3.0}}
+    decays[0] = several("cubic_stiffness+quadratic_damping", other, seconds=5.0)[0]
+    found = diagnose(tuple(decays))
+    assert found.verdict == "unknown_effect"
+    assert np.isfinite(found.final.chi_square)
