@@ -141,8 +141,8 @@ def _of_blocks(column: SourceColumn, unit: Unit, rows: Index, blocks: Blocks) ->
     """Return the even clock of rows that were stamped in blocks."""
     rate, rate_std = 1.0 / blocks.period, blocks.period_std / blocks.period**2
     note = (
-        f"about {blocks.rows:.3g} rows share each time stamp: they were written in blocks, and a stamp is the time at which a "
-        f"block was read; even times were rebuilt at {_rate(rate, rate_std)}, as the blocks came (or give --rate)"
+        f"about {blocks.rows:.3g} rows share each time stamp: they were written in blocks, and a stamp is the time at which "
+        f"a block was read; even times were rebuilt at {_rate(rate, rate_std)}, as the blocks came (or give --rate)"
     )
     return Timebase(
         rate=float(f"{rate:.13g}"),
