@@ -127,8 +127,7 @@ def _search(
     bursts = _bursts(lead, period)
     if not bursts:
         raise NotIdentifiable(
-            too_coarse(lead.values, rate, lead.derivative)
-            or "Nothing in the record oscillates above its noise: check the channel, or release from further away."
+            too_coarse(lead.values, rate, lead.derivative) or _no_ringing(lead, frequency, period)
         )
     return [
         (burst.amplitude, _release(rate, channels, period, burst, i, bursts))
@@ -194,6 +193,19 @@ def _bursts(lead: _Channel, period: float) -> list[_Burst]:
         )
         position = max(stop, peak + 1)
     return bursts
+
+
+def _no_ringing(lead: _Channel, frequency: float, period: float) -> str:
+    """Return why a record has no burst: nothing stands above the noise, or what does is over at once."""
+    amplitude = running_amplitude(lead.values, max(4, round(period)))
+    if amplitude.max() > 6.0 * lead.noise / np.sqrt(period):
+        return (
+            f"What moves at the strongest frequency, {frequency:.3g} Hz, is over within two cycles: a push, or a motion too "
+            "strongly damped, or one that changes its frequency as it falls. Leave a push out, or release from less far."
+        )
+    return (
+        "Nothing in the record oscillates above its noise: check the channel, or release from further away."
+    )
 
 
 def _over_gaps(amplitude: Array, lost: Mask, step: int, lap: int) -> Array:

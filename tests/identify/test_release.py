@@ -125,6 +125,16 @@ def test_a_release_during_a_loss_is_still_a_second_one() -> None:
     assert len(find_releases(30.0, displacement=np.where(valid, u, np.nan), valid=valid)) == 2
 
 
+def test_a_motion_that_is_over_at_once_is_not_called_silence() -> None:
+    time = np.arange(2000) / 100.0 - 6.0
+    u = np.exp(-2.5 * np.maximum(time, 0.0)) * np.sin(2 * np.pi * np.maximum(time, 0.0))
+    u = u + 1e-3 * np.random.default_rng(5).standard_normal(2000)
+    with pytest.raises(NotIdentifiable, match="over within two cycles"):
+        find_release(100.0, acceleration=u)
+    with pytest.raises(NotIdentifiable, match="above its noise"):
+        find_release(100.0, acceleration=1e-3 * np.random.default_rng(5).standard_normal(2000))
+
+
 def test_a_record_that_begins_in_mid_decay_says_so() -> None:
     u, _, a = exponential(np.arange(1000) / 256 + 0.2, 3.944)
     for channels in ({"displacement": u, "acceleration": a}, {"displacement": u}, {"acceleration": a}):
