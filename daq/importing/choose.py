@@ -16,6 +16,7 @@ from daq.importing.units import Unit
 LARGEST = 1e150
 SHORTEST = 20
 EVENLY = 10.0
+SWINGS = 0.3
 MOTIONS = ("displacement", "velocity", "acceleration")
 
 
@@ -233,7 +234,7 @@ def _found(
         leave = f", or leave it out with {ask(quantity, NONE)}" if quantity != "time" else ""
         raise problem(
             table.path, f"{len(top)} {top[0].noun}s could be the {quantity}: {_listed(top)}",
-            f"choose one, as in {ask(quantity, _name(_likely(top)))}{leave}{_or_runs(top)}",
+            f"choose one, as in {ask(quantity, _name(_likely(top)))}{leave}{_or_runs(top)}{_or_angle(top)}",
             options=(ask(quantity, _name(_likely(top))),),
         )  # fmt: skip
     return _as_choice(quantity, top[0], meanings[top[0].number], asked=False)
@@ -242,6 +243,13 @@ def _found(
 def _or_runs(columns: Sequence[SourceColumn]) -> str:
     names = {split_unit(c.label)[0].rstrip("0123456789 _") for c in columns}
     return "; if they are releases of one rig, --run all" if len(names) == 1 and "" not in names else ""
+
+
+def _or_angle(columns: Sequence[SourceColumn]) -> str:
+    pair = {word: c for c in columns for word in ("x", "y") if split_unit(c.label)[0].strip().lower() == word}
+    if len(pair) < 2 or any(oscillation(c.values) < SWINGS for c in pair.values()):
+        return ""
+    return f"; if they are a pendulum's bob, its angle is --angle-from {_name(pair['x'])},{_name(pair['y'])}"
 
 
 def _likely(columns: Sequence[SourceColumn]) -> SourceColumn:

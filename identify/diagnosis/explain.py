@@ -177,10 +177,12 @@ def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
 
 
 def _best(baseline: Baseline, suspects: tuple[Suspect, ...]) -> Suspect | None:
-    """Return the suspect that leaves least, where the first one explains more than chance would; None otherwise."""
+    """Return the suspect that leaves least with values that make sense, where the first one explains more than chance
+    would; None otherwise.
+    """
     if not suspects or not suspects[0].claimed:
         return None
-    tried = [s for s in suspects if not _is_corrected(s) and s.fit is not baseline.fit]
+    tried = [s for s in suspects if s.plausible and not _is_corrected(s) and s.fit is not baseline.fit]
     return min(tried, key=lambda s: s.error_after, default=suspects[0])
 
 
