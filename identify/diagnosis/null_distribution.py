@@ -149,8 +149,8 @@ def _surprise(draws: Array, values: Array, slope: float = 0.5) -> Array:
 def _column_drops(
     decays: tuple[PreparedDecay, ...], base: Fit, term: Term, scales: Scales, tangent: Tangent, noise: Array
 ) -> Array:
-    problem = Problem(base.model.plus(term), base.windows, base.frequency)
-    before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
+    problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=True)
+    before = Problem(base.model, base.windows, base.frequency, coarse=True).residuals(base.theta)
     rows = rows_of(base.windows)
     best = np.zeros(noise.shape[1])
     for start in term_starts(term, scales, fine=True):
