@@ -72,7 +72,7 @@ def minimise(
         if step is None:
             settled = True
             break
-        settled = step.gained < _least(tolerance, step.cost, residual)
+        settled = step.gained < _least(tolerance, step.cost, problem, len(residual))
         before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
         slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
         if (
@@ -117,7 +117,7 @@ def _step(
 ) -> _Step | None:
     """Return the step that lowers chi-square; None when none is predicted to gain more than `tolerance`."""
     cost = _sum_of_squares(residual)
-    least = _least(tolerance, cost, residual)
+    least = _least(tolerance, cost, problem, len(residual))
     size = problem.sizes(theta)
     gradient = jacobian.gradient(residual) * size
     normal = jacobian.normal() * np.outer(size, size)
@@ -153,9 +153,13 @@ def _mended(
     return jacobian.mended(moved, problem.sizes(theta), surprise)
 
 
-def _least(tolerance: float, cost: float, residual: Array) -> float:
-    """Return the gain of chi-square that matters: `tolerance`, in units of what is left of a reading, if above the noise."""
-    return tolerance * max(cost / len(residual), 1.0)
+def _least(tolerance: float, cost: float, problem: Problem, readings: int) -> float:
+    """Return the gain of chi-square that matters: `tolerance` in units of the noise, and of what is left beyond it.
+
+    That repeats in every reading of a half-cycle.
+    """
+    half_cycle = np.pi / problem.frequency * problem.windows[0].rate
+    return tolerance * float(1.0 + max(cost / readings - 1.0, 0.0) * half_cycle)
 
 
 def _sum_of_squares(residual: Array) -> float:
