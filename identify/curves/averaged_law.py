@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -68,21 +69,39 @@ def amplitude_grid(curves: Iterable[DecayCurve]) -> Array:
 
 
 def laws_of(
-    terms: Iterable[Term], frequency: float, scales: Scales, grid: Array, duration: float
+    terms: Iterable[Term],
+    frequency: float,
+    scales: Scales,
+    grid: Array,
+    duration: float,
+    *,
+    closer: bool = False,
 ) -> tuple[AveragedLaw, ...]:
     """Return the laws of forces at all starting values of their inner parameters; those without a shape left out.
 
-    `frequency` in rad/s, `grid` the amplitudes, `duration` in s. Lines have none.
+    `frequency` in rad/s, `grid` the amplitudes, `duration` in s. Lines have none. The inner parameter of what never
+    forgets, if it has one, is tried twice as close where `closer`.
     """
     laws = []
     for term in terms:
         if not isinstance(term.effect, ForceEffect) or term.effect.line:
             continue
-        for inner in term_starts(term, scales, fine=True):
+        starts = term_starts(term, scales, fine=True)
+        for inner in _closer(starts) if closer and not term.effect.fading_memory else starts:
             law = law_of(term, inner, frequency, grid, duration)
             if not law.shapeless:
                 laws.append(law)
     return tuple(laws)
+
+
+def _closer(starts: tuple[dict[str, float], ...]) -> tuple[dict[str, float], ...]:
+    """Return starting values of one positive parameter, and the geometric means between neighbours; others as they are."""
+    if len(starts[0]) != 1:
+        return starts
+    (name,) = starts[0]
+    values = sorted(start[name] for start in starts)
+    means = [float(np.sqrt(low * high)) for low, high in pairwise(values)]
+    return tuple({name: value} for value in sorted((*values, *means)))
 
 
 def law_of(

@@ -61,7 +61,8 @@ class ConfirmedEffect:
     """An effect that foretells: the error of what it `explains` ("frequency" or "loss") falls from `before` to `after` %.
 
     `better` of `parts` left out were foretold better with it. `rivals` foretell nearly as well, or lead where other
-    cycles are drawn. It, or one that foretells nearly as well, leads in `leads` of `resamplings` of the cycles.
+    cycles are drawn. It, or one that foretells nearly as well, leads in `leads` of `resamplings` of the cycles. `alone`
+    are the releases that name it each by itself, where all together do not (0: they do; see `release_by_release`).
     """
 
     term: Term
@@ -75,6 +76,7 @@ class ConfirmedEffect:
     rivals: tuple[str, ...]
     leads: int
     resamplings: int
+    alone: int = 0
 
     @property
     def name(self) -> str:
@@ -163,6 +165,18 @@ def confirm(
 
     `known` has the model's parameters by unknown's name, `terms` are the candidates.
     """
+    found = search_of(decays, model, known, terms, scales)
+    return None if found is None else confirmed(*found)
+
+
+def search_of(
+    decays: Sequence[PreparedDecay],
+    model: Model,
+    known: dict[str, float],
+    terms: tuple[Term, ...],
+    scales: Scales,
+) -> tuple[CurveSearch, tuple[int, ...]] | None:
+    """Return the search on those releases that have a curve, and their places; None where they are too short to tell."""
     modes = [_mode_of(decay) for decay in decays]
     places = tuple(i for i, mode in enumerate(modes) if mode is not None)
     found = [(decay, mode) for decay, mode in zip(decays, modes, strict=True) if mode is not None]
@@ -171,8 +185,11 @@ def confirm(
     search = CurveSearch(
         tuple(decay for decay, _ in found), tuple(mode for _, mode in found), model, known, terms, scales
     )
-    if len(search.parts) < 2:
-        return None
+    return (search, places) if len(search.parts) > 1 else None
+
+
+def confirmed(search: CurveSearch, places: tuple[int, ...] = ()) -> Confirmation:
+    """Return what a search confirms; `places` are those of its releases among all that were given."""
     columns = tuple(range(len(search.base)))
     usual, rows = search.settled(columns, search.regression.measured)
     held = usual

@@ -6,7 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from identify.curves.confirmation import Confirmation, ConfirmedEffect, confirm
+from identify.curves.confirmation import Confirmation, ConfirmedEffect
+from identify.curves.release_by_release import confirm_releases
 from identify.diagnosis.explain import explain
 from identify.diagnosis.judgement import judge
 from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, without_needless_effects
@@ -269,7 +270,9 @@ def foretold(
     forces = Model(baseline.fit.model.forces)
     terms = candidate_terms(baseline.fit.model, library, whole[0].window)
     known = {name: estimate.value for name, estimate in baseline.fit.parameters.items()}
-    return confirm(whole, forces, known, terms, scales_of(max(whole, key=lambda decay: decay.amplitude), {}))
+    return confirm_releases(
+        whole, forces, known, terms, scales_of(max(whole, key=lambda decay: decay.amplitude), {})
+    )
 
 
 def _cycles(baseline: Baseline) -> float:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from identify.curves.confirmation import RANGE, Confirmation
+from identify.curves.confirmation import RANGE, Confirmation, ConfirmedEffect
 from identify.diagnosis.suspect import Suspect
 from identify.formatting import among, plain_name, quantity, three_figures
 
@@ -24,9 +24,19 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
             f"Missing is {plain_name(suspect.effect.name)} ({numbers}), which moves "
             f"{_KINDS[effect.explains]} with the amplitude: the error of its prediction falls from "
             f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion{also}. In {effect.leads} of "
-            f"{effect.resamplings} resamplings of the cycles {same}."
+            f"{effect.resamplings} resamplings of the cycles {same}.{_alone(effect)}"
         )
     return " ".join([*sentences, _prediction(found), *_undecided(found)])
+
+
+def _alone(effect: ConfirmedEffect) -> str:
+    """Return on how many releases alone an effect was confirmed, and what that means for its parameters; "" if on none."""
+    if not effect.alone:
+        return ""
+    return (
+        f" {effect.alone} releases name it each by itself. One of them shows something besides; the parameters are those of "
+        "one model with one spring and one damping for all, so take them from the releases alone."
+    )
 
 
 def explain_unconfirmed(found: Confirmation) -> str:

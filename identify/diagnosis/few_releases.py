@@ -13,8 +13,6 @@ from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
 from identify.preprocessing.prepared_decay import PreparedDecay
 
-_FEW = 3
-
 
 @dataclass(frozen=True, eq=False)
 class FewReleases:
@@ -30,16 +28,21 @@ class FewReleases:
 
     @classmethod
     def of(cls, whole: Baseline, tried: tuple[Candidate, ...]) -> Self:
-        """Return the releases of the largest, the middle and the smallest amplitude; all where there are no more."""
+        """Return the releases of the largest and of the smallest amplitude; all where there are no more."""
         places = _chosen(whole.decays)
         if len(places) == len(whole.decays):
-            return cls(whole, whole, tried, places)
+            return cls.all(whole, tried)
         base = _refitted(whole.fit, places)
         decays = tuple(whole.decays[i] for i in places)
         baseline = Baseline(decays, base, tuple(whole.floors[i] for i in places))
         scales = scales_of(decays[0], residual_lines(base))
         few = tuple(judged(_refitted(c.fit, places), base, c.term, scales) for c in tried)
         return cls(whole, baseline, tuple(sorted(few, key=lambda c: c.score)), places)
+
+    @classmethod
+    def all(cls, whole: Baseline, tried: tuple[Candidate, ...]) -> Self:
+        """Return all releases: nothing is searched on fewer."""
+        return cls(whole, whole, tried, tuple(range(len(whole.decays))))
 
     def on_all(self, found: Fit) -> Fit:
         """Return a model that was found on the few, fitted to all releases."""
@@ -68,11 +71,9 @@ class FewReleases:
 
 
 def _chosen(decays: tuple[PreparedDecay, ...]) -> tuple[int, ...]:
-    """Return the places of the few: largest, middle and smallest amplitude, in the order of the releases."""
+    """Return the places of the largest and of the smallest amplitude, in the order of the releases."""
     order = sorted(range(len(decays)), key=lambda i: -decays[i].amplitude)
-    if len(order) <= _FEW:
-        return tuple(range(len(decays)))
-    return tuple(sorted((order[0], order[len(order) // 2], order[-1])))
+    return tuple(sorted({order[0], order[-1]}))
 
 
 def _refitted(found: Fit, places: tuple[int, ...]) -> Fit:

@@ -4,7 +4,7 @@ Here where the floor is reached or sure; off it in `off_the_floor`. What each ca
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.few_releases import FewReleases
@@ -13,11 +13,13 @@ from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.off_the_floor import by_curves, if_foretold
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.search import Pair, pairs
+from identify.diagnosis.suspects import Candidate
 from identify.diagnosis.triples import Triple, triple
 from identify.diagnosis.verdict import Judgement, free_form, verdict_of
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
+from identify.fitting.fit import Fit
 
 _DECISIVE = 12.0
 """Nats of evidence below which a force is not claimed while a sensor is known to be faulty: mend that first."""
@@ -78,22 +80,48 @@ def _beyond_one(
     best = ranked[0].candidate
     if not baseline.floor_is_sure:
         return by_curves(baseline, ranked, foretell(), best.fit)
-    few = FewReleases.of(baseline, tuple(entry.candidate for entry in ranked))
-    alike = _by_family(few, ranked)
-    if alike is not None:
-        return alike
+    tried = tuple(entry.candidate for entry in ranked)
+    few = FewReleases.of(baseline, tried)
+    found = _several(few, ranked, library)
+    if found.misled:
+        found = _several(FewReleases.all(baseline, tried), ranked, library)
+    return found.judgement or by_curves(baseline, ranked, foretell(), found.closest)
+
+
+@dataclass(frozen=True, eq=False)
+class _Several:
+    """What was found of several effects: the judgement, if one reaches the floor, and the fit that comes closest.
+
+    `misled` where something reaches the floor on the few releases that were searched and not on all.
+    """
+
+    judgement: Judgement | None
+    closest: Fit
+    misled: bool = False
+
+
+def _several(few: FewReleases, ranked: tuple[Ranked, ...], library: tuple[Effect, ...]) -> _Several:
+    """Search a few releases for a law between the names, for two effects and for three; all judge what was found."""
+    best, whole = ranked[0].candidate, few.whole
+    family = _by_family(few)
+    law = None if family is None else few.candidate_on_all(family)
+    if law is not None and law.plausible and whole.adequate(law.fit):
+        entry = Ranked(law, 0.5 * law.gain, float("nan"), True)
+        return _Several(Judgement("missing_effect", (entry, *ranked), law.fit), law.fit)
     two = next((pair for pair in pairs(few.baseline, few.tried, library) if pair.plausible), None)
-    together = None if two is None else Pair(two.first, few.candidate_on_all(two.second))
-    if together is not None and together.second.score >= best.score:
-        together = None
-    if together is not None and baseline.adequate(together.second.fit):
-        return _of_pair(ranked, together, None)
+    second = None if two is None else few.candidate_on_all(two.second)
+    better = second is not None and second.score < best.score
+    closest = second.fit if second is not None and better else best.fit
+    if two is not None and second is not None and better and whole.adequate(second.fit):
+        return _Several(_of_pair(ranked, Pair(two.first, second), None), second.fit)
     three = triple(few.baseline, library, few.tried[0].fit if two is None else two.second.fit)
-    whole = None if three is None else few.on_all(three.fit)
-    if three is not None and whole is not None and baseline.adequate(whole):
-        return _of_three(ranked, replace(three, fit=whole))
-    final = best.fit if together is None else together.second.fit
-    return by_curves(baseline, ranked, foretell(), final)
+    fit = None if three is None else few.on_all(three.fit)
+    if three is not None and fit is not None and whole.adequate(fit):
+        return _Several(_of_three(ranked, replace(three, fit=fit)), fit)
+    reached = (
+        family is not None or three is not None or (two is not None and few.baseline.adequate(two.second.fit))
+    )
+    return _Several(None, closest, misled=reached and few.baseline is not whole)
 
 
 def _of_pair(ranked: tuple[Ranked, ...], pair: Pair, shape: NonparametricForce | None) -> Judgement:
@@ -113,12 +141,7 @@ def _of_three(ranked: tuple[Ranked, ...], three: Triple) -> Judgement:
     return Judgement(verdict_of(first.candidate), (first, *rest), three.fit, others)
 
 
-def _by_family(few: FewReleases, ranked: tuple[Ranked, ...]) -> Judgement | None:
-    """Return the judgement of a law with a free exponent that reaches the floor where no named effect does."""
+def _by_family(few: FewReleases) -> Candidate | None:
+    """Return a law with a free exponent that reaches the floor of a few releases, where no named effect does."""
     found = families(few.baseline, few.tried)
-    near = next((c for c in found if c.plausible and few.baseline.adequate(c.fit)), None)
-    best = None if near is None else few.candidate_on_all(near)
-    if best is None or not best.plausible or not few.whole.adequate(best.fit):
-        return None
-    entry = Ranked(best, 0.5 * best.gain, float("nan"), True)
-    return Judgement("missing_effect", (entry, *ranked), best.fit)
+    return next((c for c in found if c.plausible and few.baseline.adequate(c.fit)), None)

@@ -30,6 +30,9 @@ _NEXT_LEAVES = 3.0
 _CLEAR = 3.0
 """Standard errors, of the misfit that is there, by which a strength must differ from none."""
 
+_RIDGE = 1e-9
+"""Added to a correlation matrix of parameters, so that it has an inverse."""
+
 _THE_SAME = 0.05
 """Relative difference up to which a strength is the one foretold: one in thirty of those between -1 and 2 times it."""
 
@@ -49,7 +52,7 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
         return replace(alone, confirmation=found)
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
     open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
-    clear = best.term.effect.kind != "physics" or _is_clear(best.fit, best.term)
+    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term)
     if best.name in found.names or (open_to_it and clear and not found.effects):
         return replace(alone, confirmation=found)
     return by_curves(baseline, alone.ranked, found, best.fit)
@@ -81,10 +84,11 @@ def by_curves(
 def _worthy(baseline: Baseline, found: Confirmation) -> Fit | None:
     """Return the fit with what curves confirm; None where that is nothing, or its free run does not bear it out.
 
-    One strength at least must be clear of none; and where the floor is known, half an explanation is not a name.
+    One strength at least must be clear of none, unless releases name the effect each by itself: brakes and springs differ
+    between them, and the one run of all has one of each. Where the floor is known, half an explanation is not a name.
     """
     whole = fit_confirmed(baseline, found) if found.effects else None
-    if whole is None or not any(_is_clear(whole, effect.term) for effect in found.effects):
+    if whole is None or not any(e.alone or is_clear(whole, e.term) for e in found.effects):
         return None
     left = whole.chi_square / baseline.fit.chi_square
     return None if baseline.floor_is_sure and left > _NEXT_TO_NOTHING else whole
@@ -108,10 +112,27 @@ def _of_confirmed(
     )
 
 
-def _is_clear(whole: Fit, term: Term) -> bool:
-    """Whether the strength of an effect differs from none by some errors of the misfit that is there."""
-    strength = with_misfit_errors(whole).of(term)[term.effect.strength.name]
-    return abs(strength.value) > _CLEAR * strength.std
+def is_clear(whole: Fit, term: Term) -> bool:
+    """Whether the strength of an effect differs from none by some errors of the misfit that is there.
+
+    Its inner parameters are held at their values: at no strength they mean nothing, and with them free a strength that
+    they trade with (a friction's stiffness and the displacement over which it gives way) is unsure however sure the force
+    is (Davies 1977).
+    """
+    errors = with_misfit_errors(whole)
+    own = [
+        i
+        for i, u in enumerate(errors.unknowns)
+        if u.id.effect == term.effect.name and u.id.role == "parameter"
+    ]
+    at = next(j for j, i in enumerate(own) if errors.unknowns[i].id.parameter == term.effect.strength.name)
+    strength = errors.values[errors.unknowns[own[at]].name]
+    if not np.isfinite(strength.std):
+        return False
+    block = errors.covariance[np.ix_(own, own)]
+    size = np.sqrt(np.diag(block))
+    sureness = np.linalg.inv(block / np.outer(size, size) + _RIDGE * np.eye(len(own)))[at, at]
+    return bool(abs(strength.value) * np.sqrt(sureness) > _CLEAR * size[at])
 
 
 def _by_free_run(

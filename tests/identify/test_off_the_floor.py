@@ -3,14 +3,16 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from identify.diagnosis import off_the_floor
-from identify.diagnosis.off_the_floor import by_curves, is_foretold
+from identify.diagnosis.off_the_floor import by_curves, is_clear, is_foretold
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
 from identify.effects.library import find_effect
 from identify.model.model import Term, base_model
+from identify.model.parameter_id import ParameterId
 
 K = 120.0
 
@@ -61,3 +63,30 @@ def test_a_drift_forbids_a_name_by_the_free_run_unless_its_strength_was_foretold
     assert said.verdict == verdict
     if verdict == "missing_effect":
         assert said.ranked[0].candidate.name == "pendulum_stiffness"
+
+
+@pytest.mark.parametrize(
+    ("correlation", "std", "clear"),
+    [
+        (-0.98, 0.6, True),  # 1/(0.6 sqrt(1 - 0.98^2)) = 8.4 errors once the other is held
+        (-0.5, 0.6, False),  # 1.9 errors
+        (-0.98, np.inf, False),  # at its bound
+    ],
+)
+def test_a_strength_is_asked_for_with_the_inner_parameters_held(
+    monkeypatch: pytest.MonkeyPatch, correlation: float, std: float, clear: bool
+):
+    """Two normal errors of correlation r: with one held the other's is smaller by sqrt(1 - r^2)."""
+    monkeypatch.setattr(off_the_floor, "with_misfit_errors", lambda found: found)
+    term = Term(find_effect("dahl_friction"))
+    unknowns = [
+        SimpleNamespace(name=f"dahl_friction.{name}", id=ParameterId("dahl_friction", name))
+        for name in ("ud", "kd")
+    ]
+    size = np.array([0.4, 0.6])
+    found: Any = SimpleNamespace(
+        unknowns=unknowns,
+        values={"dahl_friction.kd": SimpleNamespace(value=1.0, std=std)},
+        covariance=np.outer(size, size) * np.array([[1.0, correlation], [correlation, 1.0]]),
+    )
+    assert is_clear(found, term) == clear
