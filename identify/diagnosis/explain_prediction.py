@@ -48,7 +48,8 @@ def explain_unconfirmed(found: Confirmation) -> str:
     if found.span < RANGE:
         words.append(
             f"Its amplitudes differ by a factor of {found.span:.2g} only; laws of the amplitude can be told from "
-            f"{RANGE:g} on, so none was asked and none is named. Record until less is left, or add a release of another size."
+            f"{RANGE:g} on, so none was asked and none is named. Record until less is left, or add a release of another "
+            "size."
         )
         return " ".join(words)
     undecided = _undecided(found)
