@@ -9,6 +9,7 @@ from daq.importing.table import Table
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
 from daq.recording import Array
 
+FARTHEST = 20.0
 ORDER = ("displacement", "velocity", "acceleration", "force")
 
 
@@ -43,10 +44,17 @@ def unit_of(table: Table, choice: Choice, options: ImportOptions, angular: bool,
         return choice.unit
     unit = (SI_ANGULAR if angular else SI_LINEAR)[quantity]
     notes.append(
-        f"{choice.column.place} read as {quantity}{asked}; it names no unit: {unit.si} was assumed "
-        f"(change it with --unit {quantity}=...)"
+        f"{choice.column.place} read as {quantity}{asked}; it names no unit: {unit.si} was assumed"
+        f"{_though_far(choice, unit)} (change it with --unit {quantity}=...)"
     )
     return unit
+
+
+def _though_far(choice: Choice, unit: Unit) -> str:
+    """Return what speaks against metres, where a displacement goes further than any laboratory is long."""
+    finite = choice.column.values[np.isfinite(choice.column.values)]
+    far = float(np.ptp(finite)) if len(finite) and choice.column.bad is None else 0.0
+    return f", though it moves by {far:.3g} m: pixels or mm?" if unit.si == "m" and far > FARTHEST else ""
 
 
 def _spelled(text: str) -> str:

@@ -14,6 +14,9 @@ from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 
 LARGEST = 1e150
+SHORTEST = 20
+EVENLY = 10.0
+SWINGS = 0.3
 MOTIONS = ("displacement", "velocity", "acceleration")
 
 
@@ -44,8 +47,15 @@ def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> di
     _refuse_twice(table, choices)
     taken = {choice.column.number for choice in choices.values()}
     motion_asked = any(quantity in choices for quantity in MOTIONS)
+    if _needs_clock(table, options, meanings):
+        clock = _lettered_clock(table, taken, meanings)
+        if clock is not None:
+            choices["time"] = _clock_of(clock, meanings, notes)
+            taken.add(clock.number)
     for quantity in QUANTITIES:
-        if quantity in options.columns:
+        if quantity in options.columns or quantity in choices:
+            continue
+        if quantity == "time" and options.rate is not None and _clocks(table, meanings) > 1:
             continue
         free = [c for c in table.columns if c.number not in taken]
         found = _found(table, quantity, free, meanings, notes, beside=motion_asked)
@@ -60,11 +70,8 @@ def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> di
     ):
         clock = _rising_first(table, taken)
         if clock is not None:
-            choices["time"] = _as_choice("time", clock, meanings[clock.number], asked=False)
+            choices["time"] = _clock_of(clock, meanings, notes)
             taken.add(clock.number)
-            notes.append(
-                f"{clock.place} has no name that says so, but its numbers rise evenly: it was taken as time"
-            )
     if not any(quantity in (*choices, *options.columns) for quantity in MOTIONS):
         lone = [c for c in table.columns if c.number not in taken and _is_signal(meanings[c.number])]
         if len(lone) == 1:
@@ -79,6 +86,42 @@ def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> di
         known = "time" in choices or options.rate is not None or table.rate is not None
         raise _no_motion(table, taken, rate_known=known)
     return choices
+
+
+def _clocks(table: Table, meanings: dict[int, Meaning]) -> int:
+    return sum(meanings[c.number].quantity == "time" for c in table.columns)
+
+
+def _needs_clock(table: Table, options: ImportOptions, meanings: dict[int, Meaning]) -> bool:
+    """Return whether nothing says what the time is: no option, no rate and no column."""
+    asked = "time" in options.columns or options.rate is not None
+    return not asked and table.rate is None and not _clocks(table, meanings)
+
+
+def _clock_of(column: SourceColumn, meanings: dict[int, Meaning], notes: list[str]) -> Choice:
+    notes.append(
+        f"{column.place} has no name that says so, but its numbers rise evenly: it was taken as time"
+    )
+    return _as_choice("time", column, meanings[column.number], asked=False)
+
+
+def _lettered_clock(table: Table, taken: set[int], meanings: dict[int, Meaning]) -> SourceColumn | None:
+    """Return the first column where it is named by a letter only, as the `x` of a plot, and rises from end to end.
+
+    No motion does that in even steps; and another column must be left that could be one.
+    """
+    if len(table.columns) < 2 or table.columns[0].number in taken:
+        return None
+    first, said = table.columns[0], meanings[table.columns[0].number]
+    if said.unit is not None or said.strength > 1 or words(first.label) not in (("x",), ("y",)):
+        return None
+    values = first.values
+    if len(values) < SHORTEST or first.bad is not None or not np.isfinite(values).all():
+        return None
+    if not float(np.max(np.abs(values))) < LARGEST:
+        return None
+    steps = np.diff(values)
+    return first if np.all(steps > 0.0) and float(np.max(steps)) < EVENLY * float(np.median(steps)) else None
 
 
 def _is_signal(said: Meaning) -> bool:
@@ -191,7 +234,7 @@ def _found(
         leave = f", or leave it out with {ask(quantity, NONE)}" if quantity != "time" else ""
         raise problem(
             table.path, f"{len(top)} {top[0].noun}s could be the {quantity}: {_listed(top)}",
-            f"choose one, as in {ask(quantity, _name(_likely(top)))}{leave}{_or_runs(top)}",
+            f"choose one, as in {ask(quantity, _name(_likely(top)))}{leave}{_or_runs(top)}{_or_angle(top)}",
             options=(ask(quantity, _name(_likely(top))),),
         )  # fmt: skip
     return _as_choice(quantity, top[0], meanings[top[0].number], asked=False)
@@ -200,6 +243,13 @@ def _found(
 def _or_runs(columns: Sequence[SourceColumn]) -> str:
     names = {split_unit(c.label)[0].rstrip("0123456789 _") for c in columns}
     return "; if they are releases of one rig, --run all" if len(names) == 1 and "" not in names else ""
+
+
+def _or_angle(columns: Sequence[SourceColumn]) -> str:
+    pair = {word: c for c in columns for word in ("x", "y") if split_unit(c.label)[0].strip().lower() == word}
+    if len(pair) < 2 or any(oscillation(c.values) < SWINGS for c in pair.values()):
+        return ""
+    return f"; if they are a pendulum's bob, its angle is --angle-from {_name(pair['x'])},{_name(pair['y'])}"
 
 
 def _likely(columns: Sequence[SourceColumn]) -> SourceColumn:

@@ -25,6 +25,7 @@ def narrowed(
     left = _kept(
         columns, [not set(words(c.label)) & TOTALS for c in columns], "{} is the size of a vector", notes
     )
+    left = _kept(left, [_varies(c.values) for c in left], "{} is one number throughout", notes)
     left = _kept(left, _moving(left, said), "{} stands still beside the others", notes)
     left = _kept(left, _own(left, said), "{} repeats another column in another unit", notes)
     if quantity == "force":
@@ -42,6 +43,11 @@ def _kept(
         return list(columns)
     notes += [why.format(c.place) + ": left out" for c, good in zip(columns, keep, strict=True) if not good]
     return kept
+
+
+def _varies(values: Array) -> bool:
+    finite = values[np.isfinite(values)]
+    return len(finite) > 0 and bool(np.any(finite != finite[0]))
 
 
 def _moving(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> list[bool]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from daq.importing.block_stamps import Blocks, clock_of_blocks
 from daq.importing.errors import problem
 from daq.importing.quantisation import quantum, rounding
 from daq.importing.rounded_stamps import nominal_rate, rate_within_rounding
@@ -94,6 +95,9 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     slope, start, stray, rate_std = _line(index, time)
     coarse = bool(np.max(np.abs(time - start - slope * index)) < 1.1 * quantum(time))
     uneven = stray > EVEN * slope
+    blocks = clock_of_blocks(time) if stray > TOO_IRREGULAR * slope and not coarse else None
+    if blocks is not None:
+        return _of_blocks(column, unit, rows, blocks)
     if stray > TOO_IRREGULAR * slope and not resample and not coarse:
         worst = int(np.argmax(np.abs(time - start - slope * index)))
         raise problem(
@@ -130,6 +134,25 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         notes=tuple(notes),
         origin=float(column.values[np.isfinite(column.values)][0]) * unit.scale + start,
         coarse=coarse and uneven,
+    )
+
+
+def _of_blocks(column: SourceColumn, unit: Unit, rows: Index, blocks: Blocks) -> Timebase:
+    """Return the even clock of rows that were stamped in blocks."""
+    rate, rate_std = 1.0 / blocks.period, blocks.period_std / blocks.period**2
+    note = (
+        f"about {blocks.rows:.3g} rows share each time stamp: they were written in blocks, and a stamp is the time at which "
+        f"a block was read; even times were rebuilt at {_rate(rate, rate_std)}, as the blocks came (or give --rate)"
+    )
+    return Timebase(
+        rate=float(f"{rate:.13g}"),
+        rate_std=rate_std,
+        rows=rows,
+        index=np.arange(len(rows)),
+        count=len(rows),
+        notes=(note,),
+        origin=float(column.values[np.isfinite(column.values)][0]) * unit.scale + blocks.start,
+        coarse=True,
     )
 
 

@@ -127,6 +127,12 @@ class Confirmation:
         return any(curve.driven for curve in self.curves)
 
     @property
+    def span(self) -> float:
+        """Largest amplitude over the smallest, over all curves; infinite where there is none."""
+        sizes = [size for curve in self.curves for size in (curve.amplitude.max(), curve.amplitude.min())]
+        return float(max(sizes) / min(sizes)) if sizes else float("inf")
+
+    @property
     def mentioned(self) -> set[str]:
         """The names of all effects that explain something: confirmed ones, their rivals, and what is undecided."""
         named = {name for effect in self.effects for name in (effect.name, *effect.rivals)}

@@ -84,7 +84,8 @@ class IsolatedMode:
         )
 
     def curve(self, values: Array) -> DecayCurve:
-        """Return the curve of a reading of this record, measured or predicted, (n,)."""
+        """Return the curve of a reading of this record, measured or predicted, (n,); lost readings may be anything."""
+        values = np.where(np.isfinite(values), values, 0.0)  # no weight, but NaN times nothing is NaN
         found = np.array([_apply(o, f, values) for o, f in zip(self.operators, self.first, strict=True)])
         wave = found[:, 0] + 1j * found[:, 1]
         phase = np.angle(wave)

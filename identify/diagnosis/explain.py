@@ -20,6 +20,15 @@ from identify.fitting.fit import Fit
 from identify.fitting.model_error import motion_percent
 from identify.formatting import EXPLAINS_NOTHING, among, plain_name, quantity, share_words, three_figures
 
+_MOST_ALTERNATIVES = 4
+"""Alternatives that are listed; of more the rest is counted."""
+
+_NEARLY = 0.5
+"""Share of what the named effect takes away that another must take, where the model is at the floor without either."""
+
+_MOST_OF_IT = 0.9
+"""Share of what the model leaves that an effect explains where what is left, not the whole, has no name."""
+
 FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
 
@@ -49,7 +58,7 @@ def explain(
     if top is not None and top.confirmed is not None and confirmation is not None:
         return explain_confirmed(suspects, confirmation)
     if verdict == "unknown_effect" or top is None:
-        return _unknown(baseline, _best(baseline, suspects), shape, confirmation)
+        return _unknown(baseline, _best(baseline, suspects), shape, confirmation, suspects)
     if top.effect.name in {f.term.effect.name for f in findings}:
         return _corrected(baseline, top)
     first = _named(baseline, top, together, settled)
@@ -115,9 +124,10 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
         return f"This record does not tell it from {among([plain_name(name) for name in top.rivals], 'or')}. {shows}"
     tried = [s for s in others if not _is_corrected(s) and s.fit is not baseline.fit]
     tied = [s for s in tried if baseline.adequate(s.fit)]
+    if baseline.adequate(baseline.fit):
+        return f"{_beside_the_floor(baseline, top, tied)} {shows}"
     if tied:
-        each = "; ".join(_why_not(s) for s in tied)
-        return f"The floor would also be reached with {each}. {shows}"
+        return f"The floor would also be reached with {_listed(tied)}. {shows}"
     best = min(tried, key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else _explained(baseline, best)
     if best is None or share < EXPLAINS_NOTHING:
@@ -126,6 +136,20 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
         f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leaves "
         f"{three_figures(best.error_after)} times the noise. {shows}"
     )
+
+
+def _beside_the_floor(baseline: Baseline, top: Suspect, others: list[Suspect]) -> str:
+    """Return what else takes as much away where the model is at the floor as it stands."""
+    before = baseline.reduced(baseline.fit)
+    near = [s for s in others if before - s.error_after > _NEARLY * (before - top.error_after)]
+    also = f"; nearly as much of it is explained by {_listed(near)}" if near else ""
+    return f"The model is at the floor without it, too: what is named is small{also}."
+
+
+def _listed(suspects: list[Suspect]) -> str:
+    shown = [_why_not(s) for s in sorted(suspects, key=lambda s: s.error_after)[:_MOST_ALTERNATIVES]]
+    more = len(suspects) - len(shown)
+    return "; ".join([*shown, f"{more} more"] if more else shown)
 
 
 def _why_not(suspect: Suspect) -> str:
@@ -153,24 +177,46 @@ def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
 
 
 def _best(baseline: Baseline, suspects: tuple[Suspect, ...]) -> Suspect | None:
-    """Return the suspect that leaves least, where the first one explains more than chance would; None otherwise."""
+    """Return the suspect that leaves least with values that make sense, where the first one explains more than chance
+    would; None otherwise.
+    """
     if not suspects or not suspects[0].claimed:
         return None
-    tried = [s for s in suspects if not _is_corrected(s) and s.fit is not baseline.fit]
+    tried = [s for s in suspects if s.plausible and not _is_corrected(s) and s.fit is not baseline.fit]
     return min(tried, key=lambda s: s.error_after, default=suspects[0])
 
 
-def _unknown(
-    baseline: Baseline, best: Suspect | None, shape: NonparametricForce | None, foretold: Confirmation | None
-) -> str:
-    first = (
-        "Something is missing that the library does not name: the model leaves "
-        f"{_left(baseline, baseline.fit, baseline.reduced(baseline.fit))}"
-    )
+def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[Suspect, ...]) -> str:
+    """Return how much the model leaves and how much of it named effects explain, each alone."""
+    whole = _left(baseline, baseline.fit, baseline.reduced(baseline.fit))
+    floor = f"where the floor is {floor_of(baseline)}"
+    tried = [s for s in suspects if s.plausible and not _is_corrected(s) and s.effect.kind == "physics"]
+    most = sorted((s for s in tried if _explained(baseline, s) > _MOST_OF_IT), key=lambda s: s.error_after)
+    if best is not None and most:
+        names = [plain_name(s.effect.name) for s in most[:_MOST_ALTERNATIVES]]
+        if len(most) > len(names):
+            names.append(f"{len(most) - len(names)} more")
+        each = "alone explains" if len(names) == 1 else "each explain"
+        left = _left(baseline, most[0].fit, most[0].error_after)
+        return (
+            f"Something is missing: the model leaves {whole}. {among(names)[0].upper()}{among(names)[1:]} {each} more than "
+            f"{100.0 * _MOST_OF_IT:.0f} % of it; {left} is left at best, {floor}, and has no name."
+        )
+    first = f"Something is missing that the library does not name: the model leaves {whole}"
     if best is not None:
-        name, left = plain_name(best.effect.name), _left(baseline, best.fit, best.error_after)
-        first += f", and the best named effect, {name}, still {left}"
-    first += f", where the floor is {floor_of(baseline)}."
+        left = _left(baseline, best.fit, best.error_after)
+        first += f", and the best named effect, {plain_name(best.effect.name)}, still {left}"
+    return f"{first}, {floor}."
+
+
+def _unknown(
+    baseline: Baseline,
+    best: Suspect | None,
+    shape: NonparametricForce | None,
+    foretold: Confirmation | None,
+    suspects: tuple[Suspect, ...],
+) -> str:
+    first = _what_is_missing(baseline, best, suspects)
     if not baseline.floor_is_sure and foretold is None and baseline.decays[0].window.force is None:
         first += (
             " The record holds too few cycles for its large amplitudes to foretell its small ones, so no name is "

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from identify.curves.confirmation import Confirmation, ConfirmedEffect
+from identify.curves.confirmation import RANGE, Confirmation, ConfirmedEffect
 from identify.diagnosis.suspect import Suspect
 from identify.formatting import among, plain_name, quantity, three_figures
 
@@ -45,6 +45,13 @@ def explain_unconfirmed(found: Confirmation) -> str:
     others = "the other" if found.parts == 2 else "all the others"
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
     words = [f"The model leaves {size} % of the motion when it foretells {basis}."]
+    if found.span < RANGE:
+        words.append(
+            f"Its amplitudes differ by a factor of {found.span:.2g} only; laws of the amplitude can be told from "
+            f"{RANGE:g} on, so none was asked and none is named. Record until less is left, or add a release of another "
+            "size."
+        )
+        return " ".join(words)
     undecided = _undecided(found)
     words += undecided or ["No effect of the library foretells more of it, so none is named."]
     return " ".join(words)

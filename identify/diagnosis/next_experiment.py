@@ -76,7 +76,7 @@ def _amplitude(baseline: Baseline) -> tuple[float, str]:
     prepared = max(baseline.decays, key=lambda s: s.amplitude)
     side = float(np.sign(prepared.motion.displacement[0])) or 1.0
     unit = prepared.window.unit
-    scale, name = (1e3, "mm") if unit == "m" else (1.0, unit)
+    scale, name = (1e3, "mm") if unit == "m" and prepared.amplitude < 1.0 else (1.0, unit)
     return scale * side * prepared.amplitude, name
 
 

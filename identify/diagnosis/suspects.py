@@ -9,7 +9,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.diagnosis.linear_gain import Slope, worth_a_fit
-from identify.diagnosis.weak_presence import states_of_term, with_fault
+from identify.diagnosis.weak_presence import probes, states_of_term, with_fault
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
 from identify.fitting.block_jacobian import BlockJacobian
@@ -42,6 +42,12 @@ _BEHIND = 2.0
 """Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
 
 _FAR_OFF = 100.0
+_ASTRAY = 1.1
+"""Multiple of chi-square without a term above which its first steps have led away, and it is begun from hardly there."""
+
+_HARDLY = 1e-6
+"""Share of the acceleration that a force has where it is hardly there."""
+
 _IMPLAUSIBLE = 10.0
 
 
@@ -180,7 +186,30 @@ def _begin(
         )
         if best is None or found.cost < best.cost:
             best = _Beginning(term, problem, found.theta, found.cost)
+    if best is not None and best.cost <= _ASTRAY * base.chi_square:
+        return best
+    for theta in _from_base(decays, base, problem, term, scales):
+        found = minimise(problem, theta, steps=_FIRST_STEPS, tolerance=1.0, held=inner, goal=goal)
+        if best is None or found.cost < best.cost:
+            best = _Beginning(term, problem, found.theta, found.cost)
     return best
+
+
+def _from_base(
+    decays: tuple[PreparedDecay, ...], base: Fit, problem: Problem, term: Term, scales: Scales
+) -> list[Array]:
+    """Return points at which a force is hardly there and all else is as without it: no model need lose to its own part.
+
+    The equation error may give a start from which a force lets the motion run away.
+    """
+    if not term.is_force:
+        return []
+    points = [
+        np.clip(point, problem.low, problem.high)
+        for start in term_starts(term, scales)[:_STARTS]
+        for point in probes(decays, base, problem, term, start, _HARDLY)[:1]
+    ]
+    return [point for point in points if np.isfinite(problem.residuals(point)).all()]
 
 
 def _nearer(problem: Problem, start: dict[str, float], base: Fit) -> Array:

@@ -30,6 +30,9 @@ SUDDEN_SHARE = 0.01
 SUDDEN_WAIT = 0.25
 """Share of a period after which a sudden release is over."""
 
+LONG_LOSS = 0.33
+"""Share of a cycle from which on lost samples are a hole in the running amplitude; shorter ones are bridged."""
+
 POINTS_PER_PERIOD = 48
 """The coarse search looks at block means of about this many samples a period."""
 
@@ -59,6 +62,7 @@ class _Channel(NamedTuple):
     values: Array
     derivative: int
     noise: float
+    lost: Mask
 
 
 class _Burst(NamedTuple):
@@ -123,8 +127,7 @@ def _search(
     bursts = _bursts(lead, period)
     if not bursts:
         raise NotIdentifiable(
-            too_coarse(lead.values, rate, lead.derivative)
-            or "Nothing in the record oscillates above its noise: check the channel, or release from further away."
+            too_coarse(lead.values, rate, lead.derivative) or _no_ringing(lead, frequency, period)
         )
     return [
         (burst.amplitude, _release(rate, channels, period, burst, i, bursts))
@@ -139,7 +142,7 @@ def _channels(given: tuple[Array | None, Array | None, Array | None], valid: Mas
             continue
         known = np.isfinite(values) if valid is None else np.isfinite(values) & valid
         clean = _without_spikes(bridge(np.asarray(values, dtype=float), known))
-        channels.append(_Channel(clean, derivative, floor_above_motion(clean, known).std))
+        channels.append(_Channel(clean, derivative, floor_above_motion(clean, known).std, ~known))
     if not channels:
         raise ValueError("a release needs a displacement, a velocity or an acceleration")
     return channels
@@ -165,8 +168,8 @@ def _bursts(lead: _Channel, period: float) -> list[_Burst]:
     step = max(1, round(period / POINTS_PER_PERIOD))
     coarse = _coarse(lead, step, period)
     turn = period / step
-    amplitude = running_amplitude(coarse, max(4, round(turn)))
     n, lap = len(coarse), max(4, round(turn))
+    amplitude = _over_gaps(running_amplitude(coarse, lap), lead.lost, step, lap)
     floor = max(6.0 * lead.noise / np.sqrt(step * turn), 0.05 * float(amplitude.max()))
     bursts: list[_Burst] = []
     position = 0
@@ -190,6 +193,35 @@ def _bursts(lead: _Channel, period: float) -> list[_Burst]:
         )
         position = max(stop, peak + 1)
     return bursts
+
+
+def _no_ringing(lead: _Channel, frequency: float, period: float) -> str:
+    """Return why a record has no burst: nothing stands above the noise, or what does is over at once."""
+    amplitude = running_amplitude(lead.values, max(4, round(period)))
+    if amplitude.max() > 6.0 * lead.noise / np.sqrt(period):
+        return (
+            f"What moves at the strongest frequency, {frequency:.3g} Hz, is over within two cycles: a push, or a motion too "
+            "strongly damped, or one that changes its frequency as it falls. Leave a push out, or release from less far."
+        )
+    return (
+        "Nothing in the record oscillates above its noise: check the channel, or release from further away."
+    )
+
+
+def _over_gaps(amplitude: Array, lost: Mask, step: int, lap: int) -> Array:
+    """Return a running amplitude with a straight line over long losses: it sees none of the motion in there.
+
+    Of blocks of `step` samples; a loss is long from a third of a cycle (`lap` blocks), and is seen one cycle away.
+    """
+    blocks = _block_means(lost.astype(float), step)[: len(amplitude)] > 0.5
+    unseen = np.zeros(len(amplitude), dtype=bool)
+    for begin, end in _runs(blocks):
+        if end - begin > LONG_LOSS * lap:
+            unseen[max(begin - lap, 0) : end + lap] = True
+    if not unseen.any() or unseen.all():
+        return amplitude
+    place = np.arange(len(amplitude))
+    return np.where(unseen, np.interp(place, place[~unseen], amplitude[~unseen]), amplitude)
 
 
 def _where_it_ends(amplitude: Array, peak: int, floor: float, lap: int) -> int:

@@ -45,6 +45,7 @@ STIFFNESS_ORDERS = ((1,), (1, 3), (1, 3, 5))
 _CHANGES_OF_MODEL = 3  # the orders may be chosen again once the chosen model's bias has been taken off
 _FALL = 0.85  # of the lower order's misfit, where the higher one leaves hardly more than noise
 _KNEE = 0.3  # where it leaves more than noise: the knee of fig. 3
+_LOST = 100.0  # misfit of the envelope, %, above which a constant one would be better: the rounds went astray
 _TRUSTED = 0.9  # share of the window that must hold samples
 
 
@@ -117,7 +118,8 @@ def _with_orders(
 ) -> tuple[RidgeFit, tuple[float, ...], tuple[str, str]]:
     """Return the fit with the orders that it asks for, the misfit of every damping order, and why they were chosen.
 
-    Orders with which the motion would run away are not tried again: first those of stiffness, then those of damping.
+    Orders with which the motion would run away, or that no rounds settle, are not tried again: first those of stiffness,
+    then those of damping.
     """
     fit, refused = begun, "" if tried == STIFFNESS_ORDERS else ": with one the motion would run away"
     for _ in range(_CHANGES_OF_MODEL):
@@ -131,7 +133,10 @@ def _with_orders(
             fit, envelope_fit=trials[order], phase_fit=backbones[best], stiffness_orders=tried[best]
         )
         try:
-            fit = settle(observed, changed)
+            settled = settle(observed, changed)
+            if (best or order) and settled.envelope_fit.mse_percent > _LOST:
+                raise RunsAway
+            fit = settled
         except RunsAway:
             if not best and not order:
                 raise

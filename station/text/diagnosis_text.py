@@ -157,16 +157,17 @@ def shown_suspects(document: DiagnosisDocument) -> list[SuspectDocument]:
 def in_order(document: DiagnosisDocument) -> list[SuspectDocument]:
     """Return the suspects as they are shown: what is named, then its rivals, then by what each would explain.
 
-    Where curves were asked, what they foretell decides, and the diagnosis' own order stays.
+    Those with values that make no sense, as hum at the motion's own frequency, come last. Where curves were asked, what
+    they foretell decides, and the diagnosis' own order stays.
     """
     if document.confirmation is not None:
         return list(document.suspects)
 
-    def place(suspect: SuspectDocument) -> tuple[int, float]:
+    def place(suspect: SuspectDocument) -> tuple[int, bool, float]:
         if suspect.effect in document.named:
-            return document.named.index(suspect.effect), 0.0
+            return document.named.index(suspect.effect), False, 0.0
         left = suspect.error_after if suspect.error_after is not None else math.inf
-        return len(document.named) + (suspect.effect not in document.rivals), left
+        return len(document.named) + (suspect.effect not in document.rivals), not suspect.plausible, left
 
     return sorted(document.suspects, key=place)
 

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 import identify
 from identify.curves.amplitude_curve import scatter
 from identify.curves.fitted_law import rival_law, usual_law
+from identify.curves.isolated_mode import IsolatedMode
 from identify.effects.library import find_effect
 from identify.model.model import Term
 from mocks.generate import draw
@@ -108,6 +109,21 @@ def test_the_band_is_the_standard_error_of_independent_values():
     found = [np.sqrt(np.mean(scatter(row) ** 2)) for row in values]
     assert np.mean(found) == pytest.approx(1.0, rel=0.03)
     assert np.isnan(scatter(np.ones(3))).all()
+
+
+def test_what_stands_where_readings_were_lost_does_not_matter():
+    time = np.arange(round(12.0 * RATE)) / RATE
+    u = exponential(time, 2.0, 0.02, 0.12)[0] + 5e-6 * np.random.default_rng(1).standard_normal(len(time))
+    valid = np.ones(len(time), dtype=bool)
+    valid[900:960] = False
+    window = identify.prepare(identify.FreeDecay(RATE, displacement=u, valid=valid)).window
+    mode, lost = IsolatedMode.of(window), ~window.used["displacement"]
+    reading = np.array(window.readings["displacement"])
+    curves = [mode.curve(np.where(lost, filler, reading)) for filler in (np.nan, 0.3)]
+    for name in ("amplitude", "phase", "centre"):
+        empty, wrong = (getattr(curve, name) for curve in curves)
+        assert np.isfinite(empty).all()
+        np.testing.assert_allclose(empty, wrong, rtol=1e-9, atol=1e-12)
 
 
 def test_too_short_a_release_is_left_out_and_none_at_all_refused():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import find_effect
@@ -33,3 +34,33 @@ def test_what_is_left_is_said_in_percent_of_the_motion_where_the_floor_is_a_gues
     assert short.verdict == "unknown_effect"
     assert "% of the motion (" in short.explanation
     assert "too few cycles for its large amplitudes to foretell its small ones" in short.explanation
+
+
+def pendulum() -> FreeDecay:
+    """A filmed pendulum let go at 1.4 rad, viscous and dry losses, eight cycles at 30 frames/s."""
+    time = np.arange(360) / 30.0
+
+    def rates(_, y):
+        return [y[1], -0.04 * y[1] - 0.3 * np.tanh(y[1] / 0.01) - 17.0 * np.sin(y[0])]
+
+    u = solve_ivp(rates, (0.0, 12.0), [1.4, 0.0], t_eval=time, rtol=1e-8, atol=1e-10).y[0]
+    return FreeDecay(30.0, displacement=u + 2e-3 * np.random.default_rng(1).standard_normal(360), unit="rad")
+
+
+def test_effects_that_each_explain_nearly_all_are_said_and_only_the_rest_has_no_name():
+    library = tuple(find_effect(name) for name in ("quintic_stiffness", "settling_stiffness", "hysteresis"))
+    found = diagnose(pendulum(), library=library)
+    assert found.verdict == "unknown_effect"
+    assert "ettling stiffness and quintic stiffness each explain more than 90 % of it" in found.explanation
+    assert "does not name" not in found.explanation
+
+
+def test_what_is_named_at_the_floor_is_said_to_be_small_and_not_held_against_the_whole_library():
+    rng, time = np.random.default_rng(2), np.arange(800) / 50.0
+    u = 0.3 * np.exp(-0.05 * time) * np.cos(2 * np.pi * 0.95 * time) + 2.5e-3 * rng.standard_normal(800)
+    u += 1.3e-3 * np.sin(2 * np.pi * 23.15 * time)
+    names = ("mains_hum", "harmonic_forcing", "cubic_stiffness", "quadratic_damping")
+    found = diagnose(FreeDecay(50.0, displacement=u), library=tuple(find_effect(name) for name in names))
+    assert found.verdict == "sensor_fault"
+    assert "at the floor without it, too: what is named is small" in found.explanation
+    assert "cubic stiffness" not in found.explanation

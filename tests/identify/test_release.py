@@ -106,6 +106,35 @@ def test_lost_samples_are_not_looked_at() -> None:
     assert abs(found.time_s - sample.truth["released_at_s"] - sample.truth["displacement_late_s"]) < 1 / 256
 
 
+@pytest.mark.parametrize("lost", [20, 34, 60])
+def test_a_camera_that_loses_the_bob_for_a_while_makes_no_second_release(lost: int) -> None:
+    time = np.arange(900) / 30.0
+    u = 0.5 * np.exp(-0.01 * time) * np.cos(2 * np.pi * 0.9 * time)
+    u += 1e-3 * np.random.default_rng(1).standard_normal(900)
+    valid = np.ones(900, dtype=bool)
+    valid[300 : 300 + lost] = valid[600:615] = False
+    assert len(find_releases(30.0, displacement=np.where(valid, u, np.nan), valid=valid)) == 1
+
+
+def test_a_release_during_a_loss_is_still_a_second_one() -> None:
+    time = np.arange(900) / 30.0
+    again = time > 15.0
+    u = 0.5 * np.exp(-0.15 * np.where(again, time - 15.0, time)) * np.cos(2 * np.pi * 0.9 * time)
+    u += 1e-3 * np.random.default_rng(1).standard_normal(900)
+    valid = np.abs(time - 15.0) > 0.5
+    assert len(find_releases(30.0, displacement=np.where(valid, u, np.nan), valid=valid)) == 2
+
+
+def test_a_motion_that_is_over_at_once_is_not_called_silence() -> None:
+    time = np.arange(2000) / 100.0 - 6.0
+    u = np.exp(-2.5 * np.maximum(time, 0.0)) * np.sin(2 * np.pi * np.maximum(time, 0.0))
+    u = u + 1e-3 * np.random.default_rng(5).standard_normal(2000)
+    with pytest.raises(NotIdentifiable, match="over within two cycles"):
+        find_release(100.0, acceleration=u)
+    with pytest.raises(NotIdentifiable, match="above its noise"):
+        find_release(100.0, acceleration=1e-3 * np.random.default_rng(5).standard_normal(2000))
+
+
 def test_a_record_that_begins_in_mid_decay_says_so() -> None:
     u, _, a = exponential(np.arange(1000) / 256 + 0.2, 3.944)
     for channels in ({"displacement": u, "acceleration": a}, {"displacement": u}, {"acceleration": a}):

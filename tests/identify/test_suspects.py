@@ -1,8 +1,11 @@
 from functools import cache
 
+import numpy as np
 import pytest
+from decays_in_closed_form import exponential
 from releases import drawn
 
+import identify
 from identify.diagnosis.suspects import candidate_terms, residual_lines, try_terms
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
@@ -78,3 +81,15 @@ def test_one_term_alone_comes_to_what_it_came_to_among_others():
     assert alone.fit.chi_square == pytest.approx(
         among.fit.chi_square, abs=0.05
     )  # where a descent stops: 0.02
+
+
+def test_no_force_is_left_with_more_than_the_model_without_it_leaves():
+    """Noise of a twentieth of the amplitude: the equation error sees springs from which the motion runs away."""
+    time = np.arange(390) / 30.0
+    u = exponential(time, 0.9, 0.75, 0.025)[0] + 0.04 * np.random.default_rng(0).standard_normal(390)
+    prepared = identify.prepare(identify.FreeDecay(30.0, displacement=u, unit="rad"))
+    start = fit_baseline((prepared,), base_model())
+    terms = tuple(Term(find_effect(n)) for n in ("pendulum_stiffness", "quintic_stiffness"))
+    tried = try_terms((prepared,), start.fit, terms)
+    assert len(tried) == 2
+    assert all(candidate.fit.chi_square < 1.01 * start.fit.chi_square for candidate in tried)

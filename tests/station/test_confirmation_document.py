@@ -10,6 +10,7 @@ from rich.console import Console
 
 from identify.curves.confirmation import Confirmation, ConfirmedEffect
 from identify.curves.curve_regression import MotionError, Strengths
+from identify.curves.decay_curve import DecayCurve
 from identify.curves.held_out import HeldOut
 from identify.diagnosis.explain_prediction import explain_unconfirmed
 from identify.effects.library import find_effect
@@ -190,6 +191,16 @@ def test_what_leads_too_seldom_is_told_with_how_often_each_leads():
         in told
     )
     assert confirmation_document(found, NAMES).unstable == {"loss": leads}
+
+
+def test_amplitudes_too_alike_to_ask_any_law_are_said_to_be():
+    time = np.arange(6.0)
+    flat = np.linspace(1.0, 0.6, 6)
+    curve = DecayCurve(time, flat, 6.0 * time, 0.0 * time, 0.0 * time)
+    told = explain_unconfirmed(replace(confirmation(effects=False), curves=(curve,)))
+    assert "differ by a factor of 1.7 only" in told
+    assert "none was asked" in told
+    assert "No effect of the library" not in told
 
 
 def test_a_confirmed_effect_says_in_how_many_resamplings_it_leads():

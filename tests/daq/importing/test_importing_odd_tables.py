@@ -250,3 +250,27 @@ def test_json_with_null_loses_a_sample_and_json_without_numbers_is_refused(tmp_p
     assert np.flatnonzero(~recording.valid).tolist() == [7]
     assert "holds no table of numbers" in refusal(tmp_path, '{"a": [1, 2], "b": "text"}', "a.json")
     assert "cannot be read" in refusal(tmp_path, '{"a": [1, 2', "a.json")
+
+
+def test_a_plots_x_that_rises_evenly_is_the_time_and_y_the_motion(tmp_path: Path) -> None:
+    t, u, _, _ = swing(150, 12.0)
+    noise = np.full(150, 0.004)
+    recording = load(tmp_path, table("X,Y,X',Y'", np.round(t, 3), u, noise, noise))
+    assert recording.rate == pytest.approx(12.0, rel=1e-4)
+    np.testing.assert_allclose(recording.samples[0], u, rtol=1e-7)
+    assert "rise evenly" in said(recording)
+
+
+def test_an_x_that_swings_is_still_a_motion(tmp_path: Path) -> None:
+    _, u, _, _ = swing(150)
+    recording = load(tmp_path, table("x,n", u, np.ones(150)), rate=100.0)
+    np.testing.assert_allclose(recording.samples[0], u, rtol=1e-7)
+
+
+def test_with_a_rate_it_does_not_matter_which_of_two_columns_is_the_time(tmp_path: Path) -> None:
+    t, u, _, _ = swing(150)
+    text = table("Timestamp,Time_Elapsed(s),Angle(deg)", t + 1e5, t, u * 100.0)
+    assert "--column 'time=" in refusal(tmp_path, text) or "--column time=" in refusal(tmp_path, text)
+    recording = load(tmp_path, text, rate=100.0)
+    assert recording.rate == 100.0
+    np.testing.assert_allclose(recording.samples[0], np.radians(u * 100.0), rtol=1e-7)

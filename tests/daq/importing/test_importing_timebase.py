@@ -172,3 +172,31 @@ def test_stamps_that_hardly_advance_are_refused(tmp_path: Path, step: float) -> 
 def test_stamps_written_twice_that_hardly_advance_are_refused(tmp_path: Path, step: float) -> None:
     rows = "\n".join(f"{(i // 2) * step!r},{u:.9f}" for i, u in enumerate(U[:40]))
     assert refusal(tmp_path, f"time_s,displacement_m\n{rows}\n")
+
+
+def in_blocks(rows: int, rate: float, seed: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    """Return stamps of rows that a program read in blocks of 8 to 24, some ms late, and the rows' own times."""
+    rng = np.random.default_rng(seed)
+    at, stamps = np.arange(rows) / rate, np.empty(rows)
+    first = 0
+    while first < rows:
+        last = min(first + int(rng.integers(8, 25)), rows)
+        stamps[first:last] = round(at[last - 1] + rng.uniform(0.0, 0.01), 3)
+        first = last
+    return stamps, at
+
+
+def test_rows_that_share_the_stamp_of_their_block_get_an_even_clock(tmp_path: Path) -> None:
+    stamps, at = in_blocks(2000, 250.0)
+    recording = load(tmp_path, table(HEADER, stamps, moved(at)))
+    assert recording.samples.shape[1] == 2000
+    assert recording.rate_std is not None
+    assert 0.0 < recording.rate_std < 0.5
+    assert abs(recording.rate - 250.0) < 4.0 * recording.rate_std  # lateness is uniform, not normal
+    assert "blocks" in said(recording)
+
+
+def test_blocks_that_follow_no_clock_are_refused(tmp_path: Path) -> None:
+    stamps, at = in_blocks(600, 250.0)
+    stopped = stamps + 3.0 * (at > 1.2)  # the logger stood still for 3 s
+    assert "stray" in refusal(tmp_path, table(HEADER, stopped, moved(at)))
