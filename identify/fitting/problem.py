@@ -73,7 +73,7 @@ class Problem:
                 self._fastest_rate(table, window.rate),
                 window.rate,
                 nonsmooth=self.system.nonsmooth,
-                coarse=self.coarse,
+                coarse=self.coarse and not self.system.is_stiff,
             ),
             time=window.time,
             lag=float(lag),

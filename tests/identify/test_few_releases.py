@@ -29,7 +29,7 @@ def test_the_largest_and_the_smallest_amplitude_are_searched_and_all_are_fitted_
     whole = fit_baseline(decays, base_model())
     tried = singles(whole, (find_effect("cubic_stiffness"), find_effect("clipping")))
     few = FewReleases.of(whole, tried)
-    assert [round(1e3 * d.amplitude) for d in few.baseline.decays] == [24, 6]
+    assert few.places == (1, 2)
     assert len(few.baseline.fit.windows) == 2
     by_name = {c.name: c for c in few.tried}
     assert by_name.keys() == {c.name for c in tried}
