@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.free_exponent import families
+from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.off_the_floor import by_curves, if_foretold
 from identify.diagnosis.ranking import Ranked
@@ -31,9 +32,25 @@ def judge(
     """Return what is to be said: of nothing claimed, of one effect that reaches the floor, of two, or of no name.
 
     Where the floor is not reached, or could only be guessed, chi-square names nothing: `foretell` is asked what the
-    curves of the decay confirm.
+    curves of the decay confirm. There a line of a sensor is allowed for beside a force.
     """
     faulty = any(fault.significant for fault in faults)
+    beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
+    if beside is not None:
+        judged = _judged(beside.baseline, beside.ranked, faulty, library, foretell)
+        if judged.verdict == "missing_effect":
+            return beside.named_with(judged)
+    return _judged(baseline, ranked, faulty, library, foretell)
+
+
+def _judged(
+    baseline: Baseline,
+    ranked: tuple[Ranked, ...],
+    faulty: bool,
+    library: tuple[Effect, ...],
+    foretell: Callable[[], Confirmation | None],
+) -> Judgement:
+    """Return what is to be said of a model as it is."""
     top = ranked[0] if ranked else None
     if top is None or not top.claimed:
         return _without_claim(baseline, ranked, faulty, foretell)

@@ -50,7 +50,14 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
     open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
     clear = best.term.effect.kind != "physics" or _is_clear(best.fit, best.term)
-    if best.name in found.names or (open_to_it and clear and not found.effects):
+    rivals = (
+        found.effects[0].rivals if len(found.effects) == 1 else ()
+    )  # which the curves do not tell from it
+    if (
+        best.name in found.names
+        or (clear and best.name in rivals)
+        or (open_to_it and clear and not found.effects)
+    ):
         return replace(alone, confirmation=found)
     return by_curves(baseline, alone.ranked, found, best.fit)
 

@@ -49,6 +49,15 @@ def common_lines(fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
     return found
 
 
+def may_be_hum(fit: Fit, channel: str, f: float) -> bool:
+    """Whether a line (Hz) of one channel's residuals stands off the motion's harmonics and lasts to the end of each window.
+
+    One that dies away with the motion is another mode.
+    """
+    lasts = (not _dies(fit, i, channel, f) for i in range(len(fit.windows)))
+    return _stands_off(f, fit.frequency / (2.0 * np.pi)) and all(lasts)
+
+
 def _shared(low: dict[float, float], high: dict[float, float], width: float) -> list[float]:
     """Return the frequencies of lines that two channels have, each as the channel in which it is clearer gives it."""
     found = []
@@ -109,7 +118,10 @@ def _lines(fit: Fit, i: int, channel: str) -> dict[float, float]:
     return {
         f: amplitude / error
         for f, amplitude, _ in strongest_lines(residual, window.rate, window.time, _LINES)
-        if amplitude > _CLEAR * error
-        and f > _ABOVE * own
-        and (f > _HIGHEST * own or abs(f / own - round(f / own)) > _OFF_HARMONICS)
+        if amplitude > _CLEAR * error and _stands_off(f, own)
     }
+
+
+def _stands_off(f: float, own: float) -> bool:
+    """Whether a line (Hz) lies above a motion's own frequency (Hz) and off its harmonics."""
+    return f > _ABOVE * own and (f > _HIGHEST * own or abs(f / own - round(f / own)) > _OFF_HARMONICS)
