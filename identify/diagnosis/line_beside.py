@@ -1,8 +1,8 @@
 """A sensor's line beside a force: hum that keeps a force from a floor that could only be guessed.
 
 Hum that stands between the harmonics has nothing to do with the motion, but it fills the misfit that a force must bring
-down to the floor. So what the best force leaves is asked for a line of a sensor. If there is one, the model gets it, and
-all suspects are tried again beside it.
+down to the floor. So what the best force leaves is asked for a line of a sensor. If there is one, the model gets it, noise
+is seen again in what both leave, and all suspects are tried again.
 """
 
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from identify.diagnosis.ranking import Ranked, alpha, rank
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
-from identify.fitting.baseline import Baseline, refit_at_floor
+from identify.fitting.baseline import Baseline, with_noise_beside
 from identify.fitting.common_lines import may_be_hum
 from identify.fitting.fit import fit
 from identify.fitting.misfit_errors import misfit_density
@@ -54,9 +54,8 @@ def line_beside(
     best = line.candidate
     model = baseline.fit.model.plus(best.term)
     begun = best.fit.point | baseline.fit.point
-    beside = refit_at_floor(
-        baseline.decays, fit(model, baseline.fit.windows, begun, baseline.fit.frequency, near=True)
-    )
+    usual = fit(model, baseline.fit.windows, begun, baseline.fit.frequency, near=True)
+    beside = with_noise_beside(replace(baseline, fit=usual), best.fit)
     names = {entry.candidate.name for entry in ranked} - {best.name}
     tried = tuple(effect for effect in library if effect.name in names)
     return LineBeside(line, beside, rank(beside, singles(beside, tried), chances(beside, tried)))
