@@ -86,6 +86,7 @@ class CurveRegression:
         self.low = np.array([law.term.effect.strength.low for law in laws])
         self.designs = tuple(self._design(curve) for curve in curves)
         self.measured = tuple(self.rows_of(curve) for curve in curves)
+        self._rights: dict[tuple[int, Rows], Array] = {}
 
     def rows_of(self, curve: DecayCurve) -> Rows:
         """Return what a curve shows, as rows."""
@@ -150,7 +151,11 @@ class CurveRegression:
         return tuple(self._stack(i) for i in range(len(self.curves)))
 
     def _right(self, release: int, rows: Rows) -> Array:
-        return self._cross(release, self._whitened(release, rows.loss, rows.stiffness, rows.centre))
+        """Return the products of all columns with some rows; every set of laws is tried on the same few rows."""
+        if (release, rows) not in self._rights:
+            whitened = self._whitened(release, rows.loss, rows.stiffness, rows.centre)
+            self._rights[release, rows] = self._cross(release, whitened)
+        return self._rights[release, rows]
 
     def solve(
         self,
@@ -204,7 +209,7 @@ class CurveRegression:
             normal[np.ix_(place, place)] += g[np.ix_(pick, pick)]
             aim[place] += h[pick]
             for j, o in zip(loose, own, strict=True):
-                normal[o, o] += self._scatter(i) / self._varies(columns[j]) ** 2
+                normal[o, o] += self._scatters[i] / self._varies(columns[j]) ** 2
         scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
         scaled = normal / np.outer(scale, scale) + _RIDGE * np.eye(count)
         found = np.linalg.solve(scaled, aim / scale) / scale
@@ -220,7 +225,11 @@ class CurveRegression:
             return _STIFFNESS_VARIES * self.frequency**2
         return _DAMPING_VARIES * self.typical_loss
 
-    def _scatter(self, release: int) -> float:
+    @cached_property
+    def _scatters(self) -> tuple[float, ...]:
+        return tuple(self._scatter_of(i) for i in range(len(self.curves)))
+
+    def _scatter_of(self, release: int) -> float:
         """Variance of a weighted row: that of the measured loss about a smooth line, by second differences."""
         loss = self.measured[release].loss * self._weighted(release)[0]
         if len(loss) < 4:
@@ -234,7 +243,7 @@ class CurveRegression:
         held = np.where(self.linear[at], 0.0, strengths.shared)
         g, h = self._normal[release][np.ix_(at, at)], self._right(release, rows)[at]
         values = held.copy()
-        prior = [self._scatter(release) / self._varies(strengths.columns[j]) ** 2 for j in free]
+        prior = [self._scatters[release] / self._varies(strengths.columns[j]) ** 2 for j in free]
         normal = g[np.ix_(free, free)] + np.diag(prior)
         aim = (h - g @ held)[free] + np.array(prior) * strengths.shared[free]
         values[free] = np.linalg.solve(normal, aim)

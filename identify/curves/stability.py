@@ -39,7 +39,7 @@ class _Drawn(CurveRegression):
 
     def __init__(self, whole: "_Contest", counts: Sequence[Array]) -> None:
         vars(self).update(vars(whole))
-        self.scatters, self.sides, self.counts = whole.scatters, whole.sides, tuple(counts)
+        self.sides, self.counts = whole.sides, tuple(counts)
         vars(self).pop("_normal", None)
         self.each = tuple(np.concatenate([c[1:], c[1:], c]) for c in counts)
 
@@ -48,9 +48,6 @@ class _Drawn(CurveRegression):
 
     def _right(self, release: int, rows: Rows) -> Array:
         return self._cross(release, self.sides[rows])
-
-    def _scatter(self, release: int) -> float:
-        return self.scatters[release]
 
     def _counted(self, release: int) -> Array:
         power = self.counts[release] * self.curves[release].amplitude ** 2
@@ -63,13 +60,12 @@ class _Contest(CurveRegression):
     def __init__(self, of: CurveRegression, used: Sequence[int], rows: Iterable[Sequence[Rows]]) -> None:
         super().__init__(of.curves, [of.laws[c] for c in used], of.frequency)
         self.place = {column: at for at, column in enumerate(used)}
-        self.scatters = [self._scatter(i) for i in range(len(self.curves))]
         self.sides = {
             one: self._whitened(i, one.loss, one.stiffness, one.centre)
             for several in rows
             for i, one in enumerate(several)
         }
-        assert len(self._stack_of) == len(self.curves)  # made here, once for all drawings
+        assert len(self._stack_of) == len(self._scatters)  # made here, once for all drawings
 
 
 def drawn(

@@ -4,8 +4,10 @@ Here where the floor is reached or sure; off it in `off_the_floor`. What each ca
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
+from identify.diagnosis.few_releases import FewReleases
 from identify.diagnosis.free_exponent import families
 from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.nonparametric_force import NonparametricForce
@@ -87,23 +89,27 @@ def _beyond_one(
 ) -> Judgement:
     """Judge where no single effect reaches the floor: a law between the names, two or three together, or the curves.
 
-    More than one effect is fitted to chi-square only where the floor is sure: two follow any guess of it.
+    Of many releases a few are searched, and all judge what was found. More than one effect is fitted to chi-square only
+    where the floor is sure: two follow any guess of it.
     """
     best = ranked[0].candidate
     if not baseline.floor_is_sure:
         return by_curves(baseline, ranked, foretell(), best.fit)
-    alike = _by_family(baseline, ranked)
+    few = FewReleases.of(baseline, tuple(entry.candidate for entry in ranked))
+    alike = _by_family(few, ranked)
     if alike is not None:
         return alike
-    two = pairs(baseline, tuple(entry.candidate for entry in ranked), library)
-    better = two and two[0].plausible and two[0].second.score < best.score
-    together = two[0] if better else None
+    two = next((pair for pair in pairs(few.baseline, few.tried, library) if pair.plausible), None)
+    together = None if two is None else Pair(two.first, few.candidate_on_all(two.second))
+    if together is not None and together.second.score >= best.score:
+        together = None
     if together is not None and baseline.adequate(together.second.fit):
         return _of_pair(ranked, together, None)
+    three = triple(few.baseline, library, few.tried[0].fit if two is None else two.second.fit)
+    whole = None if three is None else few.on_all(three.fit)
+    if three is not None and whole is not None and baseline.adequate(whole):
+        return _of_three(ranked, replace(three, fit=whole))
     final = best.fit if together is None else together.second.fit
-    three = triple(baseline, library, final)
-    if three is not None:
-        return _of_three(ranked, three)
     return by_curves(baseline, ranked, foretell(), final)
 
 
@@ -124,11 +130,12 @@ def _of_three(ranked: tuple[Ranked, ...], three: Triple) -> Judgement:
     return Judgement(verdict_of(first.candidate), (first, *rest), three.fit, others)
 
 
-def _by_family(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
+def _by_family(few: FewReleases, ranked: tuple[Ranked, ...]) -> Judgement | None:
     """Return the judgement of a law with a free exponent that reaches the floor where no named effect does."""
-    tried = tuple(entry.candidate for entry in ranked)
-    best = next((c for c in families(baseline, tried) if c.plausible and baseline.adequate(c.fit)), None)
-    if best is None:
+    found = families(few.baseline, few.tried)
+    near = next((c for c in found if c.plausible and few.baseline.adequate(c.fit)), None)
+    best = None if near is None else few.candidate_on_all(near)
+    if best is None or not best.plausible or not few.whole.adequate(best.fit):
         return None
     entry = Ranked(best, 0.5 * best.gain, float("nan"), True)
     return Judgement("missing_effect", (entry, *ranked), best.fit)

@@ -102,7 +102,7 @@ def _changes(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scales
     base = slope.base
     if _left(term, base) >= 1.0:
         return []
-    problem = Problem(base.model.plus(term), base.windows, base.frequency)
+    problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=True)
     changes = []
     for start in term_starts(term, scales, fine=True):
         if term.is_force:

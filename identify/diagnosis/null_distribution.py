@@ -152,8 +152,8 @@ def _surprise(draws: Array, values: Array, slope: float = 0.5) -> Array:
 def _column_drops(
     decays: tuple[PreparedDecay, ...], base: Fit, term: Term, scales: Scales, tangent: Tangent, noise: Array
 ) -> Array:
-    problem = Problem(base.model.plus(term), base.windows, base.frequency)
-    before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
+    problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=True)
+    before = Problem(base.model, base.windows, base.frequency, coarse=True).residuals(base.theta)
     rows = rows_of(base.windows)
     best, one_sided = np.zeros(noise.shape[1]), term.effect.one_sided
     single: list[Array] = []

@@ -1,7 +1,6 @@
 """Suspects: every effect that the model lacks, refitted in turn."""
 
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import TypeVar
@@ -14,7 +13,7 @@ from identify.diagnosis.weak_presence import states_of_term, with_fault
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
 from identify.fitting.block_jacobian import BlockJacobian
-from identify.fitting.fit import Fit, fit, fit_at
+from identify.fitting.fit import FAR_OFF, Fit, fit, fit_at
 from identify.fitting.initial_values import (
     initial_values,
     inner_values,
@@ -126,22 +125,14 @@ def try_terms(
         counted(next(done), whole)
         return found
 
-    with ThreadPoolExecutor() as pool:
-        begun = [
-            b
-            for b in map(step, pool.map(lambda term: _begin(decays, base, near, term, scales, floor), terms))
-            if b is not None
-        ]
-        begun.sort(key=lambda beginning: beginning.cost)
-        leaders = begun[: min(_LEADERS, polished)]
-        tried = list(
-            map(step, pool.map(lambda beginning: _finish(base, beginning, scales, goal or 0.0), leaders))
-        )
-        best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
-        enough = _BEHIND * best_cost if goal is None else goal
-        others = begun[len(leaders) : polished]
-        tried += map(step, pool.map(lambda beginning: _finish(base, beginning, scales, enough), others))
-        tried += [_leave(base, near, beginning, scales) for beginning in begun[polished:]]
+    tried_to_begin = [step(_begin(decays, base, near, term, scales, floor)) for term in terms]
+    begun = sorted((b for b in tried_to_begin if b is not None), key=lambda beginning: beginning.cost)
+    leaders = begun[: min(_LEADERS, polished)]
+    tried = [step(_finish(base, beginning, scales, floor)) for beginning in leaders]
+    best_cost = min((c.fit.chi_square for c in tried if c.plausible), default=0.0)
+    enough = _BEHIND * best_cost if goal is None else goal
+    tried += [step(_finish(base, beginning, scales, enough)) for beginning in begun[len(leaders) : polished]]
+    tried += [_leave(base, near, beginning, scales) for beginning in begun[polished:]]
     best: dict[str, Candidate] = {}
     for candidate in tried:
         if candidate.name not in best or candidate.score < best[candidate.name].score:
@@ -176,7 +167,8 @@ def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tup
 def _begin(
     decays: tuple[PreparedDecay, ...], base: Fit, slope: Slope | None, term: Term, scales: Scales, goal: float
 ) -> _Beginning | None:
-    problem = Problem(base.model.plus(term), base.windows, base.frequency)
+    coarse = base.reduced > FAR_OFF
+    problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=coarse)
     inner = np.array([_is_inner(u.id, term) for u in problem.unknowns])
     best: _Beginning | None = None
     for start in _promising(decays, base, problem.model, term, term_starts(term, scales)):
@@ -208,7 +200,8 @@ def _nearer(problem: Problem, start: dict[str, float], base: Fit) -> Array:
 
 def _finish(base: Fit, begun: _Beginning, scales: Scales, goal: float) -> Candidate:
     start = {u.name: float(t) for u, t in zip(begun.problem.unknowns, begun.theta, strict=True)}
-    found = fit(begun.problem.model, base.windows, start, base.frequency, goal=goal)
+    near = begun.cost <= base.chi_square
+    found = fit(begun.problem.model, base.windows, start, base.frequency, near=near, goal=goal)
     return judged(found, base, begun.term, scales)
 
 

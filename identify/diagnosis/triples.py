@@ -1,6 +1,5 @@
 """Three effects at once: the screened triples, each fitted whole, where two of them may not look good without the third."""
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,8 +39,7 @@ def triple(baseline: Baseline, library: tuple[Effect, ...], fewer: Fit) -> Tripl
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
     scales = scales_of(largest, residual_lines(baseline.fit))
     screened = promising_triples(largest, baseline.fit.model, terms, scales)[:_FITTED]
-    with ThreadPoolExecutor() as pool:
-        fits = list(pool.map(lambda three: _fitted(baseline, three), screened))
+    fits = [_fitted(baseline, three) for three in screened]
     tried = sorted(zip(screened, fits, strict=True), key=lambda entry: entry[1].chi_square)
     if tried and not baseline.adequate(tried[0][1]) and tried[0][1].chi_square < _FAR_LESS * fewer.chi_square:
         three, found = tried[0]

@@ -5,6 +5,11 @@ import numpy as np
 from identify.compilation import compiled
 from identify.effects.compiled import call_force, call_rates
 
+_MOST_TURNS = 400
+_TURNS_TO_NEWTON = 4
+_SETTLED = 1e-6
+"""Change of the states in one turn, in units of their size, below which they are periodic."""
+
 
 @compiled(nogil=True, error_model="numpy")
 def values_along(address, time, u, v, states, p):  # type: ignore[no-untyped-def]
@@ -39,26 +44,81 @@ def states_along(address, time, u, v, p, start, steps):  # type: ignore[no-untyp
     return out
 
 
+@compiled(nogil=True, error_model="numpy", forceinline=True)
+def _smooth_step(address, time, u, v, at, p, z):  # type: ignore[no-untyped-def]
+    """One step of the classical Runge-Kutta method from sample `at` to the second after it, by the one between."""
+    h = time[at + 2] - time[at]
+    a0, a1 = call_rates(address, time[at], u[at], v[at], z, p)
+    y = (z[0] + 0.5 * h * a0, z[1] + 0.5 * h * a1)
+    b0, b1 = call_rates(address, time[at + 1], u[at + 1], v[at + 1], y, p)
+    y = (z[0] + 0.5 * h * b0, z[1] + 0.5 * h * b1)
+    c0, c1 = call_rates(address, time[at + 1], u[at + 1], v[at + 1], y, p)
+    y = (z[0] + h * c0, z[1] + h * c1)
+    d0, d1 = call_rates(address, time[at + 2], u[at + 2], v[at + 2], y, p)
+    return (z[0] + h / 6.0 * (a0 + 2.0 * (b0 + c0) + d0), z[1] + h / 6.0 * (a1 + 2.0 * (b1 + c1) + d1))
+
+
 @compiled(nogil=True, error_model="numpy")
 def states_along_smooth(address, time, u, v, p, start):  # type: ignore[no-untyped-def]
-    """Return the internal states at every second sample of a smooth motion, (n, 2) for `u`, `v` of 2 n - 1 samples.
-
-    The samples between are the midpoints of the classical Runge-Kutta method.
-    """
+    """Return the internal states at every second sample of a smooth motion, (n, 2) for `u`, `v` of 2 n - 1 samples."""
     n = (u.shape[0] - 1) // 2
     out = np.empty((n + 1, 2))
     z = (start[0], start[1])
     for i in range(n):
         out[i, 0], out[i, 1] = z
-        at = 2 * i
-        h = time[at + 2] - time[at]
-        a0, a1 = call_rates(address, time[at], u[at], v[at], z, p)
-        y = (z[0] + 0.5 * h * a0, z[1] + 0.5 * h * a1)
-        b0, b1 = call_rates(address, time[at + 1], u[at + 1], v[at + 1], y, p)
-        y = (z[0] + 0.5 * h * b0, z[1] + 0.5 * h * b1)
-        c0, c1 = call_rates(address, time[at + 1], u[at + 1], v[at + 1], y, p)
-        y = (z[0] + h * c0, z[1] + h * c1)
-        d0, d1 = call_rates(address, time[at + 2], u[at + 2], v[at + 2], y, p)
-        z = (z[0] + h / 6.0 * (a0 + 2.0 * (b0 + c0) + d0), z[1] + h / 6.0 * (a1 + 2.0 * (b1 + c1) + d1))
+        z = _smooth_step(address, time, u, v, 2 * i, p, z)
     out[n, 0], out[n, 1] = z
     return out
+
+
+@compiled(nogil=True, error_model="numpy", forceinline=True)
+def _turned(address, time, u, v, p, z):  # type: ignore[no-untyped-def]
+    """Return the internal states after a smooth motion."""
+    for i in range((u.shape[0] - 1) // 2):
+        z = _smooth_step(address, time, u, v, 2 * i, p, z)
+    return z
+
+
+@compiled(nogil=True, error_model="numpy")
+def _closer(address, time, u, v, p, z, after, scale, states):  # type: ignore[no-untyped-def]
+    """Return the states that one step of Newton's method expects to come back to themselves."""
+    moved = _turned(address, time, u, v, p, (z[0] + 1e-4 * scale[0], z[1]))
+    a, c = 1.0 - (moved[0] - after[0]) / (1e-4 * scale[0]), -(moved[1] - after[1]) / (1e-4 * scale[0])
+    b, d = 0.0, 1.0
+    if states > 1:
+        moved = _turned(address, time, u, v, p, (z[0], z[1] + 1e-4 * scale[1]))
+        b, d = -(moved[0] - after[0]) / (1e-4 * scale[1]), 1.0 - (moved[1] - after[1]) / (1e-4 * scale[1])
+    else:
+        c = 0.0
+    determinant = a * d - b * c
+    if determinant == 0.0:
+        return after
+    e, f = after[0] - z[0], after[1] - z[1]
+    return (z[0] + (d * e - b * f) / determinant, z[1] + (a * f - c * e) / determinant)
+
+
+@compiled(nogil=True, error_model="numpy")
+def periodic_states(address, time, u, v, p, start, scale, states):  # type: ignore[no-untyped-def]
+    """Return the internal states, (2,), that one turn of a motion brings back to themselves, and whether they were found.
+
+    They are sought by turning round and by Newton's method on the map of one turn, which serves contracting and lightly
+    damped states alike; `scale` (2,) is how large the `states` are. A step of Newton's method that comes less near is
+    not taken.
+    """
+    z = (start[0], start[1])
+    after = _turned(address, time, u, v, p, z)
+    off = max(abs(after[0] - z[0]) / scale[0], abs(after[1] - z[1]) / scale[1])
+    for k in range(_MOST_TURNS):
+        if off < _SETTLED:
+            return z, True
+        next_z = after
+        next_after = _turned(address, time, u, v, p, next_z)
+        next_off = max(abs(next_after[0] - next_z[0]) / scale[0], abs(next_after[1] - next_z[1]) / scale[1])
+        if next_off >= _SETTLED and k % _TURNS_TO_NEWTON == 0:
+            near = _closer(address, time, u, v, p, next_z, next_after, scale, states)
+            near_after = _turned(address, time, u, v, p, near)
+            near_off = max(abs(near_after[0] - near[0]) / scale[0], abs(near_after[1] - near[1]) / scale[1])
+            if near_off < next_off:
+                next_z, next_after, next_off = near, near_after, near_off
+        z, after, off = next_z, next_after, next_off
+    return z, False

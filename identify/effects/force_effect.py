@@ -10,7 +10,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.compiled import PARAMETERS, STATES, address_of_force, address_of_rates
-from identify.effects.compiled_path import states_along, states_along_smooth, values_along
+from identify.effects.compiled_path import periodic_states, states_along, states_along_smooth, values_along
 from identify.effects.effect import Effect, Kind, Parameter, Scales, Starts
 
 Numbers = tuple[float, ...]
@@ -139,6 +139,27 @@ class ForceEffect(Effect):
         if self.rates is None:
             return np.zeros((len(u) // 2 + 1, STATES))
         return cast(Array, states_along_smooth(address_of_rates(self.rates), time, u, v, p, start))
+
+    def periodic_states(
+        self,
+        p: Numbers,
+        time: Array,
+        u: Array,
+        v: Array,
+        start: tuple[float, float],
+        scale: tuple[float, float],
+    ) -> tuple[tuple[float, float], bool]:
+        """Return the internal states that a turn (as for `states_along_smooth`) brings back, and whether they were found.
+
+        They are sought from `start`; `scale` is their size. Zeros without memory.
+        """
+        if self.rates is None:
+            return (0.0, 0.0), True
+        address = address_of_rates(self.rates)
+        return cast(
+            tuple[tuple[float, float], bool],
+            periodic_states(address, time, u, v, p, start, scale, self.states),
+        )
 
     def smooth_force_along(self, p: Numbers, time: Array, u: Array, v: Array, states: Array) -> Array:
         """Return the force without dry friction, m/s^2, shape (n,)."""

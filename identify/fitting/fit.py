@@ -18,7 +18,8 @@ from identify.model.parameter_id import nuisance
 from identify.preprocessing.fit_window import FitWindow
 
 _GROWTH = (3.0, 8.0, 20.0, 50.0, 120.0)
-_FAR_OFF = 30.0
+FAR_OFF = 30.0
+"""Reduced chi-square from which on a model is far from the readings: its motion need not be followed to the noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,20 +122,25 @@ def fit(
 ) -> Fit:
     """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed.
 
-    A start that is `near`, from curves of the whole decay, is not lost again to its first few cycles. A fit that creeps
-    towards a `goal` of chi-square above 0 is left as it is.
+    Far from the readings the motion is integrated in longer steps. A start that is `near`, from curves of the whole
+    decay, is not lost again to its first few cycles. A fit that creeps towards a `goal` of chi-square above 0 is left as
+    it is.
     """
-    whole = Problem(model, windows, frequency)
-    theta = start_at = np.clip(whole.theta(start), whole.low, whole.high)
-    first = whole.residuals(theta)
+    problem = Problem(model, windows, frequency)
+    theta = start_at = np.clip(problem.theta(start), problem.low, problem.high)
+    first = problem.residuals(theta)
     far = _off(first)
-    if far and not near:
-        theta = _grow(model, windows, theta, frequency)
-    found = minimise_fully(whole, theta, tolerance=tolerance, goal=goal)
+    if far:
+        theta = theta if near else _grow(model, windows, theta, frequency)
+        problem = Problem(model, windows, frequency, coarse=True)
+    found = minimise_fully(problem, theta, tolerance=tolerance, goal=goal)
     if far and not near and not found.cost < float(first @ first):  # lost to the first few cycles
-        found = minimise_fully(whole, start_at, tolerance=tolerance, goal=goal)
-    jacobian = found.jacobian if found.exact else linearise(whole, found.theta)[1]
-    return _result(whole, found.theta, found.cost, jacobian, settled=found.settled)
+        found = minimise_fully(problem, start_at, tolerance=tolerance, goal=goal)
+    if far and found.cost < FAR_OFF * len(first):
+        problem = Problem(model, windows, frequency)
+        found = minimise_fully(problem, found.theta, tolerance=tolerance, goal=goal)
+    jacobian = found.jacobian if found.exact else linearise(problem, found.theta)[1]
+    return _result(problem, found.theta, found.cost, jacobian, settled=found.settled)
 
 
 def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float], frequency: float) -> bool:
@@ -144,7 +150,7 @@ def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float]
 
 
 def _off(misfit: Array) -> bool:
-    return not np.isfinite(misfit).all() or float(misfit @ misfit) > _FAR_OFF * len(misfit)
+    return not np.isfinite(misfit).all() or float(misfit @ misfit) > FAR_OFF * len(misfit)
 
 
 def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | None = None) -> Fit:

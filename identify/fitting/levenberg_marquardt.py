@@ -72,13 +72,13 @@ def minimise(
         if step is None:
             settled = True
             break
-        settled = step.gained < max(tolerance, 1e-6 * step.cost)
+        settled = step.gained < _least(tolerance, step.cost, problem, len(residual))
         before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
         slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
         if (
             settled or slow > 1
         ):  # the Jacobian that foretold so small a step holds at its end, unless damping made it small
-            exact = exact and step.damping <= _UNDAMPED and step.gained < tolerance
+            exact = exact and step.damping <= _UNDAMPED and settled
             break
         if step.as_predicted:
             jacobian, exact = _mended(problem, jacobian, *before, step), False
@@ -99,8 +99,8 @@ def minimise_fully(
 ) -> Minimum:
     """Lower chi-square until no step is predicted to gain anything by a Jacobian taken there, or it creeps to a `goal`."""
     found = minimise(problem, theta, tolerance=tolerance, held=held, goal=goal)
-    for _ in range(_CONFIRMATIONS):
-        if found.exact and (found.settled or found.given_up):
+    for again in range(_CONFIRMATIONS):
+        if (found.exact and found.settled) or (found.given_up and (found.exact or again)):
             break
         found = minimise(problem, found.theta, tolerance=tolerance, held=held, goal=goal)
     return found
@@ -117,6 +117,7 @@ def _step(
 ) -> _Step | None:
     """Return the step that lowers chi-square; None when none is predicted to gain more than `tolerance`."""
     cost = _sum_of_squares(residual)
+    least = _least(tolerance, cost, problem, len(residual))
     size = problem.sizes(theta)
     gradient = jacobian.gradient(residual) * size
     normal = jacobian.normal() * np.outer(size, size)
@@ -137,7 +138,7 @@ def _step(
             return _Step(
                 candidate, trial, trial_cost, gained, bool(gained > _AS_PREDICTED * predicted), damping
             )
-        if predicted < tolerance:
+        if predicted < least:
             return None
         damping = max(damping * 8.0, 1e-7)
     return None
@@ -150,6 +151,15 @@ def _mended(
     moved = step.theta - theta
     surprise = step.residual - residual - jacobian.change(moved)
     return jacobian.mended(moved, problem.sizes(theta), surprise)
+
+
+def _least(tolerance: float, cost: float, problem: Problem, readings: int) -> float:
+    """Return the gain of chi-square that matters: `tolerance` in units of the noise, and of what is left beyond it.
+
+    That repeats in every reading of a half-cycle.
+    """
+    half_cycle = np.pi / problem.frequency * problem.windows[0].rate
+    return tolerance * float(1.0 + max(cost / readings - 1.0, 0.0) * half_cycle)
 
 
 def _sum_of_squares(residual: Array) -> float:

@@ -18,13 +18,17 @@ class Problem:
 
     The nuisances are the state at the start of the window, the internal states of effects with memory, and,
     where there are two channels, lag and gain; and an offset of every channel. `steps` (unknowns,) are the steps of
-    differentiation, 0 until they are known.
+    differentiation, 0 until they are known. A `coarse` problem is integrated in longer steps: what they are off by shows
+    beside the noise, but not beside a misfit that is much larger.
     """
 
-    def __init__(self, model: Model, windows: tuple[FitWindow, ...], frequency: float) -> None:
+    def __init__(
+        self, model: Model, windows: tuple[FitWindow, ...], frequency: float, *, coarse: bool = False
+    ) -> None:
         self.model = model
         self.windows = windows
         self.frequency = frequency
+        self.coarse = coarse
         self.layout = lay_out(model, windows, frequency)
         self.system = make_system(tuple(term.force for term in self.layout.forces))
         self.low = np.array([u.low for u in self.unknowns])
@@ -65,7 +69,12 @@ class Problem:
             states=self._states_at_start(theta, table, i),
             samples=len(window),
             rate=window.rate,
-            substeps=substeps_for(self._fastest_rate(table), window.rate, nonsmooth=self.system.nonsmooth),
+            substeps=substeps_for(
+                self._fastest_rate(table, window.rate),
+                window.rate,
+                nonsmooth=self.system.nonsmooth,
+                coarse=self.coarse,
+            ),
             time=window.time,
             lag=float(lag),
             external=window.force
@@ -116,12 +125,15 @@ class Problem:
                     states[row] = effect.states_along(p, *motion, rest, steps=_PRE_RELEASE_STEPS)[-1]
         return states
 
-    def _fastest_rate(self, table: Array) -> float:
-        """Return the angular frequency (rad/s) that the integration must resolve."""
+    def _fastest_rate(self, table: Array, sampling: float) -> float:
+        """Return the angular frequency (rad/s) that the integration must resolve of readings at a rate (Hz).
+
+        What an effect does far beyond the readings is not followed: there the run diverges, and so bounds the fit.
+        """
         fastest = self.frequency
         for row, term in zip(table, self.layout.forces, strict=True):
             rate = term.force.fastest_rate
-            fastest = fastest if rate is None else max(fastest, rate(row))
+            fastest = fastest if rate is None else max(fastest, min(rate(row), sampling))
         return fastest
 
     def read(self, theta: Array, i: int, response: Response) -> dict[str, Array]:

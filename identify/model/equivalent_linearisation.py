@@ -6,7 +6,6 @@ dw2 = change of w^2, with (first-order averaging, Krylov and Bogoliubov 1937)
 A force that is even in the displacement moves the centre and adds even harmonics, by which w^2 changes in second order.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +16,8 @@ from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect, LinearPart
 
 _POINTS = 512
-_MOST_CYCLES = 400
-_SETTLED = 1e-6
+_ANGLE = frozen(2.0 * np.pi * (np.arange(2 * _POINTS + 1) + 1.0) / (2 * _POINTS))
+_COSINE, _SINE = frozen(np.cos(_ANGLE)), frozen(np.sin(_ANGLE))
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,65 +84,21 @@ def _harmonic(frequency: float, amplitude: float) -> tuple[Array, Array, Array]:
 
     The points lie between the reversals, never on them, so that the sign of the velocity is never in doubt.
     """
-    angle = 2.0 * np.pi * (np.arange(2 * _POINTS + 1) + 1.0) / (2 * _POINTS)
-    return angle, amplitude * np.cos(angle), -amplitude * frequency * np.sin(angle)
+    return _ANGLE, amplitude * _COSINE, -amplitude * frequency * _SINE
 
 
 def _around(
     effect: ForceEffect, p: tuple[float, ...], frequency: float, amplitude: float, time: float
 ) -> tuple[Array, Array, bool]:
-    """Return the force (points,) once around, the phase of the points, and whether the internal states are periodic.
-
-    A periodic state is found by Newton's method on the map of one cycle, which serves contracting and lightly
-    damped states alike.
-    """
+    """Return the force (points,) once around, the phase of the points, and whether the internal states are periodic."""
     angle, u, v = _harmonic(frequency, amplitude)
     clock = time + (np.zeros(len(angle)) if effect.rates is None else angle / frequency)
-
-    def turn(state: Array) -> Array:
-        return effect.states_along_smooth(p, clock, u, v, (float(state[0]), float(state[1])))
-
-    states, settled = turn(np.zeros(STATES)), True
-    if effect.rates is not None:
-        start = np.array(effect.states_at_rest(amplitude, p), dtype=float)
-        periodic, settled = _periodic(
-            turn, start, np.array([amplitude, amplitude * frequency]), effect.states
-        )
-        states = turn(periodic)
+    start, size = effect.states_at_rest(amplitude, p), (amplitude, amplitude * frequency)
+    periodic, settled = effect.periodic_states(p, clock, u, v, start, size)
+    states = effect.states_along_smooth(p, clock, u, v, periodic)
     angle, clock, u, v = (values[:-1:2].copy() for values in (angle, clock, u, v))
     level = np.maximum(effect.friction_level_along(p, clock, u, v, states[:-1]), 0.0)
     return effect.smooth_force_along(p, clock, u, v, states[:-1]) + level * np.sign(v), angle, settled
-
-
-def _periodic(turn: Callable[[Array], Array], state: Array, scale: Array, states: int) -> tuple[Array, bool]:
-    """Return a state that comes back to itself after one turn, and whether it was found."""
-    for k in range(_MOST_CYCLES):
-        after: Array = turn(state)[-1]
-        if np.max(np.abs(after - state) / scale) < _SETTLED:
-            return state, True
-        state = after
-        if k % 8 == 7:
-            state = _closer(turn, state, scale, states)
-    return state, False
-
-
-def _closer(turn: Callable[[Array], Array], state: Array, scale: Array, states: int) -> Array:
-    """One step of Newton's method towards a state that comes back to itself; the state itself where it does not help."""
-    after: Array = turn(state)[-1]
-    slope = np.zeros((states, states))
-    for j in range(states):
-        moved = state.copy()
-        moved[j] += 1e-4 * scale[j]
-        slope[:, j] = (turn(moved)[-1] - after)[:states] / (1e-4 * scale[j])
-    try:
-        step = np.linalg.solve(np.eye(states) - slope, (after - state)[:states])
-    except np.linalg.LinAlgError:
-        return after
-    better = state.copy()
-    better[:states] += step
-    if np.max(np.abs(turn(better)[-1] - better) / scale) < np.max(np.abs(turn(after)[-1] - after) / scale):
-        return better
-    return after
 
 
 def _second_order(

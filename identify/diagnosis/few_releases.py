@@ -1,0 +1,86 @@
+"""Many releases: more effects than one are sought on a few of them, and what is found there is fitted to all.
+
+What does not reach the floor on a few releases does not reach it on all, and every trial costs as much less.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+from identify.diagnosis.suspects import Candidate, judged, residual_lines
+from identify.diagnosis.weak_presence import states_of_term
+from identify.fitting.baseline import Baseline
+from identify.fitting.fit import Fit, fit
+from identify.fitting.initial_values import scales_of
+from identify.preprocessing.prepared_decay import PreparedDecay
+
+_FEW = 3
+
+
+@dataclass(frozen=True, eq=False)
+class FewReleases:
+    """The baseline of all releases, `whole`, that of a few of them, and the candidates as refitted to the few.
+
+    `places` are those of the few among all.
+    """
+
+    whole: Baseline
+    baseline: Baseline
+    tried: tuple[Candidate, ...]
+    places: tuple[int, ...]
+
+    @classmethod
+    def of(cls, whole: Baseline, tried: tuple[Candidate, ...]) -> Self:
+        """Return the releases of the largest, the middle and the smallest amplitude; all where there are no more."""
+        places = _chosen(whole.decays)
+        if len(places) == len(whole.decays):
+            return cls(whole, whole, tried, places)
+        base = _refitted(whole.fit, places)
+        decays = tuple(whole.decays[i] for i in places)
+        baseline = Baseline(decays, base, tuple(whole.floors[i] for i in places))
+        scales = scales_of(decays[0], residual_lines(base))
+        few = tuple(judged(_refitted(c.fit, places), base, c.term, scales) for c in tried)
+        return cls(whole, baseline, tuple(sorted(few, key=lambda c: c.score)), places)
+
+    def on_all(self, found: Fit) -> Fit:
+        """Return a model that was found on the few, fitted to all releases."""
+        if self.baseline is self.whole:
+            return found
+        base, count = self.whole.fit, len(self.whole.decays)
+        start = base.point | {u.name: found.values[u.name].value for u in found.unknowns if u.window < 0}
+        for term in found.model.forces:
+            if term.effect.name not in base.model:
+                start |= states_of_term(base, term, start)
+        for i in range(count):
+            own = self.places.index(i) if i in self.places else None
+            for u in found.unknowns:
+                is_theirs = u.window == own or (own is None and u.window == 0 and u.id.role == "parameter")
+                if u.window >= 0 and is_theirs:
+                    start[str(u.id.of_release(i, count))] = found.values[u.name].value
+        return fit(found.model, base.windows, start, base.frequency, near=True)
+
+    def candidate_on_all(self, found: Candidate) -> Candidate:
+        """Return a candidate that was found on the few, fitted to all releases."""
+        if self.baseline is self.whole:
+            return found
+        base = self.whole.fit
+        scales = scales_of(self.whole.decays[0], residual_lines(base))
+        return judged(self.on_all(found.fit), base, found.term, scales)
+
+
+def _chosen(decays: tuple[PreparedDecay, ...]) -> tuple[int, ...]:
+    """Return the places of the few: largest, middle and smallest amplitude, in the order of the releases."""
+    order = sorted(range(len(decays)), key=lambda i: -decays[i].amplitude)
+    if len(order) <= _FEW:
+        return tuple(range(len(decays)))
+    return tuple(sorted((order[0], order[len(order) // 2], order[-1])))
+
+
+def _refitted(found: Fit, places: tuple[int, ...]) -> Fit:
+    """Return a fit to all releases refitted to those in `places`."""
+    count = len(places)
+    start = {
+        str(u.id if u.window < 0 else u.id.of_release(places.index(u.window), count)): value
+        for u, value in zip(found.unknowns, found.theta.tolist(), strict=True)
+        if u.window < 0 or u.window in places
+    }
+    return fit(found.model, tuple(found.windows[i] for i in places), start, found.frequency, near=True)
