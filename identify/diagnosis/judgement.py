@@ -39,8 +39,10 @@ def judge(
     faulty = any(fault.significant for fault in faults)
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
-        judged = _judged(beside.baseline, beside.ranked, faulty, library, foretell)
-        if judged.verdict == "missing_effect":
+        judged = _judged(beside.baseline, beside.ranked, True, library, foretell)  # a sensor has a line
+        alone = ranked[0].candidate.fit
+        as_good = baseline.adequate(alone) and alone.reduced <= judged.final.reduced
+        if judged.verdict == "missing_effect" and not as_good:  # two are not preferred to a better one
             return beside.named_with(judged)
     return _judged(baseline, ranked, faulty, library, foretell)
 
