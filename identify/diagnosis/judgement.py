@@ -6,6 +6,7 @@ Here where the floor is reached or sure; off it in `off_the_floor`. What each ca
 from collections.abc import Callable
 
 from identify.curves.confirmation import Confirmation
+from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.off_the_floor import by_curves, if_foretold
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.search import Pair
@@ -30,9 +31,27 @@ def judge(
     """Return what is to be said: of nothing claimed, of one effect that reaches the floor, of two, or of no name.
 
     Where the floor is not reached, or could only be guessed, chi-square names nothing: `foretell` is asked what the
-    curves of the decay confirm.
+    curves of the decay confirm. There a line of a sensor is allowed for beside a force.
     """
     faulty = any(fault.significant for fault in faults)
+    beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
+    if beside is not None:
+        judged = _judged(beside.baseline, beside.ranked, True, library, foretell)  # a sensor has a line
+        alone = ranked[0].candidate.fit
+        as_good = baseline.adequate(alone) and alone.reduced <= judged.final.reduced
+        if judged.verdict == "missing_effect" and not as_good:  # two are not preferred to a better one
+            return beside.named_with(judged)
+    return _judged(baseline, ranked, faulty, library, foretell)
+
+
+def _judged(
+    baseline: Baseline,
+    ranked: tuple[Ranked, ...],
+    faulty: bool,
+    library: tuple[Effect, ...],
+    foretell: Callable[[], Confirmation | None],
+) -> Judgement:
+    """Return what is to be said of a model as it is."""
     top = ranked[0] if ranked else None
     if top is None or not top.claimed:
         return _without_claim(baseline, ranked, faulty, foretell)

@@ -29,6 +29,9 @@ _FEWEST_DRAWS = 100
 _MOST_NUMBERS = 4_000_000
 """Random numbers that are drawn: of records of more than 10,000 readings there are fewer draws, 100 at least."""
 
+_AT_ONCE = 2_000_000
+"""Numbers in the columns of one effect that are multiplied with the draws together."""
+
 _PROBE = 1e-3
 _TAIL = 0.1
 
@@ -152,12 +155,25 @@ def _column_drops(
     problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=True)
     before = Problem(base.model, base.windows, base.frequency, coarse=True).residuals(base.theta)
     rows = rows_of(base.windows)
-    best = np.zeros(noise.shape[1])
+    best, one_sided = np.zeros(noise.shape[1]), term.effect.one_sided
+    single: list[Array] = []
     for start in term_starts(term, scales, fine=True):
         columns = NullColumns.at(problem, probes(decays, base, problem, term, start, _PROBE), before, rows)
-        drops = _drops(*columns.products(tangent, noise, rows), one_sided=term.effect.one_sided)
-        best = np.maximum(best, drops)
-    return best
+        if columns.own:
+            drops = _drops(*columns.products(tangent, noise, rows), one_sided=one_sided)
+            best = np.maximum(best, drops)
+        elif columns.whole is not None:
+            single.append(columns.whole)
+        if len(single) * len(before) > _AT_ONCE:
+            best, single = np.maximum(best, _best_of(single, tangent, noise, one_sided=one_sided)), []
+    return np.maximum(best, _best_of(single, tangent, noise, one_sided=one_sided)) if single else best
+
+
+def _best_of(columns: list[Array], tangent: Tangent, noise: Array, *, one_sided: bool) -> Array:
+    """Return the largest drop of chi-square by any one of some columns (readings,), of each draw, (draws,)."""
+    free = tangent.free(np.column_stack(columns))
+    amount = (free / np.sqrt(np.maximum(np.sum(free**2, axis=0), 1e-300))).T @ noise
+    return np.asarray(np.max(np.maximum(amount, 0.0) ** 2 if one_sided else amount**2, axis=0))
 
 
 def _drops(together: Array, along: Array, *, one_sided: bool) -> Array:

@@ -53,7 +53,9 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
     open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
     clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term)
-    if best.name in found.names or (open_to_it and clear and not found.effects):
+    alike = found.effects[0].rivals if len(found.effects) == 1 else ()  # which the curves do not tell from it
+    open_to_it = open_to_it and not found.effects
+    if best.name in found.names or (clear and (open_to_it or best.name in alike)):
         return replace(alone, confirmation=found)
     return by_curves(baseline, alone.ranked, found, best.fit)
 

@@ -100,7 +100,7 @@ def _second_mass_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
 _LOWEST, _HIGHEST = 0.3, 8.0
 """Frequency of a second mass over the motion's: a slower one is a drift, a faster one a mode that other_modes tells."""
 
-_CLOSE, _WIDE, _APART = 100, 30, 2.0
+_CLOSE, _WIDE, _APART = 300, 30, 2.0
 
 
 def _line_starts(scales: Scales) -> Starts:
@@ -115,7 +115,7 @@ def _fine_line_starts(scales: Scales) -> Starts:
     low, high = _LOWEST * scales.frequency, min(3.0 * scales.rate, _HIGHEST * scales.frequency)
     close = np.linspace(low, high, min(_CLOSE, int((high - low) * scales.duration / _APART) + 2))
     wide = np.geomspace(low, high, _WIDE)
-    return tuple((float(w), 0.005) for w in close) + tuple((float(w), 0.04) for w in wide)
+    return tuple((float(w), 0.003) for w in close) + tuple((float(w), 0.04) for w in wide)
 
 
 SECOND_MASS = ForceEffect(

@@ -42,11 +42,34 @@ def common_lines(fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
         seen = {channel: _phasor(fit, i, channel, f, slice(None)) for channel in found}
         if _is_no_motion(fit, i, f, seen) and not all(_dies(fit, i, channel, f) for channel in found):
             clarity = max(abs(size) / _error(window, channel) for channel, size in seen.items())
-            wide = max(_STEADY, _UNSURE / clarity) * window.rate / len(window)
             for channel, size in seen.items():
-                power = 0.5 * float(abs(size) / window.sigma[channel]) ** 2
-                found[channel] = (*found[channel], Line(f, wide, power))
+                found[channel] = (*found[channel], _line(window, channel, f, abs(size), clarity))
     return found
+
+
+def further_lines(fit: Fit, i: int, channel: str) -> tuple[Line, ...]:
+    """Return the lines of one channel's residual in window i that may be hum: off the harmonics, lasting to the end."""
+    window = fit.windows[i]
+    return tuple(
+        _line(window, channel, f, clarity * _error(window, channel), clarity)
+        for f, clarity in _lines(fit, i, channel).items()
+        if not _dies(fit, i, channel, f)
+    )
+
+
+def _line(window: FitWindow, channel: str, f: float, amplitude: float, clarity: float) -> Line:
+    """Return a line (Hz) of an amplitude, SI, that is so clear in the clearest channel, in standard errors."""
+    wide = max(_STEADY, _UNSURE / clarity) * window.rate / len(window)
+    return Line(f, wide, 0.5 * float(amplitude / window.sigma[channel]) ** 2)
+
+
+def may_be_hum(fit: Fit, channel: str, f: float) -> bool:
+    """Whether a line (Hz) of one channel's residuals stands off the motion's harmonics and lasts to the end of each window.
+
+    One that dies away with the motion is another mode.
+    """
+    lasts = (not _dies(fit, i, channel, f) for i in range(len(fit.windows)))
+    return _stands_off(f, fit.frequency / (2.0 * np.pi)) and all(lasts)
 
 
 def _shared(low: dict[float, float], high: dict[float, float], width: float) -> list[float]:
@@ -109,7 +132,10 @@ def _lines(fit: Fit, i: int, channel: str) -> dict[float, float]:
     return {
         f: amplitude / error
         for f, amplitude, _ in strongest_lines(residual, window.rate, window.time, _LINES)
-        if amplitude > _CLEAR * error
-        and f > _ABOVE * own
-        and (f > _HIGHEST * own or abs(f / own - round(f / own)) > _OFF_HARMONICS)
+        if amplitude > _CLEAR * error and _stands_off(f, own)
     }
+
+
+def _stands_off(f: float, own: float) -> bool:
+    """Whether a line (Hz) lies above a motion's own frequency (Hz) and off its harmonics."""
+    return f > _ABOVE * own and (f > _HIGHEST * own or abs(f / own - round(f / own)) > _OFF_HARMONICS)

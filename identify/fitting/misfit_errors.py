@@ -10,7 +10,8 @@ import numpy as np
 
 from identify.fitting.fit import Fit
 
-_BAND = (0.5, 1.5)
+_REACH = 0.5
+"""Distance, in units of the motion's frequency, up to which a bin counts."""
 
 
 def with_misfit_errors(found: Fit) -> Fit:
@@ -28,15 +29,19 @@ def with_misfit_errors(found: Fit) -> Fit:
     )
 
 
-def misfit_density(found: Fit) -> float:
-    """Return the spectral density of the residual around the motion's frequency, in units of the noise's."""
+def misfit_density(found: Fit, around: float | None = None, channel: str = "") -> float:
+    """Return the spectral density of the residual around the motion's frequency, in units of the noise's.
+
+    Or `around` another angular frequency (rad/s), within half the motion's; of one `channel`, or of all.
+    """
     power, count = 0.0, 0
+    centre = found.frequency if around is None else around
     for i, window in enumerate(found.windows):
-        for channel in window.channels:
-            residual = found.in_noise(channel, i)
-            spectrum = np.abs(np.fft.rfft(residual)) ** 2 / max(int(window.used[channel].sum()), 1)
-            ratio = np.fft.rfftfreq(len(window), 1.0 / window.rate) * 2.0 * np.pi / found.frequency
-            near = (ratio > _BAND[0]) & (ratio < _BAND[1])
+        for name in (channel,) if channel else window.channels:
+            residual = found.in_noise(name, i)
+            spectrum = np.abs(np.fft.rfft(residual)) ** 2 / max(int(window.used[name].sum()), 1)
+            omega = np.fft.rfftfreq(len(window), 1.0 / window.rate) * 2.0 * np.pi
+            near = np.abs(omega - centre) < _REACH * found.frequency
             power += float(spectrum[near].sum())
             count += int(near.sum())
     return power / max(count, 1)

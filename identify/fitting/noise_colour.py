@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array, Mask
-from identify.fitting.common_lines import common_lines
+from identify.fitting.common_lines import common_lines, further_lines
 from identify.fitting.fit import Fit
 from identify.preprocessing.noise_colour import (
     COLOURED,
@@ -89,13 +89,17 @@ def noise_colours(decays: tuple[PreparedDecay, ...], fit: Fit) -> dict[str, Chan
 
 
 def _hum(prepared: PreparedDecay, fit: Fit, i: int) -> dict[str, tuple[Line, ...]]:
-    """Return the lines along the motion that are hum in both channels, where a rest does not show those of each.
+    """Return the lines along the motion that are noise of their channels, where a rest does not show those of each.
 
-    There was none, or a converter's steps hide what is less.
+    There was none, or a converter's steps hide what is less. They are hum in both channels; and in a channel of which the
+    model names a line, the others: of several lines the strongest is a fault.
     """
     if all(channel in prepared.rest_colour for channel in prepared.window.channels):
         return {}
-    return common_lines(fit, i)
+    found = common_lines(fit, i)
+    named = {term.channel for term in fit.model.faults if term.effect.line}
+    own = {c: found.get(c) or further_lines(fit, i, c) for c in prepared.window.channels if c in named}
+    return found | own
 
 
 def _rests_of(prepared: PreparedDecay, hum: dict[str, tuple[Line, ...]]) -> dict[str, RestColour]:

@@ -117,5 +117,5 @@ def test_chance_draws_a_second_mass_wherever_it_is_searched():
     drawn_at = sorted({start[0] for start in find_effect("second_mass").fine_starting_values(scales)})
     assert drawn_at[0] <= min(searched)
     assert drawn_at[-1] >= max(searched)
-    # a mode is as wide as one over the record's length: a neighbour of two such widths in angular frequency is like it
-    assert np.max(np.diff(drawn_at)) < 2.0 * np.pi / 4.0 * 2.0
+    # along frequency, what noise of T seconds has in common with a tone has no period below 2 pi / T: two values a period
+    assert np.max(np.diff(drawn_at)) < np.pi / 4.0

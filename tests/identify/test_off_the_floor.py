@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from identify.diagnosis import off_the_floor
-from identify.diagnosis.off_the_floor import by_curves, is_clear, is_foretold
+from identify.diagnosis.off_the_floor import by_curves, if_foretold, is_clear, is_foretold
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
+from identify.diagnosis.verdict import Judgement
 from identify.effects.library import find_effect
 from identify.model.model import Term, base_model
 from identify.model.parameter_id import ParameterId
@@ -90,3 +91,28 @@ def test_a_strength_is_asked_for_with_the_inner_parameters_held(
         covariance=np.outer(size, size) * np.array([[1.0, correlation], [correlation, 1.0]]),
     )
     assert is_clear(found, term) == clear
+
+
+@pytest.mark.parametrize(("rivals", "name"), [(("hysteresis",), "hysteresis"), ((), "dahl_friction")])
+def test_of_two_laws_that_curves_do_not_tell_apart_the_one_that_reaches_the_floor_is_named(
+    monkeypatch: pytest.MonkeyPatch, rivals: tuple[str, ...], name: str
+):
+    best = Ranked(candidate("hysteresis", 20.0, 1.0), 100.0, 0.0, True)
+    best.candidate.fit.reduced = 1.2  # type: ignore[misc]
+    confirmed = SimpleNamespace(term=Term(find_effect("dahl_friction")), rivals=rivals)
+    found: Any = SimpleNamespace(
+        usual=SimpleNamespace(typical=lambda kind: 50.0),
+        effects=(confirmed,),
+        names=("dahl_friction",),
+        mentioned=("dahl_friction", *rivals),
+        has_law=lambda effect: True,
+    )
+    other = Judgement("missing_effect", (Ranked(candidate("dahl_friction", 1.0, 8.0), 1.0, 0.0, True),), None)  # type: ignore[arg-type]
+    monkeypatch.setattr(off_the_floor, "is_clear", lambda whole, term: True)
+    monkeypatch.setattr(off_the_floor, "by_curves", lambda *what: other)
+    said = if_foretold(
+        SimpleNamespace(spread=0.05),  # type: ignore[arg-type]
+        Judgement("missing_effect", (best,), best.candidate.fit),
+        found,
+    )
+    assert said.ranked[0].candidate.name == name
