@@ -7,6 +7,7 @@ import numpy as np
 
 from identify.arrays import Mask
 from identify.preprocessing.aligned_decay import AlignedDecay
+from identify.preprocessing.gaps import LONG_GAP
 from identify.preprocessing.usable import valid_samples
 
 End = Literal["record_ends", "readings_missing", "motion_too_small", "motion_ends"]
@@ -17,9 +18,6 @@ _WORDS: dict[End, str] = {
     "motion_ends": "then the mass is at rest or moved again",
     "readings_missing": "",
 }
-
-_LONG = 0.5
-"""Cycles of missing readings from which on they end an analysis: the motion across them is not known."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +55,12 @@ def record_use(
     """
     record, released = located.recorded, located.release.time_s
     first, last, length = released + begin, released + end, len(record) / record.rate
-    gap = _gap(~valid_samples(record), round(last * record.rate), _LONG * cycle * record.rate)
+    gap = _gap(~valid_samples(record), round(last * record.rate), LONG_GAP * cycle * record.rate)
     ended: End = "motion_ends" if to_the_end else "motion_too_small"
     missing = 0.0
     if gap is not None:
         ended, last, missing = "readings_missing", gap[0] / record.rate, (gap[1] - gap[0]) / record.rate
-    elif length - last < _LONG * cycle:
+    elif length - last < LONG_GAP * cycle:
         ended = "record_ends"
     share = (last - first) / max(length - released, 1.0 / record.rate)
     return RecordUse(first, last, length, float(np.clip(share, 0.0, 1.0)), ended, missing)

@@ -9,6 +9,7 @@ from scipy.ndimage import binary_dilation, maximum_filter1d, median_filter, mini
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
+from identify.preprocessing.gaps import block_means, first_gap, over_gaps, runs_of
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
 from identify.preprocessing.sampling import too_coarse
@@ -29,9 +30,6 @@ SUDDEN_SHARE = 0.01
 
 SUDDEN_WAIT = 0.25
 """Share of a period after which a sudden release is over."""
-
-LONG_LOSS = 0.33
-"""Share of a cycle from which on lost samples are a hole in the running amplitude; shorter ones are bridged."""
 
 POINTS_PER_PERIOD = 48
 """The coarse search looks at block means of about this many samples a period."""
@@ -169,7 +167,7 @@ def _bursts(lead: _Channel, period: float) -> list[_Burst]:
     coarse = _coarse(lead, step, period)
     turn = period / step
     n, lap = len(coarse), max(4, round(turn))
-    amplitude = _over_gaps(running_amplitude(coarse, lap), lead.lost, step, lap)
+    amplitude = over_gaps(running_amplitude(coarse, lap), lead.lost, step, lap)
     floor = max(6.0 * lead.noise / np.sqrt(step * turn), 0.05 * float(amplitude.max()))
     bursts: list[_Burst] = []
     position = 0
@@ -208,22 +206,6 @@ def _no_ringing(lead: _Channel, frequency: float, period: float) -> str:
     )
 
 
-def _over_gaps(amplitude: Array, lost: Mask, step: int, lap: int) -> Array:
-    """Return a running amplitude with a straight line over long losses: it sees none of the motion in there.
-
-    Of blocks of `step` samples; a loss is long from a third of a cycle (`lap` blocks), and is seen one cycle away.
-    """
-    blocks = _block_means(lost.astype(float), step)[: len(amplitude)] > 0.5
-    unseen = np.zeros(len(amplitude), dtype=bool)
-    for begin, end in _runs(blocks):
-        if end - begin > LONG_LOSS * lap:
-            unseen[max(begin - lap, 0) : end + lap] = True
-    if not unseen.any() or unseen.all():
-        return amplitude
-    place = np.arange(len(amplitude))
-    return np.where(unseen, np.interp(place, place[~unseen], amplitude[~unseen]), amplitude)
-
-
 def _where_it_ends(amplitude: Array, peak: int, floor: float, lap: int) -> int:
     """The first place after the peak that is below the floor, or from which the amplitude rises steeply again."""
     n = len(amplitude)
@@ -239,17 +221,11 @@ def _where_it_ends(amplitude: Array, peak: int, floor: float, lap: int) -> int:
 
 def _coarse(channel: _Channel, step: int, period: float) -> Array:
     """Block means; an acceleration is freed of blows shorter than a twelfth of a period by a running median."""
-    means = _block_means(channel.values, step)
+    means = block_means(channel.values, step)
     if channel.derivative < 2:
         return means
     width = 2 * max(1, round(period / step / 12.0)) + 1
     return np.asarray(median_filter(means, width, mode="nearest"), dtype=np.float64)
-
-
-def _block_means(values: Array, step: int) -> Array:
-    count = len(values) // step
-    means: Array = values[: count * step].reshape(count, step).mean(axis=1)
-    return means
 
 
 def _release(
@@ -259,7 +235,7 @@ def _release(
     onsets = [(channel, _onset(rate, channel, period, burst, earliest)) for channel in channels]
     found = [(channel, onset) for channel, onset in onsets if onset is not None]
     n = len(channels[0].values)
-    end = _end_of_motion(channels[0], period, burst)
+    end = min(_end_of_motion(channels[0], period, burst), first_gap(channels[0].lost, burst.start, period))
     if not found:
         start = earliest if number else 0
         return Release(start / rate, 0.0, start, start, end, "in_motion", (0, 0))
@@ -301,7 +277,7 @@ def _onset(rate: float, channel: _Channel, period: float, burst: _Burst, earlies
     noise = channel.noise / np.sqrt(step)
     size = float(np.std(coarse[last - round(turn) : last])) * np.sqrt(2.0)
     force, uncertainty = unfree(coarse[first:last], turn, noise, 0.08 * size)
-    runs = _runs(np.abs(force) > max(UNFREE_SHARE * size, 4.0 * uncertainty))
+    runs = runs_of(np.abs(force) > max(UNFREE_SHARE * size, 4.0 * uncertainty))
     runs = [run for run in runs if run[1] < last - first - 2]
     if not runs or size <= 0.0:
         return None
@@ -355,7 +331,7 @@ def _rest(
         size = max(abs(begun.displaced), abs(begun.impulse))
         window = max(3, min(round(period / 4.0), (stop - earliest) // 3))
         quiet &= _still(channel.values[earliest:stop], window, max(8.0 * channel.noise, 0.02 * size))
-    runs = _runs(quiet)
+    runs = runs_of(quiet)
     if not runs:
         return (0, 0)
     first, last = runs[-1]
@@ -372,11 +348,6 @@ def _still(values: Array, window: int, tolerance: float) -> Mask:
     calm = spread <= tolerance
     grown: Mask = binary_dilation(calm, np.ones(window, dtype=bool))
     return grown
-
-
-def _runs(quiet: Mask) -> list[tuple[int, int]]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], quiet.astype(np.int8), [0]])))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _end_of_motion(channel: _Channel, period: float, burst: _Burst) -> int:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import pytest
 from releases import drawn
 
-from identify.diagnosis import judgement
+from identify.diagnosis import several_effects
 from identify.diagnosis.judgement import judge
 from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, rank, rivals_of
 from identify.diagnosis.search import Pair, chances, singles
@@ -44,6 +44,6 @@ def test_a_pair_counts_only_where_it_is_better_than_the_best_single_effect(bette
     best, other = ranked[0].candidate, tried[-1]
     assert not baseline.adequate(best.fit)
     pair = Pair(best, replace(other, plausible=True, score=best.score + (-100.0 if better else 100.0)))
-    monkeypatch.setattr(judgement, "pairs", lambda *given: (replace(pair),))
+    monkeypatch.setattr(several_effects, "pairs", lambda *given: (replace(pair),))
     judged = judge(baseline, ranked, (), LIBRARY, lambda: None)
     assert judged.final is (other.fit if better else best.fit)
