@@ -52,7 +52,7 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
         return replace(alone, confirmation=found)
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
     open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
-    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term)
+    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term, foretold=False)
     alike = found.effects[0].rivals if len(found.effects) == 1 else ()  # which the curves do not tell from it
     open_to_it = open_to_it and not found.effects
     if best.name in found.names or (clear and (open_to_it or best.name in alike)):
@@ -90,7 +90,7 @@ def _worthy(baseline: Baseline, found: Confirmation) -> Fit | None:
     between them, and the one run of all has one of each. Where the floor is known, half an explanation is not a name.
     """
     whole = fit_confirmed(baseline, found) if found.effects else None
-    if whole is None or not any(e.alone or is_clear(whole, e.term) for e in found.effects):
+    if whole is None or not any(e.alone or is_clear(whole, e.term, foretold=True) for e in found.effects):
         return None
     left = whole.chi_square / baseline.fit.chi_square
     return None if baseline.floor_is_sure and left > _NEXT_TO_NOTHING else whole
@@ -114,27 +114,30 @@ def _of_confirmed(
     )
 
 
-def is_clear(whole: Fit, term: Term) -> bool:
+def is_clear(whole: Fit, term: Term, *, foretold: bool) -> bool:
     """Whether the strength of an effect differs from none by some errors of the misfit that is there.
 
-    Its inner parameters are held at their values: at no strength they mean nothing, and with them free a strength that
-    they trade with (a friction's stiffness and the displacement over which it gives way) is unsure however sure the force
-    is (Davies 1977).
+    Of one that curves have `foretold` the inner parameters are held at their values: at no strength they mean nothing, and
+    with them free a strength that they trade with (a friction's stiffness and the displacement over which it gives way)
+    is unsure however sure the force is (Davies 1977). Of any other they count as fitted: they bend to any guess.
     """
     errors = with_misfit_errors(whole)
-    own = [
-        i
-        for i, u in enumerate(errors.unknowns)
-        if u.id.effect == term.effect.name and u.id.role == "parameter"
-    ]
-    at = next(j for j, i in enumerate(own) if errors.unknowns[i].id.parameter == term.effect.strength.name)
-    strength = errors.values[errors.unknowns[own[at]].name]
+    name = str(term.strength)
+    strength = errors.values[name]
     if not np.isfinite(strength.std):
         return False
-    block = errors.covariance[np.ix_(own, own)]
-    size = np.sqrt(np.diag(block))
-    sureness = np.linalg.inv(block / np.outer(size, size) + _RIDGE * np.eye(len(own)))[at, at]
-    return bool(abs(strength.value) * np.sqrt(sureness) > _CLEAR * size[at])
+    sureness = 1.0
+    if foretold:
+        own = [
+            i
+            for i, u in enumerate(errors.unknowns)
+            if u.id.effect == term.effect.name and u.id.role == "parameter"
+        ]
+        at = [errors.unknowns[i].name for i in own].index(name)
+        block = errors.covariance[np.ix_(own, own)]
+        size = np.sqrt(np.diag(block))
+        sureness = np.linalg.inv(block / np.outer(size, size) + _RIDGE * np.eye(len(own)))[at, at]
+    return bool(abs(strength.value) * np.sqrt(sureness) > _CLEAR * strength.std)
 
 
 def _by_free_run(

@@ -90,7 +90,7 @@ def test_a_strength_is_asked_for_with_the_inner_parameters_held(
         values={"dahl_friction.kd": SimpleNamespace(value=1.0, std=std)},
         covariance=np.outer(size, size) * np.array([[1.0, correlation], [correlation, 1.0]]),
     )
-    assert is_clear(found, term) == clear
+    assert is_clear(found, term, foretold=True) == clear
 
 
 @pytest.mark.parametrize(("rivals", "name"), [(("hysteresis",), "hysteresis"), ((), "dahl_friction")])
@@ -108,7 +108,7 @@ def test_of_two_laws_that_curves_do_not_tell_apart_the_one_that_reaches_the_floo
         has_law=lambda effect: True,
     )
     other = Judgement("missing_effect", (Ranked(candidate("dahl_friction", 1.0, 8.0), 1.0, 0.0, True),), None)  # type: ignore[arg-type]
-    monkeypatch.setattr(off_the_floor, "is_clear", lambda whole, term: True)
+    monkeypatch.setattr(off_the_floor, "is_clear", lambda whole, term, foretold: True)
     monkeypatch.setattr(off_the_floor, "by_curves", lambda *what: other)
     said = if_foretold(
         SimpleNamespace(spread=0.05),  # type: ignore[arg-type]
