@@ -79,12 +79,12 @@ def laws_of(
 ) -> tuple[AveragedLaw, ...]:
     """Return the laws of forces at all starting values of their inner parameters; those without a shape left out.
 
-    `frequency` in rad/s, `grid` the amplitudes, `duration` in s. Lines have none. The inner parameter of what never
-    forgets, if it has one, is tried twice as close where `closer`.
+    `frequency` in rad/s, `grid` the amplitudes, `duration` in s. Lines have none, nor what is proportional. The inner
+    parameter of what never forgets, if it has one, is tried twice as close where `closer`.
     """
     laws = []
     for term in terms:
-        if not isinstance(term.effect, ForceEffect) or term.effect.line:
+        if not isinstance(term.effect, ForceEffect) or term.effect.line or term.effect.proportional:
             continue
         starts = term_starts(term, scales, fine=True)
         for inner in _closer(starts) if closer and not term.effect.fading_memory else starts:

@@ -33,6 +33,9 @@ _OUT_OF_PROPORTION_LEAVES = 1.0
 """The same of a fault that acts out of proportion, up to a misfit of `_LARGE` times the noise."""
 
 _LARGE = 30.0
+_ENOUGH = 150
+"""Starting values of one term: of more, every second is left out, or two of three, for what is left need not be close."""
+
 _NEAR = 1.5
 """Multiple of the goal below which every term is worth a fit."""
 
@@ -104,7 +107,8 @@ def _changes(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scales
         return []
     problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=True)
     changes = []
-    for start in term_starts(term, scales, fine=True):
+    starts = term_starts(term, scales, fine=True)
+    for start in starts[:: len(starts) // _ENOUGH + 1]:
         if term.is_force:
             points = probes(decays, base, problem, term, start, _PRESENT)
         else:

@@ -41,8 +41,9 @@ class ForceEffect(Effect):
     unknowns of the fit. `starts(scales)` lists starting values of the inner parameters, `fine_starts(scales)` closer
     ones where midpoints between those would leave gaps. `fastest_rate(p)` is the angular frequency (rad/s) that the
     integration must resolve for the sake of the effect, None where the motion's own does. `nonsmooth` forces want a
-    finer step. A `linear_part` is built into the simulator. What `may_be_all_of` a linear part has the strength of that
-    part on a rig where nothing else adds to it, and then no constant of its own.
+    finer step. A `proportional` force grows with the motion as a whole, so that it changes frequency and loss alike at
+    all amplitudes, and leaves the centre where it is. A `linear_part` is built into the simulator. What `may_be_all_of`
+    a linear part has the strength of that part on a rig where nothing else adds to it, and then no constant of its own.
     """
 
     force: Any = None
@@ -56,6 +57,7 @@ class ForceEffect(Effect):
     fine_starts: Callable[[Scales], Starts] | None = None
     fastest_rate: Callable[[Array], float] | None = None
     nonsmooth: bool = False
+    proportional: bool = False
     linear_part: LinearPart | None = None
     may_be_all_of: LinearPart | None = None
 

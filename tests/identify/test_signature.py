@@ -163,3 +163,16 @@ def test_every_force_of_the_library_has_a_signature():
             found = average(effect, values, W, A)
             assert np.isfinite(found.damping).all(), effect.name
             assert np.isfinite(found.stiffening).all(), effect.name
+
+
+@pytest.mark.parametrize(
+    "effect", [e for e in LIBRARY if getattr(e, "proportional", False)], ids=lambda e: e.name
+)
+def test_a_proportional_force_changes_frequency_and_loss_alike_at_all_amplitudes(effect):
+    inner = {p.name: value for p, value in zip(effect.parameters, (1.0, 0.7 * W, 0.05), strict=False)}
+    found = average(effect, inner, W, A)
+    assert np.ptp(found.damping) < 1e-4 * np.abs(found.damping).max()
+    assert (
+        np.ptp(found.stiffening)
+        < 1e-4 * W * np.abs(found.damping).max() + 1e-4 * np.abs(found.stiffening).max()
+    )
