@@ -32,6 +32,10 @@ _MOST_NUMBERS = 4_000_000
 _AT_ONCE = 2_000_000
 """Numbers in the columns of one effect that are multiplied with the draws together."""
 
+_MOST_COLUMN_NUMBERS = 2_000_000
+_FEWEST_PLACES = 100
+"""Numbers in all columns of one effect: of long records its starting values lie less close, a hundred of them at least."""
+
 _PROBE = 1e-3
 _TAIL = 0.1
 
@@ -157,7 +161,9 @@ def _column_drops(
     rows = rows_of(base.windows)
     best, one_sided = np.zeros(noise.shape[1]), term.effect.one_sided
     single: list[Array] = []
-    for start in term_starts(term, scales, fine=True):
+    starts = term_starts(term, scales, fine=True)
+    enough = max(_FEWEST_PLACES, _MOST_COLUMN_NUMBERS // len(before))
+    for start in starts[:: (len(starts) - 1) // enough + 1]:
         columns = NullColumns.at(problem, probes(decays, base, problem, term, start, _PROBE), before, rows)
         if columns.own:
             drops = _drops(*columns.products(tangent, noise, rows), one_sided=one_sided)
