@@ -19,6 +19,7 @@ SECTIONS = (
     "alignment",
     "identification",
     "diagnosis",
+    "waiting",
     "regimes",
     "bounds",
     "peers",
