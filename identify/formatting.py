@@ -1,7 +1,7 @@
 """How numbers are written for people: with as many digits as their error allows, and with their unit."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from identify.estimate import Estimate
 
@@ -72,6 +72,22 @@ def quantity(estimate: Estimate) -> str:
     if not math.isfinite(estimate.std) or estimate.std == 0.0:
         return f"{estimate.value:.4g}{unit}"
     return f"{with_error(estimate.value, estimate.std)}{unit}"
+
+
+def quantities(found: Mapping[str, Estimate], between: str = " = ") -> list[str]:
+    """Return each quantity with its name before it; of one that every release has ("fc[0]", "fc[1]", ...) the range."""
+    groups: dict[str, list[Estimate]] = {}
+    for name, value in found.items():
+        groups.setdefault(name.partition("[")[0], []).append(value)
+    texts = []
+    for name, values in groups.items():
+        text = quantity(values[0])
+        if len(values) > 1:
+            low, high = min(v.value for v in values), max(v.value for v in values)
+            unit = "" if values[0].unit in ("", "1") else f" {values[0].unit}"
+            text = f"{low:.3g} to {high:.3g}{unit} in {len(values)} releases"
+        texts.append(f"{name}{between}{text}")
+    return texts
 
 
 def identified_rows(stiffness: dict[int, Estimate], damping: tuple[Estimate, ...]) -> list[tuple[str, str]]:

@@ -9,15 +9,8 @@ releases from one another: it halves the median error, and makes none of them wo
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from identify.curves.confirmation import (
-    MOST_PARTS,
-    RANGE,
-    SHARE,
-    Confirmation,
-    ConfirmedEffect,
-    confirmed,
-    search_of,
-)
+from identify.curves.confirm import MOST_PARTS, SHARE, confirmed, search_of
+from identify.curves.confirmation import RANGE, Confirmation, ConfirmedEffect
 from identify.curves.curve_search import CurveSearch
 from identify.curves.held_out import HeldOut
 from identify.curves.leading_law import WORTH
@@ -38,9 +31,10 @@ def confirm_releases(
     terms: tuple[Term, ...],
     scales: Scales,
 ) -> Confirmation | None:
-    """Return what the curves of some releases confirm, together or, where that is nothing, each by itself.
+    """Return what the curves of some releases confirm beyond a model, together or, where that is nothing, each by itself.
 
-    Arguments and result are those of `confirm`.
+    `known` has the model's parameters by unknown's name, `terms` are the candidates. None where the curves are too short to
+    tell.
     """
     begun = search_of(decays, model, known, terms, scales)
     if begun is None:

@@ -18,7 +18,15 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import motion_percent
-from identify.formatting import EXPLAINS_NOTHING, among, plain_name, quantity, share_words, three_figures
+from identify.formatting import (
+    EXPLAINS_NOTHING,
+    among,
+    plain_name,
+    quantities,
+    quantity,
+    share_words,
+    three_figures,
+)
 
 _MOST_ALTERNATIVES = 4
 """Alternatives that are listed; of more the rest is counted."""
@@ -91,7 +99,7 @@ def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...]) -> str:
 
 def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:
     cause = "Missing is" if top.kind == "physics" else "A sensor is at fault:"
-    numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in top.parameters.items())
+    numbers = ", ".join(quantities(top.parameters))
     what = f"{cause} {plain_name(top.effect.name)}{_where(top)} ({numbers})"
     before = three_figures(baseline.reduced(baseline.fit))
     after = three_figures(settled.fit.reduced if together else top.error_after)
@@ -235,7 +243,7 @@ def _unknown(
 
 
 def _corrected(baseline: Baseline, top: Suspect) -> str:
-    numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in top.parameters.items())
+    numbers = ", ".join(quantities(top.parameters))
     before, after = three_figures(baseline.reduced(baseline.fit)), three_figures(top.error_after)
     return (
         f"A sensor is at fault: {plain_name(top.effect.name)}{_where(top)} ({numbers}); without allowing for it "

@@ -4,7 +4,7 @@ import numpy as np
 
 from identify.curves.confirmation import RANGE, Confirmation, ConfirmedEffect
 from identify.diagnosis.suspect import Suspect
-from identify.formatting import among, plain_name, quantity, three_figures
+from identify.formatting import among, plain_name, quantities, three_figures
 
 _KINDS = {"frequency": "the frequency", "loss": "the loss per cycle"}
 
@@ -16,7 +16,7 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         effect = suspect.confirmed
         if effect is None:
             continue
-        numbers = ", ".join(f"{name} = {quantity(value)}" for name, value in suspect.parameters.items())
+        numbers = ", ".join(quantities(suspect.parameters))
         foretell = "foretells" if len(effect.rivals) == 1 else "foretell"
         same = "it or one of these leads" if effect.rivals else "the same effect leads"
         also = f"; {_among(effect.rivals)} {foretell} nearly as well" if effect.rivals else ""

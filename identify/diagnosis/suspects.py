@@ -41,7 +41,9 @@ _LEADERS = 3
 _BEHIND = 2.0
 """Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
 
-_FAR_OFF = 100.0
+_LINEAR_UP_TO = 100.0
+"""Reduced chi-square up to which one more effect moves the readings in proportion: its fit begins with the slope of the base."""
+
 _ASTRAY = 1.1
 """Multiple of chi-square without a term above which its first steps have led away, and it is begun from hardly there."""
 
@@ -120,10 +122,10 @@ def try_terms(
     is told how many fits are done, and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
-    slope = Slope.of(base) if goal is not None or base.reduced < _FAR_OFF else None
-    if goal is not None and slope is not None and not (promising and base.reduced >= _FAR_OFF):
+    slope = Slope.of(base) if goal is not None or base.reduced < _LINEAR_UP_TO else None
+    if goal is not None and slope is not None and not (promising and base.reduced >= _LINEAR_UP_TO):
         terms = worth_a_fit(decays, slope, terms, scales, goal)
-    near = slope if base.reduced < _FAR_OFF else None
+    near = slope if base.reduced < _LINEAR_UP_TO else None
     floor = 0.0 if goal is None else goal
     done, whole = count(1), len(terms) + min(polished, len(terms))
 
@@ -287,7 +289,7 @@ def _promising(
         point = initial_values(decays, model, inner)
         if not np.isfinite(rss):
             point[strength] = 1e-3 * _one_percent(largest, term, inner)
-        if base.reduced < _FAR_OFF:
+        if base.reduced < _LINEAR_UP_TO:
             point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
         points.append(point)
     return points

@@ -20,7 +20,7 @@ from station.results.diagnosis_document import (
 from station.story.engineering_values import Weighing
 from station.story.suspect_words import reaches_floor, would_explain
 from station.text.layout import labelled
-from station.text.numbers import DASH, three_figures, with_unit
+from station.text.numbers import DASH, three_figures, with_names, with_unit
 from station.text.shares_text import shares_table
 
 STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
@@ -180,10 +180,7 @@ def _reached(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
 
 
 def _parameters(suspect: SuspectDocument, most: int | None) -> str:
-    parts = [
-        f"{name.replace('[0]', ' of the first')} {with_unit(value)}"
-        for name, value in list(suspect.parameters.items())[:most]
-    ]
+    parts = with_names(suspect.parameters)[:most]
     where = f"in the {suspect.channel}" if suspect.channel else ""
     return "; ".join([*([where] if where else []), *parts])
 
@@ -252,7 +249,7 @@ def found_in_sensor(finding: FindingDocument) -> str:
     if finding.words:
         return finding.words
     where = f" in the {finding.channel}" if finding.channel else ""
-    values = ", ".join(f"{name} {with_unit(value)}" for name, value in finding.parameters.items())
+    values = ", ".join(with_names(finding.parameters))
     return f"{finding.title}{where} ({values})"
 
 

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Mapping
 from typing import Protocol
 
 from identify import formatting
@@ -45,7 +46,16 @@ def with_error(value: float | None, std: float | None) -> str:
 
 def with_unit(found: Estimated) -> str:
     """Return "13115.0 ± 0.4 N/m"; without an error where none is known."""
-    return formatting.quantity(Estimate(_number(found.value), _number(found.std), found.unit))
+    return formatting.quantity(_estimate(found))
+
+
+def with_names(found: Mapping[str, Estimated]) -> list[str]:
+    """Return "fc 80.0 ± 1.2 Hz" of each parameter; of one that every release has, the range."""
+    return formatting.quantities({name: _estimate(value) for name, value in found.items()}, " ")
+
+
+def _estimate(found: Estimated) -> Estimate:
+    return Estimate(_number(found.value), _number(found.std), found.unit)
 
 
 def three_figures(value: float | None) -> str:

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from identify.curves import confirmation
+from identify.curves import confirm
 from identify.curves.averaged_law import law_of
-from identify.curves.confirmation import confirm
 from identify.curves.curve_regression import CurveRegression
 from identify.curves.decay_curve import DecayCurve
 from identify.curves.held_out import cut_by_amplitude
 from identify.curves.isolated_mode import IsolatedMode
+from identify.curves.release_by_release import confirm_releases
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.force_effect import ForceEffect
@@ -35,7 +35,7 @@ def displacement_only(name, strength, seed, **setting):
 
 def confirmed(decays):
     terms = candidate_terms(base_model(), LIBRARY, decays[0].window)
-    return confirm(decays, base_model(), {}, terms, scales_of(decays[0], {}))
+    return confirm_releases(decays, base_model(), {}, terms, scales_of(decays[0], {}))
 
 
 def decaying(seconds=40.0, loss=0.08, noise=0.0, seed=1):
@@ -163,7 +163,7 @@ def test_what_three_releases_share_foretells_the_one_left_out():
 @pytest.mark.slow
 def test_an_effect_that_leads_in_fewer_than_half_of_the_drawings_is_not_named(monkeypatch):
     monkeypatch.setattr(
-        confirmation, "leaders", lambda search, contenders, *given: (contenders[0].column, None, None)
+        confirm, "leaders", lambda search, contenders, *given: (contenders[0].column, None, None)
     )
     found = confirmed((displacement_only("quadratic_damping", 0.03, 11, amplitude=0.02, mu_0=0.01),))
     assert found.names == ()

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from identify.curves.confirmation import both_faces
+from identify.curves.confirm import both_faces
 from identify.curves.curve_regression import MotionError, Strengths
 from identify.curves.held_out import HeldOut
 from identify.curves.leading_law import choose

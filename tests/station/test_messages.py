@@ -3,7 +3,7 @@
 import pytest
 
 from identify.estimate import Estimate
-from identify.formatting import quantity, with_error
+from identify.formatting import quantities, quantity, with_error
 from identify.formatting import three_figures as figures
 from station.cli import in_plain_words, run
 from station.results.diagnosis_document import FindingDocument
@@ -129,3 +129,11 @@ def test_a_fault_is_told_by_its_own_words_where_it_has_some():
     assert found_in_sensor(found) == "the gains of the two channels disagree (error 0.010 ± 0.030)"
     words = "the two sensors differ by 1.00 ± 0.02 %, within the 3 % left open"
     assert found_in_sensor(found.model_copy(update={"words": words})) == words
+
+
+def test_a_parameter_that_every_release_has_is_told_as_a_range():
+    found = {f"fc[{i}]": Estimate(80.0 - i, 19.0, "Hz") for i in range(9)}
+    assert quantities({"k3": Estimate(9000.0, 30.0, "1/s^2"), **found}) == [
+        "k3 = 9000 ± 30 1/s^2",
+        "fc = 72 to 80 Hz in 9 releases",
+    ]
