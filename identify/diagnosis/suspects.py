@@ -42,7 +42,7 @@ _BEHIND = 2.0
 """Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
 
 _LINEAR_UP_TO = 100.0
-"""Reduced chi-square up to which one more effect moves the readings in proportion: its fit begins with the slope of the base."""
+"""Reduced chi-square up to which one more effect moves the readings in proportion, so that the base's slope serves it."""
 
 _ASTRAY = 1.1
 """Multiple of chi-square without a term above which its first steps have led away, and it is begun from hardly there."""
