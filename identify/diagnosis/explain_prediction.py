@@ -16,12 +16,12 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         effect = suspect.confirmed
         if effect is None:
             continue
-        numbers = ", ".join(quantities(suspect.parameters))
+        numbers = "" if effect.alone else f" ({', '.join(quantities(suspect.parameters))})"
         foretell = "foretells" if len(effect.rivals) == 1 else "foretell"
         same = "it or one of these leads" if effect.rivals else "the same effect leads"
         also = f"; {_among(effect.rivals)} {foretell} nearly as well" if effect.rivals else ""
         sentences.append(
-            f"Missing is {plain_name(suspect.effect.name)} ({numbers}), which moves "
+            f"Missing is {plain_name(suspect.effect.name)}{numbers}, which moves "
             f"{_KINDS[effect.explains]} with the amplitude: the error of its prediction falls from "
             f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion{also}. In {effect.leads} of "
             f"{effect.resamplings} resamplings of the cycles {same}.{_alone(effect)}"
@@ -34,8 +34,8 @@ def _alone(effect: ConfirmedEffect) -> str:
     if not effect.alone:
         return ""
     return (
-        f" {effect.alone} releases name it each by itself. One of them shows something besides; the parameters are those of "
-        "one model with one spring and one damping for all, so take them from the releases alone."
+        f" Taken together the releases do not show it; {effect.alone} of them name it, each by itself. One model with one "
+        "spring and one damping does not fit them all: take its parameters from the releases alone."
     )
 
 
