@@ -1,4 +1,7 @@
-"""The Jacobian: how the misfit changes with each unknown, by forward differences whose steps are kept from call to call."""
+"""The Jacobian: how the misfit changes with each unknown, by forward differences whose steps are kept from call to call.
+
+A slope need not be known to the noise: what is simulated for it is integrated in longer steps than the motion is.
+"""
 
 from collections.abc import Sequence
 from math import inf, isfinite, sqrt
@@ -28,6 +31,7 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
     """
     responses = problem.responses(theta)
     parts = [problem.residual_of(i, problem.read(theta, i, r)) for i, r in enumerate(responses)]
+    start = _Start(problem, theta, responses, parts)
     residual = np.concatenate(parts)
     jacobian = BlockJacobian.zeros(problem.pattern, [len(part) for part in parts])
     if not np.isfinite(residual).all():
@@ -39,7 +43,7 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
             continue
         rows = list(jacobian.of_unknown(j))
         for _ in range(_STEP_TRIALS):
-            step, changes = _difference(problem, theta, j, [i for i, _ in rows], responses, parts)
+            step, changes = _difference(problem, start, j, [i for i, _ in rows])
             with np.errstate(over="ignore"):
                 moved = sqrt(sum(float(c @ c) for c, _ in changes) / len(residual))
             if not _improve_step(problem, j, moved, float(size[j])):
@@ -68,34 +72,55 @@ def _improve_step(problem: Problem, j: int, moved: float, size: float) -> bool:
     return not 0.03 < problem.steps[j] / before < 30.0
 
 
+class _Start:
+    """Where differences are taken from: motions and misfits as followed to the noise, and misfits as followed for a slope."""
+
+    def __init__(self, problem: Problem, theta: Array, responses: list[Response], parts: list[Array]) -> None:
+        self.problem = problem
+        self.theta = theta
+        self.responses = responses
+        self.parts = parts
+        self._for_slope: dict[int, tuple[int, Array]] = {}
+
+    def for_slope(self, i: int) -> tuple[int, Array]:
+        """Return in how many steps a sample window i is integrated for a slope, and its misfit (n,) in as many.
+
+        Where a motion runs away in longer steps, they are as short as the motion needs.
+        """
+        if i not in self._for_slope:
+            whole = self.problem.substeps(self.theta, i)
+            fewer, part = self.problem.substeps(self.theta, i, tangent=True), self.parts[i]
+            if fewer < whole:
+                response = self.problem.respond(self.theta, i, fewer)
+                part = self.problem.residual_of(i, self.problem.read(self.theta, i, response))
+            self._for_slope[i] = (fewer, part) if np.isfinite(part).all() else (whole, self.parts[i])
+        return self._for_slope[i]
+
+
 def _difference(
-    problem: Problem,
-    theta: Array,
-    j: int,
-    windows: Sequence[int],
-    responses: list[Response],
-    parts: list[Array],
+    problem: Problem, start: _Start, j: int, windows: Sequence[int]
 ) -> tuple[float, list[tuple[Array, float]]]:
     """Return the step taken in unknown j, and the change of the misfit of each of the `windows` that it moves, (n,).
 
     With each comes its largest value; what is not finite counts as no change.
     """
     unknown, size = problem.unknowns[j], problem.steps[j]
-    moved = theta.copy()
-    moved[j] += -size if theta[j] + size > problem.high[j] else size
-    step = float(moved[j] - theta[j])
+    moved = start.theta.copy()
+    moved[j] += -size if start.theta[j] + size > problem.high[j] else size
+    step = float(moved[j] - start.theta[j])
     changes = []
     for i in windows:
-        response = responses[i]
+        response, part = start.responses[i], start.parts[i]
         if unknown.simulated:
-            response = problem.respond(moved, i)
+            substeps, part = start.for_slope(i)
+            response = problem.respond(moved, i, substeps)
         elif j == problem.layout.releases[i].lag:
             response = Response(
                 response.displacement - step * response.velocity,
                 response.velocity - step * response.acceleration,
                 response.acceleration,
             )
-        change = problem.residual_of(i, problem.read(moved, i, response)) - parts[i]
+        change = problem.residual_of(i, problem.read(moved, i, response)) - part
         largest = float(np.abs(change).max(initial=0.0))
         if not isfinite(largest):
             change = np.where(np.isfinite(change), change, 0.0)

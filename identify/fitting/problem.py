@@ -11,6 +11,9 @@ from identify.model.simulate import Response, make_system, simulate, substeps_fo
 from identify.preprocessing.fit_window import FitWindow
 
 _PRE_RELEASE_STEPS = 16
+_COARSE = 2.0
+_TANGENT = 4.0
+"""How many times longer the steps of the integration are far from the readings, and where only a slope is wanted."""
 
 
 class Problem:
@@ -54,8 +57,18 @@ class Problem:
         size = np.where(self.size > 0.0, self.size, np.maximum(np.abs(theta), tiny))
         return np.where(size > 0.0, size, 1.0)
 
-    def respond(self, theta: Array, i: int) -> Response:
-        """Simulate window i."""
+    def substeps(self, theta: Array, i: int, *, tangent: bool = False) -> int:
+        """Return how many steps of the integration a sample of window i takes; for a `tangent`, as few as its slope needs."""
+        longer = _TANGENT if tangent else _COARSE if self.coarse else 1.0
+        return substeps_for(
+            self._fastest_rate(self._table(theta), self.windows[i].rate),
+            self.windows[i].rate,
+            nonsmooth=self.system.nonsmooth,
+            longer=1.0 if self.system.is_stiff else longer,
+        )
+
+    def respond(self, theta: Array, i: int, substeps: int | None = None) -> Response:
+        """Simulate window i, in as many steps a sample as given, or as it needs."""
         window, places = self.windows[i], self.layout.releases[i]
         linear = np.array([theta[at] if at != NOWHERE else 0.0 for at in self.layout.linear])
         table = self._table(theta)
@@ -69,12 +82,7 @@ class Problem:
             states=self._states_at_start(theta, table, i),
             samples=len(window),
             rate=window.rate,
-            substeps=substeps_for(
-                self._fastest_rate(table, window.rate),
-                window.rate,
-                nonsmooth=self.system.nonsmooth,
-                coarse=self.coarse and not self.system.is_stiff,
-            ),
+            substeps=self.substeps(theta, i) if substeps is None else substeps,
             time=window.time,
             lag=float(lag),
             external=window.force

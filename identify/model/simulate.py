@@ -308,12 +308,12 @@ def _run(  # type: ignore[no-untyped-def]
         readings[1, i] = v
 
 
-def substeps_for(frequency: float, rate: float, *, nonsmooth: bool, coarse: bool = False) -> int:
+def substeps_for(frequency: float, rate: float, *, nonsmooth: bool, longer: float = 1.0) -> int:
     """Return how many integration steps a sample needs for an angular frequency in rad/s at a rate in Hz.
 
-    `coarse` steps are twice as long, for a motion that need not be followed to below the noise.
+    Steps `longer` by a factor are for a motion that need not be followed to below the noise.
     """
-    angle = (_STEP_ANGLE_KINKED if nonsmooth else _STEP_ANGLE) * (2.0 if coarse else 1.0)
+    angle = (_STEP_ANGLE_KINKED if nonsmooth else _STEP_ANGLE) * longer
     return max(1, int(np.ceil(frequency / (rate * angle))))
 
 

@@ -1,0 +1,35 @@
+import numpy as np
+import pytest
+from releases import drawn
+
+from identify.effects.library import find_effect
+from identify.fitting.initial_values import initial_values
+from identify.fitting.jacobian import linearise
+from identify.fitting.problem import Problem
+from identify.model.model import Term, base_model
+
+
+def problem_and_point(name, **inner):
+    prepared, _ = drawn(name, 0.03, 7100)
+    term = Term(find_effect(name))
+    model = base_model().plus(term)
+    problem = Problem(model, (prepared.window,), prepared.frequency)
+    start = initial_values((prepared,), model, term.by_name(inner))
+    return problem, np.clip(problem.theta(start), problem.low, problem.high)
+
+
+@pytest.mark.parametrize(
+    ("name", "inner"), [("cubic_stiffness", {}), ("freeplay", {"gap": 5e-4}), ("maxwell_element", {"tau": 0.03})]
+)
+def test_slopes_from_longer_steps_are_those_of_the_motion(name, inner):
+    problem, theta = problem_and_point(name, **inner)
+    assert problem.substeps(theta, 0, tangent=True) < problem.substeps(theta, 0)
+    _, jacobian = linearise(problem, theta)
+    for j, unknown in enumerate(problem.unknowns):
+        step = np.zeros(len(theta))
+        step[j] = 10.0 * problem.steps[j]
+        there, back = problem.residuals(theta + step), problem.residuals(theta - step)
+        slope = (there - back) / (2.0 * step[j])
+        moves = np.abs(there - back) < 0.5  # a reading that friction's reversal crosses has no slope
+        gap = (jacobian.column(j) - slope)[moves]
+        assert np.linalg.norm(gap) < 0.05 * np.linalg.norm(slope[moves]), unknown.name
