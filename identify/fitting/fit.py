@@ -21,6 +21,9 @@ _GROWTH = (3.0, 8.0, 20.0, 50.0, 120.0)
 FAR_OFF = 30.0
 """Reduced chi-square from which on a model is far from the readings: its motion need not be followed to the noise."""
 
+_COLLINEAR = 1e-13
+"""Eigenvalue of the unknowns' scaled normal equations below which rounding hides what the readings say of them."""
+
 
 @dataclass(frozen=True, eq=False)
 class Fit:
@@ -171,14 +174,14 @@ def _grow(model: Model, windows: tuple[FitWindow, ...], theta: Array, frequency:
 
 
 def _result(problem: Problem, theta: Array, cost: float, jacobian: BlockJacobian, *, settled: bool) -> Fit:
-    size = problem.sizes(theta)
     at_bound = (theta <= problem.low) | (theta >= problem.high)
-    normal = jacobian.normal() * np.outer(size, size)
+    normal = jacobian.normal()
     normal[at_bound], normal[:, at_bound] = 0.0, 0.0
-    values, vectors = np.linalg.eigh(normal)
-    weak = values < 1e-13 * values.max()
-    inverse = 1.0 / np.maximum(values, max(1e-16 * values.max(), 1e-300))
-    covariance = (vectors * inverse) @ vectors.T * np.outer(size, size)
+    own = np.sqrt(np.where(np.diag(normal) > 0.0, np.diag(normal), 1.0))
+    values, vectors = np.linalg.eigh(normal / np.outer(own, own))
+    weak = values < _COLLINEAR
+    inverse = 1.0 / np.maximum(values, 1e-3 * _COLLINEAR)
+    covariance = (vectors * inverse) @ vectors.T / np.outer(own, own)
     std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     lost = (vectors[:, weak] ** 2).sum(axis=1) > 0.5 if weak.any() else np.zeros(len(theta), bool)
     std = np.where(lost | at_bound, np.inf, std)

@@ -14,6 +14,9 @@ _TRIALS = 12
 _CONFIRMATIONS = 3
 _CREEPS = 0.02
 _UNDAMPED = 1e-3
+_SINGULAR = 1e-12
+"""Least damping, beside which rounding errors of the normal equations are nothing."""
+
 _NEAR_FLOOR = 2.0
 """Reduced chi-square up to which all that is left counts as noise."""
 
@@ -43,8 +46,13 @@ class _Step:
     residual: Array
     cost: float
     gained: float
-    as_predicted: bool
+    predicted: float
     damping: float
+
+    @property
+    def as_predicted(self) -> bool:
+        """Whether the Jacobian foretold the gain well enough to be kept."""
+        return self.gained > _AS_PREDICTED * self.predicted
 
 
 def minimise(
@@ -127,20 +135,19 @@ def _step(
     still = never | ((theta <= problem.low) & (gradient > 0)) | ((theta >= problem.high) & (gradient < 0))
     normal[still] = 0.0
     normal[:, still] = 0.0
-    diagonal = np.diag(normal).copy()
-    floor = 1e-12 * max(diagonal.max(), 1e-300)
+    diagonal = np.diag(normal)
+    own = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))  # so that no unknown is held back by how well another is known
+    scaled = normal / np.outer(own, own)
     for _ in range(_TRIALS):
-        matrix = normal + np.diag(damping * diagonal + floor)
-        step = -np.linalg.solve(matrix, np.where(still, 0.0, gradient))
+        matrix = scaled + np.diag(np.where(diagonal > 0.0, damping + _SINGULAR, 1.0))
+        step = -np.linalg.solve(matrix, np.where(still, 0.0, gradient) / own) / own
         candidate = np.clip(theta + step * size, problem.low, problem.high)
         predicted = -(2.0 * gradient @ step + step @ normal @ step)
         trial = problem.residuals(candidate)
         trial_cost = _sum_of_squares(trial)
         if np.isfinite(trial_cost) and trial_cost < cost:
             gained = cost - trial_cost
-            return _Step(
-                candidate, trial, trial_cost, gained, bool(gained > _AS_PREDICTED * predicted), damping
-            )
+            return _Step(candidate, trial, trial_cost, gained, float(predicted), damping)
         if predicted < least:
             return None
         damping = max(damping * 8.0, 1e-7)
