@@ -36,7 +36,8 @@ class FewReleases:
         decays = tuple(whole.decays[i] for i in places)
         baseline = Baseline(decays, base, tuple(whole.floors[i] for i in places))
         scales = scales_of(decays[0], residual_lines(base))
-        few = tuple(judged(_refitted(c.fit, places), base, c.term, scales) for c in tried)
+        goal = baseline.highest * base.degrees
+        few = tuple(judged(_refitted(c.fit, places, goal), base, c.term, scales) for c in tried)
         return cls(whole, baseline, tuple(sorted(few, key=lambda c: c.score)), places)
 
     @classmethod
@@ -76,12 +77,12 @@ def _chosen(decays: tuple[PreparedDecay, ...]) -> tuple[int, ...]:
     return tuple(sorted({order[0], order[-1]}))
 
 
-def _refitted(found: Fit, places: tuple[int, ...]) -> Fit:
-    """Return a fit to all releases refitted to those in `places`."""
+def _refitted(found: Fit, places: tuple[int, ...], goal: float = 0.0) -> Fit:
+    """Return a fit to all releases refitted to those in `places`; left where it creeps to a `goal` of chi-square above 0."""
     count = len(places)
     start = {
         str(u.id if u.window < 0 else u.id.of_release(places.index(u.window), count)): value
         for u, value in zip(found.unknowns, found.theta.tolist(), strict=True)
         if u.window < 0 or u.window in places
     }
-    return fit(found.model, tuple(found.windows[i] for i in places), start, found.frequency, near=True)
+    return fit(found.model, tuple(found.windows[i] for i in places), start, found.frequency, near=True, goal=goal)

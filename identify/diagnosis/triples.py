@@ -56,7 +56,8 @@ def _fitted(baseline: Baseline, three: tuple[Begun, Begun, Begun]) -> Fit:
         model = model.plus(begun.term)
         inner |= begun.term.by_name(begun.inner)
     start = initial_values(baseline.decays, model, inner)
-    return fit(model, baseline.fit.windows, start, baseline.fit.frequency)
+    goal = baseline.highest * baseline.fit.degrees
+    return fit(model, baseline.fit.windows, start, baseline.fit.frequency, goal=goal)
 
 
 def _begun_anew(baseline: Baseline, three: tuple[Begun, Begun, Begun], found: Fit) -> Fit:
