@@ -15,24 +15,25 @@ from identify.model.equivalent_linearisation import Signature, average, mean_for
 from identify.model.model import Term
 
 _AMPLITUDES = 14
+_TIMES = 9
 _SHAPELESS = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class AveragedLaw:
-    """The signature of a term at unit strength over a grid of amplitudes, at the start and at the end of a record.
+    """The signature of a term at unit strength over a grid of amplitudes, and of times where it depends on time.
 
-    `inner` are the inner parameters, by their own names; `duration` (s) is what lies between the two signatures, and
-    `centre` (amplitudes,) the displacement of the centre by a force that is even.
+    `inner` are the inner parameters, by their own names; `signatures` are those at each of `times` (times,) s since the
+    release, one where time does not matter, and `centre` (amplitudes,) is the displacement of the centre by a force that
+    is even.
     """
 
     term: Term
     inner: dict[str, float]
     amplitudes: Array
-    early: Signature
-    late: Signature
+    times: Array
+    signatures: tuple[Signature, ...]
     centre: Array
-    duration: float
 
     @property
     def name(self) -> str:
@@ -42,13 +43,19 @@ class AveragedLaw:
     def along(self, curve: DecayCurve) -> tuple[Array, Array, Array]:
         """Return loss (1/s) and change of w^2 (1/s^2) between the points, (n - 1,), and the centre at them, (n,)."""
         at, grid = np.log(curve.between), np.log(self.amplitudes)
-        share = np.clip(curve.clock / self.duration, 0.0, 1.0)
-        loss, stiffening = (
-            (1.0 - share) * np.interp(at, grid, getattr(self.early, what))
-            + share * np.interp(at, grid, getattr(self.late, what))
-            for what in ("damping", "stiffening")
-        )
+        loss = self._in_time(curve, [np.interp(at, grid, s.damping) for s in self.signatures])
+        stiffening = self._in_time(curve, [np.interp(at, grid, s.stiffening) for s in self.signatures])
         return loss, stiffening, np.interp(np.log(curve.amplitude), grid, self.centre)
+
+    def _in_time(self, curve: DecayCurve, values: list[Array]) -> Array:
+        """Return what holds at each point of a curve, (n,), of values (n,) that hold at each of the times."""
+        if len(values) == 1:
+            return values[0]
+        place = np.interp(curve.clock, self.times, np.arange(len(values)))
+        before = np.minimum(place.astype(int), len(values) - 2)
+        share, points = place - before, np.arange(len(place))
+        table = np.array(values)
+        return np.asarray((1.0 - share) * table[before, points] + share * table[before + 1, points])
 
     @property
     def shapeless(self) -> bool:
@@ -56,7 +63,8 @@ class AveragedLaw:
         if self.term.effect.of_time:
             return False
         some = [0, len(self.amplitudes) // 2, -1]
-        for values in (self.early.damping[some], self.early.stiffening[some]):
+        (signature,) = self.signatures
+        for values in (signature.damping[some], signature.stiffening[some]):
             if np.ptp(values) > _SHAPELESS * max(float(np.abs(values).max()), 1e-300):
                 return False
         return bool(np.abs(self.centre[some]).max() < _SHAPELESS * self.amplitudes.max())
@@ -115,12 +123,12 @@ def law_of(
     effect = term.force
     shared = {name: rough(frequency) for name, rough in effect.shared_parameters.items()}
     values = term.held_values | inner | {effect.strength.name: 1.0} | shared
-    early = average(effect, values, frequency, grid, second_order=False)
-    late = early
-    if effect.of_time:
-        late = average(effect, values, frequency, grid, time=duration, second_order=False)
+    times = duration * np.linspace(0.0, 1.0, _TIMES) ** 2 if effect.of_time else np.zeros(1)
+    signatures = tuple(
+        average(effect, values, frequency, grid, time=float(t), second_order=False) for t in times
+    )
     centre = -mean_force(effect, values, frequency, grid) / frequency**2
-    return AveragedLaw(term, dict(inner), grid, early, late, centre, duration)
+    return AveragedLaw(term, dict(inner), grid, times, signatures, centre)
 
 
 def values_of(laws: Iterable[AveragedLaw], strengths: Array) -> dict[str, float]:

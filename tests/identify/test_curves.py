@@ -227,7 +227,7 @@ def test_a_law_is_the_same_in_all_units(size):
     grid = size * np.array([0.1, 0.3, 1.0])
     law = law_of(term, {}, W, grid, 40.0)
     assert law.centre == pytest.approx(-(grid**2) / (2.0 * W**2), rel=1e-6)
-    assert np.abs(law.early.stiffening).max() < 1e-9 * size
+    assert np.abs(law.signatures[0].stiffening).max() < 1e-9 * size
 
 
 @pytest.mark.parametrize("unit", [1.0, 3e4])

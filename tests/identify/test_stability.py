@@ -21,7 +21,7 @@ def curve(law, strength: float, scatter: float, seed: int = 0) -> DecayCurve:
     """Return a decay that loses by a viscous damper and one law, its amplitudes read with a relative scatter."""
     amplitude = [0.02]
     for _ in range(60):
-        c_eq = np.interp(amplitude[-1], law.amplitudes, law.early.damping)
+        c_eq = np.interp(amplitude[-1], law.amplitudes, law.signatures[0].damping)
         amplitude.append(amplitude[-1] * np.exp(-0.5 * STEP * (VISCOUS + strength * c_eq)))
     time = STEP * np.arange(len(amplitude))
     random = np.random.default_rng(seed)
