@@ -13,7 +13,7 @@ from identify.curves.release_by_release import confirm_releases
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.force_effect import ForceEffect
-from identify.effects.library import LIBRARY
+from identify.effects.library import LIBRARY, find_effect
 from identify.effects.user import own_effect
 from identify.errors import NotIdentifiable
 from identify.fitting.initial_values import scales_of, term_starts
@@ -228,6 +228,17 @@ def test_a_law_is_the_same_in_all_units(size):
     law = law_of(term, {}, W, grid, 40.0)
     assert law.centre == pytest.approx(-(grid**2) / (2.0 * W**2), rel=1e-6)
     assert np.abs(law.signatures[0].stiffening).max() < 1e-9 * size
+
+
+@pytest.mark.parametrize("tau", [5.0, 15.0, 60.0])
+def test_a_stiffness_that_settles_is_followed_along_the_record(tau):
+    window = window_of(decaying())
+    curve = IsolatedMode.of(window).curve(np.asarray(window.readings["displacement"]))
+    law = law_of(Term(find_effect("settling_stiffness")), {"tau": tau}, W, np.array([0.02, 0.05, 0.1]), 40.0)
+    loss, stiffening, centre = law.along(curve)
+    assert stiffening == pytest.approx(W**2 * (1.0 - np.exp(-curve.clock / tau)), abs=0.03 * W**2)
+    assert np.abs(loss).max() < 1e-9 * W**2
+    assert np.abs(centre).max() < 1e-9
 
 
 @pytest.mark.parametrize("unit", [1.0, 3e4])
