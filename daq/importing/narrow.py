@@ -35,6 +35,17 @@ def narrowed(
     return left, notes
 
 
+def rising(columns: Sequence[SourceColumn]) -> tuple[list[SourceColumn], list[str]]:
+    """Return the columns that could be a clock: where one alone rises from row to row, that one, and why not the others."""
+    notes: list[str] = []
+    return _kept(columns, [_rises(c.values) for c in columns], "{} does not rise from row to row", notes), notes
+
+
+def _rises(values: Array) -> bool:
+    finite = values[np.isfinite(values)]
+    return len(finite) > 2 and bool(np.all(np.diff(finite) > 0.0))
+
+
 def _kept(
     columns: Sequence[SourceColumn], keep: Sequence[bool], why: str, notes: list[str]
 ) -> list[SourceColumn]:
