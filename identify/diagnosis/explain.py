@@ -3,13 +3,16 @@
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
+from identify.curves.leading_law import WORTH
 from identify.diagnosis.explain_prediction import (
     explain_confirmed,
     explain_driven,
     explain_unconfirmed,
 )
 from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.off_the_floor import line_percent
 from identify.diagnosis.suspect import Suspect
+from identify.diagnosis.suspects import Candidate
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family
@@ -37,6 +40,9 @@ _NEARLY = 0.5
 _MOST_OF_IT = 0.9
 """Share of what the model leaves that an effect explains where what is left, not the whole, has no name."""
 
+HARDLY_KNOWN = 1.0
+"""Standard error of the floor, as a share of it, from which reaching it says little."""
+
 FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
 
@@ -52,7 +58,7 @@ def explain(
 ) -> str:
     """Return why the verdict is what it is, with numbers and the alternatives that remain."""
     if verdict == "nothing_missing":
-        return _nothing(baseline, suspects)
+        return _nothing(baseline, suspects, settled)
     if verdict == "not_enough_data":
         return (
             "Fewer than five cycles of free motion stand above friction and noise, too few to tell effects apart. "
@@ -88,13 +94,41 @@ def floor_of(baseline: Baseline) -> str:
     return f"1 ± {baseline.spread:.2f}"
 
 
-def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...]) -> str:
+def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
+    return f"{_why_nothing(baseline, suspects, settled)} {_limit(suspects)}".strip()
+
+
+def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
+    """Return why nothing is said to be missing: the floor is reached, with or without a small line, or hardly missed."""
     left = three_figures(baseline.reduced(baseline.fit))
+    whole = f"{three_figures(motion_percent(baseline.fit))} % of the motion"
+    floor = f"the noise floor ({floor_of(baseline)})"
+    if settled.fit is not baseline.fit and len(settled.fit.model.names) > len(baseline.fit.model.names):
+        return (
+            f"{_line_in_words(suspects[0])} With it the model leaves a reduced chi-square of "
+            f"{three_figures(settled.fit.reduced)}, without it {left}; {floor} is a guess."
+        )
+    if not baseline.adequate(baseline.fit):
+        return (
+            f"The model explains all but {whole}. That is {left} times the noise, as far as {floor} can be guessed, but too "
+            "little to be worth a name."
+        )
     first = (
-        f"The model leaves a reduced chi-square of {left}, which is the noise floor ({floor_of(baseline)}); "
+        f"The model leaves a reduced chi-square of {left}, which is {floor}; "
         "no effect of the library lowers it by more than chance would."
     )
-    return f"{first} {_limit(suspects)}".strip()
+    if baseline.spread < HARDLY_KNOWN or motion_percent(baseline.fit) < WORTH:
+        return first
+    return f"{first} But that floor is hardly known, and {whole} is left, in which more may hide."
+
+
+def _line_in_words(line: Suspect) -> str:
+    """Return what a line of a sensor is that is too small to be named."""
+    frequency = next(v for k, v in line.parameters.items() if k == "f")
+    share = three_figures(line_percent(Candidate(line.term, line.fit, 0.0, 0.0, True)))
+    return (
+        f"The {line.term.channel} has a line at {quantity(frequency)}, {share} % of its motion: too small to be worth a name."
+    )
 
 
 def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:
