@@ -121,4 +121,6 @@ def _on_its_clock(
     number, rows = number[there], rows[there]
     std = asked / np.sqrt(changes) / max(float(number[-1] - number[0]), 1.0)
     start = centre + number[0] * period - 0.5 * asked
-    return Held(period, std, float(start), rows.astype(np.int64), (number - number[0]).astype(np.int64), share)
+    return Held(
+        period, std, float(start), rows.astype(np.int64), (number - number[0]).astype(np.int64), share
+    )

@@ -38,7 +38,9 @@ def narrowed(
 def rising(columns: Sequence[SourceColumn]) -> tuple[list[SourceColumn], list[str]]:
     """Return the columns that could be a clock: where one alone rises from row to row, that one, and why not the others."""
     notes: list[str] = []
-    return _kept(columns, [_rises(c.values) for c in columns], "{} does not rise from row to row", notes), notes
+    return _kept(
+        columns, [_rises(c.values) for c in columns], "{} does not rise from row to row", notes
+    ), notes
 
 
 def _rises(values: Array) -> bool:

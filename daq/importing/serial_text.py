@@ -43,7 +43,7 @@ def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
     shapes = Counter(row.shape for row in sample if row is not None)
     if not shapes:
         return None
-    (shape, count), = shapes.most_common(1)
+    ((shape, count),) = shapes.most_common(1)
     clock, labels, units = shape
     if count < ALIKE * len(sample) or not (clock or any(labels) or any(units)):
         return None
@@ -53,12 +53,20 @@ def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
     first = next(i for i, row in enumerate(rows) if row is not None)
     above = _names_above(lines[:first], len(units)) if not any(labels) and not clock else None
     names = labels if above is None else above
-    cells = [f"{name} ({unit})" if name and unit else name or unit for name, unit in zip(names, units, strict=True)]
+    cells = [
+        f"{name} ({unit})" if name and unit else name or unit for name, unit in zip(names, units, strict=True)
+    ]
     header = "\t".join([*(["time"] if clock else []), *cells])
     made = ["" if row is None else "\t".join([*([row.clock] if clock else []), *row.numbers]) for row in rows]
     made = [header, *made] if first == 0 else [*made[: first - 1], header, *made[first:]]
     what = " and ".join(
-        word for word, there in (("time stamps of a serial monitor", clock), ("labels", any(labels)), ("units", any(units))) if there
+        word
+        for word, there in (
+            ("time stamps of a serial monitor", clock),
+            ("labels", any(labels)),
+            ("units", any(units)),
+        )
+        if there
     )
     return made, f"{what} were read in each row"
 

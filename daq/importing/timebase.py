@@ -164,8 +164,8 @@ def _of_held(column: SourceColumn, unit: Unit, rows: Index, held: Held) -> Timeb
     """Return the sensor's own clock where rows repeat its readings."""
     rate, rate_std = 1.0 / held.period, held.period_std / held.period**2
     note = (
-        f"{100.0 * held.share:.0f} % of the rows repeat the one before while the mass moves: the sensor was read faster than "
-        f"it answers; its own readings, {_rate(rate, rate_std)}, were taken (--rate keeps all rows)"
+        f"{100.0 * held.share:.0f} % of the rows repeat the one before while the mass moves: the sensor was read faster "
+        f"than it answers; its own readings, {_rate(rate, rate_std)}, were taken (--rate keeps all rows)"
     )
     return Timebase(
         rate=float(f"{rate:.13g}"),

@@ -124,11 +124,10 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
 
 def _line_in_words(line: Suspect) -> str:
     """Return what a line of a sensor is that is too small to be named."""
-    frequency = next(v for k, v in line.parameters.items() if k == "f")
+    frequency = next(value for value in line.parameters.values() if value.unit == "Hz")
     share = three_figures(line_percent(Candidate(line.term, line.fit, 0.0, 0.0, True)))
-    return (
-        f"The {line.term.channel} has a line at {quantity(frequency)}, {share} % of its motion: too small to be worth a name."
-    )
+    what = f"The {line.term.channel} has a line at {quantity(frequency)}, {share} % of its motion"
+    return f"{what}: too small to be worth a name."
 
 
 def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:

@@ -27,7 +27,7 @@ _NEXT_TO_NOTHING = 0.01
 reached, or where the free run alone names."""
 
 NEGLIGIBLE = 0.1 * WORTH
-"""Percent of the motion below which a misfit above a guessed floor is nothing that is missing: a tenth of what a name asks."""
+"""Percent of the motion below which a misfit above a guessed floor is nothing missing: a tenth of what a name asks."""
 
 _NEXT_LEAVES = 3.0
 """A force that leaves less than this many times as much is not told apart from it."""
@@ -55,7 +55,9 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
     first = judged.ranked[0]
     if judged.verdict != "sensor_fault" or not 0.0 < line_percent(first.candidate) < WORTH:
         return judged
-    return replace(judged, verdict="nothing_missing", ranked=(replace(first, claimed=False), *judged.ranked[1:]))
+    return replace(
+        judged, verdict="nothing_missing", ranked=(replace(first, claimed=False), *judged.ranked[1:])
+    )
 
 
 def line_percent(candidate: Candidate) -> float:

@@ -5,7 +5,7 @@ import numpy as np
 from identify.arrays import Array
 
 NOISE_PEAK = 20.0
-"""Share of the noise's median power that one of ten thousand frequencies of white noise exceeds once in a hundred records."""
+"""Times the median power that the highest of ten thousand frequencies of white noise exceeds in one of a hundred records."""
 
 
 def dominant_frequency(values: Array, rate: float, derivative: int = 0) -> float:

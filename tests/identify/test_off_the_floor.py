@@ -122,7 +122,7 @@ def test_of_two_laws_that_curves_do_not_tell_apart_the_one_that_reaches_the_floo
 
 
 def test_a_misfit_that_is_next_to_nothing_is_not_something_missing():
-    """An exact viscous decay, written with six digits: far above the noise that its last decade shows, 1e-4 % of the motion."""
+    """An exact viscous decay, written with six digits: far above the noise of its last decade, 1e-4 % of the motion."""
     times = np.arange(300) / 10.0
     pole = complex(-0.25, np.sqrt(4.0 - 0.25**2))
     u = np.array([float(f"{x:.6g}") for x in np.exp(pole * times).real])
