@@ -10,9 +10,7 @@ from identify.diagnosis.explain_prediction import (
     explain_unconfirmed,
 )
 from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.diagnosis.off_the_floor import line_percent
 from identify.diagnosis.suspect import Suspect
-from identify.diagnosis.suspects import Candidate
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family
@@ -20,7 +18,7 @@ from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import motion_percent
+from identify.fitting.model_error import line_percent, motion_percent
 from identify.formatting import (
     EXPLAINS_NOTHING,
     among,
@@ -125,7 +123,7 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
 def _line_in_words(line: Suspect) -> str:
     """Return what a line of a sensor is that is too small to be named."""
     frequency = next(value for value in line.parameters.values() if value.unit == "Hz")
-    share = three_figures(line_percent(Candidate(line.term, line.fit, 0.0, 0.0, True)))
+    share = three_figures(line_percent(line.fit, line.term))
     what = f"The {line.term.channel} has a line at {quantity(frequency)}, {share} % of its motion"
     return f"{what}: too small to be worth a name."
 

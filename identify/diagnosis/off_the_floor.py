@@ -19,7 +19,7 @@ from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import ADEQUATE, Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.misfit_errors import with_misfit_errors
-from identify.fitting.model_error import motion_percent
+from identify.fitting.model_error import line_percent, motion_percent
 from identify.model.model import Term
 
 _NEXT_TO_NOTHING = 0.01
@@ -53,24 +53,18 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
     """
     judged = _unless_contradicted(baseline, alone, found)
     first = judged.ranked[0]
-    if judged.verdict != "sensor_fault" or not 0.0 < line_percent(first.candidate) < WORTH:
+    if judged.verdict != "sensor_fault" or not 0.0 < _line_percent(first.candidate) < WORTH:
         return judged
     return replace(
         judged, verdict="nothing_missing", ranked=(replace(first, claimed=False), *judged.ranked[1:])
     )
 
 
-def line_percent(candidate: Candidate) -> float:
-    """Return the rms of a sensor's line in % of that of its channel's motion, the largest of all releases; 0 of all else."""
-    term, found = candidate.term, candidate.fit
-    if not (isinstance(term.effect, SensorFault) and term.effect.line):
-        return 0.0
-    name, shares = term.effect.strength.name, [0.0]
-    for i, window in enumerate(found.windows):
-        if term.channel in window.channels:
-            motion = np.std(window.readings[term.channel][window.used[term.channel]])
-            shares.append(abs(found.of(term, i)[name].value) / (np.sqrt(2.0) * max(float(motion), 1e-300)))
-    return 100.0 * float(max(shares))
+def _line_percent(candidate: Candidate) -> float:
+    """Return the rms of a sensor's line in % of that of its channel's motion; 0 of all else."""
+    effect = candidate.term.effect
+    is_line = isinstance(effect, SensorFault) and effect.line
+    return line_percent(candidate.fit, candidate.term) if is_line else 0.0
 
 
 def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
