@@ -8,7 +8,7 @@ import numpy as np
 from daq.importing.bob import on_an_arc
 from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import ImportProblem, problem
-from daq.importing.narrow import narrowed, rising
+from daq.importing.narrow import along_one_axis, narrowed, rising
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.still import oscillation
 from daq.importing.table import SourceColumn, Table
@@ -229,6 +229,9 @@ def _found(
     if len(top) > 1:
         top, why = rising(top) if quantity == "time" else narrowed(top, meanings, quantity)
         notes.extend(why)
+    if len(top) > 1 and quantity != "time" and not _angle_of(top):
+        top, why = along_one_axis(top, meanings)
+        notes.extend(why)
     if len(top) > 1 and not _same_numbers(top):
         if beside and quantity != "time":
             return None
@@ -250,7 +253,7 @@ def _or_angle(columns: Sequence[SourceColumn]) -> str:
     pair = _pair(columns)
     if pair is None or any(oscillation(c.values) < SWINGS for c in pair):
         return ""
-    return f"; if they are a pendulum's bob, its angle is --angle-from {_name(pair[0])},{_name(pair[1])}"
+    return f"; if they are a pendulum's bob, its angle is {_angle_from(pair)}"
 
 
 def _angle_of(columns: Sequence[SourceColumn]) -> str:
@@ -258,7 +261,11 @@ def _angle_of(columns: Sequence[SourceColumn]) -> str:
     pair = _pair(columns)
     if pair is None or len(columns) > 3 or not on_an_arc(*pair):
         return ""
-    return f"--angle-from {_name(pair[0])},{_name(pair[1])}"
+    return _angle_from(pair)
+
+
+def _angle_from(pair: tuple[SourceColumn, SourceColumn]) -> str:
+    return f"--angle-from {','.join(split_unit(c.label)[0].strip() for c in pair)}"
 
 
 def _pair(columns: Sequence[SourceColumn]) -> tuple[SourceColumn, SourceColumn] | None:

@@ -164,10 +164,26 @@ def test_a_loose_arc_about_a_pivot_elsewhere_is_only_proposed(tmp_path: Path) ->
     assert caught.value.options == ("--angle-from x,y",)
 
 
-def test_a_small_swing_is_not_made_an_angle_unasked(tmp_path: Path) -> None:
+def test_a_small_swing_is_read_along_x(tmp_path: Path) -> None:
     t, phi = angle()
-    text = table("t,x,y", t, 4.0 + 1.2 * np.sin(0.1 * phi), 2.0 - 1.2 * np.cos(0.1 * phi))
-    assert "could be the displacement" in refusal(tmp_path, text)
+    x, y = 4.0 + 1.2 * np.sin(0.1 * phi), 2.0 - 1.2 * np.cos(0.1 * phi)
+    recording = load(tmp_path, table("t,x,y", t, x, y))
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "m")]
+    np.testing.assert_allclose(recording.samples[0], x, atol=1e-8)
+
+
+def test_a_mass_on_a_spring_in_a_video_is_read_along_the_axis_that_it_moves_along(tmp_path: Path) -> None:
+    t, phi = angle()
+    x = 1.0 + 0.02 * np.sin(0.7 * t) + 0.01 * np.random.default_rng(6).standard_normal(len(t))
+    recording = load(tmp_path, "mass_A\n" + table("t (s),x (cm),y (cm)", t, x, 24.0 * phi))
+    np.testing.assert_allclose(recording.samples[0], 0.24 * phi, atol=1e-8)
+    assert "'x (cm)' moves less than a fifth as much" in said(recording)
+
+
+def test_a_point_that_moves_along_both_axes_is_asked_for_in_words_that_can_be_typed(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    text = table("t (s),x (cm),y (cm)", t, x, 0.3 * np.roll(x, 40))
+    assert "--angle-from x,y" in refusal(tmp_path, text)
 
 
 def test_points_of_a_video_in_json_give_the_angle_about_their_pivot(tmp_path: Path) -> None:
