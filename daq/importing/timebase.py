@@ -113,12 +113,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         )  # fmt: skip
     if coarse and uneven and not column.clock:
         steps = rounding(column.values)[rows] * unit.scale
-        exact = rate_within_rounding(index.astype(np.float64), time, steps)
-        if exact is not None and exact[0] > SHORTEST_PERIOD:
-            slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
-        nominal = nominal_rate(1.0 / slope, rate_std) if stray > TOO_IRREGULAR * slope else None
-        if nominal is not None:
-            slope, start = 1.0 / nominal, float(np.mean(time) - np.mean(index) / nominal)
+        slope, start, rate_std = _within_rounding(index, time, steps, (slope, start, stray, rate_std))
     notes.extend(_holes(table, index, time, rows))
     if coarse and uneven:
         notes.append(
@@ -139,6 +134,20 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         origin=float(column.values[np.isfinite(column.values)][0]) * unit.scale + start,
         coarse=coarse and uneven,
     )
+
+
+def _within_rounding(
+    index: Index, time: Array, steps: Array, line: tuple[float, float, float, float]
+) -> tuple[float, float, float]:
+    """Return period, start and standard error of the rate of stamps that were rounded to `steps`, given their `_line`."""
+    slope, start, stray, rate_std = line
+    exact = rate_within_rounding(index.astype(np.float64), time, steps)
+    if exact is not None and exact[0] > SHORTEST_PERIOD:
+        slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
+    nominal = nominal_rate(1.0 / slope, rate_std) if stray > TOO_IRREGULAR * slope else None
+    if nominal is not None:
+        slope, start = 1.0 / nominal, float(np.mean(time) - np.mean(index) / nominal)
+    return slope, start, rate_std
 
 
 def _of_blocks(column: SourceColumn, unit: Unit, rows: Index, blocks: Blocks) -> Timebase:

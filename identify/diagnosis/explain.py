@@ -101,9 +101,10 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
     left = three_figures(baseline.reduced(baseline.fit))
     whole = f"{three_figures(motion_percent(baseline.fit))} % of the motion"
     floor = f"the noise floor ({floor_of(baseline)})"
-    if settled.fit is not baseline.fit and len(settled.fit.model.names) > len(baseline.fit.model.names):
+    line = next((s for s in suspects if _is_remarked_line(s, baseline, settled)), None)
+    if line is not None:
         return (
-            f"{_line_in_words(suspects[0])} With it the model leaves a reduced chi-square of "
+            f"{_line_in_words(line)} With it the model leaves a reduced chi-square of "
             f"{three_figures(settled.fit.reduced)}, without it {left}; {floor} is a guess."
         )
     if not baseline.adequate(baseline.fit):
@@ -118,6 +119,11 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
     if baseline.spread < HARDLY_KNOWN or motion_percent(baseline.fit) < WORTH:
         return first
     return f"{first} But that floor is hardly known, and {whole} is left, in which more may hide."
+
+
+def _is_remarked_line(suspect: Suspect, baseline: Baseline, settled: Baseline) -> bool:
+    added = set(settled.fit.model.names) - set(baseline.fit.model.names)
+    return suspect.effect.line and suspect.effect.name in added
 
 
 def _line_in_words(line: Suspect) -> str:

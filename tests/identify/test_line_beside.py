@@ -52,14 +52,19 @@ def test_the_residual_of_the_true_model_is_as_dense_as_the_noise_around_any_freq
 
 
 @pytest.mark.slow
-def test_a_line_alone_that_is_too_small_to_be_worth_a_name_is_a_remark():
-    found = diagnose(release(None, 65001, mid_decay=False))
+@pytest.mark.parametrize(
+    ("seed", "mid_decay", "line"), [(65001, False, ("50.0", "0.169")), (60100, True, ("111.2", "0.115"))]
+)
+def test_a_line_alone_that_is_too_small_to_be_worth_a_name_is_a_remark(
+    seed: int, mid_decay: bool, line: tuple[str, str]
+):
+    found = diagnose(release(None, seed, mid_decay=mid_decay))
     assert not found.baseline.floor_is_sure
     assert (found.verdict, found.named) == ("nothing_missing", ())
     assert "mains_hum" in found.final.model
     assert not any(suspect.claimed for suspect in found.suspects)
-    assert "has a line at 50.0" in found.explanation
-    assert "0.169 % of its motion: too small to be worth a name" in found.explanation
+    assert f"has a line at {line[0]}" in found.explanation
+    assert f"{line[1]} % of its motion: too small to be worth a name" in found.explanation
 
 
 @pytest.mark.slow
