@@ -16,6 +16,9 @@ ROUND = 0.03
 """A radius that is constant to 3 % is that of a pendulum."""
 
 SMALLEST_ARC = 0.02  # rad, rms: below it a circle cannot be told from a line
+LARGE_ARC = 0.1  # rad, rms: 8 degrees of swing, whose sagitta is a hundredth of the length
+CLOSE = 0.003
+"""So closely, as a share of the radius, an arc is kept that is found without being asked for: a third of that sagitta."""
 FEWEST = 8
 
 
@@ -24,7 +27,8 @@ def with_angle(table: Table, options: ImportOptions) -> Table:
 
     The angle is `atan2(x, -y)`, zero where the bob hangs, with y upwards from the pivot; where y counts downwards, as
     in a picture, `atan2(x, y)`. The columns are those that the operator names, or else the only two that could be a
-    displacement, if they lie on an arc about the pivot. Raises ImportProblem where the columns that are named do
+    displacement, if they lie on an arc about the pivot: the origin, or where they are called x and y the centre of the
+    circle that fits, if the arc is large and closely kept. Raises ImportProblem where the columns that are named do
     not lie on an arc.
     """
     if options.angle_from is not None:
@@ -38,11 +42,15 @@ def with_angle(table: Table, options: ImportOptions) -> Table:
             )  # fmt: skip
         return _replaced(table, x, y, pivot, "as asked")
     pair = _pair(table, options)
-    if pair is None or not _on_arc(pair[0].values, pair[1].values, (0.0, 0.0)):
+    if pair is None:
         return table
-    return _replaced(
-        table, *pair, (0.0, 0.0), "they lie on an arc about their origin; --column displacement=... takes one"
-    )
+    if _on_arc(pair[0].values, pair[1].values, (0.0, 0.0)):
+        why = "they lie on an arc about their origin; --column displacement=... takes one"
+        return _replaced(table, *pair, (0.0, 0.0), why)
+    pivot = _pivot_elsewhere(*pair)
+    if pivot is None:
+        return table
+    return _replaced(table, *pair, pivot, "they lie on an arc; --column displacement=... takes one")
 
 
 def _named(table: Table, wanted: str) -> SourceColumn:
@@ -81,6 +89,29 @@ def _pair(table: Table, options: ImportOptions) -> tuple[SourceColumn, SourceCol
     if len(numbers) == 3 and len(nameless) >= 2:
         return nameless[-2], nameless[-1]
     return None
+
+
+def on_an_arc(x: SourceColumn, y: SourceColumn) -> bool:
+    """Return whether two columns lie on a large arc about the origin or another centre, if only roughly."""
+    measurable = is_measurable(x.values) and is_measurable(y.values)
+    return measurable and _large_arc(x, y) is not None
+
+
+def _pivot_elsewhere(x: SourceColumn, y: SourceColumn) -> tuple[float, float] | None:
+    """Return the centre of a large, closely kept arc of columns called x and y, as video tracking writes them, or None."""
+    pivot = _large_arc(x, y) if x.label and y.label else None
+    if pivot is None:
+        return None
+    radius = np.hypot(x.values - pivot[0], y.values - pivot[1])
+    return pivot if amplitude(radius) < CLOSE * float(np.nanmean(radius)) else None
+
+
+def _large_arc(x: SourceColumn, y: SourceColumn) -> tuple[float, float] | None:
+    pivot = _pivot(x.values, y.values)
+    if pivot is None:
+        return None
+    angle = _angle(x.values, y.values, pivot)[0]
+    return pivot if amplitude(angle) > LARGE_ARC and np.nanmax(np.abs(angle)) < np.pi else None
 
 
 def _pivot(x: Array, y: Array) -> tuple[float, float] | None:

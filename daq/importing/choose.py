@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from daq.importing.bob import on_an_arc
 from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import ImportProblem, problem
-from daq.importing.narrow import narrowed
+from daq.importing.narrow import along_one_axis, narrowed, rising
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.still import oscillation
 from daq.importing.table import SourceColumn, Table
@@ -225,8 +226,11 @@ def _found(
         top = [c for c in top if not set(words(c.label)) & INDEX] or top
     if not top:
         return None
-    if len(top) > 1 and quantity != "time":
-        top, why = narrowed(top, meanings, quantity)
+    if len(top) > 1:
+        top, why = rising(top) if quantity == "time" else narrowed(top, meanings, quantity)
+        notes.extend(why)
+    if len(top) > 1 and quantity != "time" and not _angle_of(top):
+        top, why = along_one_axis(top, meanings)
         notes.extend(why)
     if len(top) > 1 and not _same_numbers(top):
         if beside and quantity != "time":
@@ -235,7 +239,7 @@ def _found(
         raise problem(
             table.path, f"{len(top)} {top[0].noun}s could be the {quantity}: {_listed(top)}",
             f"choose one, as in {ask(quantity, _name(_likely(top)))}{leave}{_or_runs(top)}{_or_angle(top)}",
-            options=(ask(quantity, _name(_likely(top))),),
+            options=(_angle_of(top) or ask(quantity, _name(_likely(top))),),
         )  # fmt: skip
     return _as_choice(quantity, top[0], meanings[top[0].number], asked=False)
 
@@ -246,10 +250,28 @@ def _or_runs(columns: Sequence[SourceColumn]) -> str:
 
 
 def _or_angle(columns: Sequence[SourceColumn]) -> str:
-    pair = {word: c for c in columns for word in ("x", "y") if split_unit(c.label)[0].strip().lower() == word}
-    if len(pair) < 2 or any(oscillation(c.values) < SWINGS for c in pair.values()):
+    pair = _pair(columns)
+    if pair is None or any(oscillation(c.values) < SWINGS for c in pair):
         return ""
-    return f"; if they are a pendulum's bob, its angle is --angle-from {_name(pair['x'])},{_name(pair['y'])}"
+    return f"; if they are a pendulum's bob, its angle is {_angle_from(pair)}"
+
+
+def _angle_of(columns: Sequence[SourceColumn]) -> str:
+    """Return the option that makes an angle of columns called x and y that lie on an arc, or ""."""
+    pair = _pair(columns)
+    if pair is None or len(columns) > 3 or not on_an_arc(*pair):
+        return ""
+    return _angle_from(pair)
+
+
+def _angle_from(pair: tuple[SourceColumn, SourceColumn]) -> str:
+    return f"--angle-from {','.join(split_unit(c.label)[0].strip() for c in pair)}"
+
+
+def _pair(columns: Sequence[SourceColumn]) -> tuple[SourceColumn, SourceColumn] | None:
+    """Return the columns called x and y."""
+    found = {split_unit(c.label)[0].strip().lower(): c for c in columns}
+    return (found["x"], found["y"]) if {"x", "y"} <= set(found) else None
 
 
 def _likely(columns: Sequence[SourceColumn]) -> SourceColumn:
@@ -298,6 +320,12 @@ def _listed(columns: Sequence[SourceColumn]) -> str:
     return shown + (f" and {len(columns) - 8} more" if len(columns) > 8 else "")
 
 
+def _what_is_not_said(table: Table, rest: Sequence[SourceColumn]) -> str:
+    if len(rest) == 1:
+        return f"nothing says whether {rest[0].place} is a displacement, velocity or acceleration"
+    return f"nothing says which {_noun(table)} is a displacement, velocity or acceleration: {_listed(rest)}"
+
+
 def _no_motion(table: Table, taken: set[int], *, rate_known: bool) -> ImportProblem:
     rest = [c for c in table.columns if c.number not in taken]
     if not rest:
@@ -308,6 +336,6 @@ def _no_motion(table: Table, taken: set[int], *, rate_known: bool) -> ImportProb
         )
     asked = (ask("displacement", _name(_likely(rest))), "--unit displacement=mm")
     return problem(
-        table.path, f"nothing says which {_noun(table)} is a displacement, velocity or acceleration among {_listed(rest)}",
+        table.path, _what_is_not_said(table, rest),
         f"say it, as in {' '.join(asked)}", options=asked if rate_known else (*asked, "--rate HZ"),
     )  # fmt: skip

@@ -50,6 +50,7 @@ OTHERS = frozenset({
     "fft", "spectrum", "spektrum", "psd", "asd", "frequenz", "frequency", "freq", "hz", "temperature", "temperatur",
     "temp", "sollwert", "soll", "target", "setpoint", "reference", "command", "std", "stdev", "error", "fehler", "err",
     "residual", "fit", "tg", "status", "flag", "quality", "humidity", "pressure", "battery", "envelope", "magnitude",
+    "momentum", "energy", "energie", "power", "confidence",
 })  # fmt: skip
 DERIVED = (
     "ableitung",
@@ -96,6 +97,7 @@ _UNIT_FORMS = (
     re.compile(r"(.*\S)\s+in\s+(\S.{0,24})$", re.S | re.I),
     re.compile(r"(.*\S)\s*[,:]\s*(\S{1,12})$", re.S),
     re.compile(r"(.*\S)\s+(\S{1,12})$", re.S),
+    re.compile(r"([^/]*[^\W_])/(\S{1,12}/\S{1,12})$", re.S),
     re.compile(r"(.*[^\W_]/?)/(\S{1,12})$", re.S),
 )
 
@@ -143,7 +145,7 @@ def _without_accents(text: str) -> str:
 def _spells(word: str, stems: tuple[str, ...]) -> bool:
     for stem in stems:
         folded = _without_accents(stem)
-        if word == folded or (len(folded) >= 5 and word.startswith(folded)):
+        if word == folded or (len(folded) >= 5 and word.startswith(folded) and word not in OTHERS):
             return True
         if not stem.isascii() and stem in unicodedata.normalize("NFC", word) and ord(stem[0]) > 0x2E80:
             return True

@@ -6,7 +6,7 @@ import numpy as np
 
 from daq.importing.columns import Meaning, split_unit, words
 from daq.importing.quantisation import quantum
-from daq.importing.still import moving
+from daq.importing.still import amplitude, moving
 from daq.importing.table import SourceColumn
 from daq.recording import Array
 
@@ -14,6 +14,10 @@ TOTALS = frozenset({"absolute", "abs", "total", "norm", "resultant", "modulus", 
 DRIVES = frozenset({
     "actuator", "applied", "input", "excitation", "drive", "driving", "exciter", "shaker", "erreger", "anregung", "hammer",
 })  # fmt: skip
+AXES = ("x", "y", "z")
+AXIS_MOVES = 5.0
+"""A point moves along an axis if it moves this many times as much as along the others: the rest is 2 % of its path."""
+
 FEWEST = 8
 
 
@@ -33,6 +37,28 @@ def narrowed(
         if sum(drives) == 1 and len(left) > 1:
             left = _kept(left, drives, "{} is not the force that drives", notes)
     return left, notes
+
+
+def rising(columns: Sequence[SourceColumn]) -> tuple[list[SourceColumn], list[str]]:
+    """Return the columns that could be a clock: where one alone rises from row to row, that one, and why not the others."""
+    notes: list[str] = []
+    return _kept(
+        columns, [_rises(c.values) for c in columns], "{} does not rise from row to row", notes
+    ), notes
+
+
+def _rises(values: Array) -> bool:
+    finite = values[np.isfinite(values)]
+    return len(finite) > 2 and bool(np.all(np.diff(finite) > 0.0))
+
+
+def along_one_axis(
+    columns: Sequence[SourceColumn], said: Mapping[int, Meaning]
+) -> tuple[list[SourceColumn], list[str]]:
+    """Return the coordinate that a point moves along, of x, y, z, and why not the others; all where it has no such."""
+    notes: list[str] = []
+    why = "{} moves less than a fifth as much as another axis of the same point"
+    return _kept(columns, _along(columns, said), why, notes), notes
 
 
 def _kept(
@@ -58,6 +84,17 @@ def _moving(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> lis
         alike = [c for c, own in zip(columns, kinds, strict=True) if own == kind]
         keep |= dict(zip((c.number for c in alike), moving([c.values for c in alike]), strict=True))
     return [keep[c.number] for c in columns]
+
+
+def _along(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> list[bool]:
+    """Return which of the coordinates x, y, z of one point, in one unit, are moved along: that which moves far the most."""
+    names = [split_unit(c.label)[0].strip().lower() for c in columns]
+    units = {said[c.number].unit_text for c in columns}
+    sizes = [amplitude(c.values) for c in columns]
+    alike = len(set(names)) == len(names) > 1 and set(names) <= set(AXES) and len(units) == 1
+    if not alike or sorted(sizes)[-1] < AXIS_MOVES * sorted(sizes)[-2]:
+        return [True] * len(columns)
+    return [size == max(sizes) for size in sizes]
 
 
 def _kind(column: SourceColumn) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from daq.importing.block_stamps import Blocks, clock_of_blocks
 from daq.importing.errors import problem
+from daq.importing.held_readings import Held, held_readings
 from daq.importing.quantisation import quantum, rounding
 from daq.importing.rounded_stamps import nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
@@ -82,6 +83,9 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     notes: list[str] = []
     time, rows = _stamps(table, column, unit, notes)
     time, rows = _in_order(table, column, time, rows, values, notes)
+    held = held_readings(time, values[:, rows])
+    if held is not None:
+        return _of_held(column, unit, rows, held)
     period = float(np.median(np.diff(time)))
     if not period > 0.0:
         period = float(time[-1] - time[0]) / (len(time) - 1)
@@ -109,12 +113,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         )  # fmt: skip
     if coarse and uneven and not column.clock:
         steps = rounding(column.values)[rows] * unit.scale
-        exact = rate_within_rounding(index.astype(np.float64), time, steps)
-        if exact is not None and exact[0] > SHORTEST_PERIOD:
-            slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
-        nominal = nominal_rate(1.0 / slope, rate_std) if stray > TOO_IRREGULAR * slope else None
-        if nominal is not None:
-            slope, start = 1.0 / nominal, float(np.mean(time) - np.mean(index) / nominal)
+        slope, start, rate_std = _within_rounding(index, time, steps, (slope, start, stray, rate_std))
     notes.extend(_holes(table, index, time, rows))
     if coarse and uneven:
         notes.append(
@@ -137,6 +136,20 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     )
 
 
+def _within_rounding(
+    index: Index, time: Array, steps: Array, line: tuple[float, float, float, float]
+) -> tuple[float, float, float]:
+    """Return period, start and standard error of the rate of stamps that were rounded to `steps`, given their `_line`."""
+    slope, start, stray, rate_std = line
+    exact = rate_within_rounding(index.astype(np.float64), time, steps)
+    if exact is not None and exact[0] > SHORTEST_PERIOD:
+        slope, start, rate_std = exact[0], exact[1], max(rate_std, exact[2] / exact[0] ** 2)
+    nominal = nominal_rate(1.0 / slope, rate_std) if stray > TOO_IRREGULAR * slope else None
+    if nominal is not None:
+        slope, start = 1.0 / nominal, float(np.mean(time) - np.mean(index) / nominal)
+    return slope, start, rate_std
+
+
 def _of_blocks(column: SourceColumn, unit: Unit, rows: Index, blocks: Blocks) -> Timebase:
     """Return the even clock of rows that were stamped in blocks."""
     rate, rate_std = 1.0 / blocks.period, blocks.period_std / blocks.period**2
@@ -152,6 +165,25 @@ def _of_blocks(column: SourceColumn, unit: Unit, rows: Index, blocks: Blocks) ->
         count=len(rows),
         notes=(note,),
         origin=float(column.values[np.isfinite(column.values)][0]) * unit.scale + blocks.start,
+        coarse=True,
+    )
+
+
+def _of_held(column: SourceColumn, unit: Unit, rows: Index, held: Held) -> Timebase:
+    """Return the sensor's own clock where rows repeat its readings."""
+    rate, rate_std = 1.0 / held.period, held.period_std / held.period**2
+    note = (
+        f"{100.0 * held.share:.0f} % of the rows repeat the one before while the mass moves: the sensor was read faster "
+        f"than it answers; its own readings, {_rate(rate, rate_std)}, were taken (--rate keeps all rows)"
+    )
+    return Timebase(
+        rate=float(f"{rate:.13g}"),
+        rate_std=rate_std,
+        rows=rows[held.rows],
+        index=held.index,
+        count=int(held.index[-1]) + 1,
+        notes=(note,),
+        origin=float(column.values[np.isfinite(column.values)][0]) * unit.scale + held.start,
         coarse=True,
     )
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
+from identify.curves.leading_law import WORTH
 from identify.diagnosis.explain_prediction import (
     explain_confirmed,
     explain_driven,
@@ -17,7 +18,7 @@ from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import motion_percent
+from identify.fitting.model_error import line_percent, motion_percent
 from identify.formatting import (
     EXPLAINS_NOTHING,
     among,
@@ -37,6 +38,9 @@ _NEARLY = 0.5
 _MOST_OF_IT = 0.9
 """Share of what the model leaves that an effect explains where what is left, not the whole, has no name."""
 
+HARDLY_KNOWN = 1.0
+"""Standard error of the floor, as a share of it, from which reaching it says little."""
+
 FAMILY_OF: dict[Effect, Family] = {family.effect: family for family in FAMILIES}
 
 
@@ -52,7 +56,7 @@ def explain(
 ) -> str:
     """Return why the verdict is what it is, with numbers and the alternatives that remain."""
     if verdict == "nothing_missing":
-        return _nothing(baseline, suspects)
+        return _nothing(baseline, suspects, settled)
     if verdict == "not_enough_data":
         return (
             "Fewer than five cycles of free motion stand above friction and noise, too few to tell effects apart. "
@@ -88,13 +92,46 @@ def floor_of(baseline: Baseline) -> str:
     return f"1 ± {baseline.spread:.2f}"
 
 
-def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...]) -> str:
+def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
+    return f"{_why_nothing(baseline, suspects, settled)} {_limit(suspects)}".strip()
+
+
+def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
+    """Return why nothing is said to be missing: the floor is reached, with or without a small line, or hardly missed."""
     left = three_figures(baseline.reduced(baseline.fit))
+    whole = f"{three_figures(motion_percent(baseline.fit))} % of the motion"
+    floor = f"the noise floor ({floor_of(baseline)})"
+    line = next((s for s in suspects if _is_remarked_line(s, baseline, settled)), None)
+    if line is not None:
+        return (
+            f"{_line_in_words(line)} With it the model leaves a reduced chi-square of "
+            f"{three_figures(settled.fit.reduced)}, without it {left}; {floor} is a guess."
+        )
+    if not baseline.adequate(baseline.fit):
+        return (
+            f"The model explains all but {whole}. That is {left} times the noise, as far as {floor} can be guessed, but too "
+            "little to be worth a name."
+        )
     first = (
-        f"The model leaves a reduced chi-square of {left}, which is the noise floor ({floor_of(baseline)}); "
+        f"The model leaves a reduced chi-square of {left}, which is {floor}; "
         "no effect of the library lowers it by more than chance would."
     )
-    return f"{first} {_limit(suspects)}".strip()
+    if baseline.spread < HARDLY_KNOWN or motion_percent(baseline.fit) < WORTH:
+        return first
+    return f"{first} But that floor is hardly known, and {whole} is left, in which more may hide."
+
+
+def _is_remarked_line(suspect: Suspect, baseline: Baseline, settled: Baseline) -> bool:
+    added = set(settled.fit.model.names) - set(baseline.fit.model.names)
+    return suspect.effect.line and suspect.effect.name in added
+
+
+def _line_in_words(line: Suspect) -> str:
+    """Return what a line of a sensor is that is too small to be named."""
+    frequency = next(value for value in line.parameters.values() if value.unit == "Hz")
+    share = three_figures(line_percent(line.fit, line.term))
+    what = f"The {line.term.channel} has a line at {quantity(frequency)}, {share} % of its motion"
+    return f"{what}: too small to be worth a name."
 
 
 def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:

@@ -15,14 +15,19 @@ from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
 from identify.diagnosis.verdict import Judgement, free_form
 from identify.effects.force_effect import ForceEffect
+from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import ADEQUATE, Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.misfit_errors import with_misfit_errors
+from identify.fitting.model_error import line_percent, motion_percent
 from identify.model.model import Term
 
 _NEXT_TO_NOTHING = 0.01
 """Share of chi-square that is left where a name explains nearly all: so much may stay where the floor is sure and is not
 reached, or where the free run alone names."""
+
+NEGLIGIBLE = 0.1 * WORTH
+"""Percent of the motion below which a misfit above a guessed floor is nothing missing: a tenth of what a name asks."""
 
 _NEXT_LEAVES = 3.0
 """A force that leaves less than this many times as much is not told apart from it."""
@@ -43,8 +48,26 @@ _LINE_LEAVES = 0.5
 def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
     """Return the judgement of one effect that reaches a guessed floor, unless the curves contradict it.
 
-    Where they do not confirm it, its strength must be clear of none: what bends enough reaches any guess.
+    Where they do not confirm it, its strength must be clear of none: what bends enough reaches any guess. A line of a
+    sensor must be worth a name; a smaller one is part of the model that is judged, and a remark.
     """
+    judged = _unless_contradicted(baseline, alone, found)
+    first = judged.ranked[0]
+    if judged.verdict != "sensor_fault" or not 0.0 < _line_percent(first.candidate) < WORTH:
+        return judged
+    return replace(
+        judged, verdict="nothing_missing", ranked=(replace(first, claimed=False), *judged.ranked[1:])
+    )
+
+
+def _line_percent(candidate: Candidate) -> float:
+    """Return the rms of a sensor's line in % of that of its channel's motion; 0 of all else."""
+    effect = candidate.term.effect
+    is_line = isinstance(effect, SensorFault) and effect.line
+    return line_percent(candidate.fit, candidate.term) if is_line else 0.0
+
+
+def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
     best = alone.ranked[0].candidate
     if found is None and best.term.effect.of_time:
         return Judgement("unknown_effect", alone.ranked, best.fit, shape=free_form(baseline, baseline.fit))
@@ -76,6 +99,9 @@ def by_curves(
     alone = None if contradicted else _by_free_run(baseline, ranked, found)
     if alone is not None:
         return alone
+    if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:
+        rest = tuple(replace(entry, claimed=False) for entry in ranked)
+        return Judgement("nothing_missing", rest, baseline.fit, confirmation=found)
     if found is None or baseline.floor_is_sure:
         shape = free_form(baseline, ranked[0].candidate.fit if best is not baseline.fit else best)
         return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)

@@ -9,6 +9,7 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.problem import Problem
 from identify.model.measured_path import model_force
+from identify.model.model import Term
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 
@@ -54,6 +55,16 @@ def motion_percent(fit: Fit) -> float:
         kept = window.used[channel]
         shares.append(np.mean(fit.residual(channel, i)[kept] ** 2) / np.var(window.readings[channel][kept]))
     return 100.0 * float(np.sqrt(np.mean(shares)))
+
+
+def line_percent(fit: Fit, term: Term) -> float:
+    """Return the rms of a line that a sensor has in % of the rms of its channel's motion, the largest of all releases."""
+    name, shares = term.effect.strength.name, [0.0]
+    for i, window in enumerate(fit.windows):
+        if term.channel in window.channels:
+            motion = float(np.std(window.readings[term.channel][window.used[term.channel]]))
+            shares.append(abs(fit.of(term, i)[name].value) / (np.sqrt(2.0) * max(motion, 1e-300)))
+    return 100.0 * float(max(shares))
 
 
 def errors_of(start: Baseline) -> ModelError:

@@ -31,6 +31,9 @@ SUDDEN_SHARE = 0.01
 SUDDEN_WAIT = 0.25
 """Share of a period after which a sudden release is over."""
 
+BEAT_SHARE = 0.9
+"""What rises again to more than this share of what it was has been released anew: damping takes some of every beat."""
+
 POINTS_PER_PERIOD = 48
 """The coarse search looks at block means of about this many samples a period."""
 
@@ -127,10 +130,30 @@ def _search(
         raise NotIdentifiable(
             too_coarse(lead.values, rate, lead.derivative) or _no_ringing(lead, frequency, period)
         )
+    bursts = _with_beats_whole(rate, channels, period, bursts)
     return [
         (burst.amplitude, _release(rate, channels, period, burst, i, bursts))
         for i, burst in enumerate(bursts)
     ]
+
+
+def _with_beats_whole(
+    rate: float, channels: list[_Channel], period: float, bursts: list[_Burst]
+) -> list[_Burst]:
+    """Join bursts that are beats of one motion: one rises again, to less than before, though nothing held or struck it.
+
+    Two modes, or a damper that gives back what it took, do so; a free motion never rises above what it was.
+    """
+    joined = bursts[:1]
+    for burst in bursts[1:]:
+        before = joined[-1]
+        lost = channels[0].lost[before.stop : max(burst.start, before.stop + 1)]
+        again = burst.amplitude < BEAT_SHARE * before.amplitude and not np.any(lost)
+        if again and all(_onset(rate, c, period, burst, before.stop) is None for c in channels):
+            joined[-1] = before._replace(stop=burst.stop)
+        else:
+            joined.append(burst)
+    return joined
 
 
 def _channels(given: tuple[Array | None, Array | None, Array | None], valid: Mask | None) -> list[_Channel]:

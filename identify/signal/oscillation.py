@@ -4,12 +4,16 @@ import numpy as np
 
 from identify.arrays import Array
 
+NOISE_PEAK = 20.0
+"""Times the median power that the highest of ten thousand frequencies of white noise exceeds in one of a hundred records."""
+
 
 def dominant_frequency(values: Array, rate: float, derivative: int = 0) -> float:
     """Return the frequency in Hz of the strongest oscillation in `values` (n,), 0.0 when there is none.
 
     The spectrum is weighted by the frequency, which takes the weight off a held position, a drift or a slow
-    pull; less so for a higher `derivative` of the displacement, which shows a blow as much as the decay. Only
+    pull; less so for a higher `derivative` of the displacement, which shows a blow as much as the decay. What noise
+    can reach, by the level of the upper half of the band, does not count: so weighted, it would hide a slow motion. Only
     the ends are tapered, for a decay may be over early in the record. The peak is refined by the parabola
     through its logarithm.
     """
@@ -19,6 +23,9 @@ def dominant_frequency(values: Array, rate: float, derivative: int = 0) -> float
     ramp = np.minimum(np.arange(n) + 1.0, n - np.arange(n)) / (0.02 * n + 1.0)
     size = 1 << int(np.ceil(np.log2(4 * n)))
     power = np.abs(np.fft.rfft((values - np.mean(values)) * np.minimum(ramp, 1.0), size)) ** 2
+    above = power > NOISE_PEAK * np.median(power[len(power) // 2 :])
+    if np.any(above[int(np.ceil(1.5 * size / n)) :]):
+        power = np.where(above, power, 0.0)
     power *= np.linspace(0.0, 1.0, len(power)) ** (1.5 - 0.75 * derivative)
     first = int(np.ceil(1.5 * size / n))
     power[:first] = 0.0

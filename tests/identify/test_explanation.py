@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.diagnose import Diagnosis, diagnose
 from identify.effects.library import find_effect
 from identify.free_decay import FreeDecay
 from mocks.generate import draw
@@ -55,12 +55,24 @@ def test_effects_that_each_explain_nearly_all_are_said_and_only_the_rest_has_no_
     assert "does not name" not in found.explanation
 
 
-def test_what_is_named_at_the_floor_is_said_to_be_small_and_not_held_against_the_whole_library():
+def hummed(size: float) -> Diagnosis:
+    """Return the diagnosis of a decay of 0.3 rad with noise of 2.5 mrad and a line of some size (rad) at 23 Hz."""
     rng, time = np.random.default_rng(2), np.arange(800) / 50.0
     u = 0.3 * np.exp(-0.05 * time) * np.cos(2 * np.pi * 0.95 * time) + 2.5e-3 * rng.standard_normal(800)
-    u += 1.3e-3 * np.sin(2 * np.pi * 23.15 * time)
+    u += size * np.sin(2 * np.pi * 23.15 * time)
     names = ("mains_hum", "harmonic_forcing", "cubic_stiffness", "quadratic_damping")
-    found = diagnose(FreeDecay(50.0, displacement=u), library=tuple(find_effect(name) for name in names))
+    return diagnose(FreeDecay(50.0, displacement=u), library=tuple(find_effect(name) for name in names))
+
+
+def test_what_is_named_at_the_floor_is_said_to_be_small_and_not_held_against_the_whole_library():
+    found = hummed(1.6e-3)
     assert found.verdict == "sensor_fault"
     assert "at the floor without it, too: what is named is small" in found.explanation
     assert "cubic stiffness" not in found.explanation
+
+
+def test_a_line_below_what_is_worth_a_name_is_a_remark():
+    found = hummed(1.25e-3)
+    assert found.verdict == "nothing_missing"
+    assert "The displacement has a line at 23.1" in found.explanation
+    assert "too small to be worth a name" in found.explanation

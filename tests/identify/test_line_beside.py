@@ -49,3 +49,28 @@ def test_the_residual_of_the_true_model_is_as_dense_as_the_noise_around_any_freq
     # each of 24 is the mean of some 30 bins of one degree of two: 18 % apart, their mean 4 %, beside a floor known to 6 %
     assert np.mean(density) == pytest.approx(1.0, abs=0.2)
     assert max(density) < 2.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("seed", "mid_decay", "line"), [(65001, False, ("50.0", "0.169")), (60100, True, ("111.2", "0.115"))]
+)
+def test_a_line_alone_that_is_too_small_to_be_worth_a_name_is_a_remark(
+    seed: int, mid_decay: bool, line: tuple[str, str]
+):
+    found = diagnose(release(None, seed, mid_decay=mid_decay))
+    assert not found.baseline.floor_is_sure
+    assert (found.verdict, found.named) == ("nothing_missing", ())
+    assert "mains_hum" in found.final.model
+    assert not any(suspect.claimed for suspect in found.suspects)
+    assert f"has a line at {line[0]}" in found.explanation
+    assert f"{line[1]} % of its motion: too small to be worth a name" in found.explanation
+
+
+@pytest.mark.slow
+def test_a_line_that_is_worth_a_name_is_named():
+    sample = draw(None, 0.0, 65001, imperfections=IMPERFECTIONS, bits=12)
+    motion = float(np.std(sample.displacement))
+    hum = 0.02 * motion * np.sin(2.0 * np.pi * 50.0 * np.arange(len(sample.displacement)) / sample.rate)
+    found = diagnose(prepare(FreeDecay(sample.rate, displacement=sample.displacement + hum)))
+    assert (found.verdict, found.named) == ("sensor_fault", ("mains_hum",))

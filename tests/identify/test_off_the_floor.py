@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from identify.diagnosis import off_the_floor
+from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.off_the_floor import by_curves, if_foretold, is_clear, is_foretold
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
 from identify.diagnosis.verdict import Judgement
 from identify.effects.library import find_effect
+from identify.free_decay import FreeDecay
 from identify.model.model import Term, base_model
 from identify.model.parameter_id import ParameterId
 
@@ -52,6 +54,7 @@ def test_a_drift_forbids_a_name_by_the_free_run_unless_its_strength_was_foretold
 ):
     """A drift that leaves twice as much is not told apart, one that leaves four times as much is."""
     monkeypatch.setattr(off_the_floor, "free_form", lambda baseline, found: None)
+    monkeypatch.setattr(off_the_floor, "motion_percent", lambda found: 3.0)
     ranked = tuple(
         Ranked(one, 1.0, 0.0, True)
         for one in (
@@ -116,3 +119,15 @@ def test_of_two_laws_that_curves_do_not_tell_apart_the_one_that_reaches_the_floo
         found,
     )
     assert said.ranked[0].candidate.name == name
+
+
+def test_a_misfit_that_is_next_to_nothing_is_not_something_missing():
+    """An exact viscous decay, written with six digits: far above the noise of its last decade, 1e-4 % of the motion."""
+    times = np.arange(300) / 10.0
+    pole = complex(-0.25, np.sqrt(4.0 - 0.25**2))
+    u = np.array([float(f"{x:.6g}") for x in np.exp(pole * times).real])
+    v = np.array([float(f"{x:.6g}") for x in (pole * np.exp(pole * times)).real])
+    found = diagnose(FreeDecay(10.0, displacement=u, velocity=v))
+    assert not found.baseline.adequate(found.baseline.fit)
+    assert (found.verdict, found.named) == ("nothing_missing", ())
+    assert "too little to be worth a name" in found.explanation

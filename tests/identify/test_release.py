@@ -233,3 +233,36 @@ def test_a_hand_at_40_hz_is_waited_for(hand):
     release = find_release(1000.0, u)
     if release.kind != "in_motion":  # a slow hand lets the mass swing so little that there may be no onset
         assert release.settle / 1000.0 >= free
+
+
+def beats(times: np.ndarray) -> np.ndarray:
+    """Two coupled modes, one a little weaker, that damp: between the beats almost nothing moves."""
+    decay = np.exp(-0.12 * times)
+    return 0.03 * decay * (np.cos(2 * np.pi * 0.86 * times) + 0.93 * np.cos(2 * np.pi * 1.26 * times))
+
+
+def test_a_motion_that_beats_is_one_release() -> None:
+    times = np.arange(400) / 32.0
+    u = np.round(beats(times) + 1e-3 * np.random.default_rng(6).standard_normal(400), 3)
+    assert len(find_releases(32.0, displacement=u)) == 1
+
+
+def test_a_second_release_of_less_than_the_first_is_no_beat() -> None:
+    times = np.arange(1200) / 32.0
+    again = np.where(times < 20.0, times, times - 20.0)
+    size = np.where(times < 20.0, 0.05, 0.03)
+    held = (times > 15.0) & (times < 20.0)
+    u = np.where(held, 0.03, size * np.exp(-0.3 * again) * np.cos(2 * np.pi * 1.1 * again))
+    u = u + 2e-4 * np.random.default_rng(7).standard_normal(1200)
+    assert len(find_releases(32.0, displacement=u)) == 2
+
+
+def test_noise_does_not_hide_a_slow_motion() -> None:
+    """A seismometer of 9 s at 10 Hz: loud at first, so that noise of 3 Hz, weighted by the frequency, stood above it."""
+    times = np.arange(415) / 10.0
+    rng = np.random.default_rng(8)
+    u = 0.1 * np.exp(-0.06 * times) * np.cos(2 * np.pi * 0.11 * times)
+    u = u + np.where(times < 5.0, 0.05, 0.004) * rng.standard_normal(415)
+    found = find_releases(10.0, displacement=u)
+    assert len(found) == 1
+    assert found[0].end > 250

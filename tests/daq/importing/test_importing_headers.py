@@ -33,6 +33,7 @@ HEADERS = [
     ("velocidad m/s", "velocity", "m/s", 1.0),
     ("zeitliche Ableitung w_1 / rad/s", "velocity", "rad/s", 1.0),
     ("Gyro x (deg/s)", "velocity", "rad/s", math.pi / 180),
+    ("AngVel/rad/s", "velocity", "rad/s", 1.0),
     ("速度 m/s", "velocity", "m/s", 1.0),
     ("acceleration_m_s2", "acceleration", "m/s^2", 1.0),
     ("acc [g]", "acceleration", "m/s^2", 9.80665),

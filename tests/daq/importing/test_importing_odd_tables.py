@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from import_files import OMEGA, RATE, load, refusal, said, swing, table, write
 
-from daq.importing import read_runs
+from daq.importing import ImportProblem, read_runs
 from daq.recording import Array
 
 GRAVITY = 9.80665
@@ -151,7 +151,70 @@ def test_the_pivot_is_found_where_the_origin_is_elsewhere_and_the_columns_are_na
     assert "pivot at x = 4, y = 2" in said(recording)
     numbered = load(tmp_path, text, angle_from=("2", "3"))
     np.testing.assert_array_equal(numbered.samples, recording.samples)
+    np.testing.assert_array_equal(load(tmp_path, text).samples, recording.samples)
+
+
+def test_a_loose_arc_about_a_pivot_elsewhere_is_only_proposed(tmp_path: Path) -> None:
+    t, phi = angle()
+    length = 1.2 * (1.0 + 0.008 * np.sin(37.0 * t))
+    text = table("t,x,y", t, 4.0 + length * np.sin(phi), 2.0 - length * np.cos(phi))
     assert "could be the displacement" in refusal(tmp_path, text)
+    with pytest.raises(ImportProblem) as caught:
+        load(tmp_path, text)
+    assert caught.value.options == ("--angle-from x,y",)
+
+
+def test_a_small_swing_is_read_along_x(tmp_path: Path) -> None:
+    t, phi = angle()
+    x, y = 4.0 + 1.2 * np.sin(0.1 * phi), 2.0 - 1.2 * np.cos(0.1 * phi)
+    recording = load(tmp_path, table("t,x,y", t, x, y))
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "m")]
+    np.testing.assert_allclose(recording.samples[0], x, atol=1e-8)
+
+
+def test_a_mass_on_a_spring_in_a_video_is_read_along_the_axis_that_it_moves_along(tmp_path: Path) -> None:
+    t, phi = angle()
+    x = 1.0 + 0.02 * np.sin(0.7 * t) + 0.01 * np.random.default_rng(6).standard_normal(len(t))
+    recording = load(tmp_path, "mass_A\n" + table("t (s),x (cm),y (cm)", t, x, 24.0 * phi))
+    np.testing.assert_allclose(recording.samples[0], 0.24 * phi, atol=1e-8)
+    assert "'x (cm)' moves less than a fifth as much" in said(recording)
+
+
+def test_a_point_that_moves_along_both_axes_is_asked_for_in_words_that_can_be_typed(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    text = table("t (s),x (cm),y (cm)", t, x, 0.3 * np.roll(x, 40))
+    assert "--angle-from x,y" in refusal(tmp_path, text)
+
+
+def test_points_of_a_video_in_json_give_the_angle_about_their_pivot(tmp_path: Path) -> None:
+    t, phi = angle()
+    points = [
+        {"t": float(a), "x": round(504.2 + 435 * np.sin(b), 3), "y": round(42.0 + 435 * np.cos(b), 3), "confidence": 1}
+        for a, b in zip(t, phi, strict=True)
+    ]  # fmt: skip
+    text = json.dumps({"fps": 30, "pivot": {"x": 504.2, "y": 42.0}, "points": points})
+    recording = load(tmp_path, text, "a.json")
+    np.testing.assert_allclose(recording.samples[0], phi, atol=1e-4)
+
+
+def test_of_two_times_the_one_that_rises_is_the_clock(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    lasting = 10.0 + np.round(3.0 * np.sin(7.0 * t))
+    recording = load(tmp_path, table("X (mm),Istante (ms),Durata (ms)", 1e3 * x, 1e3 * t, lasting))
+    assert recording.rate == pytest.approx(100.0)
+    assert "'Durata (ms)' does not rise" in said(recording)
+
+
+def test_momentum_is_no_force_and_makes_no_angle(tmp_path: Path) -> None:
+    t, x, v, _ = swing()
+    text = table("time,x-position,velocity,momentum,kinetic energy", t, x, v, 2 * v, v * v)
+    recording = load(tmp_path, text, keep_derived=True)
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "m"), ("velocity", "m/s")]
+
+
+def test_one_column_that_nothing_names_is_asked_for_in_words(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    assert "nothing says whether column 2 is a displacement" in refusal(tmp_path, table("", t, x))
 
 
 def test_x_and_y_that_lie_on_no_arc_are_not_an_angle(tmp_path: Path) -> None:

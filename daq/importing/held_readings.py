@@ -1,0 +1,126 @@
+"""Readings that are held: a program that asks a sensor faster than it answers writes each answer again until the next.
+
+A row that repeats the one before while the mass moves fast is no new reading. The sensor answers by a clock of its own,
+which the rows that bring a new reading follow to within the interval between two questions.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from daq.importing.quantisation import quantum
+from daq.recording import Array, Mask
+
+Index = NDArray[np.int64]
+
+LARGE_STEP = 4.0
+"""Quanta of a step between two rows, so large that neither repeats by rounding."""
+
+FEWEST_INTERVALS = 24
+FEWEST_CHANGES = 40
+REPEATED = 0.1
+"""Share of the rows of a fast motion that repeat the one before, from which readings are held."""
+
+REGULAR = 0.7
+"""New readings come as regularly as those of a clock: at least this share of the concentration that one would show."""
+
+NEAR = 0.1
+"""How far, as a share, the sensor's period may be from the mean interval between new readings in fast motion."""
+
+FIRST_CHANGES = 64
+AS_HIGH = 0.9
+PEAK_WIDTH = 10  # of the periods that are tried: the width of a peak
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """The sensor's own clock: its period (s) with its standard error, the `rows` that hold its readings, (m,), and which
+    reading each is, `index` (m,); `start` is the time of reading 0 and `share` the share of rows that repeat one.
+    """
+
+    period: float
+    period_std: float
+    start: float
+    rows: Index
+    index: Index
+    share: float
+
+
+def held_readings(time: Array, values: Array) -> Held | None:
+    """Return the sensor's clock behind rows with rising stamps `time` (n,), s, and `values` (channels, n); None where
+    rows do not repeat readings, or not by a clock.
+    """
+    steps = np.diff(time)
+    if len(time) < 2 * FEWEST_CHANGES or not np.isfinite(time).all() or not np.all(steps > 0.0):
+        return None
+    new = np.concatenate([[True], np.any(values[:, 1:] != values[:, :-1], axis=0)])
+    asked, changes = float(np.median(steps)), time[new]
+    period = _interval(time, values, new)
+    share = 1.0 - asked / period if period > 0.0 else 0.0
+    if not REPEATED <= share <= 1.0 - 0.5 * REPEATED or len(changes) < FEWEST_CHANGES:
+        return None
+    period, regular, centre = _period(changes, period)
+    spread = asked / period  # a clock's readings are seen evenly spread over so much of a period
+    if spread > 1.0 or regular < max(REGULAR * float(np.sinc(spread)), 4.0 / np.sqrt(len(changes))):
+        return None
+    return _on_its_clock(time, period, centre, asked, len(changes), float(np.mean(~new)))
+
+
+def _interval(time: Array, values: Array, new: Mask) -> float:
+    """Return the mean time (s) between two new readings that both are large steps; 0 where there are too few."""
+    size = np.zeros(len(time))
+    for channel in values:
+        step = np.abs(np.diff(channel, prepend=channel[0])) / max(quantum(channel), 1e-300)
+        size = np.fmax(size, step)
+    at = np.flatnonzero(new)
+    large = size[at] > LARGE_STEP
+    between = np.diff(time[at])[large[1:] & large[:-1]]
+    if len(between) < FEWEST_INTERVALS:
+        return 0.0
+    return float(np.mean(between[between < 3.0 * np.median(between)]))
+
+
+def _period(changes: Array, period: float) -> tuple[float, float, float]:
+    """Return the period (s) near a first guess at which changes (m,) bunch most, how much (0 to 1), and at what time.
+
+    First of a few changes, whose phase a wrong period does not yet turn, then of twice as many each time.
+    """
+    reach, count = NEAR, min(FIRST_CHANGES, len(changes))
+    while True:
+        part = changes[:count]
+        span = max(float(part[-1] - part[0]) / period, 1.0)
+        tried = period * (1.0 + np.arange(-reach, reach + 1e-12, 0.1 / span))
+        bunched = np.exp(2j * np.pi * part / tried[:, None]).mean(axis=1)
+        best = _nearest_of_the_best(np.abs(bunched), len(tried) // 2)
+        period = float(tried[best])
+        if count == len(changes):
+            centre = float(np.angle(bunched[best])) / (2.0 * np.pi) * period
+            return period, float(np.abs(bunched[best])), centre
+        reach, count = 1.0 / span, min(2 * count, len(changes))
+
+
+def _nearest_of_the_best(bunched: Array, middle: int) -> int:
+    """Return the peak next to the middle of those as high: questions by an even clock make an image of each period."""
+    peaks = np.flatnonzero(bunched >= AS_HIGH * float(bunched.max()))
+    near = int(peaks[np.argmin(np.abs(peaks - middle))])
+    group = peaks[np.abs(peaks - near) <= PEAK_WIDTH]
+    return int(group[np.argmax(bunched[group])])
+
+
+def _on_its_clock(
+    time: Array, period: float, centre: float, asked: float, changes: int, share: float
+) -> Held:
+    """Return the last row of each period around the times at which new readings are seen; periods without a row are lost."""
+    first = int(np.ceil((time[0] - centre) / period - 0.5))
+    last = int(np.floor((time[-1] - centre) / period + 0.5))
+    number = np.arange(first, last + 1)
+    begin = centre + (number - 0.5) * period
+    rows = np.searchsorted(time, begin + period) - 1
+    there = (rows >= 0) & (time[np.maximum(rows, 0)] >= begin)
+    number, rows = number[there], rows[there]
+    std = asked / np.sqrt(changes) / max(float(number[-1] - number[0]), 1.0)
+    start = centre + number[0] * period - 0.5 * asked
+    return Held(
+        period, std, float(start), rows.astype(np.int64), (number - number[0]).astype(np.int64), share
+    )

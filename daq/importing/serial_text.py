@@ -1,0 +1,102 @@
+"""Text of a serial monitor: `13:05:23.417 -> Distance: 12.3 cm`, `angle:1.25,ref:0`, and cells such as `24.4 cm`."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from daq.importing.units import parse_unit
+
+_ARROW = re.compile(r"\s*(\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s*")
+_ITEM = re.compile(
+    r"\s*(?:([^\W\d_](?:[\w ./()\[\]°²^-]{0,30}[\w)\]°])?)\s*[:=]\s*)?"  # a label
+    r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"  # a number
+    r"(?:\s?([^\W\d_][\w/^²]{0,7}|°|%))?"  # its unit
+    r"\s*(?:[,;|\t]|\s|$)\s*"
+)
+
+SAMPLE = 40
+ALIKE = 0.9
+"""Share of the lines that must have the same labels and units: others are greetings of the board, or were cut off."""
+
+
+class _Row(NamedTuple):
+    clock: str
+    labels: tuple[str, ...]
+    units: tuple[str, ...]
+    numbers: tuple[str, ...]
+
+    @property
+    def shape(self) -> tuple[bool, tuple[str, ...], tuple[str, ...]]:
+        return bool(self.clock), self.labels, self.units
+
+
+def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
+    """Return the lines as a table between tabs with a header, and a sentence on it; None where they are no such text.
+
+    Each line stays in its place; what does not fit is blank. Where no line is free above the first row, the header comes
+    before all.
+    """
+    written = [line for line in lines if line.strip()]
+    middle = len(written) // 2
+    sample = [_row(line) for line in written[middle : middle + SAMPLE]]
+    shapes = Counter(row.shape for row in sample if row is not None)
+    if not shapes:
+        return None
+    ((shape, count),) = shapes.most_common(1)
+    clock, labels, units = shape
+    if count < ALIKE * len(sample) or not (clock or any(labels) or any(units)):
+        return None
+    rows = [row if (row := _row(line)) is not None and row.shape == shape else None for line in lines]
+    if sum(row is not None for row in rows) < ALIKE * len(written):
+        return None
+    first = next(i for i, row in enumerate(rows) if row is not None)
+    above = _names_above(lines[:first], len(units)) if not any(labels) and not clock else None
+    names = labels if above is None else above
+    cells = [
+        f"{name} ({unit})" if name and unit else name or unit for name, unit in zip(names, units, strict=True)
+    ]
+    header = "\t".join([*(["time"] if clock else []), *cells])
+    made = ["" if row is None else "\t".join([*([row.clock] if clock else []), *row.numbers]) for row in rows]
+    made = [header, *made] if first == 0 else [*made[: first - 1], header, *made[first:]]
+    what = " and ".join(
+        word
+        for word, there in (
+            ("time stamps of a serial monitor", clock),
+            ("labels", any(labels)),
+            ("units", any(units)),
+        )
+        if there
+    )
+    return made, f"{what} were read in each row"
+
+
+def _row(line: str) -> _Row | None:
+    """Return the numbers of a line with their labels and units; None where it holds anything else."""
+    arrow = _ARROW.match(line)
+    at, items = (arrow.end() if arrow else 0), []
+    line = line.rstrip()
+    while at < len(line):
+        item = _ITEM.match(line, at)
+        if item is None or (item[3] and parse_unit(item[3]) is None):
+            return None
+        items.append(item)
+        at = item.end()
+    if not items:
+        return None
+    return _Row(
+        arrow[1].replace(",", ".") if arrow else "",
+        tuple((item[1] or "").strip() for item in items),
+        tuple(item[3] or "" for item in items),
+        tuple(item[2] for item in items),
+    )
+
+
+def _names_above(lines: Sequence[str], count: int) -> tuple[str, ...] | None:
+    """Return the names in the last line above the rows, if there are as many."""
+    last = next((line for line in reversed(lines) if line.strip()), "")
+    for delimiter in ("\t", ";", ","):
+        names = [name.strip().strip('"') for name in last.split(delimiter)]
+        if len(names) == count:
+            return tuple(names)
+    return None
