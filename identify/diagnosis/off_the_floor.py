@@ -17,7 +17,7 @@ from identify.diagnosis.verdict import Judgement, free_form
 from identify.effects.force_effect import ForceEffect
 from identify.fitting.baseline import ADEQUATE, Baseline
 from identify.fitting.fit import Fit
-from identify.fitting.misfit_errors import with_misfit_errors
+from identify.fitting.misfit_errors import as_white_misfit, with_misfit_errors
 from identify.model.model import Term
 
 _NEXT_TO_NOTHING = 0.01
@@ -119,9 +119,11 @@ def is_clear(whole: Fit, term: Term, *, foretold: bool) -> bool:
 
     Of one that curves have `foretold` the inner parameters are held at their values: at no strength they mean nothing, and
     with them free a strength that they trade with (a friction's stiffness and the displacement over which it gives way)
-    is unsure however sure the force is (Davies 1977). Of any other they count as fitted: they bend to any guess.
+    is unsure however sure the force is (Davies 1977). Of any other they count as fitted: they bend to any guess. And the
+    misfit of a foretold one counts as white noise: what springs differ by between releases, which curves allow for, is a
+    misfit of the one run of all, and would deny what has been foretold already.
     """
-    errors = with_misfit_errors(whole)
+    errors = as_white_misfit(whole) if foretold else with_misfit_errors(whole)
     name = str(term.strength)
     strength = errors.values[name]
     if not np.isfinite(strength.std):

@@ -2,7 +2,7 @@
 
 Where a model leaves more than noise, its parameters err by what the misfit does where their columns lie: at the
 frequency of the motion. There it is a process whose strength and correlation the residual shows; what lies elsewhere
-counts as white noise of its mean density.
+counts as white noise of its mean density. Where several releases differ by more, their spread counts.
 """
 
 from dataclasses import replace
@@ -11,6 +11,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.fitting.fit import Fit
+from identify.fitting.release_spread import spread_of_releases
 from identify.fitting.wandering_misfit import scatter_of_scores
 
 _REACH = 0.5
@@ -25,14 +26,22 @@ def with_misfit_errors(found: Fit) -> Fit:
     free = np.array([u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)])
     scatter = scatter_of_scores(found.cycles, free, len(found.windows))
     if scatter is None:
-        factor = max(misfit_density(found), 1.0)
-        return _with_covariance(found, found.covariance * factor)
+        return as_white_misfit(found)
     inverse = found.covariance[np.ix_(free, free)]
     density = _density_elsewhere(found)
     beyond = scatter.sum(axis=0) - density * _products(found, free)
     covariance = found.covariance * density
     covariance[np.ix_(free, free)] += inverse @ beyond @ inverse
+    std = np.sqrt(np.maximum(np.diag(covariance)[free], 0.0))
+    raised = np.ones(len(free))
+    raised[free] = spread_of_releases(found, free, scatter, std)
+    covariance *= np.outer(raised, raised)
     return _with_covariance(found, covariance)
+
+
+def as_white_misfit(found: Fit) -> Fit:
+    """Return a fit with the errors that white noise as dense as the misfit around the motion's frequency would leave."""
+    return _with_covariance(found, found.covariance * max(misfit_density(found), 1.0))
 
 
 def _with_covariance(found: Fit, covariance: Array) -> Fit:
