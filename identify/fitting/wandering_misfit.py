@@ -23,6 +23,9 @@ _POWERS = (0.0, 1.0)
 _STRENGTHS = np.concatenate([[0.0], np.geomspace(0.1, 1e6, 9)])
 """Variance of the process in one cycle over that of white noise."""
 
+_BEFORE = np.where(_STRENGTHS > 0.0, 0.5 / (len(_STRENGTHS) - 1), 0.5)
+"""Weight of each strength before the residual is seen: white noise has as much as all processes."""
+
 _FEWEST_FREE = 3
 """Numbers beyond the parameters, from which on a variance can be measured."""
 
@@ -63,7 +66,7 @@ def scatter_of_scores(sums: Sequence[CycleSums], free: Mask, windows: int) -> Ar
     likelihood = np.array([trial.likelihood for trial in trials])
     if not np.isfinite(likelihood).any():
         return None
-    weight = np.exp(likelihood - likelihood.max())
+    weight = _BEFORE * np.exp(likelihood - likelihood.max())
     weight /= weight.sum()
     total = np.zeros((windows, len(size), len(size)))
     for one, trial in zip(weight, trials, strict=True):
@@ -112,17 +115,17 @@ def _restricted(sizes: Array, left: Array, columns: Array) -> tuple[Array, Array
     `sizes` (n,) are the eigenvalues of the process, `left` (n,) and `columns` (p, n) are in its eigenvectors. The variance
     is raised as that of Student's distribution is by few degrees of freedom.
     """
-    likelihood, variance = np.full(len(_STRENGTHS), -np.inf), np.ones(len(_STRENGTHS))
-    for i, strength in enumerate(_STRENGTHS):
-        spread = 1.0 + strength * sizes
-        weighted = columns / spread
-        values, vectors = np.linalg.eigh(weighted @ columns.T)
-        kept = values > _RANK * values[-1]
-        free = len(left) - int(kept.sum())
-        if free < _FEWEST_FREE:
-            continue
-        followed = (vectors[:, kept].T @ (weighted @ left)) ** 2 / values[kept]
-        square = max(float(left @ (left / spread) - followed.sum()), 1e-300)
-        variance[i] = square / (free - 2)
-        likelihood[i] = -0.5 * (free * np.log(square) + np.log(spread).sum() + np.log(values[kept]).sum())
-    return likelihood, variance
+    spread = 1.0 + _STRENGTHS[:, None] * sizes
+    weighted = columns / spread[:, None, :]
+    values, vectors = np.linalg.eigh(weighted @ columns.T)
+    kept = values > _RANK * values[:, -1:]
+    free = len(left) - kept.sum(axis=1)
+    along = np.einsum("qpk,qp->qk", vectors, weighted @ left)
+    followed = np.divide(along**2, values, out=np.zeros_like(values), where=kept)
+    square = np.maximum((left**2 / spread).sum(axis=1) - followed.sum(axis=1), 1e-300)
+    determinant = np.log(spread).sum(axis=1) + np.log(values, out=np.zeros_like(values), where=kept).sum(
+        axis=1
+    )
+    enough = free >= _FEWEST_FREE
+    likelihood = np.where(enough, -0.5 * (free * np.log(square) + determinant), -np.inf)
+    return likelihood, np.where(enough, square / np.maximum(free - 2, 1), 1.0)
