@@ -26,14 +26,14 @@ def spread_of_releases(found: Fit, free: Mask, scatter: Array, std: Array) -> Ar
     """
     release = np.array([window.release for window in found.windows])
     each = [_alone(found, free, scatter, release == one) for one in np.unique(release)]
-    if len(each) < 2:  # noqa: PLR2004
+    if len(each) < 2:
         return np.ones(len(std))
     values, errors = (np.array(parts) for parts in zip(*each, strict=True))
     counted = np.isfinite(errors) & (errors < _PRECISE * np.sqrt(len(each)) * std)
     weight = np.where(counted, 1.0 / errors**2, 0.0)
     mean = (weight * values).sum(axis=0) / np.maximum(weight.sum(axis=0), 1e-300)
     square = (weight * (values - mean) ** 2).sum(axis=0) / np.maximum(counted.sum(axis=0) - 1, 1)
-    return np.sqrt(np.maximum(square, 1.0))
+    return np.asarray(np.sqrt(np.maximum(square, 1.0)))
 
 
 def _alone(found: Fit, free: Mask, scatter: Array, own: Mask) -> tuple[Array, Array]:

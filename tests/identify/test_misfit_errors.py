@@ -49,7 +49,7 @@ def test_errors_hold_the_truth_where_phase_and_amplitude_wander():
     """Of 32 normal errors a median size above 1.0, for 0.67, or fewer than 26 within two has a chance of 1 %."""
     stated, white = off()
     assert np.median(np.abs(stated)) < 1.0
-    assert (np.abs(stated) < 2.0).sum() >= 26  # noqa: PLR2004
+    assert (np.abs(stated) < 2.0).sum() >= 26
     assert np.median(np.abs(white)) > 1.0  # noise as dense as the misfit is not enough
 
 
@@ -96,5 +96,5 @@ def together(other: float) -> dict[str, float]:
 
 def test_errors_grow_by_the_spread_of_releases():
     """A spring that differs by 1 %, many errors of each release, between two of them."""
-    assert together(OMEGA * 1.005)["linear_stiffness.k"] > 1.2  # noqa: PLR2004
-    assert together(OMEGA)["linear_stiffness.k"] < 1.5  # noqa: PLR2004
+    assert together(OMEGA * 1.005)["linear_stiffness.k"] > 1.2
+    assert together(OMEGA)["linear_stiffness.k"] < 1.5
