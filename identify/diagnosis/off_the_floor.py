@@ -119,9 +119,8 @@ def is_clear(whole: Fit, term: Term, *, foretold: bool) -> bool:
 
     Of one that curves have `foretold` the inner parameters are held at their values: at no strength they mean nothing, and
     with them free a strength that they trade with (a friction's stiffness and the displacement over which it gives way)
-    is unsure however sure the force is (Davies 1977). Of any other they count as fitted: they bend to any guess. And the
-    misfit of a foretold one counts as white noise: what springs differ by between releases, which curves allow for, is a
-    misfit of the one run of all, and would deny what has been foretold already.
+    is unsure however sure the force is (Davies 1977). Of any other they count as fitted: they bend to any guess. Of a
+    foretold one the misfit counts as white noise: the prediction is its evidence, and the free run need only bear it out.
     """
     errors = as_white_misfit(whole) if foretold else with_misfit_errors(whole)
     name = str(term.strength)
