@@ -304,6 +304,8 @@ def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: B
     named = judgement.together and (entry is judgement.ranked[0] or candidate.name in judgement.together)
     found = settled.fit if named or is_final else candidate.fit
     confirmed = _confirmed(judgement.confirmation, candidate.name)
+    own = baseline.stated(candidate.fit)
+    stated = own if found is candidate.fit else baseline.stated(found)
     return Suspect(
         effect=candidate.term.effect,
         term=candidate.term,
@@ -311,8 +313,9 @@ def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: B
         evidence=entry.evidence,
         p_value=entry.p_value,
         claimed=entry.claimed,
-        parameters=baseline.stated(found).of(candidate.term),
+        parameters=stated.of(candidate.term),
         fit=candidate.fit,
+        stated=own,
         rivals=rivals_of(entry, judgement.ranked) if confirmed is None else confirmed.rivals,
         plausible=candidate.plausible,
         confirmed=confirmed,
@@ -337,6 +340,7 @@ def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[Correcte
         claimed=p_value < alpha(baseline),
         parameters=fault.parameters,
         fit=baseline.fit,
+        stated=baseline.stated(baseline.fit),
     )
 
 

@@ -85,4 +85,6 @@ def _refitted(found: Fit, places: tuple[int, ...], goal: float = 0.0) -> Fit:
         for u, value in zip(found.unknowns, found.theta.tolist(), strict=True)
         if u.window < 0 or u.window in places
     }
-    return fit(found.model, tuple(found.windows[i] for i in places), start, found.frequency, near=True, goal=goal)
+    return fit(
+        found.model, tuple(found.windows[i] for i in places), start, found.frequency, near=True, goal=goal
+    )

@@ -18,7 +18,7 @@ from identify.effects.force_effect import ForceEffect
 from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import ADEQUATE, Baseline
 from identify.fitting.fit import Fit
-from identify.fitting.misfit_errors import with_misfit_errors
+from identify.fitting.misfit_errors import as_white_misfit, with_misfit_errors
 from identify.fitting.model_error import line_percent, motion_percent
 from identify.model.model import Term
 
@@ -145,9 +145,10 @@ def is_clear(whole: Fit, term: Term, *, foretold: bool) -> bool:
 
     Of one that curves have `foretold` the inner parameters are held at their values: at no strength they mean nothing, and
     with them free a strength that they trade with (a friction's stiffness and the displacement over which it gives way)
-    is unsure however sure the force is (Davies 1977). Of any other they count as fitted: they bend to any guess.
+    is unsure however sure the force is (Davies 1977). Of any other they count as fitted: they bend to any guess. Of a
+    foretold one the misfit counts as white noise: the prediction is its evidence, and the free run need only bear it out.
     """
-    errors = with_misfit_errors(whole)
+    errors = as_white_misfit(whole) if foretold else with_misfit_errors(whole)
     name = str(term.strength)
     strength = errors.values[name]
     if not np.isfinite(strength.std):

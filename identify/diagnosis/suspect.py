@@ -14,6 +14,7 @@ class Suspect:
     """One effect that the model may lack.
 
     `error_after` is the reduced chi-square of the model refitted with it, `parameters` what that refit found.
+    `stated` is the `fit` with the standard errors to state.
     `evidence` is in nats: how much better than by chance the refit explains the readings. `p_value` is the probability
     that chance gives any suspect of the library as good a reason, nan where no chance was drawn; `claimed` says that the
     effect is claimed. `rivals` are claimed effects whose evidence is as good: this record does not tell them apart.
@@ -30,6 +31,7 @@ class Suspect:
     claimed: bool
     parameters: dict[str, Estimate]
     fit: Fit
+    stated: Fit
     rivals: tuple[str, ...] = ()
     held_out_gain: float | None = None
     plausible: bool = True

@@ -58,7 +58,7 @@ class Problem:
         return np.where(size > 0.0, size, 1.0)
 
     def substeps(self, theta: Array, i: int, *, tangent: bool = False) -> int:
-        """Return how many steps of the integration a sample of window i takes; for a `tangent`, as few as its slope needs."""
+        """Return how many steps of the integration a sample of window i takes; a `tangent` takes what its slope needs."""
         longer = _TANGENT if tangent else _COARSE if self.coarse else 1.0
         return substeps_for(
             self._fastest_rate(self._table(theta), self.windows[i].rate),

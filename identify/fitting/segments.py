@@ -30,7 +30,11 @@ def segments_of(
     decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
 ) -> tuple[PreparedDecay, ...]:
     """Return one release or several, prepared where they are not yet, long ones as their segments."""
-    return tuple(piece for prepared in prepared_of(decays) for piece in segments(prepared))
+    return tuple(
+        piece
+        for release, prepared in enumerate(prepared_of(decays))
+        for piece in segments(_counted(prepared, release))
+    )
 
 
 def prepared_of(
@@ -84,6 +88,14 @@ def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
         )
     sentence = "; ".join(words)
     return f"{sentence[0].upper()}{sentence[1:]}." if sentence else ""
+
+
+def _counted(prepared: PreparedDecay, release: int) -> PreparedDecay:
+    """Return a release with its place among several; a piece has that of the release that it was cut from."""
+    window = prepared.window
+    if window.segment or window.release == release:
+        return prepared
+    return replace(prepared, window=window.with_(release=release))
 
 
 def _bounds(n: int, cycle: float, *, wandering: bool) -> list[tuple[int, int]]:

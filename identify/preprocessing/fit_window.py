@@ -38,8 +38,9 @@ class FitWindow:
     calibration certificates leave open, and enters as a prior when the gain is judged. `pre_release` is None where the rest
     before the release was not seen. `force` is an external force per unit mass (m/s^2), None where none acts;
     where the mass was only estimated, `force_known` is False and its scale is fitted. A `segment` is one of several
-    pieces of a long release. `rate_std` is the standard error of the rate (Hz), None when unknown. `colour` holds what
-    the noise of a channel has beside its white part, in units of `sigma`.
+    pieces of a long release, and `release` counts the releases that are fitted together. `rate_std` is the standard error
+    of the rate (Hz), None when unknown. `colour` holds what the noise of a channel has beside its white part, in units of
+    `sigma`.
     """
 
     rate: float
@@ -58,6 +59,7 @@ class FitWindow:
     unit: str = "m"
     colour: dict[str, Colour] = field(default_factory=dict)
     rate_std: float | None = None
+    release: int = 0
 
     def __len__(self) -> int:
         return len(next(iter(self.readings.values())))

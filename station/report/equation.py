@@ -35,7 +35,8 @@ def equation(found: Findings) -> Section:
     compared = found.refined.compared if found.refined is not None else found.compared
     if compared is None:
         return Section("equation", TITLE, (left_out(found.left_out["comparison"]),))
-    fit = compared.judged.fit if found.refined is None else found.refined.top.fit
+    judged = compared.judged
+    fit = judged.stated(judged.fit) if found.refined is None else found.refined.top.stated
     parts: list[Part] = [
         Equation((_letters(fit), _numbers(fit))),
         Paragraph(
@@ -69,8 +70,8 @@ def caution(compared: Compared) -> str:
         return ""
     motion, chi_square = typeset_figures(error.motion_percent), typeset_figures(error.chi_square)
     return (
-        f"This model leaves {motion} % of the motion, {chi_square} times what noise explains. The standard errors are those "
-        "of noise alone; what the model lacks may have moved its parameters by more."
+        f"This model leaves {motion} % of the motion, {chi_square} times what noise explains. The standard errors count "
+        "what is left as wandering beside the motion; a force that is missing may have moved the parameters by more."
     )
 
 

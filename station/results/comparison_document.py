@@ -167,7 +167,7 @@ def comparison_document(compared: Compared) -> ComparisonDocument:
 
 
 def _model(compared: Compared) -> dict[str, Any]:
-    fit = compared.baseline.fit
+    fit = compared.baseline.stated(compared.baseline.fit)
     return {
         "effects": fit.model.names,
         "equation": fit.model.equation,

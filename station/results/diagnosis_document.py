@@ -321,7 +321,7 @@ def _used(names: tuple[str, ...], found: Diagnosis) -> list[dict[str, Any]]:
 
 
 def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> dict[str, Any]:
-    confirmation, fitted = found.confirmation, found.baseline.stated(suspect.fit)
+    confirmation = found.confirmation
     name = suspect.effect.name
     is_fitted = name in suspect.fit.model
     asked = confirmation is not None and confirmation.has_law(name)
@@ -338,7 +338,7 @@ def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -
         "held_out_gain": suspect.held_out_gain,
         "plausible": suspect.plausible,
         "claimed": suspect.claimed,
-        "model": model_file(fitted, expressions) if is_fitted else None,
+        "model": model_file(suspect.stated, expressions) if is_fitted else None,
         "confirmed": suspect.confirmed is not None if asked else None,
         "rivals": suspect.rivals,
         "motion_percent": motion_percent(suspect.fit) if is_fitted else None,

@@ -19,7 +19,8 @@ def problem_and_point(name, **inner):
 
 
 @pytest.mark.parametrize(
-    ("name", "inner"), [("cubic_stiffness", {}), ("freeplay", {"gap": 5e-4}), ("maxwell_element", {"tau": 0.03})]
+    ("name", "inner"),
+    [("cubic_stiffness", {}), ("freeplay", {"gap": 5e-4}), ("maxwell_element", {"tau": 0.03})],
 )
 def test_slopes_from_longer_steps_are_those_of_the_motion(name, inner):
     problem, theta = problem_and_point(name, **inner)

@@ -81,7 +81,7 @@ def test_a_strength_is_asked_for_with_the_inner_parameters_held(
     monkeypatch: pytest.MonkeyPatch, correlation: float, std: float, clear: bool
 ):
     """Two normal errors of correlation r: with one held the other's is smaller by sqrt(1 - r^2)."""
-    monkeypatch.setattr(off_the_floor, "with_misfit_errors", lambda found: found)
+    monkeypatch.setattr(off_the_floor, "as_white_misfit", lambda found: found)
     term = Term(find_effect("dahl_friction"))
     unknowns = [
         SimpleNamespace(name=f"dahl_friction.{name}", id=ParameterId("dahl_friction", name))
