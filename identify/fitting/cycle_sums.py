@@ -5,14 +5,14 @@ motion two numbers hold that, along an orthonormal pair of its cosine and sine; 
 small enough for the correlation of its misfit to be measured.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
-from identify.fitting.block_jacobian import BlockJacobian
+from identify.fitting.fit import Fit
+from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.model.simulate import Response
 
@@ -42,25 +42,21 @@ class CycleSums:
     readings: int
 
 
-def cycle_sums(
-    problem: Problem,
-    responses: Sequence[Response],
-    predicted: Sequence[dict[str, Array]],
-    jacobian: BlockJacobian,
-) -> tuple[CycleSums, ...]:
-    """Return the sums of all channels of all windows for a motion and the readings that it predicts."""
-    found = []
-    for i, (window, response) in enumerate(zip(problem.windows, responses, strict=True)):
+def cycle_sums(found: Fit) -> tuple[CycleSums, ...]:
+    """Return the sums of all channels of all windows of a fit."""
+    problem, sums = Problem(found.model, found.windows, found.frequency), []
+    jacobian = linearise(problem, found.theta)[1]
+    for i, (window, response) in enumerate(zip(found.windows, problem.responses(found.theta), strict=True)):
         first = 0
         for channel in window.channels:
             used = window.used[channel]
-            misfit = window.compared(channel, window.readings[channel] - predicted[i][channel])
+            misfit = window.compared(channel, found.residual(channel, i))
             rows = jacobian.blocks[i][:, first : first + len(misfit)]
             first += len(misfit)
-            summed = _summed(*_rotation(response, problem.frequency, used), misfit, rows)
+            summed = _summed(*_rotation(response, found.frequency, used), misfit, rows)
             if summed is not None:
-                found.append(CycleSums(i, jacobian.places[i], *summed, float(misfit @ misfit), len(misfit)))
-    return tuple(found)
+                sums.append(CycleSums(i, jacobian.places[i], *summed, float(misfit @ misfit), len(misfit)))
+    return tuple(sums)
 
 
 def _rotation(response: Response, frequency: float, used: Mask) -> tuple[Array, Array]:

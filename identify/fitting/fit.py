@@ -9,7 +9,6 @@ from identify.clock_error import with_clock
 from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
 from identify.fitting.block_jacobian import BlockJacobian
-from identify.fitting.cycle_sums import CycleSums, cycle_sums
 from identify.fitting.jacobian import linearise
 from identify.fitting.levenberg_marquardt import minimise, minimise_fully
 from identify.fitting.parameter_layout import Unknown
@@ -33,8 +32,7 @@ class Fit:
     `values` holds every unknown by its name with its standard error; `chi_square` the sum of squares in units of the
     noise, `degrees` its degrees of freedom. `predicted` are the readings the model gives, a dictionary a window.
     `outcome` is a sentence: what was reached, or what to do next; `unidentifiable` names parameters that this
-    record does not determine. `theta` and `covariance` belong to `unknowns`. `cycles` hold what is left in each cycle,
-    and how the unknowns move that.
+    record does not determine. `theta` and `covariance` belong to `unknowns`.
     """
 
     model: Model
@@ -50,7 +48,6 @@ class Fit:
     outcome: str
     unidentifiable: tuple[str, ...]
     frequency: float
-    cycles: tuple[CycleSums, ...] = ()
 
     @property
     def reduced(self) -> float:
@@ -195,8 +192,6 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: BlockJacobian
     if unidentifiable:
         outcome += f" This record does not determine {', '.join(unidentifiable)}."
     window = problem.windows[0]
-    responses = problem.responses(theta)
-    predicted = tuple(problem.read(theta, i, response) for i, response in enumerate(responses))
     return Fit(
         model=problem.model,
         windows=problem.windows,
@@ -209,10 +204,11 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: BlockJacobian
         },
         chi_square=cost,
         degrees=len(jacobian) - int((~at_bound).sum()),
-        predicted=predicted,
+        predicted=tuple(
+            problem.read(theta, i, response) for i, response in enumerate(problem.responses(theta))
+        ),
         converged=settled,
         outcome=outcome,
         unidentifiable=unidentifiable,
         frequency=problem.frequency,
-        cycles=cycle_sums(problem, responses, predicted, jacobian),
     )

@@ -73,7 +73,7 @@ def _improve_step(problem: Problem, j: int, moved: float, size: float) -> bool:
 
 
 class _Start:
-    """Where differences are taken from: motion and misfit as followed to the noise, and the misfit as followed for a slope."""
+    """Where differences are taken from: motion and misfit followed to the noise, and the misfit as followed for a slope."""
 
     def __init__(self, problem: Problem, theta: Array, responses: list[Response], parts: list[Array]) -> None:
         self.problem = problem

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from identify.arrays import Array, Mask
+from identify.fitting.cycle_sums import CycleSums, cycle_sums
 from identify.fitting.fit import Fit
 from identify.fitting.release_spread import spread_of_releases
 from identify.fitting.wandering_misfit import scatter_of_scores
@@ -24,17 +25,18 @@ def with_misfit_errors(found: Fit) -> Fit:
     The sandwich of normal matrix and scatter of the scores (Huber 1967).
     """
     free = np.array([u.low < t < u.high for u, t in zip(found.unknowns, found.theta, strict=True)])
-    scatter = scatter_of_scores(found.cycles, free, len(found.windows))
+    cycles = cycle_sums(found)
+    scatter = scatter_of_scores(cycles, free, len(found.windows))
     if scatter is None:
         return as_white_misfit(found)
     inverse = found.covariance[np.ix_(free, free)]
-    density = _density_elsewhere(found)
-    beyond = scatter.sum(axis=0) - density * _products(found, free)
+    density = _density_elsewhere(cycles)
+    beyond = scatter.sum(axis=0) - density * _products(cycles, free)
     covariance = found.covariance * density
     covariance[np.ix_(free, free)] += inverse @ beyond @ inverse
     std = np.sqrt(np.maximum(np.diag(covariance)[free], 0.0))
     raised = np.ones(len(free))
-    raised[free] = spread_of_releases(found, free, scatter, std)
+    raised[free] = spread_of_releases(found.windows, cycles, free, scatter, std)
     covariance *= np.outer(raised, raised)
     return _with_covariance(found, covariance)
 
@@ -57,16 +59,16 @@ def _with_covariance(found: Fit, covariance: Array) -> Fit:
     return replace(found, covariance=covariance, values=found.values | values)
 
 
-def _density_elsewhere(found: Fit) -> float:
+def _density_elsewhere(cycles: tuple[CycleSums, ...]) -> float:
     """Return the mean square of what lies elsewhere than at the motion's frequency, in units of the noise; 1 at least."""
-    square = sum(one.square - float((one.residual**2).sum()) for one in found.cycles)
-    return max(square / max(sum(one.readings - one.residual.size for one in found.cycles), 1), 1.0)
+    square = sum(one.square - float((one.residual**2).sum()) for one in cycles)
+    return max(square / max(sum(one.readings - one.residual.size for one in cycles), 1), 1.0)
 
 
-def _products(found: Fit, free: Mask) -> Array:
+def _products(cycles: tuple[CycleSums, ...], free: Mask) -> Array:
     """Return the products of the free unknowns' columns with one another at the motion's frequency."""
     total = np.zeros((len(free), len(free)))
-    for one in found.cycles:
+    for one in cycles:
         total[np.ix_(one.places, one.places)] += np.einsum("pak,qak->pq", one.columns, one.columns)
     return total[np.ix_(free, free)]
 

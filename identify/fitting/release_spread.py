@@ -8,7 +8,8 @@ raised by the ratio, as the Particle Data Group averages measurements (Rosenfeld
 import numpy as np
 
 from identify.arrays import Array, Mask
-from identify.fitting.fit import Fit
+from identify.fitting.cycle_sums import CycleSums
+from identify.preprocessing.fit_window import FitWindow
 
 _PRECISE = 3.0
 """Errors above so many times that of the mean, times the root of the number of releases, have no say in the ratio."""
@@ -18,14 +19,16 @@ _UNDETERMINED = 1e-2
 """Share of a parameter that lies in directions which a release does not determine, from which on it has no say."""
 
 
-def spread_of_releases(found: Fit, free: Mask, scatter: Array, std: Array) -> Array:
+def spread_of_releases(
+    windows: tuple[FitWindow, ...], cycles: tuple[CycleSums, ...], free: Mask, scatter: Array, std: Array
+) -> Array:
     """Return by how much the standard error of each free unknown is raised, 1 at least, (p,).
 
-    `scatter` (windows, p, p) is that of the scores, `std` (p,) the errors from the misfit. The value of a single release is
-    that of one Gauss-Newton step from the fit of all.
+    `cycles` are the sums of all `windows`; `scatter` (windows, p, p) is that of the scores, `std` (p,) the errors from the
+    misfit. The value of a single release is that of one Gauss-Newton step from the fit of all.
     """
-    release = np.array([window.release for window in found.windows])
-    each = [_alone(found, free, scatter, release == one) for one in np.unique(release)]
+    release = np.array([window.release for window in windows])
+    each = [_alone(cycles, free, scatter, release == one) for one in np.unique(release)]
     if len(each) < 2:
         return np.ones(len(std))
     values, errors = (np.array(parts) for parts in zip(*each, strict=True))
@@ -36,11 +39,11 @@ def spread_of_releases(found: Fit, free: Mask, scatter: Array, std: Array) -> Ar
     return np.asarray(np.sqrt(np.maximum(square, 1.0)))
 
 
-def _alone(found: Fit, free: Mask, scatter: Array, own: Mask) -> tuple[Array, Array]:
+def _alone(cycles: tuple[CycleSums, ...], free: Mask, scatter: Array, own: Mask) -> tuple[Array, Array]:
     """Return by how much each free unknown moves where only the windows marked `own` count, and its error there, (p,)."""
     p = len(free)
     normal, gradient = np.zeros((p, p)), np.zeros(p)
-    for one in found.cycles:
+    for one in cycles:
         if own[one.window]:
             normal[np.ix_(one.places, one.places)] += np.einsum("pak,qak->pq", one.columns, one.columns)
             gradient[one.places] += np.einsum("pak,ak->p", one.columns, one.residual)
