@@ -119,6 +119,7 @@ def _next(
 ) -> tuple[ConfirmedEffect, int, HeldOut, tuple[Rows, ...]] | None:
     """Return the next effect, its column, the errors with it and the corrected rows; None where none is worth it."""
     settled = {c: search.settled((*columns, c), rows) for c in _screened(search, columns, held, rows)}
+    laws = search.regression.laws
     for channel in sorted(_CHANNELS, key=lambda c: -held.mean(c)):
         what = _WORDS[channel]
         if what in undecided or (search.one_record and what in explained):
@@ -128,13 +129,14 @@ def _next(
             for column, (after, _) in settled.items()
             if _worth(held, after, channel, what in explained)
             and search.plausible(column, after)
-            and both_faces(search.regression.laws[column].term, held, after, channel)
+            and both_faces(laws[column].term, held, after, channel)
         ]
         if not good:
             continue
-        laws = search.regression.laws
         left = {c: settled[c][0].mean(channel) for c in settled}
-        chosen = choose(search.regression.laws, good, _central(settled, held), left, held.mean(channel))
+        chosen = choose(
+            laws, good, _central(settled, held), left, held.mean(channel), one_record=search.one_record
+        )
         if chosen.drifts or len(chosen.rivals) > MOST_RIVALS:
             undecided[what] = chosen.names
             continue
@@ -192,11 +194,11 @@ def _often(
 
     def lead(left: Mapping[int, float], before: float) -> int | None:
         still = [c for c in good if c in left and before - left[c] >= SHARE * before]
-        return (
-            choose(search.regression.laws, still, _central(settled, held), left, before).lead
-            if still
-            else None
-        )
+        if not still:
+            return None
+        keep = _central(settled, held)
+        laws = search.regression.laws
+        return choose(laws, still, keep, left, before, one_record=search.one_record).lead
 
     places = leaders(search, contenders, Contender(-1, columns, rows), channel, lead)
     return Counter("" if place is None else search.regression.laws[place].name for place in places)

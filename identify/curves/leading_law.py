@@ -1,4 +1,8 @@
-"""Which law leads: of those that leave nearly as little the simplest, none where a law of time leaves hardly more."""
+"""Which law leads: of those that leave nearly as little the simplest, none where a law of time leaves hardly more.
+
+In one record any law of the amplitude is also one of time, by their shapes alone. In several releases an amplitude comes at
+several times.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +15,12 @@ NEARLY = 0.8
 
 DRIFT_NEARLY = 0.7
 """The same for a law of time: what may be a drift is no law of the amplitude."""
+
+DRIFT_LEAVES = 3.0
+"""Multiple of what the best law of the amplitude leaves up to which a law of time may be behind it, in one record."""
+
+DRIFT_LEAVES_RELEASES = 1.5
+"""The same in several releases."""
 
 CLEARLY = 1.0 / 3.0
 """Share of the error of every law without inner parameters below which a law with some is taken: it can bend to much."""
@@ -40,6 +50,8 @@ def choose(
     central: Callable[[list[int]], list[int]],
     left: Mapping[int, float],
     before: float,
+    *,
+    one_record: bool,
 ) -> Choice:
     """Return which of the `good` columns leads, from the error that each column leaves and the error before, in %.
 
@@ -49,7 +61,7 @@ def choose(
     removed = {c: before - left[c] for c in left}
     best = max(removed[c] for c in good)
     near = central([c for c in good if removed[c] >= NEARLY * best])
-    drifts = _drifts(laws, good, left, before)
+    drifts = _drifts(laws, good, left, before, DRIFT_LEAVES if one_record else DRIFT_LEAVES_RELEASES)
     if drifts:
         return Choice(None, _names(laws, (*near, *drifts)), _names(laws, drifts))
     near = [c for c in near if not laws[c].term.effect.of_time]
@@ -69,9 +81,9 @@ def choose(
 
 
 def _drifts(
-    laws: Sequence[AveragedLaw], good: Sequence[int], left: Mapping[int, float], before: float
+    laws: Sequence[AveragedLaw], good: Sequence[int], left: Mapping[int, float], before: float, leaves: float
 ) -> list[int]:
-    """Return the laws of time that remove and leave nearly as much as the best law of the amplitude does."""
+    """Return the laws of time that remove nearly as much as the best law of the amplitude and leave at most a multiple."""
     most = max(before - left[c] for c in good)
     ofamplitude = [left[c] for c in good if not laws[c].term.effect.of_time]
     least = max(min(ofamplitude, default=before), WORTH)
@@ -80,7 +92,7 @@ def _drifts(
         for c in left
         if laws[c].term.effect.of_time
         and before - left[c] >= DRIFT_NEARLY * most
-        and CLEARLY * left[c] <= least
+        and left[c] <= leaves * least
     ]
 
 

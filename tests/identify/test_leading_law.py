@@ -15,11 +15,12 @@ from identify.model.model import Term
 BEFORE = 100.0
 
 
-def led(left: dict[str, float]):
+def led(left: dict[str, float], *, one_record: bool = True):
     """Return the choice among effects by the error that each leaves of 100 %."""
     laws = [SimpleNamespace(name=name, term=Term(find_effect(name))) for name in left]
     columns = list(range(len(laws)))
-    return choose(laws, columns, lambda near: near, dict(enumerate(left.values())), BEFORE), list(left)
+    errors = dict(enumerate(left.values()))
+    return choose(laws, columns, lambda near: near, errors, BEFORE, one_record=one_record), list(left)
 
 
 def test_a_law_that_can_bend_does_not_lead_before_a_plain_one_that_leaves_nearly_as_little():
@@ -35,6 +36,13 @@ def test_a_drift_that_leaves_three_times_as_much_is_told_apart(drift: float, tol
     chosen, _ = led({"pendulum_stiffness": 1.0, "settling_stiffness": drift})
     assert (chosen.lead is not None) == told_apart
     assert chosen.rivals == ()
+
+
+def test_several_releases_tell_a_drift_apart_that_one_record_does_not():
+    left = {"quintic_stiffness": 7.0, "settling_stiffness": 14.0}
+    assert led(left)[0].lead is None
+    assert led(left, one_record=False)[0].lead == 0
+    assert led({"quintic_stiffness": 7.0, "settling_stiffness": 10.0}, one_record=False)[0].lead is None
 
 
 def test_a_drift_is_not_told_apart_by_errors_too_small_to_be_worth_a_name():
