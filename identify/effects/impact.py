@@ -5,6 +5,7 @@ from math import inf
 from identify.effects.compiled import force_function
 from identify.effects.effect import Parameter, Scales, Starts
 from identify.effects.force_effect import ForceEffect
+from identify.effects.stiffness import GAPS
 
 
 @force_function
@@ -33,6 +34,12 @@ def _fine_starts(scales: Scales) -> Starts:
     return tuple((share * scales.amplitude, loss / scales.speed) for share in shares for loss in losses)
 
 
+def _reach(scales: Scales) -> Starts:
+    return tuple(
+        (share * scales.amplitude, loss / scales.speed) for share in GAPS[1::2] for loss in (0.0, 1.0)
+    )
+
+
 IMPACT = ForceEffect(
     name="impact_with_loss",
     title="end stop that takes energy (Hunt and Crossley)",
@@ -52,6 +59,7 @@ IMPACT = ForceEffect(
     force=_impact,
     starts=_starts,
     fine_starts=_fine_starts,
+    reach=_reach,
     variants=({"side": 1.0}, {"side": -1.0}, {"side": 0.0}),
     plausible=lambda values, scales: (
         values["gap"] > _CLOSEST * scales.amplitude and values["loss"] * scales.speed > _LEAST

@@ -114,7 +114,7 @@ def test_chance_draws_a_second_mass_wherever_it_is_searched():
         lines={"displacement": ((90.0, 1.0, 0.0),)},
     )
     searched = [start[0] for start in find_effect("second_mass").starting_values(scales)]
-    drawn_at = sorted({start[0] for start in find_effect("second_mass").fine_starting_values(scales)})
+    drawn_at = sorted({start[0] for start in find_effect("second_mass").reachable_starting_values(scales)})
     assert drawn_at[0] <= min(searched)
     assert drawn_at[-1] >= max(searched)
     # along frequency, what noise of T seconds has in common with a tone has no period below 2 pi / T: two values a period
