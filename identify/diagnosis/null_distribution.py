@@ -7,8 +7,8 @@ distribution, and the smallest tail probability over the whole library one from 
 all releases; a sensor's fault has parameters in each, whose drops add up.
 """
 
-from dataclasses import dataclass, field
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from zlib import crc32
 
 import numpy as np
@@ -46,8 +46,8 @@ With a hundred times as much what the fit's parameters leave is mostly of second
 """
 _TAIL = 0.1
 
-_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
-"""Of the way from a joint that is drawn to the one side to one that is drawn to the other, at the start."""
+_SHARES = (-0.5, 0.0, 0.5, 1.0, 1.5)
+"""Of the way from a joint that was held on one side to one held on the other, at the start; a fit goes a little farther."""
 
 _WEAKEST = 0.1
 """Least strength of drawn noise, in units of the floor, however unsure that is."""
@@ -228,7 +228,7 @@ def _column_drops(
 def _held_either_way(problem: Problem, points: Sequence[Array], before: Array) -> list[Array]:
     """Return what a force does (readings,) that never forgets where it came from, held on one side before, or on the other.
 
-    It cannot be drawn farther than it yields: its states lie between those of the two.
+    It cannot be drawn much farther than it yields: as a direction of its own its state would be drawn without limit.
     """
     if not points:
         return []

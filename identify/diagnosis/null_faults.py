@@ -31,7 +31,7 @@ _FOLLOWED = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class _Change:
-    """What a fault at one starting value changes of the misfit (n,), and what its parameters in proportion add, (n,) each."""
+    """What a fault at one starting value changes of the misfit (n,), and what its parameters in proportion add."""
 
     whole: Array
     beside: tuple[Array, ...]

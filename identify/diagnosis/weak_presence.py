@@ -74,8 +74,9 @@ def probes(
     until = min(_EARLY, len(largest.time)) if early else len(largest.time)
     along = (largest.time[:until], motion.displacement[:until], motion.velocity[:until], largest.frequency)
     force = force_along(term, inner_values(term, inner), *along)
-    rms = float(np.sqrt(np.mean(force**2)))
-    if not rms > 0.0:
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion runs away
+        rms = float(np.sqrt(np.mean(force**2)))
+    if not 0.0 < rms < np.inf:
         return []
     strength = share * float(np.sqrt(np.mean(motion.acceleration[:until] ** 2))) / rms
     states = states_of_term(base, term, inner)

@@ -11,7 +11,7 @@ _SHORTEST = 0.01
 """Presliding displacement over the amplitude below which the friction is a dry one."""
 
 
-_WAYS = (0.005, 0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.2)
+_WAYS = (0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.2)
 
 
 @force_function
