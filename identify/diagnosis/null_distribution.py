@@ -8,7 +8,7 @@ all releases; a sensor's fault has parameters in each, whose drops add up.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from zlib import crc32
 
 import numpy as np
@@ -58,12 +58,11 @@ class NullDistribution:
     """Null distributions of the drop of chi-square, by effect name, and of the search over all of them.
 
     `drops` maps an effect to its draws, sorted; `search` holds the largest surprise (-ln p) of each draw over
-    the library, sorted. `seen` is what the same columns lower chi-square by of the misfit that is there.
+    the library, sorted.
     """
 
     drops: dict[str, Array]
     search: Array
-    seen: dict[str, float] = field(default_factory=dict)
 
     def surprise(self, effect: str, drop: float) -> float:
         """Return -ln of the probability that chance lowers chi-square this much by this effect alone."""
@@ -96,7 +95,7 @@ def null_distribution(
     random = np.random.default_rng(_seed_of(base) if seed is None else seed)
     theta = base.theta
     problem = Problem(base.model, base.windows, base.frequency)
-    residual, jacobian = linearise(problem, theta)
+    _, jacobian = linearise(problem, theta)
     noise = np.concatenate(
         [window.draw_noise(channel, random, draws) for window in base.windows for channel in window.channels]
     )
@@ -110,7 +109,7 @@ def null_distribution(
     ]:
         noise = _pressed(noise, side * jacobian.column(at), tangent)
     # What a misfit and a presence have in common lowers chi-square where they differ in sign.
-    noise = -np.column_stack([noise, residual])
+    noise = -noise
     free = tangent.free(noise)
     scales = scales_of(decays[0], dict.fromkeys(base.windows[0].channels, ()))
     drops: dict[str, Array] = {}
@@ -123,10 +122,9 @@ def null_distribution(
         else:
             best = fault_drops(base, term, scales, tangent, free)
         drops[name] = np.maximum(drops[name], best) if name in drops else best
-    seen = {name: float(found[-1]) for name, found in drops.items()}
-    drawn = {name: np.sort(found[:-1]) for name, found in drops.items()}
-    search = np.max([_surprise(drawn[name], found[:-1]) for name, found in drops.items()], axis=0)
-    return NullDistribution(drawn, np.sort(search), seen)
+    drawn = {name: np.sort(found) for name, found in drops.items()}
+    search = np.max([_surprise(drawn[name], found) for name, found in drops.items()], axis=0)
+    return NullDistribution(drawn, np.sort(search))
 
 
 def _seed_of(base: Fit) -> int:
@@ -211,7 +209,7 @@ def _column_drops(
     enough = max(_FEWEST_PLACES, _MOST_COLUMN_NUMBERS // len(before))
     for start in starts[:: (len(starts) - 1) // enough + 1]:
         points = probes(decays, base, problem, term, start, _PROBE, early=True)
-        if not term.force.fading_memory:
+        if not term.force.fading_memory and len(base.windows) == 1:  # of several each has a state of its own
             single += _held_either_way(problem, points, before)
             continue
         columns = NullColumns.at(problem, points, before, rows)
