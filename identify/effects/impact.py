@@ -5,7 +5,6 @@ from math import inf
 from identify.effects.compiled import force_function
 from identify.effects.effect import Parameter, Scales, Starts
 from identify.effects.force_effect import ForceEffect
-from identify.effects.stiffness import GAPS
 
 
 @force_function
@@ -34,10 +33,12 @@ def _fine_starts(scales: Scales) -> Starts:
     return tuple((share * scales.amplitude, loss / scales.speed) for share in shares for loss in losses)
 
 
+_GAPS = (0.08, 0.26, 0.46, 0.63, 0.76, 0.87, 0.95)
+"""Gaps over the amplitude that a fit may reach."""
+
+
 def _reach(scales: Scales) -> Starts:
-    return tuple(
-        (share * scales.amplitude, loss / scales.speed) for share in GAPS[1::2] for loss in (0.0, 1.0)
-    )
+    return tuple((share * scales.amplitude, loss / scales.speed) for share in _GAPS for loss in (0.0, 1.0))
 
 
 IMPACT = ForceEffect(

@@ -109,7 +109,7 @@ _PLAY_SHARE = 0.35
 """A gap below this share of the amplitude is called play, one above it an end stop: the forces are the same."""
 
 
-GAPS = (0.03, 0.08, 0.16, 0.26, 0.36, 0.46, 0.55, 0.63, 0.7, 0.76, 0.82, 0.87, 0.91, 0.95)
+_GAPS = (0.03, 0.08, 0.16, 0.26, 0.36, 0.46, 0.55, 0.63, 0.7, 0.76, 0.82, 0.87, 0.91, 0.95)
 """Gaps over the amplitude that a fit of a stop may reach: those of play too."""
 
 
@@ -128,7 +128,7 @@ END_STOP = ForceEffect(
     ),
     force=_end_stop,
     starts=_gap_starts,
-    reach=lambda scales: tuple((share * scales.amplitude,) for share in GAPS),
+    reach=lambda scales: tuple((share * scales.amplitude,) for share in _GAPS),
     variants=({"side": 1.0}, {"side": -1.0}, {"side": 0.0}),
     plausible=lambda values, scales: values["gap"] > _PLAY_SHARE * scales.amplitude,
     symptom="nothing happens below the gap; above it the force has a kink",
