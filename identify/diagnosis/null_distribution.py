@@ -46,6 +46,9 @@ With a hundred times as much what the fit's parameters leave is mostly of second
 """
 _TAIL = 0.1
 
+_CLEARLY = 0.16
+"""Standard error of the slope of the last tenth of 400 draws, relative."""
+
 _SHARES = (-0.5, 0.0, 0.5, 1.0, 1.5)
 """Of the way from a joint that was held on one side to one held on the other, at the start; a fit goes a little farther."""
 
@@ -173,11 +176,12 @@ def _surprise(draws: Array, values: Array) -> Array:
 
     Beyond the last tenth of the draws the hazard is that of a chi-square, (1 - c / x) / 2 at x, where c is two less than the
     degrees of freedom: of one effect's it is nearly 0, of what many releases have each for itself it is large. The
-    mean of the last tenth tells c.
+    mean of the last tenth tells c, where it differs clearly from 0: two laws of one strength have one tail.
     """
     knee = draws[int((1.0 - _TAIL) * len(draws))]
     mean = float(np.mean(draws[draws >= knee]))
-    crowded = max(mean * (1.0 - 2.0 / max(mean - knee, 1e-12)), 0.0) if knee > 0.0 else 0.0
+    share = 1.0 - 2.0 / max(mean - knee, 1e-12)
+    crowded = mean * share if knee > 0.0 and share > _CLEARLY else 0.0
     beyond = np.maximum(values, knee)
     rise = 0.5 * (beyond - knee - crowded * np.log(beyond / knee)) if crowded > 0.0 else 0.5 * (beyond - knee)
     return _with_tail(draws, values, knee, rise)
