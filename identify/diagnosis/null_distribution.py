@@ -7,17 +7,20 @@ distribution, and the smallest tail probability over the whole library one from 
 all releases; a sensor's fault has parameters in each, whose drops add up.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from zlib import crc32
 
 import numpy as np
 
 from identify.arrays import Array
 from identify.diagnosis.null_columns import NullColumns
+from identify.diagnosis.null_faults import fault_drops
 from identify.diagnosis.null_lines import line_drops, rows_of
-from identify.diagnosis.weak_presence import probes, with_fault
+from identify.diagnosis.weak_presence import probes
 from identify.effects.effect import Scales
 from identify.fitting.fit import Fit
-from identify.fitting.initial_values import scales_of, term_starts
+from identify.fitting.initial_values import reachable_starts, scales_of
 from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.fitting.tangent import Tangent
@@ -36,10 +39,19 @@ _MOST_COLUMN_NUMBERS = 2_000_000
 _FEWEST_PLACES = 100
 """Numbers in all columns of one effect: of long records its starting values lie less close, a hundred of them at least."""
 
-_PROBE = 1e-3
+_PROBE = 1e-5
+"""Share of the acceleration that a probed force has: it moves the readings by a few units of noise, in proportion.
+
+With a hundred times as much what the fit's parameters leave is mostly of second order.
+"""
 _TAIL = 0.1
 
-_STRENGTH_SEED = 1
+_CLEARLY = 0.16
+"""Standard error of the slope of the last tenth of 400 draws, relative."""
+
+_SHARES = (-0.5, 0.0, 0.5, 1.0, 1.5)
+"""Of the way from a joint that was held on one side to one held on the other, at the start; a fit goes a little farther."""
+
 _WEAKEST = 0.1
 """Least strength of drawn noise, in units of the floor, however unsure that is."""
 
@@ -62,7 +74,7 @@ class NullDistribution:
     def p_value(self, effect: str, drop: float) -> float:
         """Return the probability that chance gives any suspect in the library as good a reason."""
         surprise = self.surprise(effect, drop)
-        return float(np.exp(-_surprise(self.search, np.array([surprise]), slope=1.0)[0]))
+        return float(np.exp(-_surprise_of_search(self.search, np.array([surprise]))[0]))
 
 
 def null_distribution(
@@ -71,17 +83,19 @@ def null_distribution(
     terms: tuple[Term, ...],
     *,
     unsure: tuple[dict[str, float], ...] = (),
-    seed: int = 0,
+    seed: int | None = None,
     draws: int = _DRAWS,
 ) -> NullDistribution:
-    """Draw what each suspect would gain by chance; the same seed gives the same draws.
+    """Draw what each suspect would gain by chance; the same seed gives the same draws, and so do the same readings.
+
+    Other readings are given other draws: what 400 draws happen to be off would otherwise be off alike on all records.
 
     `unsure` is the relative standard error of each channel's noise in each window: it may be so much stronger or weaker
     than the floor that gains are measured in. None where the noise is known.
     """
     readings = sum(int(mask.sum()) for window in base.windows for mask in window.used.values())
     draws = min(draws, max(_FEWEST_DRAWS, _MOST_NUMBERS // max(readings, 1)))
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(_seed_of(base) if seed is None else seed)
     theta = base.theta
     problem = Problem(base.model, base.windows, base.frequency)
     _, jacobian = linearise(problem, theta)
@@ -89,7 +103,7 @@ def null_distribution(
         [window.draw_noise(channel, random, draws) for window in base.windows for channel in window.channels]
     )
     if unsure:
-        noise *= _strengths(base, unsure, draws)
+        noise *= _strengths(base, unsure, random, draws)
     low, high = theta <= problem.low, theta >= problem.high
     tangent = jacobian.tangent(~(low | high))
     for at, side in [
@@ -97,6 +111,8 @@ def null_distribution(
         *((j, -1.0) for j in np.flatnonzero(high).tolist()),
     ]:
         noise = _pressed(noise, side * jacobian.column(at), tangent)
+    # What a misfit and a presence have in common lowers chi-square where they differ in sign.
+    noise = -noise
     free = tangent.free(noise)
     scales = scales_of(decays[0], dict.fromkeys(base.windows[0].channels, ()))
     drops: dict[str, Array] = {}
@@ -107,18 +123,29 @@ def null_distribution(
         elif term.is_force:
             best = _column_drops(decays, base, term, scales, tangent, free)
         else:
-            best = _fault_drops(base, term, scales, tangent, free)
+            best = fault_drops(base, term, scales, tangent, free)
         drops[name] = np.maximum(drops[name], best) if name in drops else best
-    search = np.max([_surprise(np.sort(d), d) for d in drops.values()], axis=0)
-    return NullDistribution({name: np.sort(d) for name, d in drops.items()}, np.sort(search))
+    drawn = {name: np.sort(found) for name, found in drops.items()}
+    search = np.max([_surprise(drawn[name], found) for name, found in drops.items()], axis=0)
+    return NullDistribution(drawn, np.sort(search))
 
 
-def _strengths(base: Fit, unsure: tuple[dict[str, float], ...], draws: int) -> Array:
+def _seed_of(base: Fit) -> int:
+    """Return a number that the readings decide."""
+    found = 0
+    for window in base.windows:
+        for readings in window.readings.values():
+            found = crc32(np.ascontiguousarray(readings).tobytes(), found)
+    return found
+
+
+def _strengths(
+    base: Fit, unsure: tuple[dict[str, float], ...], random: np.random.Generator, draws: int
+) -> Array:
     """Return how strong the noise of each reading may be in units of the floor, (readings, draws).
 
     A channel's error is one in all windows: they share their sensor, and most of them their rest.
     """
-    random = np.random.default_rng(_STRENGTH_SEED)
     drawn: dict[str, Array] = {}
     rows = []
     for window, relative in zip(base.windows, unsure, strict=True):
@@ -144,13 +171,34 @@ def _pressed(noise: Array, column: Array, tangent: Tangent) -> Array:
     return noise - 2.0 * np.outer(direction, lifted)
 
 
-def _surprise(draws: Array, values: Array, slope: float = 0.5) -> Array:
-    """Return -ln of the tail probability; beyond the last tenth of the draws it grows with the given slope."""
+def _surprise(draws: Array, values: Array) -> Array:
+    """Return -ln of the tail probability of drops of chi-square, from their draws, sorted.
+
+    Beyond the last tenth of the draws the hazard is that of a chi-square, (1 - c / x) / 2 at x, where c is two less than the
+    degrees of freedom: of one effect's it is nearly 0, of what many releases have each for itself it is large. The
+    mean of the last tenth tells c, where it differs clearly from 0: two laws of one strength have one tail.
+    """
+    knee = draws[int((1.0 - _TAIL) * len(draws))]
+    mean = float(np.mean(draws[draws >= knee]))
+    share = 1.0 - 2.0 / max(mean - knee, 1e-12)
+    crowded = mean * share if knee > 0.0 and share > _CLEARLY else 0.0
+    beyond = np.maximum(values, knee)
+    rise = 0.5 * (beyond - knee - crowded * np.log(beyond / knee)) if crowded > 0.0 else 0.5 * (beyond - knee)
+    return _with_tail(draws, values, knee, rise)
+
+
+def _surprise_of_search(draws: Array, values: Array) -> Array:
+    """Return -ln of the tail probability of the largest surprise over the library; a surprise has slope 1 itself."""
+    knee = draws[int((1.0 - _TAIL) * len(draws))]
+    return _with_tail(draws, values, knee, values - knee)
+
+
+def _with_tail(draws: Array, values: Array, knee: float, rise: Array) -> Array:
+    """Return -ln of the tail probability: by rank up to the knee, beyond it what that is there and a rise."""
     n = len(draws)
-    knee = draws[int((1.0 - _TAIL) * n)]
     rank = np.searchsorted(draws, values, side="left")
     inside = np.minimum(-np.log((n - rank + 0.5) / (n + 0.5)), -np.log(_TAIL))
-    return np.asarray(np.where(values > knee, -np.log(_TAIL) + slope * (values - knee), inside))
+    return np.asarray(np.where(values > knee, -np.log(_TAIL) + rise, inside))
 
 
 def _column_drops(
@@ -161,10 +209,14 @@ def _column_drops(
     rows = rows_of(base.windows)
     best, one_sided = np.zeros(noise.shape[1]), term.effect.one_sided
     single: list[Array] = []
-    starts = term_starts(term, scales, fine=True)
+    starts = reachable_starts(term, scales)
     enough = max(_FEWEST_PLACES, _MOST_COLUMN_NUMBERS // len(before))
     for start in starts[:: (len(starts) - 1) // enough + 1]:
-        columns = NullColumns.at(problem, probes(decays, base, problem, term, start, _PROBE), before, rows)
+        points = probes(decays, base, problem, term, start, _PROBE, early=True)
+        if not term.force.fading_memory and len(base.windows) == 1:  # of several each has a state of its own
+            single += _held_either_way(problem, points, before)
+            continue
+        columns = NullColumns.at(problem, points, before, rows)
         if columns.own:
             drops = _drops(*columns.products(tangent, noise, rows), one_sided=one_sided)
             best = np.maximum(best, drops)
@@ -173,6 +225,22 @@ def _column_drops(
         if len(single) * len(before) > _AT_ONCE:
             best, single = np.maximum(best, _best_of(single, tangent, noise, one_sided=one_sided)), []
     return np.maximum(best, _best_of(single, tangent, noise, one_sided=one_sided)) if single else best
+
+
+def _held_either_way(problem: Problem, points: Sequence[Array], before: Array) -> list[Array]:
+    """Return what a force does (readings,) that never forgets where it came from, held on one side before, or on the other.
+
+    It cannot be drawn much farther than it yields: as a direction of its own its state would be drawn without limit.
+    """
+    if not points:
+        return []
+    states = np.array([u.id.role == "state" for u in problem.unknowns])
+    one, other = (
+        problem.residuals(np.where(states, sign * points[0], points[0])) - before for sign in (1.0, -1.0)
+    )
+    if not np.isfinite(one + other).all():
+        return []
+    return [one + share * (other - one) for share in _SHARES]
 
 
 def _best_of(columns: list[Array], tangent: Tangent, noise: Array, *, one_sided: bool) -> Array:
@@ -195,58 +263,3 @@ def _drops(together: Array, along: Array, *, one_sided: bool) -> Array:
     if len(amount) == 1 and one_sided:
         amount = np.maximum(amount * np.sign(vectors[0, -1]), 0.0)
     return np.asarray(np.sum(amount**2, axis=0))
-
-
-def _fault_drops(base: Fit, term: Term, scales: Scales, tangent: Tangent, noise: Array) -> Array:
-    """Sum over the releases of the best drop by a fault that each has with parameters of its own."""
-    problem = Problem(base.model.plus(term), base.windows, base.frequency)
-    before = Problem(base.model, base.windows, base.frequency).residuals(base.theta)
-    changes = [
-        problem.residuals(problem.theta(with_fault(base, term, start))) - before
-        for start in term_starts(term, scales, fine=True)
-    ]
-    changes = [change for change in changes if np.isfinite(change).all()]
-    total = np.zeros(noise.shape[1])
-    for i, rows in enumerate(rows_of(base.windows)):
-        amounts = _amounts([change[rows] for change in changes], tangent.part(i), noise[rows])
-        if not amounts:
-            continue
-        if term.fault.held_at_first:
-            one_sided = term.effect.strength.low >= 0.0
-            total += np.max([np.maximum(a, 0.0) ** 2 if one_sided else a**2 for a, _ in amounts], axis=0)
-        else:  # the starts are directions, all of which are free
-            total += np.sum([free**2 for _, free in amounts], axis=0)
-    return total
-
-
-def _amounts(columns: list[Array], tangent: Array, noise: Array) -> list[tuple[Array, Array]]:
-    """Return how much of each draw lies along each column, (draws,) each, and along what earlier columns leave of it.
-
-    Columns (readings,) are those of one release, less what the fit's parameters follow in all of them; of the noise that
-    is left out already.
-    """
-    if not columns:
-        return []
-    design = np.column_stack(columns)
-    own = tangent.T @ design
-    together = design.T @ design - own.T @ own
-    along = design.T @ noise
-    size = np.diag(together)
-    kept = [j for j in range(len(columns)) if size[j] > 1e-18 + 1e-12 * float(columns[j] @ columns[j])]
-    scale = np.sqrt(size[kept])
-    together = together[np.ix_(kept, kept)] / np.outer(scale, scale)
-    along = along[kept] / scale[:, None]
-    found: list[tuple[Array, Array]] = []
-    basis: list[Array] = []
-    for j in range(len(kept)):
-        left = np.zeros(len(kept))
-        left[j] = 1.0
-        for other in basis:
-            left = left - float(left @ together @ other) * other
-        length = float(np.sqrt(max(float(left @ together @ left), 0.0)))
-        free = np.zeros(noise.shape[1])
-        if length > 1e-4:
-            basis.append(left / length)
-            free = basis[-1] @ along
-        found.append((along[j], free))
-    return found

@@ -44,7 +44,7 @@ def _of_sensor(base: Fit, term: Term, noise: Array) -> Array:
             padded = np.zeros((len(window), noise.shape[1]))
             padded[window.used[term.channel]] = found
             spectrum = np.fft.rfft(padded, 2 * len(window), axis=0)
-            total += np.max(np.abs(spectrum[2:-2]) ** 2, axis=0)
+            total += _highest(np.abs(spectrum[2:-2]) ** 2)
     return total
 
 
@@ -80,7 +80,17 @@ def _of_force(base: Fit, noise: Array, size: int) -> Array:
                 power += count / window.sigma[channel] ** 2 * np.abs(weight[channel]) ** 2
             together += np.fft.rfft(record, axis=0) * (np.conj(weight[channel]) * late)[:, None]
     peaks = np.abs(together) ** 2 / np.maximum(power, 1e-300)[:, None]
-    return np.asarray(np.max(peaks[2:-2], axis=0))
+    return _highest(peaks[2:-2])
+
+
+def _highest(power: Array) -> Array:
+    """Return the top of the highest peak of each spectrum (frequencies, draws), which may lie between two frequencies."""
+    at = np.clip(np.argmax(power, axis=0), 1, len(power) - 2)
+    each = np.arange(power.shape[1])
+    left, top, right = (power[at + step, each] for step in (-1, 0, 1))
+    bend = 2.0 * top - left - right
+    rise = np.where(bend > 0.0, (right - left) ** 2 / (8.0 * np.where(bend > 0.0, bend, 1.0)), 0.0)
+    return np.asarray(np.maximum(np.max(power, axis=0), top + np.minimum(rise, 0.25 * top)))
 
 
 def _records(windows: tuple[FitWindow, ...]) -> list[list[int]]:

@@ -10,6 +10,9 @@ from identify.model.measured_path import force_along
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
+_EARLY = 200
+"""Samples of the motion along which a rough size of a force is taken."""
+
 
 def states_of_term(base: Fit, term: Term, inner: dict[str, float]) -> dict[str, float]:
     """Return the internal states of one more effect, by unknown's name, at the starts of the releases of a fit."""
@@ -56,22 +59,26 @@ def probes(
     term: Term,
     start: dict[str, float],
     share: float,
+    *,
+    early: bool = False,
 ) -> list[Array]:
     """Return points near a fit at which a force is weakly present, one for each of its linear freedoms.
 
     `problem` is that of the model with the term, `start` has its inner parameters by their own names; its rms force is a
-    `share` of the acceleration.
+    `share` of the acceleration, along the whole motion or, where a rough size will do, `early` in it.
     """
     largest = max(decays, key=lambda prepared: prepared.amplitude)
     begun = term.by_name(start)
     inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
     motion = largest.motion
-    along = (largest.time, motion.displacement, motion.velocity, largest.frequency)
+    until = min(_EARLY, len(largest.time)) if early else len(largest.time)
+    along = (largest.time[:until], motion.displacement[:until], motion.velocity[:until], largest.frequency)
     force = force_along(term, inner_values(term, inner), *along)
-    rms = float(np.sqrt(np.mean(force**2)))
-    if not rms > 0.0:
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion runs away
+        rms = float(np.sqrt(np.mean(force**2)))
+    if not 0.0 < rms < np.inf:
         return []
-    strength = share * float(np.sqrt(np.mean(motion.acceleration**2))) / rms
+    strength = share * float(np.sqrt(np.mean(motion.acceleration[:until] ** 2))) / rms
     states = states_of_term(base, term, inner)
     point = base.point | begun | {str(term.strength): strength} | states
     points = [point]

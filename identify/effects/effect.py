@@ -126,6 +126,10 @@ class Effect(ABC):
         starts = self.starting_values(scales, channel)
         return starts + tuple(tuple(map(_between, a, b)) for a, b in pairwise(starts))
 
+    def reachable_starting_values(self, scales: Scales, channel: str) -> Starts:
+        """Return close starting values over all that a fit may reach from its own: what it would find there by chance."""
+        return self.fine_starting_values(scales, channel)
+
     @property
     def strength(self) -> Parameter:
         """The first parameter: a force is proportional to it."""

@@ -39,7 +39,8 @@ class ForceEffect(Effect):
     `equilibrium_state(u, p)` gives the internal states of a mass that has been held at `u` for long; with
     `fading_memory`, how it came there does not matter and these are its states at the release, otherwise they are
     unknowns of the fit. `starts(scales)` lists starting values of the inner parameters, `fine_starts(scales)` closer
-    ones where midpoints between those would leave gaps. `fastest_rate(p)` is the angular frequency (rad/s) that the
+    ones where midpoints between those would leave gaps, `reach(scales)` those over all that a fit may reach, where that is
+    more. `fastest_rate(p)` is the angular frequency (rad/s) that the
     integration must resolve for the sake of the effect, None where the motion's own does. `nonsmooth` forces want a
     finer step. A `proportional` force grows with the motion as a whole, so that it changes frequency and loss alike at
     all amplitudes, and leaves the centre where it is. A `linear_part` is built into the simulator. What `may_be_all_of`
@@ -55,6 +56,7 @@ class ForceEffect(Effect):
     shared_parameters: Mapping[str, Callable[[float], float]] = field(default_factory=dict)
     starts: Callable[[Scales], Starts] = field(default=lambda scales: ((),))
     fine_starts: Callable[[Scales], Starts] | None = None
+    reach: Callable[[Scales], Starts] | None = None
     fastest_rate: Callable[[Array], float] | None = None
     nonsmooth: bool = False
     proportional: bool = False
@@ -100,6 +102,10 @@ class ForceEffect(Effect):
             if self.fine_starts is None
             else self.fine_starts(scales)
         )
+
+    def reachable_starting_values(self, scales: Scales, channel: str = "") -> Starts:
+        """Return close starting values of the inner parameters over all that a fit may reach."""
+        return self.fine_starting_values(scales, channel) if self.reach is None else self.reach(scales)
 
     def table(self, values: Mapping[str, float], shared: Mapping[str, float]) -> Numbers:
         """Return the parameters as compiled functions take them: own values by name, shared ones by "effect.parameter".

@@ -30,6 +30,9 @@ def _stribeck(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * exp(-ratio * ratio)
 
 
+_SPEEDS = (0.02, 0.035, 0.06, 0.1, 0.16, 0.25, 0.4, 0.65, 1.0)
+
+
 def _speed_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     return tuple((share * scales.speed,) for share in (0.08, 0.2, 0.4))
 
@@ -44,6 +47,7 @@ STRIBECK_FRICTION = ForceEffect(
     ),
     friction=_stribeck,
     starts=_speed_starts,
+    reach=lambda scales: tuple((share * scales.speed,) for share in _SPEEDS),
     symptom="extra loss near the end of the decay",
     confirming_test="a release from a quarter of the amplitude decays faster than the model says",
     confusable_with=("coulomb_friction", "quadratic_damping", "position_dependent_friction"),

@@ -33,6 +33,14 @@ def _fine_starts(scales: Scales) -> Starts:
     return tuple((share * scales.amplitude, loss / scales.speed) for share in shares for loss in losses)
 
 
+_GAPS = (0.08, 0.26, 0.46, 0.63, 0.76, 0.87, 0.95)
+"""Gaps over the amplitude that a fit may reach."""
+
+
+def _reach(scales: Scales) -> Starts:
+    return tuple((share * scales.amplitude, loss / scales.speed) for share in _GAPS for loss in (0.0, 1.0))
+
+
 IMPACT = ForceEffect(
     name="impact_with_loss",
     title="end stop that takes energy (Hunt and Crossley)",
@@ -52,6 +60,7 @@ IMPACT = ForceEffect(
     force=_impact,
     starts=_starts,
     fine_starts=_fine_starts,
+    reach=_reach,
     variants=({"side": 1.0}, {"side": -1.0}, {"side": 0.0}),
     plausible=lambda values, scales: (
         values["gap"] > _CLOSEST * scales.amplitude and values["loss"] * scales.speed > _LEAST

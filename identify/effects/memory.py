@@ -23,6 +23,9 @@ def _hysteresis_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return v, 0.0
 
 
+_YIELDS = (0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.65, 1.0, 2.0)
+
+
 def _yield_starts(scales: Scales) -> Starts:
     return tuple((share * scales.amplitude,) for share in (0.1, 0.25, 0.6))
 
@@ -41,6 +44,7 @@ HYSTERESIS = ForceEffect(
     fading_memory=False,
     equilibrium_state=lambda u, p: (copysign(min(abs(u), float(p[1])), u), 0.0),
     starts=_yield_starts,
+    reach=lambda scales: tuple((share * scales.amplitude,) for share in _YIELDS),
     symptom="a loop in the plane of displacement and force; softer at large amplitude",
     confirming_test="the loss per cycle stops growing once the amplitude is well above the yield displacement",
     confusable_with=("coulomb_friction", "freeplay", "position_dependent_friction"),
@@ -56,6 +60,9 @@ def _maxwell(t, u, v, z, p):  # type: ignore[no-untyped-def]
 @rate_function
 def _maxwell_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return (u - z[0]) / p[1], 0.0
+
+
+_TIMES = (0.07, 0.15, 0.3, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0, 50.0)
 
 
 def _time_starts(scales: Scales) -> Starts:
@@ -81,6 +88,7 @@ MAXWELL_ELEMENT = ForceEffect(
     proportional=True,
     equilibrium_state=lambda u, p: (u, 0.0),
     starts=_time_starts,
+    reach=lambda scales: tuple((share / scales.frequency,) for share in _TIMES),
     fastest_rate=_relaxation_rate,
     symptom="at one frequency it looks like stiffness and viscous damping; it shows only in the transient",
     confirming_test="add a known mass: the damping changes with frequency as k1 tau/(1 + w^2 tau^2)",
@@ -102,6 +110,7 @@ _LOWEST, _HIGHEST = 0.3, 8.0
 """Frequency of a second mass over the motion's: a slower one is a drift, a faster one a mode that other_modes tells."""
 
 _CLOSE, _WIDE, _APART = 300, 30, 2.0
+_SHARP, _SHARPLY_APART = 450, 2.2
 
 
 def _line_starts(scales: Scales) -> Starts:
@@ -117,6 +126,14 @@ def _fine_line_starts(scales: Scales) -> Starts:
     close = np.linspace(low, high, min(_CLOSE, int((high - low) * scales.duration / _APART) + 2))
     wide = np.geomspace(low, high, _WIDE)
     return tuple((float(w), 0.003) for w in close) + tuple((float(w), 0.04) for w in wide)
+
+
+def _reachable_lines(scales: Scales) -> Starts:
+    """Return the same as close as the peaks of an undamped one: a fit makes any of these sharper."""
+    low, high = _LOWEST * scales.frequency, min(3.0 * scales.rate, _HIGHEST * scales.frequency)
+    close = np.linspace(low, high, min(_SHARP, int((high - low) * scales.duration / _SHARPLY_APART) + 2))
+    wide = np.geomspace(low, high, _WIDE)
+    return tuple((float(w), 0.0) for w in close) + tuple((float(w), 0.04) for w in wide)
 
 
 SECOND_MASS = ForceEffect(
@@ -136,6 +153,7 @@ SECOND_MASS = ForceEffect(
     starts=_line_starts,
     plausible=lambda values, scales: abs(values["w2"] / scales.frequency - 1.0) > 0.1,
     fine_starts=_fine_line_starts,
+    reach=_reachable_lines,
     fastest_rate=lambda p: 0.6 * float(p[1]),
     symptom="a second line that starts at the release and dies by itself; beats",
     confirming_test="clamp or remove the suspected part: the second line is gone",

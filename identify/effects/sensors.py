@@ -175,7 +175,7 @@ def _low_pass(time: Array, reading: Array, p: Array) -> Array:
 
 
 def _roll_off_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
-    return tuple((ratio * scales.frequency / (2.0 * pi), 0.0) for ratio in (3.0, 8.0, 20.0))
+    return tuple((ratio * scales.frequency / (2.0 * pi), 0.0) for ratio in (3.0, 8.0, 20.0, 100.0))
 
 
 def _is_slow(values: dict[str, float], scales: Scales) -> bool:

@@ -109,6 +109,10 @@ _PLAY_SHARE = 0.35
 """A gap below this share of the amplitude is called play, one above it an end stop: the forces are the same."""
 
 
+_GAPS = (0.03, 0.08, 0.16, 0.26, 0.36, 0.46, 0.55, 0.63, 0.7, 0.76, 0.82, 0.87, 0.91, 0.95)
+"""Gaps over the amplitude that a fit of a stop may reach: those of play too."""
+
+
 def _gap_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     return tuple((share * scales.amplitude,) for share in (0.35, 0.6, 0.8))
 
@@ -124,6 +128,7 @@ END_STOP = ForceEffect(
     ),
     force=_end_stop,
     starts=_gap_starts,
+    reach=lambda scales: tuple((share * scales.amplitude,) for share in _GAPS),
     variants=({"side": 1.0}, {"side": -1.0}, {"side": 0.0}),
     plausible=lambda values, scales: values["gap"] > _PLAY_SHARE * scales.amplitude,
     symptom="nothing happens below the gap; above it the force has a kink",
@@ -136,6 +141,9 @@ END_STOP = ForceEffect(
 @force_function
 def _freeplay(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return -p[0] * min(max(u, -p[1]), p[1])
+
+
+_PLAYS = (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 0.85)
 
 
 def _play_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
@@ -152,6 +160,7 @@ FREEPLAY = ForceEffect(
     ),
     force=_freeplay,
     starts=_play_starts,
+    reach=lambda scales: tuple((share * scales.amplitude,) for share in _PLAYS),
     plausible=lambda values, scales: values["gap"] <= _PLAY_SHARE * scales.amplitude,
     symptom="softer at small amplitude",
     confirming_test="release from a few times the gap: the frequency falls further",

@@ -31,6 +31,9 @@ def _settling(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * p[2] * (1.0 - exp(-t / p[1])) * u
 
 
+_TIMES = (0.005, 0.015, 0.04, 0.09, 0.17, 0.3, 0.6, 1.5)
+
+
 def _settling_starts(scales: Scales) -> Starts:
     return tuple((share * scales.duration,) for share in (0.1, 0.3, 0.8))
 
@@ -47,6 +50,7 @@ SETTLING_STIFFNESS = ForceEffect(
     shared_parameters={"linear_stiffness.k": lambda frequency: frequency**2},
     force=_settling,
     starts=_settling_starts,
+    reach=lambda scales: tuple((share * scales.duration,) for share in _TIMES),
     plausible=lambda values, scales: 2.0 * pi / scales.frequency < values["tau"] < 1.5 * scales.duration,
     symptom="the frequency moves with time and comes to a halt, whatever the amplitude",
     confirming_test="a second release soon after the first: the frequency begins where the first one ended",

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from identify.arrays import Array
-from identify.effects.effect import Scales
+from identify.effects.effect import Scales, Starts
 from identify.model.measured_path import force_along
 from identify.model.model import Model, Term
 from identify.model.parameter_id import ParameterId, nuisance
@@ -161,6 +161,17 @@ def term_starts(term: Term, scales: Scales, *, fine: bool = False) -> tuple[dict
     `fine` ones leave no gaps between them.
     """
     effect = term.effect
-    starts = (effect.fine_starting_values if fine else effect.starting_values)(scales, term.channel)
+    return _named(
+        term, (effect.fine_starting_values if fine else effect.starting_values)(scales, term.channel)
+    )
+
+
+def reachable_starts(term: Term, scales: Scales) -> tuple[dict[str, float], ...]:
+    """Return the same, close together over all that a fit may reach."""
+    return _named(term, term.effect.reachable_starting_values(scales, term.channel))
+
+
+def _named(term: Term, starts: Starts) -> tuple[dict[str, float], ...]:
+    effect = term.effect
     names = [p.name for p in effect.started if p.name not in term.held]
     return tuple(dict(zip(names, start, strict=True)) for start in starts)

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -6,6 +7,7 @@ from releases import drawn
 from scipy import stats
 from test_fit import fitted
 
+from identify.diagnosis import null_distribution as module
 from identify.diagnosis.null_distribution import NullDistribution, null_distribution
 from identify.effects.effect import Scales
 from identify.effects.library import find_effect
@@ -62,6 +64,35 @@ def test_the_same_seed_gives_the_same_draws():
     assert np.array_equal(again.drops["cubic_damping"], drawn_chance().drops["cubic_damping"])
 
 
+def test_other_readings_are_given_other_draws():
+    prepared, _, found = fitted()
+    window = found.windows[0]
+    moved = {channel: values + 1e-9 for channel, values in window.readings.items()}
+    other = replace(found, windows=(window.with_(readings=moved),))
+    drops = null_distribution((prepared,), other, TERMS[:1]).drops["cubic_damping"]
+    assert not np.array_equal(drops, drawn_chance().drops["cubic_damping"])
+
+
+def test_a_presence_is_drawn_so_weak_that_it_is_in_proportion(monkeypatch):
+    """A cubic spring moves the phase of 30 cycles: a thousandth of the force leaves mostly what is of second order."""
+    prepared, _, found = fitted()
+    stiffness = (Term(find_effect("cubic_stiffness")),)
+    usual = null_distribution((prepared,), found, stiffness, seed=1).drops["cubic_stiffness"]
+    monkeypatch.setattr(module, "_PROBE", 0.1 * module._PROBE)
+    weaker = null_distribution((prepared,), found, stiffness, seed=1).drops["cubic_stiffness"]
+    np.testing.assert_allclose(usual, weaker, atol=0.05)
+
+
+@pytest.mark.parametrize("degrees", [1, 3, 9, 20])
+def test_the_tail_of_what_many_releases_have_each_for_itself_is_that_of_their_sum(degrees):
+    draws = np.sort(stats.chi2(degrees).rvs(400, random_state=np.random.default_rng(5)))
+    chance = NullDistribution({"fault": draws}, draws)
+    for tail in (1e-2, 1e-3, 1e-4):
+        # the last tenth of 400 draws gives its mean to 16 %; a slope of 1/2 gives 13 for 9.2 at 20 degrees
+        found = chance.surprise("fault", float(stats.chi2(degrees).isf(tail)))
+        assert found == pytest.approx(-np.log(tail), rel=0.2)
+
+
 def test_an_effect_that_was_not_looked_at_is_no_surprise():
     assert drawn_chance().surprise("freeplay", 100.0) == 0.0
 
@@ -114,7 +145,7 @@ def test_chance_draws_a_second_mass_wherever_it_is_searched():
         lines={"displacement": ((90.0, 1.0, 0.0),)},
     )
     searched = [start[0] for start in find_effect("second_mass").starting_values(scales)]
-    drawn_at = sorted({start[0] for start in find_effect("second_mass").fine_starting_values(scales)})
+    drawn_at = sorted({start[0] for start in find_effect("second_mass").reachable_starting_values(scales)})
     assert drawn_at[0] <= min(searched)
     assert drawn_at[-1] >= max(searched)
     # along frequency, what noise of T seconds has in common with a tone has no period below 2 pi / T: two values a period

@@ -1,0 +1,141 @@
+"""Faults of a sensor by chance: how much one would lower chi-square if there were none, of each draw of noise.
+
+Some faults act out of proportion: a corner frequency gives the size of its effect with its shape. So each starting value
+stands for the sizes between its neighbours', the weakest also for all below. What such a fault has in proportion beside
+it, as what it remembers of the time before the fit, is free at every one of them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.diagnosis.null_lines import rows_of
+from identify.diagnosis.weak_presence import with_fault
+from identify.effects.effect import Scales
+from identify.fitting.fit import Fit
+from identify.fitting.initial_values import reachable_starts
+from identify.fitting.problem import Problem
+from identify.fitting.tangent import Tangent
+from identify.model.model import Term
+from identify.model.simulate import Response
+
+_SMALL = 1e-3
+"""Share of the largest reading by which what a fault adds in proportion is tried."""
+
+_FOLLOWED = 1e-6
+"""Share of a change's norm below which what the fit's own parameters leave of it is rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Change:
+    """What a fault at one starting value changes of the misfit (n,), and what its parameters in proportion add."""
+
+    whole: Array
+    beside: tuple[Array, ...]
+
+
+def fault_drops(base: Fit, term: Term, scales: Scales, tangent: Tangent, noise: Array) -> Array:
+    """Sum over the releases of the best drop by a fault that each has with parameters of its own, (draws,).
+
+    `noise` (readings, draws) is less what the fit's parameters follow, and of the sign in which readings differ from it.
+    """
+    readings = _Readings.of(base, term)
+    changes = [_change(readings, start, scales) for start in reachable_starts(term, scales)]
+    changes = [change for change in changes if np.isfinite(change.whole).all()]
+    total = np.zeros(noise.shape[1])
+    for i, rows in enumerate(rows_of(base.windows)):
+        basis, drawn = tangent.part(i), noise[rows]
+        if not term.fault.held_at_first:  # the starts are directions, all of which are free
+            total += _along(_free([change.whole[rows] for change in changes], basis), drawn)
+        else:
+            total += _of_sizes(
+                [_Change(c.whole[rows], tuple(b[rows] for b in c.beside)) for c in changes], basis, drawn
+            )
+    return total
+
+
+@dataclass(frozen=True, eq=False)
+class _Readings:
+    """A fit's motion, which no fault of a sensor changes, as it is read; and the misfit without the fault, (n,)."""
+
+    base: Fit
+    term: Term
+    problem: Problem
+    motion: tuple[Response, ...]
+    before: Array
+
+    @classmethod
+    def of(cls, base: Fit, term: Term) -> Self:
+        """Simulate a fit's motion once."""
+        usual = Problem(base.model, base.windows, base.frequency)
+        motion = tuple(usual.responses(base.theta))
+        return cls(
+            base,
+            term,
+            Problem(base.model.plus(term), base.windows, base.frequency),
+            motion,
+            usual.residuals(base.theta),
+        )
+
+    def misfit(self, start: dict[str, float]) -> Array:
+        """Return the misfit (n,) with the fault in every release."""
+        theta = self.problem.theta(with_fault(self.base, self.term, start))
+        read = (self.problem.read(theta, i, motion) for i, motion in enumerate(self.motion))
+        return np.concatenate([self.problem.residual_of(i, predicted) for i, predicted in enumerate(read)])
+
+
+def _change(readings: _Readings, start: dict[str, float], scales: Scales) -> _Change:
+    fault, found, beside = readings.term.fault, readings.misfit(start), []
+    for parameter in fault.parameters if fault.held_at_first else ():
+        if parameter.unit == "reading" and parameter.name not in fault.held_at_first:
+            moved = start[parameter.name] + _SMALL * scales.peaks[readings.term.channel]
+            beside.append(readings.misfit(start | {parameter.name: moved}) - found)
+    return _Change(found - readings.before, tuple(beside))
+
+
+def _free(columns: Sequence[Array], basis: Array) -> Array:
+    """Return an orthonormal basis (n, k) of what an orthonormal basis leaves of some columns, in their order."""
+    kept: list[Array] = []
+    for column in columns:
+        left = _less(column, basis)
+        for other in kept:
+            left = left - other * float(other @ left)
+        size = float(np.linalg.norm(left))
+        if size > _FOLLOWED * float(np.linalg.norm(column)) + 1e-9:
+            kept.append(left / size)
+    return np.column_stack(kept) if kept else np.zeros((len(basis), 0))
+
+
+def _less(column: Array, basis: Array) -> Array:
+    return np.asarray(column - basis @ (basis.T @ column))
+
+
+def _along(directions: Array, noise: Array) -> Array:
+    return np.asarray(np.sum((directions.T @ noise) ** 2, axis=0))
+
+
+def _of_sizes(changes: list[_Change], basis: Array, noise: Array) -> Array:
+    """Return the largest drop over the starting values, each with the sizes that it stands for, (draws,)."""
+    best = np.zeros(noise.shape[1])
+    found = []
+    for change in changes:
+        beside = _free(change.beside, basis)
+        whole = _less(_less(change.whole, basis), beside)
+        found.append((float(np.linalg.norm(_less(change.whole, basis))), whole, beside))
+    found.sort(key=lambda one: one[0])
+    sizes = [size for size, _, _ in found]
+    for j, (size, whole, beside) in enumerate(found):
+        squared = float(whole @ whole)
+        low = np.sqrt(sizes[j - 1] / size) if j and size > 0.0 else 0.0
+        high = np.sqrt(sizes[j + 1] / size) if j + 1 < len(found) and size > 0.0 else 1.0
+        along = whole @ noise
+        share = (
+            np.clip(along / squared, low, high)
+            if squared > _FOLLOWED**2 * size**2 + 1e-18
+            else np.zeros_like(along)
+        )
+        best = np.maximum(best, share * (2.0 * along - share * squared) + _along(beside, noise))
+    return best
