@@ -16,6 +16,7 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.initial_values import initial_values
 from identify.fitting.problem import Problem
+from identify.fitting.segments import segments_of
 from identify.free_decay import FreeDecay
 from identify.model.model import Term, base_model
 from identify.preprocessing.prepared_decay import prepare
@@ -101,6 +102,16 @@ def test_a_stop_is_drawn_on_either_side_where_a_cycle_has_many_readings():
         stop = (Term(find_effect("end_stop"), held={"side": side}),)
         drops = null_distribution((prepared,), found, stop, draws=60).drops["end_stop"]
         assert np.mean(drops > 0.0) > 0.5
+
+
+def test_a_fault_of_each_of_several_releases_gains_chi_square_of_its_own_parameters_in_each():
+    """Two numbers in each of two releases: what parameters of both follow of one release they follow in part."""
+    decays = segments_of([drawn(None, 0.0, seed)[0] for seed in (7100, 7101)])
+    found = fit_baseline(decays, base_model()).fit
+    bent = (Term(find_effect("sensor_nonlinearity"), held={"channel": "displacement"}),)
+    drops = null_distribution(decays, found, bent, seed=3, draws=800).drops["sensor_nonlinearity"]
+    # 800 draws of a chi-square of 4 degrees: a mean of 4 with a standard deviation of 0.1
+    assert np.mean(drops) == pytest.approx(4.0, abs=0.35)
 
 
 def test_a_joint_held_on_the_other_side_leaves_the_joints_of_the_model_where_they_are():
