@@ -84,11 +84,13 @@ def _interval(time: Array, values: Array, new: Mask) -> float:
 def _period(changes: Array, period: float) -> tuple[float, float, float]:
     """Return the period (s) near a first guess at which changes (m,) bunch most, how much (0 to 1), and at what time.
 
-    First of a few changes, whose phase a wrong period does not yet turn, then of twice as many each time.
+    First of a few changes close together, whose phase a wrong period does not yet turn, then of twice as many each time.
     """
     reach, count = NEAR, min(FIRST_CHANGES, len(changes))
+    first = int(np.argmin(changes[count - 1 :] - changes[: len(changes) - count + 1]))  # not over a rest
     while True:
-        part = changes[:count]
+        first = min(first, len(changes) - count)
+        part = changes[first : first + count]
         span = max(float(part[-1] - part[0]) / period, 1.0)
         tried = period * (1.0 + np.arange(-reach, reach + 1e-12, 0.1 / span))
         bunched = np.exp(2j * np.pi * part / tried[:, None]).mean(axis=1)

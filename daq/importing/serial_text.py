@@ -14,6 +14,7 @@ _ITEM = re.compile(
     r"(?:\s?([^\W\d_][\w/^²]{0,7}|°|%))?"  # its unit
     r"\s*(?:[,;|\t]|\s|$)\s*"
 )
+_COMMA = re.compile(r"(?<=\d),(?=\d)")
 
 SAMPLE = 40
 ALIKE = 0.9
@@ -35,8 +36,29 @@ def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
     """Return the lines as a table between tabs with a header, and a sentence on it; None where they are no such text.
 
     Each line stays in its place; what does not fit is blank. Where no line is free above the first row, the header comes
-    before all.
+    before all. A comma between two digits is the decimal sign where every number then has a label, or every one a unit.
     """
+    rows = _alike(lines)
+    if rows is not None and not _all_named(rows):
+        with_points = _alike([_COMMA.sub(".", line) for line in lines])
+        rows = with_points if with_points is not None and _all_named(with_points) else rows
+    if rows is None:
+        return None
+    first, row = next((i, row) for i, row in enumerate(rows) if row is not None)
+    clock, labels, units = row.shape
+    above = _names_above(lines[:first], len(units)) if not any(labels) and not clock else None
+    names = labels if above is None else above
+    cells = [
+        f"{name} ({unit})" if name and unit else name or unit for name, unit in zip(names, units, strict=True)
+    ]
+    header = "\t".join([*(["time"] if clock else []), *cells])
+    made = ["" if row is None else "\t".join([*([row.clock] if clock else []), *row.numbers]) for row in rows]
+    made = [header, *made] if first == 0 else [*made[: first - 1], header, *made[first:]]
+    return made, f"{_what_was_read(row)} were read in each row"
+
+
+def _alike(lines: Sequence[str]) -> list[_Row | None] | None:
+    """Return the rows that have the commonest labels and units, None for other lines; None where too few are alike."""
     written = [line for line in lines if line.strip()]
     middle = len(written) // 2
     sample = [_row(line) for line in written[middle : middle + SAMPLE]]
@@ -48,27 +70,22 @@ def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
     if count < ALIKE * len(sample) or not (clock or any(labels) or any(units)):
         return None
     rows = [row if (row := _row(line)) is not None and row.shape == shape else None for line in lines]
-    if sum(row is not None for row in rows) < ALIKE * len(written):
-        return None
-    first = next(i for i, row in enumerate(rows) if row is not None)
-    above = _names_above(lines[:first], len(units)) if not any(labels) and not clock else None
-    names = labels if above is None else above
-    cells = [
-        f"{name} ({unit})" if name and unit else name or unit for name, unit in zip(names, units, strict=True)
-    ]
-    header = "\t".join([*(["time"] if clock else []), *cells])
-    made = ["" if row is None else "\t".join([*([row.clock] if clock else []), *row.numbers]) for row in rows]
-    made = [header, *made] if first == 0 else [*made[: first - 1], header, *made[first:]]
-    what = " and ".join(
-        word
-        for word, there in (
-            ("time stamps of a serial monitor", clock),
-            ("labels", any(labels)),
-            ("units", any(units)),
-        )
-        if there
+    return rows if sum(row is not None for row in rows) >= ALIKE * len(written) else None
+
+
+def _all_named(rows: Sequence[_Row | None]) -> bool:
+    """Return whether every number of a row has a label, or without any labels every one a unit."""
+    row = next(row for row in rows if row is not None)
+    return all(row.labels) or (not any(row.labels) and all(row.units))
+
+
+def _what_was_read(row: _Row) -> str:
+    parts = (
+        ("time stamps of a serial monitor", row.clock),
+        ("labels", any(row.labels)),
+        ("units", any(row.units)),
     )
-    return made, f"{what} were read in each row"
+    return " and ".join(word for word, there in parts if there)
 
 
 def _row(line: str) -> _Row | None:

@@ -109,8 +109,8 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
         )
     if not baseline.adequate(baseline.fit):
         return (
-            f"The model explains all but {whole}. That is {left} times the noise, as far as {floor} can be guessed, but too "
-            "little to be worth a name."
+            f"The model explains all but {whole}: too little to be worth a name, though it leaves a reduced chi-square of "
+            f"{left}; {floor} is a guess."
         )
     first = (
         f"The model leaves a reduced chi-square of {left}, which is {floor}; "

@@ -4,6 +4,7 @@ Here where the floor is reached or sure; off it in `off_the_floor`. What each ca
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.line_beside import line_beside
@@ -41,7 +42,10 @@ def judge(
         as_good = baseline.adequate(alone) and alone.reduced <= judged.final.reduced
         if judged.verdict == "missing_effect" and not as_good:  # two are not preferred to a better one
             return beside.named_with(judged)
-    return _judged(baseline, ranked, faulty, library, foretell)
+    judged = _judged(baseline, ranked, faulty, library, foretell)
+    if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
+        return replace(judged, verdict="sensor_fault", corrected=True)
+    return judged
 
 
 def _judged(
@@ -54,7 +58,7 @@ def _judged(
     """Return what is to be said of a model as it is."""
     top = ranked[0] if ranked else None
     if top is None or not top.claimed:
-        return _without_claim(baseline, ranked, faulty, foretell)
+        return _without_claim(baseline, ranked, foretell)
     best = top.candidate
     if best.term.effect.kind == "physics" and top.evidence < _DECISIVE and faulty:
         return Judgement("sensor_fault", ranked, baseline.fit, corrected=True)
@@ -68,15 +72,10 @@ def _judged(
 
 
 def _without_claim(
-    baseline: Baseline,
-    ranked: tuple[Ranked, ...],
-    faulty: bool,
-    foretell: Callable[[], Confirmation | None],
+    baseline: Baseline, ranked: tuple[Ranked, ...], foretell: Callable[[], Confirmation | None]
 ) -> Judgement:
     if not baseline.adequate(baseline.fit):
         return by_curves(baseline, ranked, foretell(), baseline.fit)
-    if faulty:
-        return Judgement("sensor_fault", ranked, baseline.fit, corrected=True)
     return Judgement("nothing_missing", ranked, baseline.fit)
 
 

@@ -181,7 +181,8 @@ def _surprise(draws: Array, values: Array) -> Array:
     knee = draws[int((1.0 - _TAIL) * len(draws))]
     mean = float(np.mean(draws[draws >= knee]))
     share = 1.0 - 2.0 / max(mean - knee, 1e-12)
-    crowded = mean * share if knee > 0.0 and share > _CLEARLY else 0.0
+    # No more than the knee: a hazard below 0 would make the larger gain the commoner.
+    crowded = min(mean * share, knee) if knee > 0.0 and share > _CLEARLY else 0.0
     beyond = np.maximum(values, knee)
     rise = 0.5 * (beyond - knee - crowded * np.log(beyond / knee)) if crowded > 0.0 else 0.5 * (beyond - knee)
     return _with_tail(draws, values, knee, rise)
@@ -194,7 +195,7 @@ def _surprise_of_search(draws: Array, values: Array) -> Array:
 
 
 def _with_tail(draws: Array, values: Array, knee: float, rise: Array) -> Array:
-    """Return -ln of the tail probability: by rank up to the knee, beyond it what that is there and a rise."""
+    """Return -ln of the tail probability: by rank up to the knee, and beyond it what it is there plus a rise."""
     n = len(draws)
     rank = np.searchsorted(draws, values, side="left")
     inside = np.minimum(-np.log((n - rank + 0.5) / (n + 0.5)), -np.log(_TAIL))
@@ -214,7 +215,7 @@ def _column_drops(
     for start in starts[:: (len(starts) - 1) // enough + 1]:
         points = probes(decays, base, problem, term, start, _PROBE, early=True)
         if not term.force.fading_memory and len(base.windows) == 1:  # of several each has a state of its own
-            single += _held_either_way(problem, points, before)
+            single += _held_either_way(problem, term, points, before)
             continue
         columns = NullColumns.at(problem, points, before, rows)
         if columns.own:
@@ -227,14 +228,14 @@ def _column_drops(
     return np.maximum(best, _best_of(single, tangent, noise, one_sided=one_sided)) if single else best
 
 
-def _held_either_way(problem: Problem, points: Sequence[Array], before: Array) -> list[Array]:
+def _held_either_way(problem: Problem, term: Term, points: Sequence[Array], before: Array) -> list[Array]:
     """Return what a force does (readings,) that never forgets where it came from, held on one side before, or on the other.
 
     It cannot be drawn much farther than it yields: as a direction of its own its state would be drawn without limit.
     """
     if not points:
         return []
-    states = np.array([u.id.role == "state" for u in problem.unknowns])
+    states = np.array([u.id.role == "state" and u.id.effect == term.effect.name for u in problem.unknowns])
     one, other = (
         problem.residuals(np.where(states, sign * points[0], points[0])) - before for sign in (1.0, -1.0)
     )

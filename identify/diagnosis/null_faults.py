@@ -28,6 +28,9 @@ _SMALL = 1e-3
 _FOLLOWED = 1e-6
 """Share of a change's norm below which what the fit's own parameters leave of it is rounding."""
 
+_NONE = 1e-9
+"""Norm of a change, in units of the noise, that is none."""
+
 
 @dataclass(frozen=True, eq=False)
 class _Change:
@@ -47,14 +50,45 @@ def fault_drops(base: Fit, term: Term, scales: Scales, tangent: Tangent, noise: 
     changes = [change for change in changes if np.isfinite(change.whole).all()]
     total = np.zeros(noise.shape[1])
     for i, rows in enumerate(rows_of(base.windows)):
-        basis, drawn = tangent.part(i), noise[rows]
+        followed = _Followed.of(tangent.part(i))
+        drawn = followed.whitened(noise[rows])
+        wholes = [followed.left_of(change.whole[rows]) for change in changes]
         if not term.fault.held_at_first:  # the starts are directions, all of which are free
-            total += _along(_free([change.whole[rows] for change in changes], basis), drawn)
-        else:
-            total += _of_sizes(
-                [_Change(c.whole[rows], tuple(b[rows] for b in c.beside)) for c in changes], basis, drawn
-            )
+            total += _along(_independent(wholes, len(drawn)), drawn)
+            continue
+        besides = [tuple(followed.left_of(b[rows]) for b in change.beside) for change in changes]
+        total += _of_sizes([_Change(*both) for both in zip(wholes, besides, strict=True)], drawn)
     return total
+
+
+@dataclass(frozen=True, eq=False)
+class _Followed:
+    """What a fit's parameters follow of one release: wholly in directions of its own, in part in those of all releases.
+
+    Of a column (n,) that moves this release only, the parameters of all leave a column that moves the others, too. Both it
+    and noise that is free of the parameters are turned into vectors (n,) with the same lengths and products: of each
+    `directions` (n, k) the share `left` (k,) of a column's, and of noise as much more.
+    """
+
+    directions: Array
+    left: Array
+
+    @classmethod
+    def of(cls, part: Array) -> Self:
+        """Return it from the rows (n, k) of one release of an orthonormal basis for all."""
+        directions, sizes, _ = np.linalg.svd(part, full_matrices=False)
+        return cls(directions, np.sqrt(np.maximum(1.0 - sizes**2, 0.0)))
+
+    def left_of(self, column: Array) -> Array:
+        """Return what is left of a column (n,); zeros where that is rounding."""
+        found = column - self.directions @ ((1.0 - self.left) * (self.directions.T @ column))
+        counts = np.linalg.norm(found) > _FOLLOWED * np.linalg.norm(column) + _NONE
+        return np.asarray(found if counts else np.zeros_like(found))
+
+    def whitened(self, noise: Array) -> Array:
+        """Return noise (n, draws) of unit variance in all directions that are left."""
+        more = np.divide(1.0, self.left, out=np.zeros_like(self.left), where=self.left > _FOLLOWED) - 1.0
+        return np.asarray(noise + self.directions @ (more[:, None] * (self.directions.T @ noise)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,35 +130,31 @@ def _change(readings: _Readings, start: dict[str, float], scales: Scales) -> _Ch
     return _Change(found - readings.before, tuple(beside))
 
 
-def _free(columns: Sequence[Array], basis: Array) -> Array:
-    """Return an orthonormal basis (n, k) of what an orthonormal basis leaves of some columns, in their order."""
+def _independent(columns: Sequence[Array], n: int) -> Array:
+    """Return an orthonormal basis (n, k) of some columns (n,), in their order."""
     kept: list[Array] = []
     for column in columns:
-        left = _less(column, basis)
+        left = column
         for other in kept:
             left = left - other * float(other @ left)
         size = float(np.linalg.norm(left))
-        if size > _FOLLOWED * float(np.linalg.norm(column)) + 1e-9:
+        if size > _FOLLOWED * float(np.linalg.norm(column)) + _NONE:
             kept.append(left / size)
-    return np.column_stack(kept) if kept else np.zeros((len(basis), 0))
-
-
-def _less(column: Array, basis: Array) -> Array:
-    return np.asarray(column - basis @ (basis.T @ column))
+    return np.column_stack(kept) if kept else np.zeros((n, 0))
 
 
 def _along(directions: Array, noise: Array) -> Array:
     return np.asarray(np.sum((directions.T @ noise) ** 2, axis=0))
 
 
-def _of_sizes(changes: list[_Change], basis: Array, noise: Array) -> Array:
+def _of_sizes(changes: list[_Change], noise: Array) -> Array:
     """Return the largest drop over the starting values, each with the sizes that it stands for, (draws,)."""
     best = np.zeros(noise.shape[1])
     found = []
     for change in changes:
-        beside = _free(change.beside, basis)
-        whole = _less(_less(change.whole, basis), beside)
-        found.append((float(np.linalg.norm(_less(change.whole, basis))), whole, beside))
+        beside = _independent(change.beside, len(noise))
+        whole = change.whole - beside @ (beside.T @ change.whole)
+        found.append((float(np.linalg.norm(change.whole)), whole, beside))
     found.sort(key=lambda one: one[0])
     sizes = [size for size, _, _ in found]
     for j, (size, whole, beside) in enumerate(found):

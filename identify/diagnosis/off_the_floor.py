@@ -55,9 +55,11 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
     first = judged.ranked[0]
     if judged.verdict != "sensor_fault" or not 0.0 < _line_percent(first.candidate) < WORTH:
         return judged
-    return replace(
-        judged, verdict="nothing_missing", ranked=(replace(first, claimed=False), *judged.ranked[1:])
-    )
+    return replace(judged, verdict="nothing_missing", ranked=_unclaimed(judged.ranked))
+
+
+def _unclaimed(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+    return tuple(replace(entry, claimed=False) for entry in ranked)
 
 
 def _line_percent(candidate: Candidate) -> float:
@@ -100,8 +102,7 @@ def by_curves(
     if alone is not None:
         return alone
     if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:
-        rest = tuple(replace(entry, claimed=False) for entry in ranked)
-        return Judgement("nothing_missing", rest, baseline.fit, confirmation=found)
+        return Judgement("nothing_missing", _unclaimed(ranked), baseline.fit, confirmation=found)
     if found is None or baseline.floor_is_sure:
         shape = free_form(baseline, ranked[0].candidate.fit if best is not baseline.fit else best)
         return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)

@@ -11,7 +11,7 @@ from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _EARLY = 200
-"""Samples of the motion along which a rough size of a force is taken."""
+"""Samples of the motion along which a rough size of a force is taken, or one cycle where that has more."""
 
 
 def states_of_term(base: Fit, term: Term, inner: dict[str, float]) -> dict[str, float]:
@@ -71,7 +71,8 @@ def probes(
     begun = term.by_name(start)
     inner = {name: estimate.value for name, estimate in base.parameters.items()} | begun
     motion = largest.motion
-    until = min(_EARLY, len(largest.time)) if early else len(largest.time)
+    cycle = int(2.0 * np.pi / largest.frequency * largest.window.rate) + 1  # a stop may be on the other side
+    until = min(max(_EARLY, cycle), len(largest.time)) if early else len(largest.time)
     along = (largest.time[:until], motion.displacement[:until], motion.velocity[:until], largest.frequency)
     force = force_along(term, inner_values(term, inner), *along)
     with np.errstate(over="ignore", invalid="ignore"):  # what is too stiff for a measured motion runs away

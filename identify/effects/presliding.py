@@ -11,7 +11,7 @@ _SHORTEST = 0.01
 """Presliding displacement over the amplitude below which the friction is a dry one."""
 
 
-_WAYS = (0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.2)
+_DISPLACEMENTS = (0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.2)
 
 
 @force_function
@@ -46,7 +46,7 @@ DAHL_FRICTION = ForceEffect(
     fading_memory=False,
     equilibrium_state=_pulled,
     starts=lambda scales: tuple((share * scales.amplitude,) for share in (0.03, 0.1, 0.3)),
-    reach=lambda scales: tuple((share * scales.amplitude,) for share in _WAYS),
+    reach=lambda scales: tuple((share * scales.amplitude,) for share in _DISPLACEMENTS),
     plausible=_slides,
     symptom="dry friction whose jump at every reversal is a slope; stiffer at small amplitude",
     confirming_test="move the mass by less than ud, slowly: it springs back",

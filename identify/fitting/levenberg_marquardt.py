@@ -136,9 +136,8 @@ def _step(
     normal[still] = 0.0
     normal[:, still] = 0.0
     diagonal = np.diag(normal)
-    own = np.sqrt(
-        np.where(diagonal > 0.0, diagonal, 1.0)
-    )  # so that no unknown is held back by how well another is known
+    # Columns of unit length: no unknown is held back by how well another is known.
+    own = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     scaled = normal / np.outer(own, own)
     for _ in range(_TRIALS):
         matrix = scaled + np.diag(np.where(diagonal > 0.0, damping + _SINGULAR, 1.0))

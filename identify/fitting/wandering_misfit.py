@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
 from identify.fitting.cycle_sums import CycleSums
@@ -33,17 +34,26 @@ _RANK = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class _Trial:
-    """Processes of one correlation and all strengths: log-likelihoods and variances, and the products of the columns.
+class _Columns:
+    """Columns of the Jacobian in one channel of one window, of unit length over all.
 
-    `white` (p, p) are those under white noise of variance 1, `process` (p, p) those under the process of strength 1, by
-    window.
+    `values` (own, 2, cycles) of those free unknowns that move it; `places` (own,) are theirs among the p free ones.
+    """
+
+    places: NDArray[np.int_]
+    values: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """Processes of one correlation and all strengths: log-likelihoods and variances of the white part, (strengths,) each.
+
+    `process` are the products (own, own) of each one's columns under the process of strength 1.
     """
 
     likelihood: Array
     variance: Array
-    white: Array
-    process: Array
+    process: tuple[Array, ...]
 
 
 def scatter_of_scores(sums: Sequence[CycleSums], free: Mask, windows: int) -> Array | None:
@@ -54,12 +64,10 @@ def scatter_of_scores(sums: Sequence[CycleSums], free: Mask, windows: int) -> Ar
     """
     if not sums:
         return None
-    design = [_design(one, free) for one in sums]
-    size = np.sqrt(sum((d**2).sum(axis=(1, 2)) for d in design)) + 1e-300
-    design = [d / size[:, None, None] for d in design]
+    design, size = _design(sums, free)
     longest = max(np.ptp(one.position) for one in sums)
     trials = [
-        _trial(sums, design, time, power, windows)
+        _trial(sums, design, len(size), time, power)
         for power in _POWERS
         for time in np.geomspace(1.0, max(longest, 2.0), _TIMES)
     ]
@@ -68,44 +76,47 @@ def scatter_of_scores(sums: Sequence[CycleSums], free: Mask, windows: int) -> Ar
         return None
     weight = _BEFORE * np.exp(likelihood - likelihood.max())
     weight /= weight.sum()
+    variance = np.array([trial.variance for trial in trials])
+    white, process = (weight * np.maximum(variance, 1.0)).sum(), (weight * variance) @ _STRENGTHS
     total = np.zeros((windows, len(size), len(size)))
-    for one, trial in zip(weight, trials, strict=True):
-        variance = one * trial.variance
-        total += (one * np.maximum(trial.variance, 1.0)).sum() * trial.white
-        total += (variance @ _STRENGTHS) * trial.process
+    for k, (one, own) in enumerate(zip(sums, design, strict=True)):
+        products = white * np.einsum("pak,qak->pq", own.values, own.values)
+        products += sum(share * trial.process[k] for share, trial in zip(process, trials, strict=True))
+        total[one.window][np.ix_(own.places, own.places)] += products
     return np.asarray(total * np.outer(size, size))
 
 
-def _design(one: CycleSums, free: Mask) -> Array:
-    """Return the columns of the free unknowns, (p, 2, cycles)."""
-    full = np.zeros((len(free), *one.columns.shape[1:]))
-    full[one.places] = one.columns
-    return np.asarray(full[free])
+def _design(sums: Sequence[CycleSums], free: Mask) -> tuple[list[_Columns], Array]:
+    """Return the columns of the free unknowns in each, and the lengths (p,) by which they were divided."""
+    among = np.cumsum(free) - 1
+    found = [_Columns(among[one.places[free[one.places]]], one.columns[free[one.places]]) for one in sums]
+    square = np.zeros(int(free.sum()))
+    for own in found:
+        square[own.places] += (own.values**2).sum(axis=(1, 2))
+    size = np.sqrt(square) + 1e-300
+    return [_Columns(own.places, own.values / size[own.places, None, None]) for own in found], size
 
 
 def _trial(
-    sums: Sequence[CycleSums], design: Sequence[Array], time: float, power: float, windows: int
+    sums: Sequence[CycleSums], design: Sequence[_Columns], p: int, time: float, power: float
 ) -> _Trial:
     mean = np.sqrt(np.mean(np.concatenate([one.amplitude for one in sums]) ** 2))
-    p = design[0].shape[0]
-    white, process = np.zeros((windows, p, p)), np.zeros((windows, p, p))
-    sizes, left, columns = [], [], []
+    sizes, left, columns, process = [], [], [], []
     channels = len(sums) / max(len({one.window for one in sums}), 1)
-    for one, d in zip(sums, design, strict=True):
+    for one, own in zip(sums, design, strict=True):
         scale = (one.amplitude / mean) ** power
         apart = np.sqrt(3.0) * np.abs(np.subtract.outer(one.position, one.position)) / time
         variances, vectors = np.linalg.eigh((1.0 + apart) * np.exp(-apart) * np.outer(scale, scale))
         variances = np.maximum(np.tile(variances, 2), 0.0)
-        turned = (d @ vectors).reshape(p, -1)
-        white[one.window] += turned @ turned.T
-        process[one.window] += channels * (turned * variances) @ turned.T  # channels misfit together
+        turned = (own.values @ vectors).reshape(len(own.places), -1)
+        process.append(channels * (turned * variances) @ turned.T)  # channels misfit together
         sizes.append(variances)
         left.append((one.residual @ vectors).ravel())
-        columns.append(turned)
+        columns.append(np.zeros((p, len(variances))))
+        columns[-1][own.places] = turned
     return _Trial(
         *_restricted(np.concatenate(sizes), np.concatenate(left), np.concatenate(columns, axis=1)),
-        white,
-        process,
+        tuple(process),
     )
 
 

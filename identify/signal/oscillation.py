@@ -23,11 +23,11 @@ def dominant_frequency(values: Array, rate: float, derivative: int = 0) -> float
     ramp = np.minimum(np.arange(n) + 1.0, n - np.arange(n)) / (0.02 * n + 1.0)
     size = 1 << int(np.ceil(np.log2(4 * n)))
     power = np.abs(np.fft.rfft((values - np.mean(values)) * np.minimum(ramp, 1.0), size)) ** 2
+    first = int(np.ceil(1.5 * size / n))
     above = power > NOISE_PEAK * np.median(power[len(power) // 2 :])
-    if np.any(above[int(np.ceil(1.5 * size / n)) :]):
+    if np.any(above[first:]):
         power = np.where(above, power, 0.0)
     power *= np.linspace(0.0, 1.0, len(power)) ** (1.5 - 0.75 * derivative)
-    first = int(np.ceil(1.5 * size / n))
     power[:first] = 0.0
     if not np.any(power > 0):
         return 0.0

@@ -70,8 +70,8 @@ def caution(compared: Compared) -> str:
         return ""
     motion, chi_square = typeset_figures(error.motion_percent), typeset_figures(error.chi_square)
     return (
-        f"This model leaves {motion} % of the motion, {chi_square} times what noise explains. The standard errors count "
-        "what is left as wandering beside the motion; a force that is missing may have moved the parameters by more."
+        f"This model leaves {motion} % of the motion, {chi_square} times what noise explains. The standard errors "
+        "allow for that as for a slow wander of the motion; a force that is missing may have moved the parameters by more."
     )
 
 

@@ -9,10 +9,17 @@ from test_fit import fitted
 
 from identify.diagnosis import null_distribution as module
 from identify.diagnosis.null_distribution import NullDistribution, null_distribution
+from identify.diagnosis.weak_presence import probes
 from identify.effects.effect import Scales
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
+from identify.fitting.fit import fit
+from identify.fitting.initial_values import initial_values
+from identify.fitting.problem import Problem
+from identify.fitting.segments import segments_of
+from identify.free_decay import FreeDecay
 from identify.model.model import Term, base_model
+from identify.preprocessing.prepared_decay import prepare
 
 TERMS = tuple(Term(find_effect(n)) for n in ("cubic_damping", "cubic_stiffness", "quadratic_stiffness"))
 
@@ -81,6 +88,57 @@ def test_a_presence_is_drawn_so_weak_that_it_is_in_proportion(monkeypatch):
     monkeypatch.setattr(module, "_PROBE", 0.1 * module._PROBE)
     weaker = null_distribution((prepared,), found, stiffness, seed=1).drops["cubic_stiffness"]
     np.testing.assert_allclose(usual, weaker, atol=0.05)
+
+
+def test_a_stop_is_drawn_on_either_side_where_a_cycle_has_many_readings():
+    """Of 0.5 Hz at 400 Hz, let go at one side, two hundred readings do not reach the other."""
+    time = np.arange(3200) / 400.0
+    u = 0.02 * np.exp(-0.1 * time) * np.cos(np.pi * time)
+    prepared = prepare(
+        FreeDecay(400.0, displacement=u + 5e-6 * np.random.default_rng(1).standard_normal(3200))
+    )
+    found = fit_baseline((prepared,), base_model()).fit
+    for side in (1.0, -1.0):
+        stop = (Term(find_effect("end_stop"), held={"side": side}),)
+        drops = null_distribution((prepared,), found, stop, draws=60).drops["end_stop"]
+        assert np.mean(drops > 0.0) > 0.5
+
+
+def test_a_fault_of_each_of_several_releases_gains_chi_square_of_its_own_parameters_in_each():
+    """Two numbers in each of two releases: what parameters of both follow of one release they follow in part."""
+    decays = segments_of([drawn(None, 0.0, seed)[0] for seed in (7100, 7101)])
+    found = fit_baseline(decays, base_model()).fit
+    bent = (Term(find_effect("sensor_nonlinearity"), held={"channel": "displacement"}),)
+    drops = null_distribution(decays, found, bent, seed=3, draws=800).drops["sensor_nonlinearity"]
+    # 800 draws of a chi-square of 4 degrees: a mean of 4 with a standard deviation of 0.1
+    assert np.mean(drops) == pytest.approx(4.0, abs=0.35)
+
+
+def test_a_joint_held_on_the_other_side_leaves_the_joints_of_the_model_where_they_are():
+    prepared, _ = drawn("dahl_friction", 0.03, 7100)
+    dahl, hysteresis = Term(find_effect("dahl_friction")), Term(find_effect("hysteresis"))
+    model = base_model().plus(dahl)
+    start = initial_values((prepared,), model, dahl.by_name({"ud": 1e-3}))
+    found = fit(model, (prepared.window,), start, prepared.frequency)
+    problem = Problem(model.plus(hysteresis), found.windows, found.frequency)
+    before = Problem(model, found.windows, found.frequency).residuals(found.theta)
+    points = probes((prepared,), found, problem, hysteresis, {"uy": 3e-3}, 1e-5)
+    columns = module._held_either_way(problem, hysteresis, points, before)
+    # the state begins at 3 mm at most of 20 mm and 30 cycles: it changes little of what the force does
+    assert max(map(np.linalg.norm, columns)) < 1.5 * min(map(np.linalg.norm, columns))
+
+
+@pytest.mark.parametrize("spread", [0.5, 1.0])
+def test_the_larger_the_gain_the_smaller_the_odds_of_draws_with_a_heavy_tail(spread):
+    """Degrees of freedom cannot tell the tail of noise of unknown strength."""
+    random = np.random.default_rng(0)
+    draws = np.sort(
+        stats.chi2(5).rvs(400, random_state=random) * (1.0 + spread * random.standard_normal(400)) ** 2
+    )
+    surprises = [
+        NullDistribution({"fault": draws}, draws).surprise("fault", x) for x in np.linspace(0.0, 99.0, 200)
+    ]
+    assert surprises == sorted(surprises)
 
 
 @pytest.mark.parametrize("degrees", [1, 3, 9, 20])

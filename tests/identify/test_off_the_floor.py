@@ -131,3 +131,15 @@ def test_a_misfit_that_is_next_to_nothing_is_not_something_missing():
     assert not found.baseline.adequate(found.baseline.fit)
     assert (found.verdict, found.named) == ("nothing_missing", ())
     assert "too little to be worth a name" in found.explanation
+
+
+def test_readings_that_are_lost_are_told_where_the_misfit_is_next_to_nothing():
+    time = np.arange(400) / 20.0
+    u = np.exp(-0.1 * time) * np.cos(2.0 * np.pi * time)
+    u += 1e-6 * np.exp(-0.2 * time) * np.random.default_rng(3).standard_normal(400)
+    for place in (40, 41, 42, 90, 91, 150, 151, 152, 153, 200, 201, 202, 250, 251, 300, 301, 302, 303):
+        u[place] = u[place - 1]
+    names = ("mains_hum", "cubic_stiffness", "quadratic_damping", "dropouts")
+    found = diagnose(FreeDecay(20.0, displacement=u), library=tuple(find_effect(name) for name in names))
+    assert not found.baseline.adequate(found.baseline.fit)
+    assert (found.verdict, found.named) == ("sensor_fault", ("dropouts",))

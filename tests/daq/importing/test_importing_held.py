@@ -1,5 +1,6 @@
 """A sensor that is asked faster than it answers: each answer is written again until the next."""
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -73,3 +74,17 @@ def test_a_pause_in_the_questions_is_lost_and_not_filled() -> None:
     missing = np.setdiff1d(np.arange(found.index[-1]), found.index)
     assert 20 <= len(missing) <= 26
     assert np.all(np.diff(missing) == 1)
+
+
+def test_a_long_rest_before_the_release_costs_nothing() -> None:
+    """Ten minutes without a new reading, as of a sensor whose noise is less than a step."""
+    times, measured = asked(100.0, 190.0, 12.0)
+    u = np.round(motion(measured, 4.0) / 0.05) * 0.05
+    rest = np.arange(int(600 * 190.0)) / 190.0
+    tracemalloc.start()
+    found = held_readings(np.concatenate([rest, 600.0 + times]), np.concatenate([0.0 * rest + u[0], u])[None])
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert found is not None
+    assert 1.0 / found.period == pytest.approx(100.0, rel=2e-3)
+    assert most < 5e7  # bytes

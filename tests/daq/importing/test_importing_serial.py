@@ -41,6 +41,31 @@ def test_labels_and_units_in_each_row_are_understood(tmp_path: Path, row: str, a
     assert "were read in each row" in said(recording)
 
 
+@pytest.mark.parametrize(
+    "row",
+    [
+        "{clock} -> Abstand: {x:.2f} cm",
+        "{clock} -> {x:.2f} cm",
+        "t={t:.2f}; Weg={x:.2f} cm",
+        "Zeit: {t:.2f} s\tWeg: {x:.2f} cm",
+    ],
+)
+def test_a_decimal_comma_is_no_separator(tmp_path: Path, row: str) -> None:
+    t, x = motion()
+    rows = [row.format(clock=clock(a), t=a, x=b).replace(".", ",") for a, b in zip(t, x, strict=True)]
+    columns = {} if "Weg" in row or "Abstand" in row else {"displacement": 2}
+    recording = load(tmp_path, "\n".join(rows) + "\n", columns=columns)
+    assert recording.rate == pytest.approx(100.0)
+    np.testing.assert_allclose(recording.samples[0], x / 100.0, atol=6e-5)
+
+
+def test_counts_between_commas_after_one_label_stay_apart(tmp_path: Path) -> None:
+    t, x = motion()
+    text = "".join(f"{clock(a)} -> raw: {round(1e3 * b)},7,8\n" for a, b in zip(t, x, strict=True))
+    recording = load(tmp_path, text, columns={"displacement": 2}, units={"displacement": "mm"})
+    np.testing.assert_allclose(recording.samples[0], np.rint(1e3 * x) / 1e3, atol=1e-9)
+
+
 def test_units_in_the_cells_go_with_the_names_above(tmp_path: Path) -> None:
     t, x = motion()
     text = "time,distance\n" + "".join(f"{a:.2f} s,{b:.2f} cm\n" for a, b in zip(t, x, strict=True))
