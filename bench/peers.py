@@ -19,9 +19,9 @@ import numpy as np
 from bench.bounds import SEEN, expected_drops
 from bench.detection import draw, visible
 from bench.diagnosis import BASE, EFFECTS, STRENGTHS, Case, judge_all, setting_of
-from identify.diagnosis.ranking import ALPHA
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
+from identify.fitting.baseline import ALPHA
 from identify.fitting.initial_values import scales_of, term_starts
 from identify.model.measured_path import force_along
 from identify.model.model import Term

@@ -212,7 +212,7 @@ def _cause(
             "Both channels describe one motion within their noise, and the model does not follow it: "
             "it is physics (or the displacement drifts slowly, which looks like motion)."
         )
-    faults = [f for f in corrected_faults(baseline.decays, baseline.fit) if f.significant]
+    faults = [f for f in corrected_faults(baseline.decays, baseline.fit) if f.p_value < baseline.alpha]
     if faults:
         return (
             f"The model follows the motion once a sensor's fault is corrected ({faults[0].term.effect.title}): "

@@ -14,7 +14,7 @@ from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, with
 from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
-from identify.diagnosis.ranking import Ranked, alpha, rank, rivals_of
+from identify.diagnosis.ranking import Ranked, rank, rivals_of
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
@@ -197,7 +197,7 @@ def diagnose(
     verdict = judgement.verdict
     if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
-    findings = tuple(f for f in _unnamed_faults(settled) if f.significant or f.remarked)
+    findings = tuple(f for f in _unnamed_faults(settled) if f.p_value < settled.alpha or f.remarked)
     together, shape, confirmation = judgement.together, judgement.shape, judgement.confirmation
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
     why = explain(baseline, verdict, suspects, together, findings, settled, shape, confirmation)
@@ -330,14 +330,13 @@ def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[Correcte
     """Return a fault that every fit corrects as a suspect: what the model would leave with this one named in it."""
     others = [f for f in faults if f is not fault]
     chi_square = baseline.fit.chi_square + sum(f.drop for f in others)
-    p_value = float(np.exp(-0.5 * max(fault.surplus - 4.0, 0.0)))
     return Suspect(
         effect=fault.term.effect,
         term=fault.term,
         error_after=chi_square / max(baseline.fit.degrees + sum(f.readings for f in others), 1),
         evidence=0.5 * fault.surplus,
-        p_value=p_value,
-        claimed=p_value < alpha(baseline),
+        p_value=fault.p_value,
+        claimed=fault.p_value < baseline.alpha,
         parameters=fault.parameters,
         fit=baseline.fit,
         stated=baseline.stated(baseline.fit),

@@ -34,7 +34,7 @@ def judge(
     Where the floor is not reached, or could only be guessed, chi-square names nothing: `foretell` is asked what the
     curves of the decay confirm. There a line of a sensor is allowed for beside a force.
     """
-    faulty = any(fault.significant for fault in faults)
+    faulty = any(fault.p_value < baseline.alpha for fault in faults)
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
         judged = _judged(beside.baseline, beside.ranked, True, library, foretell)  # a sensor has a line

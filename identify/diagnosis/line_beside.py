@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identify.diagnosis.ranking import Ranked, alpha, rank
+from identify.diagnosis.ranking import Ranked, rank
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
@@ -73,7 +73,7 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Ranked | None:
     density = misfit_density(found.fit, 2.0 * np.pi * line, found.term.channel)
     chance, drop = chances(behind, lines), found.gain / max(density, 1.0)
     p_value = chance.p_value(found.name, drop)
-    if p_value >= alpha(behind):
+    if p_value >= behind.alpha:
         return None
     return Ranked(found, chance.surprise(found.name, drop), p_value, True)
 

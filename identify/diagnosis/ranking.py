@@ -10,12 +10,6 @@ from identify.diagnosis.rest_evidence import at_rest
 from identify.diagnosis.suspects import Candidate
 from identify.fitting.baseline import Baseline
 
-ALPHA = 0.02
-"""Probability of claiming an effect where there is none; the promise is 5 %."""
-
-ALPHA_GUESSED = 2e-4
-"""The same where the floor could only be guessed: on such records nothing weak is claimed."""
-
 RIVALS_WITHIN = 4.6
 """Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
 
@@ -35,11 +29,6 @@ class Ranked:
     alike: tuple[str, ...] = ()
 
 
-def alpha(baseline: Baseline) -> float:
-    """Return the probability of a false claim that is allowed on these records."""
-    return ALPHA if baseline.floor_is_sure else ALPHA_GUESSED
-
-
 def rivals_of(entry: Ranked, ranked: tuple[Ranked, ...]) -> tuple[str, ...]:
     """Return the names of the claimed candidates that explain the record as well as one of them does."""
     if not entry.claimed or entry.alike:
@@ -53,7 +42,7 @@ def rivals_of(entry: Ranked, ranked: tuple[Ranked, ...]) -> tuple[str, ...]:
 
 def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribution) -> tuple[Ranked, ...]:
     """Return the candidates with their evidence: plausible claims first, then implausible ones, then the rest."""
-    dispersion, allowed = _dispersion(baseline, tried), alpha(baseline)
+    dispersion, allowed = _dispersion(baseline, tried), baseline.alpha
     ranked = []
     for candidate in tried:
         drop = candidate.gain / dispersion

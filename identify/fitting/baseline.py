@@ -22,6 +22,12 @@ ADEQUATE = 3.0
 DOUBT = 0.5
 """Excess of the reduced chi-square that is left to the noise where its floor could only be guessed."""
 
+ALPHA = 0.02
+"""Probability of claiming an effect or a fault where there is none; the promise is 5 %."""
+
+ALPHA_GUESSED = 2e-4
+"""The same where the floor could only be guessed: on such records nothing weak is claimed."""
+
 _LOUD = 2.0
 """Density of a residual at the motion's frequency, over the noise's, from which on a guessed floor does not excuse it."""
 
@@ -62,6 +68,11 @@ class Baseline:
             prepared.window.paired and all("rest" in noise.source for noise in prepared.noise.values())
             for prepared in self.decays
         )
+
+    @property
+    def alpha(self) -> float:
+        """The probability of a false claim that is allowed on these records."""
+        return ALPHA if self.floor_is_sure else ALPHA_GUESSED
 
     def stated(self, found: Fit) -> Fit:
         """Return a fit with the standard errors to state: its own where it reaches the floor, else those of the misfit."""

@@ -16,7 +16,10 @@ UNSTATED_GAIN_UNCERTAINTY = 0.03
 """Relative uncertainty allowed to a pair of channels whose calibration says nothing: ordinary sensors are 1 to 5 % off."""
 
 FEWEST_LOST = 3
-_SIGNIFICANT_DROP = 12.0
+_BY_CHANCE = 4.0
+"""Drop of chi-square that is no surprise."""
+
+_CLEAR_DROP = 12.0
 _NEAR = 9
 _WORTH_A_REMARK = 0.002
 """Relative error of the gain from which on it is remarked on where the calibration would allow it."""
@@ -48,9 +51,9 @@ class CorrectedFault:
         return max(self.drop - degrees - degrees * float(np.log(max(self.drop / degrees, 1.0))), 0.0)
 
     @property
-    def significant(self) -> bool:
-        """Whether it is a fault, by more than chance and the calibration leave open."""
-        return self.surplus > _SIGNIFICANT_DROP
+    def p_value(self) -> float:
+        """The probability of such a drop by chance and by what the calibration leaves open."""
+        return float(np.exp(-0.5 * max(self.surplus - _BY_CHANCE, 0.0)))
 
 
 def corrected_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[CorrectedFault, ...]:
@@ -90,7 +93,7 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
         return None
     error = Estimate(mean, float(np.sqrt(variance)), "1")
     fault = fault_allowed_as("gain")
-    remarked = abs(mean) > max(_WORTH_A_REMARK, _SIGNIFICANT_DROP**0.5 * own)
+    remarked = abs(mean) > max(_WORTH_A_REMARK, _CLEAR_DROP**0.5 * own)
     stated = all(prepared.window.gain_uncertainty for prepared in decays)
     words = _differ(mean, own, open_, stated=stated)
     return CorrectedFault(Term(fault), drop, 0, {fault.strength.name: error}, remarked, words)
@@ -99,7 +102,7 @@ def _gain(decays: tuple[PreparedDecay, ...], fit: Fit) -> CorrectedFault | None:
 def _differ(mean: float, own: float, open_: float, *, stated: bool) -> str:
     """Return by how much two sensors differ as measured, and how that stands to what their calibrations leave open."""
     size = abs(mean)
-    place = "within" if size <= open_ else "far beyond" if size > _SIGNIFICANT_DROP**0.5 * open_ else "beyond"
+    place = "within" if size <= open_ else "far beyond" if size > _CLEAR_DROP**0.5 * open_ else "beyond"
     whose = "that their calibrations leave open" if stated else "left open, as no calibration is stated"
     digits = max(0, min(4, 1 - int(np.floor(np.log10(max(100.0 * own, 1e-4))))))
     return (

@@ -40,8 +40,8 @@ def value(module, name):
         ("preprocessing.averaged_decay", "BLOCKS_A_CYCLE", lambda x: f"to {x} to {2 * x} a cycle"),
         ("preprocessing.averaged_decay", "FEW", lambda x: f"more than {x} samples"),
         ("fitting.corrected_faults", "UNSTATED_GAIN_UNCERTAINTY", lambda x: f"{100 * x:g} % is allowed"),
-        ("diagnosis.ranking", "ALPHA", lambda x: f"claimed at $p < {x:g}$"),
-        ("diagnosis.ranking", "ALPHA_GUESSED", lambda x: rf"$p < {1e4 * x:g}\cdot10^{{-4}}$"),
+        ("fitting.baseline", "ALPHA", lambda x: f"claimed at $p < {x:g}$"),
+        ("fitting.baseline", "ALPHA_GUESSED", lambda x: rf"$p < {1e4 * x:g}\cdot10^{{-4}}$"),
         ("diagnosis.ranking", "RIVALS_WITHIN", lambda x: f"{x:g} are odds of 100 to 1"),
         (
             "diagnosis.off_the_floor",
