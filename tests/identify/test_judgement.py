@@ -11,7 +11,8 @@ from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, rank, rivals_of
 from identify.diagnosis.search import Pair, chances, singles
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
-from identify.model.model import base_model
+from identify.fitting.corrected_faults import CorrectedFault
+from identify.model.model import Term, base_model
 
 FORCES = tuple(find_effect(name) for name in ("cubic_stiffness", "quadratic_damping", "stribeck_friction"))
 
@@ -47,3 +48,20 @@ def test_a_pair_counts_only_where_it_is_better_than_the_best_single_effect(bette
     monkeypatch.setattr(several_effects, "pairs", lambda *given: (replace(pair),))
     judged = judge(baseline, ranked, (), LIBRARY, lambda: None)
     assert judged.final is (other.fit if better else best.fit)
+
+
+def test_a_weak_fault_of_a_sensor_is_claimed_only_where_the_floor_is_sure():
+    prepared, _ = drawn(None, 0.0, 5001)
+    sure = fit_baseline((prepared,), base_model())
+    noise = {name: replace(one, source="guess") for name, one in prepared.noise.items()}
+    guessed = replace(sure, decays=(replace(prepared, noise=noise),))
+    assert sure.floor_is_sure
+    assert not guessed.floor_is_sure
+    weak = CorrectedFault(Term(find_effect("channel_gain")), 14.0, 0, {})  # by chance once in 150
+    strong = replace(weak, drop=40.0)
+    for baseline, fault, verdict in (
+        (sure, weak, "sensor_fault"),
+        (guessed, weak, "nothing_missing"),
+        (guessed, strong, "sensor_fault"),
+    ):
+        assert judge(baseline, (), (fault,), LIBRARY, lambda: None).verdict == verdict
