@@ -23,7 +23,7 @@ from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor, with_noise_beside
-from identify.fitting.corrected_faults import CorrectedFault, corrected_faults
+from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
@@ -183,21 +183,27 @@ def diagnose(
     if _hides_noise(baseline, ranked):
         baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
     progress("judging whether one effect explains it, or several together")
-    judgement = judge(baseline, ranked, _unnamed_faults(baseline), library, foretell)
+    judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, foretell)
     if judgement.verdict == "unknown_effect" and baseline.floor_is_sure:
         before, (baseline, ranked) = baseline, _seen_again(baseline, judgement.final, ranked, fitted)
         if baseline is not before:
-            judgement = judge(baseline, ranked, _unnamed_faults(baseline), library, foretell)
+            judgement = judge(
+                baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, foretell
+            )
     if baseline is not first:  # other noise, another floor
         whole = tuple(replace(prepared, floor_std=baseline.spread) for prepared in whole)
     settled = (
         refit_at_floor(baseline.decays, judgement.final) if judgement.final is not baseline.fit else baseline
     )
-    suspects = _with_held_out(baseline, _suspects(baseline, judgement, _unnamed_faults(baseline), settled))
+    suspects = _with_held_out(
+        baseline, _suspects(baseline, judgement, unnamed_faults(baseline.decays, baseline.fit), settled)
+    )
     verdict = judgement.verdict
     if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
-    findings = tuple(f for f in _unnamed_faults(settled) if f.p_value < settled.alpha or f.remarked)
+    findings = tuple(
+        f for f in unnamed_faults(settled.decays, settled.fit) if f.p_value < settled.alpha or f.remarked
+    )
     together, shape, confirmation = judgement.together, judgement.shape, judgement.confirmation
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
     why = explain(baseline, verdict, suspects, together, findings, settled, shape, confirmation)
@@ -235,12 +241,6 @@ def _hides_noise(baseline: Baseline, ranked: tuple[Ranked, ...]) -> bool:
     paired = all(window.paired for window in baseline.fit.windows)
     claimed = bool(ranked) and ranked[0].claimed and paired
     return claimed and not baseline.adequate(ranked[0].candidate.fit)
-
-
-def _unnamed_faults(found: Baseline) -> tuple[CorrectedFault, ...]:
-    """Return the faults that a fit has allowed for and that its model does not name."""
-    faults = corrected_faults(found.decays, found.fit)
-    return tuple(f for f in faults if f.term.effect.name not in found.fit.model)
 
 
 def _worth_a_fit(

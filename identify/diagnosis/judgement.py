@@ -16,7 +16,7 @@ from identify.diagnosis.triples import Triple
 from identify.diagnosis.verdict import Judgement, free_form, verdict_of
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
-from identify.fitting.corrected_faults import CorrectedFault
+from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 
 _DECISIVE = 12.0
 """Nats of evidence below which a force is not claimed while a sensor is known to be faulty: mend that first."""
@@ -34,7 +34,7 @@ def judge(
     Where the floor is not reached, or could only be guessed, chi-square names nothing: `foretell` is asked what the
     curves of the decay confirm. There a line of a sensor is allowed for beside a force.
     """
-    faulty = any(fault.p_value < baseline.alpha for fault in faults)
+    faulty = _faulty(baseline, faults)
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
         judged = _judged(beside.baseline, beside.ranked, True, library, foretell)  # a sensor has a line
@@ -43,9 +43,17 @@ def judge(
         if judged.verdict == "missing_effect" and not as_good:  # two are not preferred to a better one
             return beside.named_with(judged)
     judged = _judged(baseline, ranked, faulty, library, foretell)
+    if (
+        judged.verdict == "nothing_missing" and judged.final is not baseline.fit
+    ):  # a line is excused, and explains its part
+        faulty = _faulty(baseline, unnamed_faults(baseline.decays, judged.final))
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
         return replace(judged, verdict="sensor_fault", corrected=True)
     return judged
+
+
+def _faulty(baseline: Baseline, faults: tuple[CorrectedFault, ...]) -> bool:
+    return any(fault.p_value < baseline.alpha for fault in faults)
 
 
 def _judged(

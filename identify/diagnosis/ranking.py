@@ -55,14 +55,16 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribut
 def line_of_sensor_first(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
     """Return the candidates with a sensor's line before a force where this record does not tell which of the two it is.
 
-    A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim.
+    A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim. So it
+    leads where it has as good evidence, or leaves as little: how far chance reaches is drawn, and unsure for each alone.
     """
     if not ranked or not ranked[0].claimed or not ranked[0].candidate.term.is_force:
         return ranked
     hum = next((e for e in ranked if e.candidate.term.effect.line and not e.candidate.term.is_force), None)
     if hum is None or not hum.claimed or not hum.candidate.plausible:
         return ranked
-    if ranked[0].evidence - hum.evidence > RIVALS_WITHIN:
+    gain = ranked[0].candidate.gain - hum.candidate.gain
+    if ranked[0].evidence - hum.evidence > RIVALS_WITHIN and gain > 2.0 * RIVALS_WITHIN:
         return ranked
     return (hum, *(entry for entry in ranked if entry is not hum))
 

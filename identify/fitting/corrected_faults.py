@@ -62,6 +62,11 @@ def corrected_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[Corre
     return tuple(sorted(faults, key=lambda fault: -fault.drop))
 
 
+def unnamed_faults(decays: tuple[PreparedDecay, ...], fit: Fit) -> tuple[CorrectedFault, ...]:
+    """Return the faults that a fit has allowed for and that its model does not name; largest first."""
+    return tuple(f for f in corrected_faults(decays, fit) if f.term.effect.name not in fit.model)
+
+
 def allowance(decays: tuple[PreparedDecay, ...], fit: Fit, model: Model) -> tuple[float, int]:
     """Return the chi-square and the readings of corrected faults that a model does not name."""
     unnamed = [f for f in corrected_faults(decays, fit) if f.term.effect.name not in model]
