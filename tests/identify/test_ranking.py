@@ -12,9 +12,10 @@ from identify.model.model import Term, base_model
 from mocks.generate import draw
 
 
-def entry(effect, evidence, plausible=True):
+def entry(effect, evidence, plausible=True, gain=None):
     term = Term(find_effect(effect), {"channel": "acceleration"} if effect == "mains_hum" else {})
-    return Ranked(SimpleNamespace(term=term, plausible=plausible), evidence, 1e-9, True)
+    gain = 2.0 * evidence if gain is None else gain
+    return Ranked(SimpleNamespace(term=term, plausible=plausible, gain=gain), evidence, 1e-9, True)
 
 
 def names(ranked):
@@ -28,6 +29,10 @@ def test_hum_comes_before_a_force_that_explains_no_more():
         entry("mains_hum", 50.5 - RIVALS_WITHIN),
     )
     assert names(near) == ["mains_hum", "second_mass", "cubic_stiffness"]
+
+
+def test_hum_that_leaves_as_little_comes_first_however_far_chance_was_drawn():
+    assert names((entry("second_mass", 50.0), entry("mains_hum", 39.0, gain=101.0)))[0] == "mains_hum"
 
 
 def test_hum_that_explains_clearly_less_or_is_implausible_stays_behind():
