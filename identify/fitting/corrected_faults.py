@@ -32,7 +32,8 @@ class CorrectedFault:
     `drop` is that chi-square, in units of the noise, of so many `readings` (0 where it is one number's); `parameters`
     what was found; `term` names it in a model. `remarked` tells that the fault is there, though no more than its
     calibration leaves open: worth a remark, and no verdict. `words` say what was found and what is left open, in a clause;
-    "" where the parameters say it.
+    "" where the parameters say it. `misfit` is the reduced chi-square of all other readings, 1 at least: where all err by
+    more than the noise, it is no surprise here.
     """
 
     term: Term
@@ -41,14 +42,15 @@ class CorrectedFault:
     parameters: dict[str, Estimate]
     remarked: bool = False
     words: str = ""
+    misfit: float = 1.0
 
     @property
     def surplus(self) -> float:
         """The drop that would be as improbable by chance, had it one degree of freedom (Chernoff's bound for more)."""
-        degrees = max(self.readings, 1)
+        degrees, drop = max(self.readings, 1), self.drop / self.misfit
         if degrees == 1:
-            return self.drop
-        return max(self.drop - degrees - degrees * float(np.log(max(self.drop / degrees, 1.0))), 0.0)
+            return drop
+        return max(drop - degrees - degrees * float(np.log(max(drop / degrees, 1.0))), 0.0)
 
     @property
     def p_value(self) -> float:
@@ -132,7 +134,8 @@ def _lost(decays: tuple[PreparedDecay, ...], fit: Fit) -> list[CorrectedFault]:
         if count >= FEWEST_LOST:
             share = Estimate(count / total, float(np.sqrt(count)) / total, "1")
             term = Term(fault, {"channel": channel})
-            faults.append(CorrectedFault(term, drop, count, {fault.strength.name: share}))
+            misfit = max(fit.reduced, 1.0)
+            faults.append(CorrectedFault(term, drop, count, {fault.strength.name: share}, misfit=misfit))
     return faults
 
 

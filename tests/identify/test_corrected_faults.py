@@ -45,6 +45,12 @@ def test_a_calibration_that_says_nothing_leaves_open_what_ordinary_sensors_are_o
     assert fault.drop == pytest.approx(9.0, rel=1e-3)
 
 
+def test_lost_readings_are_no_surprise_where_all_readings_err_as_much():
+    fault = CorrectedFault(Term(find_effect("dropouts"), {"channel": "acceleration"}), 39.0, 5, {})
+    assert fault.p_value < 1e-4
+    assert replace(fault, misfit=39.0 / 5.0).p_value == 1.0
+
+
 def test_an_ordinary_gain_error_is_remarked_on_and_no_fault():
     prepared, truth = drawn("channel_gain", 0.01, 7200)
     fault = gain_fault(prepared, fit_baseline((prepared,), fitted()[2].model).fit)
