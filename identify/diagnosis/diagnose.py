@@ -152,7 +152,7 @@ class Diagnosis(Summarised):
                 modes_sentence(self.modes),
                 f"Record next: {self.next_experiment}",
             ),
-            ("suspect", "chi-square after", "evidence (nats)", "p", "claimed"),
+            ("suspect", "chi-square after", "evidence (nats)", "p", "beyond chance"),
             rows,
             shares_summary(self.shares),
         )
