@@ -49,14 +49,15 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribut
         evidence = chance.surprise(candidate.name, drop) + at_rest(baseline.decays, candidate)
         p_value = chance.p_value(candidate.name, drop) if evidence > 0.0 else 1.0
         ranked.append(Ranked(candidate, evidence, p_value, p_value < allowed))
-    return line_of_sensor_first(tuple(sorted(ranked, key=_order)))
+    return line_of_sensor_first(tuple(sorted(ranked, key=_order)), by_gain=not baseline.floor_is_sure)
 
 
-def line_of_sensor_first(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+def line_of_sensor_first(ranked: tuple[Ranked, ...], *, by_gain: bool = False) -> tuple[Ranked, ...]:
     """Return the candidates with a sensor's line before a force where this record does not tell which of the two it is.
 
     A force far above the mass's own frequency moves one channel only, as hum does: the sensor's is the lesser claim. So it
-    leads where it has as good evidence, or leaves as little: how far chance reaches is drawn, and unsure for each alone.
+    leads where it has as good evidence; `by_gain`, where no rest tells the two apart, also where it leaves as little: how
+    far chance reaches is unsure for each alone.
     """
     if not ranked or not ranked[0].claimed or not ranked[0].candidate.term.is_force:
         return ranked
@@ -64,7 +65,7 @@ def line_of_sensor_first(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
     if hum is None or not hum.claimed or not hum.candidate.plausible:
         return ranked
     gain = ranked[0].candidate.gain - hum.candidate.gain
-    if ranked[0].evidence - hum.evidence > RIVALS_WITHIN and gain > 2.0 * RIVALS_WITHIN:
+    if ranked[0].evidence - hum.evidence > RIVALS_WITHIN and not (by_gain and gain <= 2.0 * RIVALS_WITHIN):
         return ranked
     return (hum, *(entry for entry in ranked if entry is not hum))
 
