@@ -51,6 +51,7 @@ class FewReleases:
             return found
         base, count = self.whole.fit, len(self.whole.decays)
         start = base.point | {u.name: found.values[u.name].value for u in found.unknowns if u.window < 0}
+        start |= _own_linear(base, found)
         for term in found.model.forces:
             if term.effect.name not in base.model:
                 start |= states_of_term(base, term, start)
@@ -58,7 +59,7 @@ class FewReleases:
             own = self.places.index(i) if i in self.places else None
             for u in found.unknowns:
                 is_theirs = u.window == own or (own is None and u.window == 0 and u.id.role == "parameter")
-                if u.window >= 0 and is_theirs:
+                if u.window >= 0 and u.deviates < 0 and is_theirs:
                     start[str(u.id.of_release(i, count))] = found.values[u.name].value
         return fit(found.model, base.windows, start, base.frequency, near=True)
 
@@ -71,6 +72,22 @@ class FewReleases:
         return judged(self.on_all(found.fit), base, found.term, scales)
 
 
+def _own_linear(base: Fit, found: Fit) -> dict[str, float]:
+    """Return what each release has of its own beside the shared strengths of another fit, to a few of them, by name."""
+    own = {
+        (found.windows[u.window].release, u.id.parameter): found.values[u.name].value
+        for u in found.unknowns
+        if u.deviates >= 0
+    }
+    start = {}
+    for u in base.unknowns:
+        if u.deviates >= 0:
+            shared = base.unknowns[u.deviates].name
+            here = base.values[u.name].value + base.values[shared].value - found.values[shared].value
+            start[u.name] = own.get((base.windows[u.window].release, u.id.parameter), here)
+    return start
+
+
 def _chosen(decays: tuple[PreparedDecay, ...]) -> tuple[int, ...]:
     """Return the places of the largest and of the smallest amplitude, in the order of the releases."""
     order = sorted(range(len(decays)), key=lambda i: -decays[i].amplitude)
@@ -79,12 +96,7 @@ def _chosen(decays: tuple[PreparedDecay, ...]) -> tuple[int, ...]:
 
 def _refitted(found: Fit, places: tuple[int, ...], goal: float = 0.0) -> Fit:
     """Return a fit to all releases refitted to those in `places`; left where it creeps to a `goal` of chi-square above 0."""
-    count = len(places)
-    start = {
-        str(u.id if u.window < 0 else u.id.of_release(places.index(u.window), count)): value
-        for u, value in zip(found.unknowns, found.theta.tolist(), strict=True)
-        if u.window < 0 or u.window in places
-    }
+    start = found.of_windows(places)
     return fit(
         found.model, tuple(found.windows[i] for i in places), start, found.frequency, near=True, goal=goal
     )

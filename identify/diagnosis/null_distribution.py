@@ -107,6 +107,8 @@ def null_distribution(
     )
     if unsure:
         noise *= _strengths(base, unsure, random, draws)
+    if problem.expected:  # what each release has of its own, where it is expected
+        noise = np.concatenate([noise, random.standard_normal((len(problem.expected), draws))])
     low, high = theta <= problem.low, theta >= problem.high
     tangent = jacobian.tangent(~(low | high))
     for at, side in [

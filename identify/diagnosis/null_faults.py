@@ -118,7 +118,8 @@ class _Readings:
         """Return the misfit (n,) with the fault in every release."""
         theta = self.problem.theta(with_fault(self.base, self.term, start))
         read = (self.problem.read(theta, i, motion) for i, motion in enumerate(self.motion))
-        return np.concatenate([self.problem.residual_of(i, predicted) for i, predicted in enumerate(read)])
+        off = [self.problem.residual_of(i, predicted) for i, predicted in enumerate(read)]
+        return np.concatenate([*off, *self.problem.off_expected(theta)])
 
 
 def _change(readings: _Readings, start: dict[str, float], scales: Scales) -> _Change:

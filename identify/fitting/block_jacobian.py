@@ -1,7 +1,8 @@
 """The Jacobian in blocks: of each window only the unknowns that move it.
 
-Windows share the physics, and each has a start, lag, gain and offsets of its own, which move no other window. All
-other entries are zero; they are not kept, not multiplied, and not changed by what a step teaches.
+Windows share the physics, and each has a start, lag, gain and offsets of its own, which move no other window. What one
+release has of its own moves its windows, and a last block besides: where it is expected. All other entries are zero; they
+are not kept, not multiplied, and not changed by what a step teaches.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,7 +22,7 @@ _STOOD_STILL = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class BlockPattern:
-    """Which unknowns move which windows: `places[i]` are those of window i, `shared` (unknowns,) marks those of all.
+    """Which unknowns move which windows: `places[i]` are those of window i, `shared` (unknowns,) marks those of several.
 
     `found[j]` lists the windows that unknown j moves, each with its place among that window's own.
     """
@@ -31,15 +32,23 @@ class BlockPattern:
     found: tuple[tuple[tuple[int, int], ...], ...]
 
     @classmethod
-    def of(cls, window_of: Sequence[int], windows: int) -> Self:
-        """Return the pattern of unknowns that belong to `window_of` (-1: to all) of so many windows."""
-        owner = np.array(window_of)
-        places = tuple(np.flatnonzero((owner == -1) | (owner == i)) for i in range(windows))
-        found: list[list[tuple[int, int]]] = [[] for _ in window_of]
+    def of(cls, moves: Sequence[Sequence[int] | None], windows: int, expected: Sequence[int] = ()) -> Self:
+        """Return the pattern of unknowns each of which `moves` some of so many windows (None: all).
+
+        Those that are `expected` somewhere move a block behind those of the windows too.
+        """
+        every = range(windows)
+        blocks = [tuple(every) if own is None else (*own,) for own in moves]
+        for j in expected:
+            blocks[j] = (*blocks[j], windows)
+        count = windows + bool(expected)
+        places = tuple(np.array([j for j, own in enumerate(blocks) if i in own], dtype=int) for i in range(count))
+        found: list[list[tuple[int, int]]] = [[] for _ in moves]
         for i, at in enumerate(places):
             for row, j in enumerate(at.tolist()):
                 found[j].append((i, row))
-        return cls(places, owner == -1, tuple(tuple(one) for one in found))
+        shared = np.array([own is None or len(blocks[j]) > 1 for j, own in enumerate(moves)], dtype=bool)
+        return cls(places, shared, tuple(tuple(one) for one in found))
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +72,7 @@ class BlockJacobian:
 
     @property
     def shared(self) -> Mask:
-        """Which unknowns are those of all windows, (unknowns,)."""
+        """Which unknowns are those of several windows, (unknowns,)."""
         return self.pattern.shared
 
     def __len__(self) -> int:
@@ -128,10 +137,16 @@ class BlockJacobian:
         if len(self.blocks) == 1:
             return Tangent.of((self.blocks[0][kept[self.places[0]]],), None)
         own = [block[kept[at] & ~self.shared[at]] for at, block in zip(self.places, self.blocks, strict=True)]
-        common = [
-            block[kept[at] & self.shared[at]] for at, block in zip(self.places, self.blocks, strict=True)
-        ]
-        return Tangent.of(own, common)
+        shared = np.flatnonzero(kept & self.shared)
+        return Tangent.of(own, [self._rows_in(i, shared) for i in range(len(self.blocks))])
+
+    def _rows_in(self, i: int, unknowns: NDArray[np.int_]) -> Array:
+        """Return the rows of block i of some unknowns, 0 of those that do not move it, (unknowns, n)."""
+        block, at = self.blocks[i], self.places[i]
+        rows = np.zeros((len(unknowns), block.shape[1]))
+        here = np.isin(unknowns, at)
+        rows[here] = block[np.searchsorted(at, unknowns[here])]
+        return rows
 
 
 def rows_of(readings: Sequence[int]) -> list[slice]:

@@ -1,5 +1,6 @@
 """Free-run least squares: the parameters under which the simulated motion follows the readings best."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from identify.estimate import Estimate
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.jacobian import linearise
 from identify.fitting.levenberg_marquardt import minimise, minimise_fully
+from identify.fitting.own_linear import centred, weighed
 from identify.fitting.parameter_layout import Unknown
 from identify.fitting.problem import Problem
 from identify.model.model import Model, Term
@@ -20,6 +22,9 @@ from identify.preprocessing.fit_window import FitWindow
 _GROWTH = (3.0, 8.0, 20.0, 50.0, 120.0)
 FAR_OFF = 30.0
 """Reduced chi-square from which on a model is far from the readings: its motion need not be followed to the noise."""
+
+_ROUNDS = 3
+"""How often priors of single releases are weighed anew by what is left, and all is fitted again."""
 
 _COLLINEAR = 1e-13
 """Eigenvalue of the unknowns' scaled normal equations below which rounding hides what the readings say of them."""
@@ -86,12 +91,37 @@ class Fit:
         return self.values.get(str(nuisance(name, release, len(self.windows))))
 
     def of_release(self, release: int) -> dict[str, float]:
-        """Return the values of one release and of the physics, by the names that they have in a fit of it alone."""
+        """Return the values of one window and of the physics in it, by the names that they have in a fit of it alone."""
+        own = self.physics_in(release)
         return {
-            str(u.id.of_release(0, 1)): self.values[u.name].value
+            str(u.id.of_release(0, 1)): own.get(u.name, self.values[u.name].value)
             for u in self.unknowns
-            if u.window in (-1, release)
+            if u.window in (-1, release) and u.deviates < 0
         }
+
+    def physics_in(self, window: int) -> dict[str, float]:
+        """Return the shared parameters by name as they are in one window, with what its release has of its own."""
+        found = {u.name: self.values[u.name].value for u in self.unknowns if u.window < 0}
+        for u in self.unknowns:
+            if u.deviates >= 0 and window in u.moves:
+                name = self.unknowns[u.deviates].name
+                found[name] = max(found[name] + self.values[u.name].value, self.unknowns[u.deviates].low)
+        return found
+
+    def of_windows(self, places: Sequence[int]) -> dict[str, float]:
+        """Return the values of the physics and of some windows, by the names that they have in a fit of those alone."""
+        releases = list(dict.fromkeys(self.windows[i].release for i in places))
+        found = {}
+        for u, value in zip(self.unknowns, self.theta.tolist(), strict=True):
+            if u.window < 0:
+                found[u.name] = value
+            elif u.deviates >= 0:
+                release = self.windows[u.window].release
+                if release in releases:
+                    found[str(u.id.of_release(releases.index(release), len(releases)))] = value
+            elif u.window in places:
+                found[str(u.id.of_release(places.index(u.window), len(places)))] = value
+        return found
 
     def linear_strength(self, part: LinearPart) -> float | None:
         """Return the strength of the model's linear stiffness, damping or dry friction; None where it has none."""
@@ -127,8 +157,30 @@ def fit(
 
     Far from the readings the motion is integrated in longer steps. A start that is `near`, from curves of the whole
     decay, is not lost again to its first few cycles. A fit that creeps towards a `goal` of chi-square above 0 is left as
-    it is.
+    it is. What single releases have of their own counts in units of what is left, found in turn.
     """
+    found = _fit(model, windows, start, frequency, tolerance=tolerance, near=near, goal=goal)
+    for _ in range(_ROUNDS):
+        if not any(window.own_linear for window in windows):
+            break
+        again = weighed(Problem(model, found.windows, frequency), found.theta)
+        if again == found.windows:
+            break
+        found = _fit(model, again, found.point, frequency, tolerance=tolerance, near=True, goal=goal)
+    return found
+
+
+def _fit(
+    model: Model,
+    windows: tuple[FitWindow, ...],
+    start: dict[str, float],
+    frequency: float,
+    *,
+    tolerance: float,
+    near: bool,
+    goal: float,
+) -> Fit:
+    """Return the fit with the priors of single releases, if there are any, counted as the windows say."""
     problem = Problem(model, windows, frequency)
     theta = start_at = np.clip(problem.theta(start), problem.low, problem.high)
     first = problem.residuals(theta)
@@ -191,6 +243,10 @@ def _result(problem: Problem, theta: Array, cost: float, jacobian: BlockJacobian
     outcome = "The fit settled." if settled else "The fit did not settle; try other starting values."
     if unidentifiable:
         outcome += f" This record does not determine {', '.join(unidentifiable)}."
+    if problem.expected:
+        theta, covariance, spread = centred(problem, theta, covariance)
+        seen = np.where(np.isfinite(std), np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.inf)
+        std = np.hypot(seen, spread)
     window = problem.windows[0]
     return Fit(
         model=problem.model,

@@ -74,7 +74,12 @@ def harmonic_residual(fit: Fit, *, seed: int = 0, draws: int = _DRAWS) -> Harmon
         return HarmonicResidual(np.inf, 0.0, {})
     tangent = jacobian.tangent(np.diag(jacobian.normal()) > 0.0)
     random = np.random.default_rng(seed)
-    noise = np.concatenate([w.draw_noise(c, random, draws) for w in fit.windows for c in w.channels])
+    noise = np.concatenate(
+        [
+            *(w.draw_noise(c, random, draws) for w in fit.windows for c in w.channels),
+            np.zeros((len(problem.expected), draws)),
+        ]
+    )
     columns = np.column_stack([residual, tangent.free(noise)])
     at: dict[str, list[Array]] = {}
     off: dict[str, list[Array]] = {}

@@ -32,16 +32,18 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
     responses = problem.responses(theta)
     parts = [problem.residual_of(i, problem.read(theta, i, r)) for i, r in enumerate(responses)]
     start = _Start(problem, theta, responses, parts)
-    residual = np.concatenate(parts)
-    jacobian = BlockJacobian.zeros(problem.pattern, [len(part) for part in parts])
+    expected = problem.off_expected(theta)
+    residual = np.concatenate([*parts, *expected])
+    jacobian = BlockJacobian.zeros(problem.pattern, [len(part) for part in [*parts, *expected]])
     if not np.isfinite(residual).all():
         return residual, jacobian
     size = problem.sizes(theta)
     problem.steps = np.where(problem.steps > 0.0, problem.steps, _STEP * size)
+    as_shared = _as_shared(problem, skip)
     for j in range(len(theta)):
-        if skip is not None and skip[j]:
+        if (skip is not None and skip[j]) or j in as_shared:
             continue
-        rows = list(jacobian.of_unknown(j))
+        rows = [(i, row) for i, row in jacobian.of_unknown(j) if i < len(parts)]
         for _ in range(_STEP_TRIALS):
             step, changes = _difference(problem, start, j, [i for i, _ in rows])
             with np.errstate(over="ignore"):
@@ -53,7 +55,20 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
                 np.divide(change, step, out=row)
             else:
                 np.divide(change, step, out=row, where=np.abs(change) < _JUMP)
+    for j, shared in as_shared.items():
+        in_all = dict(jacobian.of_unknown(shared))
+        for i, row in jacobian.of_unknown(j):
+            row[:] = in_all.get(i, 0.0)
+    for k, one in enumerate(problem.expected):
+        if skip is None or not skip[one.own]:
+            dict(jacobian.of_unknown(one.own))[len(parts)][k] = 1.0 / one.std
     return residual, jacobian
+
+
+def _as_shared(problem: Problem, skip: Mask | None) -> dict[int, int]:
+    """Return the unknowns that move their windows as a shared one does, which is differentiated, and the place of that."""
+    places = {one.own: one.shared for one in problem.expected}
+    return {j: at for j, at in places.items() if skip is None or not (skip[j] or skip[at])}
 
 
 def take_steps(problem: Problem, other: Problem) -> None:

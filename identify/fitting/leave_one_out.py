@@ -36,20 +36,9 @@ def leave_one_out(found: Fit, releases: Sequence[Sequence[int]] | None = None) -
 def _without(found: Fit, index: int, left: list[int]) -> LeftOut:
     kept = [i for i in range(len(found.windows)) if i not in left]
     windows = tuple(found.windows[i] for i in kept)
-    others = fit(found.model, windows, _values_of(found, kept), found.frequency)
+    others = fit(found.model, windows, found.of_windows(kept), found.frequency)
     left_windows = tuple(found.windows[i] for i in left)
-    own = _values_of(found, left)
+    own = found.of_windows(left)
     physics = {unknown.name: others.point[unknown.name] for unknown in others.unknowns if unknown.window < 0}
     seen = predict_windows(found.model, physics, left_windows, own, found.frequency)
     return LeftOut(index, seen.chi_square, seen.motion_percent)
-
-
-def _values_of(found: Fit, kept: list[int]) -> dict[str, float]:
-    """Return the values of the physics and of some releases, by the names that they have in a fit of those alone."""
-    result = {}
-    for unknown, value in zip(found.unknowns, found.theta.tolist(), strict=True):
-        if unknown.window < 0:
-            result[unknown.name] = value
-        elif unknown.window in kept:
-            result[str(unknown.id.of_release(kept.index(unknown.window), len(kept)))] = value
-    return result

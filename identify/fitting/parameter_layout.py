@@ -1,5 +1,6 @@
 """The parameter layout: which unknowns a model has on some releases, in which order, and where each is used."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.compiled import PARAMETERS
+from identify.effects.force_effect import LinearPart
 from identify.effects.sensor_fault import SensorFault
 from identify.model.model import Model, Term
 from identify.model.parameter_id import ParameterId, nuisance
@@ -15,6 +17,8 @@ from identify.preprocessing.fit_window import FitWindow
 _DERIVATIVE = {"displacement": 0, "velocity": 1, "acceleration": 2}
 _READING = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 NOWHERE = -1
+OWN_STIFFNESS, OWN_DAMPING = "own_stiffness", "own_damping"
+"""Names of what the linear spring and damper of one release are off those of all."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +26,8 @@ class Unknown:
     """One number to be found: whose it is, unit, bounds, a natural size, and the window it belongs to (-1: shared physics).
 
     The size is 0 where it is as large as the value itself. `simulated` unknowns change the motion; the others only
-    how it is read.
+    how it is read. What `moves` several windows, the pieces of one release, has the first of them as its window. It
+    `deviates` from a shared unknown, at that place, by what that is in its release beyond what it is in all.
     """
 
     id: ParameterId
@@ -32,6 +37,8 @@ class Unknown:
     size: float
     window: int
     simulated: bool
+    moves: tuple[int, ...] = ()
+    deviates: int = NOWHERE
 
     @cached_property
     def name(self) -> str:
@@ -72,13 +79,27 @@ class ReleasePlaces:
     faults: tuple[FaultPlaces, ...]
 
 
+@dataclass(frozen=True)
+class Deviation:
+    """An unknown at place `own` that adds to the shared one at `shared` in some windows, and its standard deviation.
+
+    The latter is that of the prior, divided by the root of its weight.
+    """
+
+    own: int
+    shared: int
+    windows: tuple[int, ...]
+    std: float
+
+
 @dataclass(frozen=True, eq=False)
 class ParameterLayout:
     """The unknowns of a model on some releases, physics first.
 
     `forces` are the terms that the simulator calls, a row of its table each: `held` (rows, parameters) has the values
     that are not fitted, `cells` say where unknowns go. `linear` are the places of the built-in forces' strengths, and
-    `force_gain` that of the scale of an external force; NOWHERE where there is none.
+    `force_gain` that of the scale of an external force; NOWHERE where there is none. `deviations` are what single
+    releases have of their own beside a shared strength.
     """
 
     unknowns: tuple[Unknown, ...]
@@ -88,6 +109,7 @@ class ParameterLayout:
     cells: tuple[Cell, ...]
     force_gain: int
     releases: tuple[ReleasePlaces, ...]
+    deviations: tuple[Deviation, ...] = ()
 
 
 def lay_out(model: Model, windows: tuple[FitWindow, ...], frequency: float) -> ParameterLayout:
@@ -99,9 +121,18 @@ def lay_out(model: Model, windows: tuple[FitWindow, ...], frequency: float) -> P
     if any(window.estimates_mass for window in windows):
         force_gain = builder.add(nuisance("force_gain"), "1", size=1e-2, low=0.2, high=5.0)
     releases = tuple(builder.release(i, window) for i, window in enumerate(windows))
+    cells, deviations = builder.cells(), builder.deviations(linear, windows)
     return ParameterLayout(
-        tuple(builder.unknowns), builder.forces, linear, builder.held, builder.cells(), force_gain, releases
+        tuple(builder.unknowns), builder.forces, linear, builder.held, cells, force_gain, releases, deviations
     )
+
+
+def windows_by_release(windows: Sequence[FitWindow]) -> dict[int, tuple[int, ...]]:
+    """Return the places of the windows of each release, by its number."""
+    found: dict[int, tuple[int, ...]] = {}
+    for i, window in enumerate(windows):
+        found[window.release] = (*found.get(window.release, ()), i)
+    return found
 
 
 @dataclass(eq=False)
@@ -137,8 +168,10 @@ class _Builder:
         high: float = np.inf,
         window: int = NOWHERE,
         simulated: bool = True,
+        moves: tuple[int, ...] = (),
+        deviates: int = NOWHERE,
     ) -> int:
-        self.unknowns.append(Unknown(id, unit, low, high, size, window, simulated))
+        self.unknowns.append(Unknown(id, unit, low, high, size, window, simulated, moves, deviates))
         return len(self.unknowns) - 1
 
     def linear_and_forces(self) -> tuple[int, ...]:
@@ -196,6 +229,27 @@ class _Builder:
             for c in window.channels
         }
         return ReleasePlaces(start, states, lag, gain, offsets, self._faults(i, window))
+
+    def deviations(self, linear: tuple[int, ...], windows: tuple[FitWindow, ...]) -> tuple[Deviation, ...]:
+        """Add by how much spring and damper of each release differ from those of all, where they may."""
+        found, groups = [], windows_by_release(windows)
+        for number, places in enumerate(groups.values()):
+            own = windows[places[0]].own_linear
+            if own is None:
+                continue
+            for part, name, std in (
+                (LinearPart.STIFFNESS, OWN_STIFFNESS, own.stiffness),
+                (LinearPart.DAMPING, OWN_DAMPING, own.damping),
+            ):
+                if linear[part] == NOWHERE or not std > 0.0:
+                    continue
+                unit = self.unknowns[linear[part]].unit
+                id = nuisance(name, number, len(groups))
+                at = self.add(
+                    id, unit, size=std, window=places[0], moves=places, deviates=linear[part]
+                )
+                found.append(Deviation(at, linear[part], places, std / float(np.sqrt(own.weight))))
+        return tuple(found)
 
     def _states(self, i: int, window: FitWindow) -> tuple[Cell, ...]:
         """Add the internal states at the start of a window that the motion before the release does not give."""

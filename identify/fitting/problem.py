@@ -20,7 +20,9 @@ class Problem:
     """A model on one or more windows: the physics is shared, each window has nuisance parameters of its own.
 
     The nuisances are the state at the start of the window, the internal states of effects with memory, and,
-    where there are two channels, lag and gain; and an offset of every channel. `steps` (unknowns,) are the steps of
+    where there are two channels, lag and gain; and an offset of every channel. Where the windows say so, each release has
+    a linear spring and damper of its own near those of all: what they are off, in standard deviations, is read as a last
+    stretch of the misfit, which no window has. `steps` (unknowns,) are the steps of
     differentiation, 0 until they are known. A `coarse` problem is integrated in longer steps: what they are off by shows
     beside the noise, but not beside a misfit that is much larger.
     """
@@ -38,7 +40,9 @@ class Problem:
         self.high = np.array([u.high for u in self.unknowns])
         self.size = np.array([u.size for u in self.unknowns])
         self.index = {u.name: i for i, u in enumerate(self.unknowns)}
-        self.pattern = BlockPattern.of([u.window for u in self.unknowns], len(windows))
+        moves = [u.moves or ((u.window,) if u.window != NOWHERE else None) for u in self.unknowns]
+        self.expected = self.layout.deviations
+        self.pattern = BlockPattern.of(moves, len(windows), [one.own for one in self.expected])
         self.steps = np.zeros(len(self.unknowns))
         self._last: list[tuple[Array, Response]] = []
 
@@ -61,15 +65,26 @@ class Problem:
         """Return how many steps of the integration a sample of window i takes; a `tangent` takes what its slope needs."""
         longer = _TANGENT if tangent else _COARSE if self.coarse else 1.0
         return substeps_for(
-            self._fastest_rate(self._table(theta), self.windows[i].rate),
+            self._fastest_rate(self._table(self.within(theta, i)), self.windows[i].rate),
             self.windows[i].rate,
             nonsmooth=self.system.nonsmooth,
             longer=1.0 if self.system.is_stiff else longer,
         )
 
+    def within(self, theta: Array, i: int) -> Array:
+        """Return the unknowns with the shared ones as they are in window i: with what its release has of its own."""
+        own = [one for one in self.expected if i in one.windows]
+        if not own:
+            return theta
+        theta = theta.copy()
+        for one in own:
+            theta[one.shared] = max(theta[one.shared] + theta[one.own], self.low[one.shared])
+        return theta
+
     def respond(self, theta: Array, i: int, substeps: int | None = None) -> Response:
         """Simulate window i, in as many steps a sample as given, or as it needs."""
         window, places = self.windows[i], self.layout.releases[i]
+        theta = self.within(theta, i)
         linear = np.array([theta[at] if at != NOWHERE else 0.0 for at in self.layout.linear])
         table = self._table(theta)
         at_u, at_v = places.start
@@ -95,7 +110,7 @@ class Problem:
 
         What was tried is then linearised and read; and a start that changes moves one window only.
         """
-        own = [theta[at] for at in self.pattern.places]
+        own = [theta[at] for at in self.pattern.places[: len(self.windows)]]
         if not self._last:
             self._last = [(values, self.respond(theta, i)) for i, values in enumerate(own)]
         for i, values in enumerate(own):
@@ -105,6 +120,7 @@ class Problem:
 
     def states_at_start(self, theta: Array, i: int) -> dict[str, float]:
         """Return the internal states at the start of window i, by "effect.state0"."""
+        theta = self.within(theta, i)
         states = self._states_at_start(theta, self._table(theta), i)
         return {
             str(term.state(j)): float(states[row, j])
@@ -169,11 +185,20 @@ class Problem:
             [window.compared(c, window.readings[c] - predicted[c]) for c in window.channels]
         )
 
+    def off_expected(self, theta: Array) -> list[Array]:
+        """Return by how much each release differs from all, in standard deviations, as one array; none where it may not."""
+        if not self.expected:
+            return []
+        return [np.array([theta[one.own] / one.std for one in self.expected])]
+
     def residuals(self, theta: Array) -> Array:
         """Return the misfit of all windows in units of the noise; inf where the motion runs away."""
         return np.concatenate(
             [
-                self.residual_of(i, self.read(theta, i, response))
-                for i, response in enumerate(self.responses(theta))
+                *(
+                    self.residual_of(i, self.read(theta, i, response))
+                    for i, response in enumerate(self.responses(theta))
+                ),
+                *self.off_expected(theta),
             ]
         )

@@ -28,6 +28,19 @@ class PreReleaseMotion:
     velocity: Array
 
 
+@dataclass(frozen=True)
+class OwnLinear:
+    """By how much the linear spring and damper of one release may differ from those of all releases.
+
+    `stiffness` (1/s^2) and `damping` (1/s) are standard deviations; 0 where it may not differ. What they are off counts
+    `weight` times, in units of the noise: more than once where a model leaves more than noise.
+    """
+
+    stiffness: float
+    damping: float
+    weight: float = 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class FitWindow:
     """Readings of one release from the first sample that is compared, shape (n,) a channel, SI.
@@ -40,7 +53,8 @@ class FitWindow:
     where the mass was only estimated, `force_known` is False and its scale is fitted. A `segment` is one of several
     pieces of a long release, and `release` counts the releases that are fitted together. `rate_std` is the standard error
     of the rate (Hz), None when unknown. `colour` holds what the noise of a channel has beside its white part, in units of
-    `sigma`.
+    `sigma`. `own_linear` says by how much spring and damper of its release may differ from those of all; None where they
+    are shared.
     """
 
     rate: float
@@ -60,6 +74,7 @@ class FitWindow:
     colour: dict[str, Colour] = field(default_factory=dict)
     rate_std: float | None = None
     release: int = 0
+    own_linear: OwnLinear | None = None
 
     def __len__(self) -> int:
         return len(next(iter(self.readings.values())))

@@ -58,11 +58,11 @@ def value(module, name):
         ("diagnosis.diagnose", "_FEWEST_CYCLES", lambda x: f"fewer than {WORDS[x]} cycles"),
         ("diagnosis.diagnose", "_HELD_OUT", lambda x: f"The first {WORDS[x]} suspects"),
         (
-            "fitting.prediction",
+            "fitting.own_linear",
             "STIFFNESS_VARIES",
             lambda x: rf"normal priors of {100 * x:g} % of $\omega_0^2$",
         ),
-        ("fitting.prediction", "DAMPING_VARIES", lambda x: f"and of {100 * x:g} % of the mean loss"),
+        ("fitting.own_linear", "DAMPING_VARIES", lambda x: f"and of {100 * x:g} % of the mean loss"),
         ("diagnosis.search", "_SCREENED", lambda x: f"and the {WORDS[x]} best are fitted"),
         ("diagnosis.ladder", "_STILL_NEEDED", lambda x: rf"no longer lowers $\chi^2$ by {x:g}"),
     ],

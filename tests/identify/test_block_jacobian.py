@@ -3,21 +3,21 @@ import pytest
 
 from identify.fitting.block_jacobian import BlockJacobian, BlockPattern
 
-OWNERS = (-1, -1, 0, 0, 1, 1, 1)
+MOVES = (None, None, (0,), (0,), (1,), (1,), (1,))
 READINGS = (40, 60)
 
 
 @pytest.fixture
 def jacobian() -> BlockJacobian:
     random = np.random.default_rng(1)
-    made = BlockJacobian.zeros(BlockPattern.of(OWNERS, len(READINGS)), READINGS)
+    made = BlockJacobian.zeros(BlockPattern.of(MOVES, len(READINGS)), READINGS)
     for block in made.blocks:
         block[:] = random.standard_normal(block.shape)
     return made
 
 
 def dense(jacobian: BlockJacobian) -> np.ndarray:
-    return np.column_stack([jacobian.column(j) for j in range(len(OWNERS))])
+    return np.column_stack([jacobian.column(j) for j in range(len(MOVES))])
 
 
 def test_an_unknown_of_one_window_moves_no_other(jacobian):

@@ -1,0 +1,112 @@
+"""What a release has of its own: a linear spring and damper near those of all releases.
+
+On a rig neither is quite the same from one release to the next: brakes are set, air, bearings and temperature change. So
+both may differ, within priors. A prior counts in units of what a model leaves, not of the noise: else a wrong model that
+leaves a thousand times the noise could bend them at will.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.fitting.parameter_layout import OWN_STIFFNESS, Deviation, windows_by_release
+from identify.fitting.problem import Problem
+from identify.preprocessing.fit_window import FitWindow, OwnLinear
+from identify.signal.oscillation import running_amplitude
+
+STIFFNESS_VARIES = 0.01
+"""Relative standard deviation by which the linear spring may differ from one release to the next."""
+
+DAMPING_VARIES = 1.0
+"""The same for viscous damping, in units of the mean loss of the release."""
+
+_AS_GOOD = 0.1
+"""Relative difference of two weights that is none."""
+
+
+def with_own_linear(windows: Sequence[FitWindow], frequency: float) -> tuple[FitWindow, ...]:
+    """Return windows whose releases may have a spring and a damper of their own; their motion is at `frequency` (rad/s)."""
+    found = list(windows)
+    for places in windows_by_release(windows).values():
+        loss = float(np.mean([_loss(windows[i], frequency) for i in places]))
+        own = OwnLinear(STIFFNESS_VARIES * frequency**2, DAMPING_VARIES * max(loss, 0.0))
+        for i in places:
+            found[i] = windows[i].with_(own_linear=own)
+    return tuple(found)
+
+
+def without_own_linear(windows: Sequence[FitWindow]) -> tuple[FitWindow, ...]:
+    """Return windows whose releases share spring and damper."""
+    return tuple(w if w.own_linear is None else w.with_(own_linear=None) for w in windows)
+
+
+def weighed(problem: Problem, theta: Array) -> tuple[FitWindow, ...]:
+    """Return the windows of a problem with priors that count in units of what is left at `theta`; the same if they do."""
+    if not problem.expected:
+        return problem.windows
+    weight = _scatter(problem, theta)
+    return tuple(_with_weight(window, weight) for window in problem.windows)
+
+
+def centred(problem: Problem, theta: Array, covariance: Array) -> tuple[Array, Array, Array]:
+    """Return unknowns (p,) and covariance with the shared spring and damper as the means of those of the releases.
+
+    The readings do not tell a shared part from the mean of the releases' own; it is that of these releases then. By how
+    much it may differ for others, from the spread of these, is the third: a standard error to be added to that from the
+    noise (p,), 0 of all other unknowns.
+    """
+    turned, spread = np.eye(len(theta)), np.zeros(len(theta))
+    for shared in {one.shared for one in problem.expected}:
+        own = [one for one in problem.expected if one.shared == shared]
+        weight = np.array([one.std**-2.0 for one in own])
+        weight /= weight.sum()
+        places = [one.own for one in own]
+        turned[shared, places] += weight
+        turned[np.ix_(places, places)] -= weight
+        off = theta[places] - weight @ theta[places]
+        spread[shared] = np.sqrt(weight @ off**2 / max(len(own) - 1, 1))
+    return turned @ theta, turned @ covariance @ turned.T, spread
+
+
+def percent_off(problem: Problem, theta: Array, one: Deviation) -> float:
+    """Return by how much a release is off in % of what its prior is a share of: squared frequency, or mean loss."""
+    own = problem.windows[one.windows[0]].own_linear
+    assert own is not None
+    is_spring = problem.unknowns[one.own].id.parameter == OWN_STIFFNESS
+    share, std = (STIFFNESS_VARIES, own.stiffness) if is_spring else (DAMPING_VARIES, own.damping)
+    return 100.0 * share * float(theta[one.own]) / std
+
+
+def _with_weight(window: FitWindow, weight: float) -> FitWindow:
+    own = window.own_linear
+    if own is None or abs(own.weight - weight) <= _AS_GOOD * weight:
+        return window
+    return window.with_(own_linear=OwnLinear(own.stiffness, own.damping, weight))
+
+
+def _scatter(problem: Problem, theta: Array) -> float:
+    """Return the variance that a reading counts with, in units of the noise.
+
+    1 where the model is right; what it leaves beyond the noise repeats in every reading of a half-cycle.
+    """
+    off = problem.residuals(theta)[: -len(problem.expected)]
+    if not np.isfinite(off).all():
+        return 1.0
+    half_cycle = np.pi / problem.frequency * problem.windows[0].rate
+    return 1.0 + max(float(np.mean(off**2)) - 1.0, 0.0) * half_cycle
+
+
+def _loss(window: FitWindow, frequency: float) -> float:
+    """Return the mean loss of a window as an equivalent viscous damping, 1/s: -2 d(ln A)/dt over all cycles."""
+    channel = window.channels[0]
+    used, values = window.used[channel], window.readings[channel]
+    period = max(int(2.0 * np.pi / frequency * window.rate), 2)
+    if len(values) <= 3 * period or not used.any():
+        return 0.0
+    running = running_amplitude(np.where(used, values, np.mean(values[used])), period)
+    first, last = float(running[period]), float(running[-period - 1])
+    if not 0.0 < last < first:
+        return 0.0
+    return 2.0 * math.log(first / last) * window.rate / (len(values) - 2 * period)
