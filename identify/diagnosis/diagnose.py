@@ -15,6 +15,7 @@ from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
 from identify.diagnosis.ranking import Ranked, rank, rivals_of
+from identify.diagnosis.releases_differ import where_releases_differ
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
@@ -180,6 +181,10 @@ def diagnose(
     tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
     progress("finding what each effect would explain by chance")
     ranked = rank(baseline, tried, chances(baseline, fitted))
+    apart = where_releases_differ(baseline, ranked)
+    if apart is not baseline:
+        progress("giving each release a spring and damper of its own: the releases differ")
+        baseline, ranked = apart, rank(apart, singles(apart, fitted), chances(apart, fitted))
     if _hides_noise(baseline, ranked):
         baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
     progress("judging whether one effect explains it, or several together")
@@ -191,7 +196,13 @@ def diagnose(
                 baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, foretell
             )
     if baseline is not first:  # other noise, another floor
-        whole = tuple(replace(prepared, floor_std=baseline.spread) for prepared in whole)
+        own = {window.release: window.own_linear for window in baseline.fit.windows}
+        whole = tuple(
+            replace(
+                prepared, floor_std=baseline.spread, window=prepared.window.with_(own_linear=own.get(i))
+            )
+            for i, prepared in enumerate(whole)
+        )
     settled = (
         refit_at_floor(baseline.decays, judgement.final) if judgement.final is not baseline.fit else baseline
     )
