@@ -15,7 +15,7 @@ from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
 from identify.diagnosis.ranking import Ranked, rank, rivals_of
-from identify.diagnosis.releases_differ import where_releases_differ
+from identify.diagnosis.releases_differ import shared_where_alike, where_releases_differ
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
@@ -28,6 +28,7 @@ from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
+from identify.fitting.release_values import ReleaseValue, release_values, spread_sentence
 from identify.fitting.segments import prepared_of, segments_of, what_was_used
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
@@ -74,6 +75,11 @@ class Diagnosis(Summarised):
     shares: tuple[AmplitudeShares, ...] = ()
     harmonics: HarmonicResidual | None = None
     modes: tuple[OtherMode, ...] = ()
+
+    @property
+    def of_releases(self) -> tuple[ReleaseValue, ...]:
+        """The linear spring and damper of each release, where they differ; none where all share them."""
+        return release_values(self.baseline.stated(self.final))
 
     @property
     def named_suspects(self) -> tuple[Suspect, ...]:
@@ -198,14 +204,12 @@ def diagnose(
     if baseline is not first:  # other noise, another floor
         own = {window.release: window.own_linear for window in baseline.fit.windows}
         whole = tuple(
-            replace(
-                prepared, floor_std=baseline.spread, window=prepared.window.with_(own_linear=own.get(i))
-            )
+            replace(prepared, floor_std=baseline.spread, window=prepared.window.with_(own_linear=own.get(i)))
             for i, prepared in enumerate(whole)
         )
-    settled = (
-        refit_at_floor(baseline.decays, judgement.final) if judgement.final is not baseline.fit else baseline
-    )
+    settled = baseline
+    if judgement.final is not baseline.fit:
+        settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
     suspects = _with_held_out(
         baseline, _suspects(baseline, judgement, unnamed_faults(baseline.decays, baseline.fit), settled)
     )
@@ -226,7 +230,7 @@ def diagnose(
         findings=findings,
         final=settled.fit,
         shape=shape,
-        explanation=why if harmonics is None else f"{why} {harmonics.sentence}".strip(),
+        explanation=" ".join(filter(None, (why, harmonics.sentence if harmonics else "", _spread(settled)))),
         next_experiment=next_experiment(baseline, verdict, suspects),
         library=library,
         confirmation=confirmation,
@@ -235,6 +239,12 @@ def diagnose(
         harmonics=harmonics,
         modes=() if verdict == "driven" else other_modes(settled.fit),
     )
+
+
+def _spread(settled: Baseline) -> str:
+    """Return by how much the releases differ, in a sentence; "" where they share spring and damper."""
+    apart = any(unknown.deviates >= 0 for unknown in settled.fit.unknowns)
+    return spread_sentence(settled.stated(settled.fit)) if apart else ""
 
 
 def _seen_again(

@@ -47,12 +47,15 @@ def where_releases_differ(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Bas
     return refit_at_floor(decays, own).decided
 
 
-def still_differ(found: Fit) -> bool:
-    """Whether releases that have a spring and damper of their own in a fit need them."""
+def shared_where_alike(found: Fit) -> Fit:
+    """Return a fit with one spring and damper for all releases, where those of their own gain no more than by chance.
+
+    What made the releases differ may have been what was found since.
+    """
     if not any(window.own_linear for window in found.windows):
-        return False
+        return found
     shared = fit(found.model, without_own_linear(found.windows), found.point, found.frequency, near=True)
-    return surprise(shared, found) > -np.log(CLEARLY)
+    return shared if surprise(shared, found) <= -np.log(CLEARLY) else found
 
 
 def of_each(found: Fit) -> Fit:

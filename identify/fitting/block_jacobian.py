@@ -42,7 +42,9 @@ class BlockPattern:
         for j in expected:
             blocks[j] = (*blocks[j], windows)
         count = windows + bool(expected)
-        places = tuple(np.array([j for j, own in enumerate(blocks) if i in own], dtype=int) for i in range(count))
+        places = tuple(
+            np.array([j for j, own in enumerate(blocks) if i in own], dtype=int) for i in range(count)
+        )
         found: list[list[tuple[int, int]]] = [[] for _ in moves]
         for i, at in enumerate(places):
             for row, j in enumerate(at.tolist()):

@@ -20,7 +20,7 @@ STIFFNESS_VARIES = 0.01
 """Relative standard deviation by which the linear spring may differ from one release to the next."""
 
 DAMPING_VARIES = 1.0
-"""The same for viscous damping, in units of the mean loss of the release."""
+"""The same for viscous damping, in units of the mean loss of the releases."""
 
 _AS_GOOD = 0.1
 """Relative difference of two weights that is none."""
@@ -28,13 +28,12 @@ _AS_GOOD = 0.1
 
 def with_own_linear(windows: Sequence[FitWindow], frequency: float) -> tuple[FitWindow, ...]:
     """Return windows whose releases may have a spring and a damper of their own; their motion is at `frequency` (rad/s)."""
-    found = list(windows)
-    for places in windows_by_release(windows).values():
-        loss = float(np.mean([_loss(windows[i], frequency) for i in places]))
-        own = OwnLinear(STIFFNESS_VARIES * frequency**2, DAMPING_VARIES * max(loss, 0.0))
-        for i in places:
-            found[i] = windows[i].with_(own_linear=own)
-    return tuple(found)
+    losses = [
+        np.mean([_loss(windows[i], frequency) for i in places])
+        for places in windows_by_release(windows).values()
+    ]
+    own = OwnLinear(STIFFNESS_VARIES * frequency**2, DAMPING_VARIES * float(np.mean(losses)))
+    return tuple(window.with_(own_linear=own) for window in windows)
 
 
 def without_own_linear(windows: Sequence[FitWindow]) -> tuple[FitWindow, ...]:
@@ -60,13 +59,11 @@ def centred(problem: Problem, theta: Array, covariance: Array) -> tuple[Array, A
     turned, spread = np.eye(len(theta)), np.zeros(len(theta))
     for shared in {one.shared for one in problem.expected}:
         own = [one for one in problem.expected if one.shared == shared]
-        weight = np.array([one.std**-2.0 for one in own])
-        weight /= weight.sum()
         places = [one.own for one in own]
-        turned[shared, places] += weight
-        turned[np.ix_(places, places)] -= weight
-        off = theta[places] - weight @ theta[places]
-        spread[shared] = np.sqrt(weight @ off**2 / max(len(own) - 1, 1))
+        turned[shared, places] += 1.0 / len(own)
+        turned[np.ix_(places, places)] -= 1.0 / len(own)
+        if len(own) > 1:
+            spread[shared] = np.std(theta[places], ddof=1) / np.sqrt(len(own))
     return turned @ theta, turned @ covariance @ turned.T, spread
 
 

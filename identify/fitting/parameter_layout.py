@@ -245,9 +245,7 @@ class _Builder:
                     continue
                 unit = self.unknowns[linear[part]].unit
                 id = nuisance(name, number, len(groups))
-                at = self.add(
-                    id, unit, size=std, window=places[0], moves=places, deviates=linear[part]
-                )
+                at = self.add(id, unit, size=std, window=places[0], moves=places, deviates=linear[part])
                 found.append(Deviation(at, linear[part], places, std / float(np.sqrt(own.weight))))
         return tuple(found)
 

@@ -95,14 +95,10 @@ def predict_windows(
     problem, theta = _varied(problem, theta, windows, held)
     free = int((~_still(problem, held)).sum()) - len(problem.expected)
     motion, chi_square = _errors(problem, theta, free)
-    off = {
-        problem.unknowns[one.shared].name: percent_off(problem, theta, one) for one in problem.expected
-    }
+    off = {problem.unknowns[one.shared].name: percent_off(problem, theta, one) for one in problem.expected}
     own = problem.within(theta, 0)
     named = {
-        u.name: float(value)
-        for u, value in zip(problem.unknowns, own, strict=True)
-        if u.deviates == NOWHERE
+        u.name: float(value) for u, value in zip(problem.unknowns, own, strict=True) if u.deviates == NOWHERE
     }
     return Prediction(motion, chi_square, named, off)
 

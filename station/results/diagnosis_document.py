@@ -155,6 +155,15 @@ class DifferenceDocument(Part):
     sigmas: Number
 
 
+class ReleaseValueDocument(Part):
+    """A parameter of the final model as one session has it, and by how much that is off the one of all, in %."""
+
+    session: str
+    parameter: str
+    value: EstimateDocument
+    percent: Number
+
+
 class UsedDocument(Part):
     """The part of a session's record that was analysed, s from its first reading, and why it ends there.
 
@@ -188,6 +197,7 @@ class DiagnosisDocument(Document):
     is.
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
     `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
+    `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     `model_is` says which model it is that was diagnosed, `model_remark` why it is not the one that was identified.
     """
@@ -214,6 +224,7 @@ class DiagnosisDocument(Document):
     confirmation: ConfirmationDocument | None = None
     shares: list[SharesDocument] = Field(default_factory=list)
     used: list[UsedDocument] = Field(default_factory=list)
+    of_sessions: list[ReleaseValueDocument] = Field(default_factory=list)
     modes: list[ModeDocument] = Field(default_factory=list)
     model_is: str = "the usual model"
     model_remark: str = ""
@@ -257,6 +268,7 @@ def diagnosis_document(
             "shares": found.shares,
             "modes": found.modes,
             "used": _used(names, found),
+            "of_sessions": [{"session": names[one.index]} | vars(one) for one in found.of_releases],
         }
     )
 

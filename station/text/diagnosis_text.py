@@ -209,9 +209,8 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         differ = [
             f"{one.session} in {_of_effect(one.parameter)}{_by(one.percent)}" for one in document.differences
         ]
-        facts.append(
-            ("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: one model has to fit both")
-        )
+        both = "each has its own" if document.of_sessions else "one model has to fit both"
+        facts.append(("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: {both}"))
     if document.modes:
         seen = " and ".join(mode.words for mode in document.modes)
         facts.append(("modes", f"beside the motion's, {seen}; one mode is followed here"))
