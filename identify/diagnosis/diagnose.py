@@ -15,7 +15,7 @@ from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
 from identify.diagnosis.ranking import Ranked, rank, rivals_of
-from identify.diagnosis.releases_differ import shared_where_alike, where_releases_differ
+from identify.diagnosis.releases_differ import on_second_thought, shared_where_alike, where_releases_differ
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
@@ -180,17 +180,18 @@ def diagnose(
     NotIdentifiable when a release holds too little to fit anything.
     """
     whole = prepared_of(decays)
-    first = baseline = fit_baseline(segments_of(whole), model or base_model(), known)
-    whole = tuple(with_floor(prepared, baseline.spread) for prepared in whole)
+    first = fit_baseline(segments_of(whole), model or base_model(), known)
+    whole = tuple(with_floor(prepared, first.spread) for prepared in whole)
+    baseline = where_releases_differ(first)
     foretell = cache(lambda: foretold(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, foretell)
     tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
     progress("finding what each effect would explain by chance")
     ranked = rank(baseline, tried, chances(baseline, fitted))
-    apart = where_releases_differ(baseline, ranked)
-    if apart is not baseline:
-        progress("giving each release a spring and damper of its own: the releases differ")
-        baseline, ranked = apart, rank(apart, singles(apart, fitted), chances(apart, fitted))
+    again = on_second_thought(first, baseline, ranked)
+    if again is not baseline:
+        progress("trying all effects again, with the spring and damper of the releases " + _whose(again))
+        baseline, ranked = again, rank(again, singles(again, fitted), chances(again, fitted))
     if _hides_noise(baseline, ranked):
         baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
     progress("judging whether one effect explains it, or several together")
@@ -239,6 +240,10 @@ def diagnose(
         harmonics=harmonics,
         modes=() if verdict == "driven" else other_modes(settled.fit),
     )
+
+
+def _whose(baseline: Baseline) -> str:
+    return "their own" if baseline.fit.windows[0].own_linear else "shared"
 
 
 def _spread(settled: Baseline) -> str:

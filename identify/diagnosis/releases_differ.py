@@ -1,10 +1,12 @@
 """Whether releases differ in their linear spring and damper: as good a reason for a misfit as a suspect.
 
 On a rig they do. One spring and one damper for all leave a misfit then that no effect explains. A spring and a damper of
-each release's own are therefore fitted to what the usual model leaves, and to what the best suspect leaves; what they
-gain is held against chance, and against what the best suspect gains.
+each release's own are therefore fitted beside the model, and beside the best suspect; what they gain is held against
+chance. A suspect may make releases of unlike amplitudes seem to differ: where nothing is left of it beside the best one,
+they share spring and damper after all.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -19,26 +21,43 @@ from identify.fitting.parameter_layout import windows_by_release
 CLEARLY = 1e-4
 """Probability below which what a spring and damper of each release's own gain is no chance."""
 
+SURE = -math.log(CLEARLY)
 
-def where_releases_differ(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Baseline:
-    """Return the baseline with a spring and damper of each release's own where they differ; the same where they do not.
 
-    They do where that has more evidence than any suspect of one spring and damper for all, or where the best suspect
-    leaves it.
+def where_releases_differ(baseline: Baseline) -> Baseline:
+    """Return the baseline with a spring and damper of each release's own, where that gains clearly; else the same."""
+    if not _may_differ(baseline.fit):
+        return baseline
+    own = of_each(baseline.fit)
+    return _with(baseline, own) if surprise(baseline.fit, own) > SURE else baseline
+
+
+def on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...]) -> Baseline:
+    """Return the baseline to search again from, now that suspects have been tried; the same where nothing changes.
+
+    `before` is that with one spring and damper for all releases. Where the best suspect has made the releases differ, they
+    share them; where it leaves that they do, or has less evidence than that, each has its own.
     """
-    found = baseline.fit
-    if len(windows_by_release(found.windows)) < 2 or any(w.own_linear for w in found.windows):
-        return baseline
-    own = of_each(found)
-    evidence = surprise(found, own)
     top = ranked[0] if ranked and ranked[0].claimed else None
-    if top is None or evidence > top.evidence:
-        differ = evidence > -np.log(CLEARLY)
-    else:
-        best = top.candidate.fit
-        differ = surprise(best, of_each(best)) > -np.log(CLEARLY)
-    if not differ:
+    if top is None:
         return baseline
+    best = top.candidate.fit
+    if baseline is not before:
+        return before if shared_where_alike(best) is not best else baseline
+    if not _may_differ(best):
+        return baseline
+    own = of_each(baseline.fit)
+    leaves = surprise(best, of_each(best)) > SURE
+    return _with(baseline, own) if leaves or surprise(baseline.fit, own) > top.evidence else baseline
+
+
+def _may_differ(found: Fit) -> bool:
+    several = len(windows_by_release(found.windows)) > 1
+    return several and not any(window.own_linear for window in found.windows)
+
+
+def _with(baseline: Baseline, own: Fit) -> Baseline:
+    """Return the baseline of a fit with a spring and damper of each release's own, its floor decided anew."""
     places = zip(baseline.decays, own.windows, strict=True)
     decays = tuple(
         replace(decay, floor_std=None, window=decay.window.with_(own_linear=window.own_linear))
@@ -55,7 +74,7 @@ def shared_where_alike(found: Fit) -> Fit:
     if not any(window.own_linear for window in found.windows):
         return found
     shared = fit(found.model, without_own_linear(found.windows), found.point, found.frequency, near=True)
-    return shared if surprise(shared, found) <= -np.log(CLEARLY) else found
+    return shared if surprise(shared, found) <= SURE else found
 
 
 def of_each(found: Fit) -> Fit:

@@ -22,8 +22,8 @@ STIFFNESS_VARIES = 0.01
 DAMPING_VARIES = 1.0
 """The same for viscous damping, in units of the mean loss of the releases."""
 
-_AS_GOOD = 0.1
-"""Relative difference of two weights that is none."""
+_AS_GOOD = 2.0
+"""Ratio of two weights up to which one serves for the other: a prior is known to no more."""
 
 
 def with_own_linear(windows: Sequence[FitWindow], frequency: float) -> tuple[FitWindow, ...]:
@@ -78,7 +78,7 @@ def percent_off(problem: Problem, theta: Array, one: Deviation) -> float:
 
 def _with_weight(window: FitWindow, weight: float) -> FitWindow:
     own = window.own_linear
-    if own is None or abs(own.weight - weight) <= _AS_GOOD * weight:
+    if own is None or 1.0 / _AS_GOOD <= own.weight / weight <= _AS_GOOD:
         return window
     return window.with_(own_linear=OwnLinear(own.stiffness, own.damping, weight))
 

@@ -42,6 +42,7 @@ class Problem:
         self.index = {u.name: i for i, u in enumerate(self.unknowns)}
         moves = [u.moves or ((u.window,) if u.window != NOWHERE else None) for u in self.unknowns]
         self.expected = self.layout.deviations
+        self._own = [[one for one in self.expected if i in one.windows] for i in range(len(windows))]
         self.pattern = BlockPattern.of(moves, len(windows), [one.own for one in self.expected])
         self.steps = np.zeros(len(self.unknowns))
         self._last: list[tuple[Array, Response]] = []
@@ -73,11 +74,10 @@ class Problem:
 
     def within(self, theta: Array, i: int) -> Array:
         """Return the unknowns with the shared ones as they are in window i: with what its release has of its own."""
-        own = [one for one in self.expected if i in one.windows]
-        if not own:
+        if not self._own[i]:
             return theta
         theta = theta.copy()
-        for one in own:
+        for one in self._own[i]:
             theta[one.shared] = max(theta[one.shared] + theta[one.own], self.low[one.shared])
         return theta
 
