@@ -34,8 +34,8 @@ def _alone(effect: ConfirmedEffect) -> str:
     if not effect.alone:
         return ""
     return (
-        f" Taken together the releases do not show it; {effect.alone} of them name it, each by itself. One model with one "
-        "spring and one damping does not fit them all: take its parameters from the releases alone."
+        f" Taken together the releases do not show it; {effect.alone} of them name it, each by itself. One model "
+        "does not fit them all: take its parameters from the releases alone."
     )
 
 
