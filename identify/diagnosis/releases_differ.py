@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import gammaincc, gammaln
 
-from identify.diagnosis.ranking import Ranked
+from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
 from identify.fitting.baseline import Baseline, refit_at_floor
 from identify.fitting.fit import Fit, fit
 from identify.fitting.own_linear import with_own_linear, without_own_linear
@@ -36,7 +36,8 @@ def on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranked
     """Return the baseline to search again from, now that suspects have been tried; the same where nothing changes.
 
     `before` is that with one spring and damper for all releases. Where the best suspect has made the releases differ, they
-    share them; where it leaves that they do, or has less evidence than that, each has its own.
+    share them; where it leaves that they do, or is not told from that (4.6 nats), each has its own: that releases differ is
+    the lesser claim.
     """
     top = ranked[0] if ranked and ranked[0].claimed else None
     if top is None:
@@ -47,8 +48,10 @@ def on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranked
     if not _may_differ(best):
         return baseline
     own = of_each(baseline.fit)
-    leaves = surprise(best, of_each(best)) > SURE
-    return _with(baseline, own) if leaves or surprise(baseline.fit, own) > top.evidence else baseline
+    evidence = surprise(baseline.fit, own)
+    as_good = evidence > max(top.evidence - RIVALS_WITHIN, -math.log(baseline.alpha))
+    differ = as_good or surprise(best, of_each(best)) > SURE
+    return _with(baseline, own) if differ else baseline
 
 
 def _may_differ(found: Fit) -> bool:
