@@ -11,7 +11,7 @@ import numpy as np
 from identify.curves.confirmation import MOST_RIVALS, Confirmation
 from identify.curves.leading_law import WORTH, complexity
 from identify.diagnosis.confirmed_fit import fit_confirmed
-from identify.diagnosis.ranking import Ranked
+from identify.diagnosis.ranking import Ranked, rivals_of
 from identify.diagnosis.suspects import Candidate
 from identify.diagnosis.verdict import Judgement, free_form
 from identify.effects.force_effect import ForceEffect
@@ -70,7 +70,14 @@ def _line_percent(candidate: Candidate) -> float:
 
 
 def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
-    best = alone.ranked[0].candidate
+    alike = _alike(alone.ranked)
+    foretold = next((entry for entry in alike if is_foretold(entry.candidate)), None)
+    if foretold is None and len({entry.candidate.term.effect.of_time for entry in alike}) > 1:
+        return by_curves(baseline, alone.ranked, found, alone.final)
+    lead = foretold or min(alike, key=lambda entry: complexity(entry.candidate.term.effect))
+    rest = tuple(entry for entry in alone.ranked if entry is not lead)
+    alone = replace(alone, ranked=(lead, *rest), final=lead.candidate.fit)
+    best = lead.candidate
     if found is None and best.term.effect.of_time:
         return Judgement("unknown_effect", alone.ranked, best.fit, shape=free_form(baseline, baseline.fit))
     if found is None or found.usual.typical("motion") < WORTH:
@@ -78,11 +85,27 @@ def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmati
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
     open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
     clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term, foretold=False)
-    alike = found.effects[0].rivals if len(found.effects) == 1 else ()  # which the curves do not tell from it
+    rivals = (
+        found.effects[0].rivals if len(found.effects) == 1 else ()
+    )  # which the curves do not tell from it
     open_to_it = open_to_it and not found.effects
-    if best.name in found.names or (clear and (open_to_it or best.name in alike)):
+    if best.name in found.names or (clear and (open_to_it or best.name in rivals)):
         return replace(alone, confirmation=found)
     return by_curves(baseline, alone.ranked, found, best.fit)
+
+
+def _alike(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+    """Return the leader and, of a force, the plausible forces that this record does not tell from it, best first.
+
+    Against a guess of the floor a few nats say nothing: of these the simplest leads, and a law of time among laws of the
+    amplitude is told from them by another release only.
+    """
+    first = ranked[0]
+    if not first.candidate.term.is_force:
+        return (first,)
+    names = rivals_of(first, ranked)
+    forces = (e for e in ranked[1:] if e.candidate.name in names and e.candidate.term.is_force)
+    return (first, *(entry for entry in forces if entry.candidate.plausible))
 
 
 def by_curves(
