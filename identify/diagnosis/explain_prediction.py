@@ -58,9 +58,8 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
             f"{RANGE:g} on, so none was asked and none is named. Record until less is left, or add a release of another "
             "size."
         )
-        return " ".join(words)
-    undecided = _undecided(found)
-    words += undecided or ["No effect of the library foretells more of it, so none is named."]
+    else:
+        words += _undecided(found) or ["No effect of the library foretells more of it, so none is named."]
     return " ".join([*words, *(_unclear(suspect, before) for suspect in suspects[:1])]).strip()
 
 
