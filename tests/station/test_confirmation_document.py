@@ -185,7 +185,7 @@ def test_what_leads_too_seldom_is_told_with_how_often_each_leads():
         undecided={"loss": ("quadratic_damping", "cubic_damping")},
         unstable={"loss": leads},
     )
-    told = explain_unconfirmed(found)
+    told = explain_unconfirmed(found, (), 2.0)
     assert (
         "in 50 resamplings of the cycles no effect leads in half (quadratic_damping in 20, cubic_damping in 18)"
         in told
