@@ -251,20 +251,28 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     tried = [s for s in suspects if s.plausible and not _is_corrected(s) and s.effect.kind == "physics"]
     most = sorted((s for s in tried if _explained(baseline, s) > _MOST_OF_IT), key=lambda s: s.error_after)
     if best is not None and most:
-        names = [plain_name(s.effect.name) for s in most[:_MOST_ALTERNATIVES]]
-        if len(most) > len(names):
-            names.append(f"{len(most) - len(names)} more")
-        each = "alone explains" if len(names) == 1 else "each explain"
-        left = _left(baseline, most[0].fit, most[0].error_after)
-        return (
-            f"Something is missing: the model leaves {whole}. {among(names)[0].upper()}{among(names)[1:]} {each} more than "
-            f"{100.0 * _MOST_OF_IT:.0f} % of it; {left} is left at best, {floor}, and has no name."
+        rest = (
+            "this record does not tell them apart"
+            if baseline.adequate(best.fit)
+            else "what is left has no name"
         )
+        return f"Something is missing: the model leaves {whole}. {_each_leaves(baseline, most)}, {floor}: {rest}."
     first = f"Something is missing that the library does not name: the model leaves {whole}"
     if best is not None:
         left = _left(baseline, best.fit, best.error_after)
         first += f", and the best named effect, {plain_name(best.effect.name)}, still {left}"
     return f"{first}, {floor}."
+
+
+def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
+    """Return what the suspects would leave, each alone, from the best on."""
+    first, shown = most[0], most[1:_MOST_ALTERNATIVES]
+    listed = [f"{plain_name(s.effect.name)} {three_figures(s.error_after)} times" for s in shown]
+    if len(most) > _MOST_ALTERNATIVES:
+        listed.append(f"{len(most) - _MOST_ALTERNATIVES} more less than a tenth of it")
+    others = f", {among(listed)}" if listed else ""
+    left = _left(baseline, first.fit, first.error_after)
+    return f"{plain_name(first.effect.name).capitalize()} would leave {left}{others}"
 
 
 def _unknown(
@@ -280,6 +288,8 @@ def _unknown(
             " The record holds too few cycles for its large amplitudes to foretell its small ones, so no name is "
             "confirmed: diagnose it together with another release."
         )
+    if best is not None and baseline.adequate(best.fit):
+        return first
     if shape is None or not shape.coordinates:
         return f"{first} No smooth force in displacement, velocity or time explains it either."
     peak = shape.shapes[0]
