@@ -155,9 +155,7 @@ def _nearest_of_the_best(bunched: Array, middle: int) -> int:
     return int(group[np.argmax(bunched[group])])
 
 
-def _on_its_clock(
-    time: Array, period: float, std: float, centre: float, asked: float, share: float
-) -> Held:
+def _on_its_clock(time: Array, period: float, std: float, centre: float, asked: float, share: float) -> Held:
     """Return the last row of each period around the times at which new readings are seen; periods without a row are lost."""
     first = int(np.ceil((time[0] - centre) / period - 0.5))
     last = int(np.floor((time[-1] - centre) / period + 0.5))

@@ -69,9 +69,7 @@ def test_doubled_frames_of_a_film_are_found_by_the_rows_that_repeat(tmp_path: Pa
     assert np.count_nonzero(recording.valid) == pytest.approx(540, abs=2)
     clock = np.arange(len(recording.samples[0])) / recording.rate
     shifts = np.arange(-2, 3) / 120.0
-    misfit = min(
-        float(np.std(1e3 * recording.samples[0] - 80.0 * np.cos(4.1 * (clock + s)))) for s in shifts
-    )
+    misfit = min(float(np.std(1e3 * recording.samples[0] - 80.0 * np.cos(4.1 * (clock + s)))) for s in shifts)
     assert misfit < 0.5  # doubled frames would leave 80 mm x 4.1/s x 10 ms of it
 
 
