@@ -334,8 +334,9 @@ def _no_motion(table: Table, taken: set[int], *, rate_known: bool) -> ImportProb
             "holds no column beside the time",
             "name a file with a displacement, velocity or acceleration",
         )
-    asked = (ask("displacement", _name(_likely(rest))), "--unit displacement=mm")
+    asked = (ask("displacement", _name(_likely(rest))), "--unit displacement=UNIT")
     return problem(
         table.path, _what_is_not_said(table, rest),
-        f"say it, as in {' '.join(asked)}", options=asked if rate_known else (*asked, "--rate HZ"),
+        f"say it and its unit (mm, deg, V ...), as in {' '.join(asked)}",
+        options=asked if rate_known else (*asked, "--rate HZ"),
     )  # fmt: skip
