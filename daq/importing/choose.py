@@ -301,8 +301,8 @@ def _rising_first(table: Table, taken: set[int]) -> SourceColumn | None:
         return None
     steps = np.diff(values)
     even = np.all(steps > 0.0) and float(np.max(steps)) < 1e3 * float(np.median(steps))
-    if np.all(steps == 1.0) and values[0] in (0.0, 1.0):
-        return None
+    if np.all(steps == 1.0) and values[0] == np.rint(values[0]):
+        return None  # rows that were counted, from whatever number
     return column if even and np.isfinite(values).all() else None
 
 
