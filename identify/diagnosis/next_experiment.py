@@ -67,8 +67,8 @@ def next_experiment(baseline: Baseline, verdict: str, suspects: tuple[Suspect, .
             f"No other {'level' if driven else 'release'} would separate {one} from {other} "
             f"on this bench; instead: {first.effect.confirming_test}."
         )
-    apart = f"{np.sqrt(best):.0f} standard deviations" if best < _BY_FAR else "far more than the noise"
-    return f"To separate {one} from {other}, record {words}: there they differ by {apart}."
+    by = f"{np.sqrt(best):.0f} standard deviations" if best < _BY_FAR else "far more than the noise"
+    return f"To separate {one} from {other}, record {words}: there they differ by {by}."
 
 
 def _amplitude(baseline: Baseline) -> tuple[float, str]:
