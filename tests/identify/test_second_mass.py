@@ -14,6 +14,15 @@ def scales(duration: float) -> Scales:
     return Scales(1.0, 2 * np.pi, duration, 60.0, {"displacement": 1.0}, {})
 
 
+def test_a_tuned_second_mass_shows_by_its_beats() -> None:
+    tuned = {"w2": 2 * np.pi * 1.05, "zeta": 0.02}
+    assert SECOND_MASS.plausible({"ratio": 0.07, **tuned}, scales(8.0))
+    assert not SECOND_MASS.plausible({"ratio": 0.07, **tuned}, scales(3.0))  # less than a beat
+    assert not SECOND_MASS.plausible(
+        {"ratio": 0.07, **tuned, "zeta": 0.4}, scales(8.0)
+    )  # no line is left to beat
+
+
 @pytest.mark.parametrize(("line", "zeta", "plausible"), [
     (2.0, 0.001, False),  # the second harmonic
     (3.0, 0.0, False),
