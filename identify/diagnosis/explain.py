@@ -66,7 +66,7 @@ def explain(
     if verdict == "driven" and confirmation is not None:
         return explain_driven(confirmation)
     if verdict == "unconfirmed" and confirmation is not None:
-        return explain_unconfirmed(confirmation)
+        return explain_unconfirmed(confirmation, suspects, baseline.reduced(baseline.fit))
     if top is not None and top.confirmed is not None and confirmation is not None:
         return explain_confirmed(suspects, confirmation)
     if verdict == "unknown_effect" or top is None:

@@ -16,7 +16,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.diagnosis.null_columns import NullColumns
 from identify.diagnosis.null_faults import fault_drops
-from identify.diagnosis.null_lines import line_drops, rows_of
+from identify.diagnosis.null_lines import highest, line_drops, rows_of
 from identify.diagnosis.weak_presence import probes
 from identify.effects.effect import Scales
 from identify.fitting.fit import Fit
@@ -49,8 +49,8 @@ _TAIL = 0.1
 _CLEARLY = 0.16
 """Standard error of the slope of the last tenth of 400 draws, relative."""
 
-_SHARES = (-0.5, 0.0, 0.5, 1.0, 1.5)
-"""Of the way from a joint that was held on one side to one held on the other, at the start; a fit goes a little farther."""
+_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Of the way from a joint that gives way to one side at the start to one that gives way to the other."""
 
 _WEAKEST = 0.1
 """Least strength of drawn noise, in units of the floor, however unsure that is."""
@@ -71,9 +71,12 @@ class NullDistribution:
         """Return -ln of the probability that chance lowers chi-square this much by this effect alone."""
         return float(_surprise(self.drops[effect], np.array([drop]))[0]) if effect in self.drops else 0.0
 
-    def p_value(self, effect: str, drop: float) -> float:
-        """Return the probability that chance gives any suspect in the library as good a reason."""
-        surprise = self.surprise(effect, drop)
+    def p_value(self, effect: str, drop: float, *, against: float = 0.0) -> float:
+        """Return the probability that chance gives any suspect in the library as good a reason.
+
+        `against` are nats that speak against this one beside chi-square.
+        """
+        surprise = self.surprise(effect, drop) - against
         return float(np.exp(-_surprise_of_search(self.search, np.array([surprise]))[0]))
 
 
@@ -210,6 +213,7 @@ def _column_drops(
     rows = rows_of(base.windows)
     best, one_sided = np.zeros(noise.shape[1]), term.effect.one_sided
     single: list[Array] = []
+    several: list[Array] = []
     starts = reachable_starts(term, scales)
     enough = max(_FEWEST_PLACES, _MOST_COLUMN_NUMBERS // len(before))
     for start in starts[:: (len(starts) - 1) // enough + 1]:
@@ -219,26 +223,25 @@ def _column_drops(
             continue
         columns = NullColumns.at(problem, points, before, rows)
         if columns.own:
-            drops = _drops(*columns.products(tangent, noise, rows), one_sided=one_sided)
-            best = np.maximum(best, drops)
+            several.append(_drops(*columns.products(tangent, noise, rows), one_sided=one_sided))
         elif columns.whole is not None:
             single.append(columns.whole)
         if len(single) * len(before) > _AT_ONCE:
             best, single = np.maximum(best, _best_of(single, tangent, noise, one_sided=one_sided)), []
-    return np.maximum(best, _best_of(single, tangent, noise, one_sided=one_sided)) if single else best
+    if single:
+        best = np.maximum(best, _best_of(single, tangent, noise, one_sided=one_sided))
+    return np.maximum(best, highest(np.array(several))) if several else best
 
 
 def _held_either_way(problem: Problem, term: Term, points: Sequence[Array], before: Array) -> list[Array]:
     """Return what a force does (readings,) that never forgets where it came from, held on one side before, or on the other.
 
-    It cannot be drawn much farther than it yields: as a direction of its own its state would be drawn without limit.
+    It cannot be drawn farther than it yields: as a direction of its own its state would be drawn without limit.
     """
     if not points:
         return []
     states = np.array([u.id.role == "state" and u.id.effect == term.effect.name for u in problem.unknowns])
-    one, other = (
-        problem.residuals(np.where(states, sign * points[0], points[0])) - before for sign in (1.0, -1.0)
-    )
+    one, other = (problem.residuals(np.where(states, side, points[0])) - before for side in (1.0, -1.0))
     if not np.isfinite(one + other).all():
         return []
     return [one + share * (other - one) for share in _SHARES]

@@ -44,7 +44,7 @@ def _of_sensor(base: Fit, term: Term, noise: Array) -> Array:
             padded = np.zeros((len(window), noise.shape[1]))
             padded[window.used[term.channel]] = found
             spectrum = np.fft.rfft(padded, 2 * len(window), axis=0)
-            total += _highest(np.abs(spectrum[2:-2]) ** 2)
+            total += highest(np.abs(spectrum[2:-2]) ** 2)
     return total
 
 
@@ -80,11 +80,16 @@ def _of_force(base: Fit, noise: Array, size: int) -> Array:
                 power += count / window.sigma[channel] ** 2 * np.abs(weight[channel]) ** 2
             together += np.fft.rfft(record, axis=0) * (np.conj(weight[channel]) * late)[:, None]
     peaks = np.abs(together) ** 2 / np.maximum(power, 1e-300)[:, None]
-    return _highest(peaks[2:-2])
+    return highest(peaks[2:-2])
 
 
-def _highest(power: Array) -> Array:
-    """Return the top of the highest peak of each spectrum (frequencies, draws), which may lie between two frequencies."""
+def highest(power: Array) -> Array:
+    """Return the top of the highest peak of each column (places, draws), which may lie between two places; (draws,).
+
+    A parabola through the peak and its neighbours adds a quarter at most.
+    """
+    if len(power) < 3:
+        return np.asarray(np.max(power, axis=0))
     at = np.clip(np.argmax(power, axis=0), 1, len(power) - 2)
     each = np.arange(power.shape[1])
     left, top, right = (power[at + step, each] for step in (-1, 0, 1))

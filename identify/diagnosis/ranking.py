@@ -46,8 +46,9 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribut
     ranked = []
     for candidate in tried:
         drop = candidate.gain / dispersion
-        evidence = chance.surprise(candidate.name, drop) + at_rest(baseline.decays, candidate)
-        p_value = chance.p_value(candidate.name, drop) if evidence > 0.0 else 1.0
+        rest = at_rest(baseline.decays, candidate)
+        evidence = chance.surprise(candidate.name, drop) + rest
+        p_value = chance.p_value(candidate.name, drop, against=max(-rest, 0.0)) if evidence > 0.0 else 1.0
         ranked.append(Ranked(candidate, evidence, p_value, p_value < allowed))
     ordered = tuple(sorted(ranked, key=_order))
     if not baseline.floor_is_sure:

@@ -83,7 +83,7 @@ def probes(
     states = states_of_term(base, term, inner)
     point = base.point | begun | {str(term.strength): strength} | states
     points = [point]
-    sizes = (largest.amplitude, largest.amplitude * largest.frequency)
+    sizes = term.force.state_sizes(largest.amplitude, largest.frequency)
     for i in range(len(base.windows)):
         for j in range(term.force.states):
             name = str(term.state(j).of_release(i, len(base.windows)))

@@ -65,14 +65,14 @@ POWER_LAW_DAMPING = Family(
 
 @force_function
 def _joint(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * z[0]
+    return p[0] * p[1] * z[0]
 
 
 @rate_function
 def _joint_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     if v * z[0] > 0.0:
-        return v * (1.0 - (abs(z[0]) / p[1]) ** p[2]), 0.0
-    return v, 0.0
+        return v * (1.0 - abs(z[0]) ** p[2]) / p[1], 0.0
+    return v / p[1], 0.0
 
 
 def _yield_starts(scales: Scales) -> Starts:
@@ -83,7 +83,7 @@ BOUC_WEN = Family(
     effect=ForceEffect(
         name="bouc_wen_hysteresis",
         title="hysteresis of Bouc and Wen",
-        equation="kh z,  z' = v (1 - |z/uy|^n [v z > 0])",
+        equation="kh uy z,  z' = (v/uy) (1 - |z|^n [v z > 0])",
         parameters=(
             Parameter("kh", "1/s^2", "stiffness of the joint before it slips, per unit mass", 0.0, inf),
             Parameter("uy", "m", "displacement at which it yields", 0.0, inf),
@@ -92,8 +92,9 @@ BOUC_WEN = Family(
         force=_joint,
         rates=_joint_rates,
         states=1,
+        largest_state=1.0,
         fading_memory=False,
-        equilibrium_state=lambda u, p: (copysign(min(abs(u), float(p[1])), u), 0.0),
+        equilibrium_state=lambda u, p: (copysign(min(abs(u) / float(p[1]), 1.0), u), 0.0),
         starts=_yield_starts,
         symptom="a loop in the plane of displacement and force, whose corners are the sharper the larger n",
         confirming_test="move the mass slowly to and fro: the loop shows its corners",

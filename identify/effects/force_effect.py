@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
-from math import isfinite
+from math import inf, isfinite
 from typing import Any, cast
 
 import numpy as np
@@ -45,6 +45,8 @@ class ForceEffect(Effect):
     finer step. A `proportional` force grows with the motion as a whole, so that it changes frequency and loss alike at
     all amplitudes, and leaves the centre where it is. A `linear_part` is built into the simulator. What `may_be_all_of`
     a linear part has the strength of that part on a rig where nothing else adds to it, and then no constant of its own.
+    A joint or an asperity holds no more than it gives way at: its first state is a share of that, at most `largest_state`.
+    Other states are displacements, their second speeds, of any size.
     """
 
     force: Any = None
@@ -52,6 +54,7 @@ class ForceEffect(Effect):
     rates: Any = None
     equilibrium_state: Callable[[float, Array], tuple[float, float]] | None = None
     states: int = 0
+    largest_state: float = inf
     fading_memory: bool = True
     shared_parameters: Mapping[str, Callable[[float], float]] = field(default_factory=dict)
     starts: Callable[[Scales], Starts] = field(default=lambda scales: ((),))
@@ -120,6 +123,10 @@ class ForceEffect(Effect):
             float(shared[n]) for n in self.shared_parameters
         ]
         return tuple(given + [0.0] * (PARAMETERS - len(given)))
+
+    def state_sizes(self, amplitude: float, frequency: float) -> tuple[float, float]:
+        """Return how large the internal states are in a motion of an amplitude (m) and angular frequency (rad/s)."""
+        return (1.0, 1.0) if isfinite(self.largest_state) else (amplitude, amplitude * frequency)
 
     def states_at_rest(self, u: float, p: Numbers | Array) -> tuple[float, float]:
         """Return the internal states of a mass that has been held at `u` for long; zeros where nothing settles."""

@@ -34,11 +34,12 @@ def _fine_starts(scales: Scales) -> Starts:
 
 
 _GAPS = (0.08, 0.26, 0.46, 0.63, 0.76, 0.87, 0.95)
-"""Gaps over the amplitude that a fit may reach."""
+_LOSSES = (0.0, 1.0, 10.0)
+"""Gaps over the amplitude, and losses times the largest speed, that a fit may reach; 10 is nearly all on the way in."""
 
 
 def _reach(scales: Scales) -> Starts:
-    return tuple((share * scales.amplitude, loss / scales.speed) for share in _GAPS for loss in (0.0, 1.0))
+    return tuple((share * scales.amplitude, loss / scales.speed) for share in _GAPS for loss in _LOSSES)
 
 
 IMPACT = ForceEffect(

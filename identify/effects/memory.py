@@ -12,15 +12,14 @@ from identify.effects.force_effect import ForceEffect
 
 @force_function
 def _hysteresis(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * z[0]
+    return p[0] * p[1] * z[0]
 
 
 @rate_function
 def _hysteresis_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     if v * z[0] > 0.0:
-        ratio = z[0] / p[1]
-        return v * (1.0 - ratio * ratio), 0.0
-    return v, 0.0
+        return v * (1.0 - z[0] * z[0]) / p[1], 0.0
+    return v / p[1], 0.0
 
 
 _YIELDS = (0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.65, 1.0, 2.0)
@@ -33,7 +32,7 @@ def _yield_starts(scales: Scales) -> Starts:
 HYSTERESIS = ForceEffect(
     name="hysteresis",
     title="hysteresis (micro-slip in a joint)",
-    equation="kh z,  z' = v (1 - (z/uy)^2 [v z > 0])",
+    equation="kh uy z,  z' = (v/uy) (1 - z^2 [v z > 0])",
     parameters=(
         Parameter("kh", "1/s^2", "stiffness of the joint before it slips, per unit mass", 0.0, inf),
         Parameter("uy", "m", "displacement at which it yields", 0.0, inf),
@@ -41,8 +40,9 @@ HYSTERESIS = ForceEffect(
     force=_hysteresis,
     rates=_hysteresis_rates,
     states=1,
+    largest_state=1.0,
     fading_memory=False,
-    equilibrium_state=lambda u, p: (copysign(min(abs(u), float(p[1])), u), 0.0),
+    equilibrium_state=lambda u, p: (copysign(min(abs(u) / float(p[1]), 1.0), u), 0.0),
     starts=_yield_starts,
     reach=lambda scales: tuple((share * scales.amplitude,) for share in _YIELDS),
     symptom="a loop in the plane of displacement and force; softer at large amplitude",

@@ -16,16 +16,16 @@ _DISPLACEMENTS = (0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.2)
 
 @force_function
 def _spring(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * z[0]
+    return p[0] * p[1] * z[0]
 
 
 @rate_function
 def _dahl_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return v - abs(v) * z[0] / p[1], 0.0
+    return (v - abs(v) * z[0]) / p[1], 0.0
 
 
 def _pulled(u: float, p: Array) -> tuple[float, float]:
-    return copysign(min(abs(u), float(p[1])), u), 0.0
+    return copysign(min(abs(u) / float(p[1]), 1.0), u), 0.0
 
 
 def _slides(values: dict[str, float], scales: Scales) -> bool:
@@ -35,7 +35,7 @@ def _slides(values: dict[str, float], scales: Scales) -> bool:
 DAHL_FRICTION = ForceEffect(
     name="dahl_friction",
     title="friction that gives way before it slides (Dahl)",
-    equation="kd z,  z' = v (1 - z/ud sgn v)",
+    equation="kd ud z,  z' = (v/ud) (1 - z sgn v)",
     parameters=(
         Parameter("kd", "1/s^2", "stiffness at a reversal, per unit mass", 0.0, inf),
         Parameter("ud", "m", "displacement over which it gives way; kd ud is the friction", 0.0, inf),
@@ -43,6 +43,7 @@ DAHL_FRICTION = ForceEffect(
     force=_spring,
     rates=_dahl_rates,
     states=1,
+    largest_state=1.0,
     fading_memory=False,
     equilibrium_state=_pulled,
     starts=lambda scales: tuple((share * scales.amplitude,) for share in (0.03, 0.1, 0.3)),
@@ -55,10 +56,13 @@ DAHL_FRICTION = ForceEffect(
 )
 
 
+_MOST_RISE = 5.0
+
+
 @rate_function
 def _lugre_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     ratio = v / p[3]
-    return v - abs(v) * z[0] / (p[1] * (1.0 + p[2] * exp(-ratio * ratio))), 0.0
+    return (v - abs(v) * z[0] / (1.0 + p[2] * exp(-ratio * ratio))) / p[1], 0.0
 
 
 def _lugre_starts(scales: Scales) -> Starts:
@@ -68,18 +72,19 @@ def _lugre_starts(scales: Scales) -> Starts:
 LUGRE_FRICTION = ForceEffect(
     name="lugre_friction",
     title="friction that gives way before it slides, and rises at low speed (LuGre)",
-    equation="kd z,  z' = v (1 - z/(ud (1 + rise exp(-(v/vs)^2))) sgn v)",
+    equation="kd ud z,  z' = (v/ud) (1 - z/(1 + rise exp(-(v/vs)^2)) sgn v)",
     parameters=(
         Parameter("kd", "1/s^2", "stiffness at a reversal, per unit mass", 0.0, inf),
         Parameter(
             "ud", "m", "displacement over which it gives way at speed; kd ud is the friction", 0.0, inf
         ),
-        Parameter("rise", "1", "relative rise of the friction towards rest", 0.0, 5.0),
+        Parameter("rise", "1", "relative rise of the friction towards rest", 0.0, _MOST_RISE),
         Parameter("vs", "m/s", "speed at which the rise has fallen to 1/e", 0.0, inf),
     ),
     force=_spring,
     rates=_lugre_rates,
     states=1,
+    largest_state=1.0 + _MOST_RISE,
     fading_memory=False,
     equilibrium_state=_pulled,
     starts=_lugre_starts,

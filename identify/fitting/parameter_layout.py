@@ -204,10 +204,10 @@ class _Builder:
             effect = term.force
             if effect.rates is None or (effect.fading_memory and window.pre_release is not None):
                 continue
-            for j in range(effect.states):
-                size = self.amplitude * (self.frequency if j else 1.0)
-                id = term.state(j).of_release(i, self.count)
-                cells.append(Cell(row, j, self.add(id, "", size=size, window=i)))
+            sizes = effect.state_sizes(self.amplitude, self.frequency)
+            for j, size in enumerate(sizes[: effect.states]):
+                id, most = term.state(j).of_release(i, self.count), effect.largest_state
+                cells.append(Cell(row, j, self.add(id, "", size=size, low=-most, high=most, window=i)))
         return tuple(cells)
 
     def _faults(self, i: int, window: FitWindow) -> tuple[FaultPlaces, ...]:

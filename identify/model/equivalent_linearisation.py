@@ -93,7 +93,7 @@ def _around(
     """Return the force (points,) once around, the phase of the points, and whether the internal states are periodic."""
     angle, u, v = _harmonic(frequency, amplitude)
     clock = time + (np.zeros(len(angle)) if effect.rates is None else angle / frequency)
-    start, size = effect.states_at_rest(amplitude, p), (amplitude, amplitude * frequency)
+    start, size = effect.states_at_rest(amplitude, p), effect.state_sizes(amplitude, frequency)
     periodic, settled = effect.periodic_states(p, clock, u, v, start, size)
     states = effect.states_along_smooth(p, clock, u, v, periodic)
     angle, clock, u, v = (values[:-1:2].copy() for values in (angle, clock, u, v))

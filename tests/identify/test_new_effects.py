@@ -2,14 +2,17 @@
 
 import numpy as np
 import pytest
-from releases import drawn
+from releases import drawn, ready
 
 from identify.diagnosis.diagnose import diagnose
 from identify.effects.families import FAMILIES
 from identify.effects.library import LIBRARY, RARE, find_effect
+from identify.fitting.parameter_layout import lay_out
+from identify.model.model import Term, base_model
 from identify.model.simulate import make_system, simulate, substeps_for
 from mocks import testbed
 from mocks.forces import Effect
+from mocks.generate import draw
 
 W0, RATE, SAMPLES = np.sqrt(614.0), 256.0, 2048
 ALL = (*LIBRARY, *RARE, *(family.effect for family in FAMILIES))
@@ -37,7 +40,9 @@ def test_the_motion_is_that_of_the_double(name, mu_0):
         np.array([614.0, 0.277, mu_0]),
         np.array([effect.table(values, {"linear_stiffness.k": 614.0})]),
         start=(0.02, 0.0),
-        states=np.array([[start, 0.0]]),
+        states=np.array(
+            [[start / values.get("ud", values.get("uy", 1.0)), 0.0]]
+        ),  # a share of what it gives way at
         samples=SAMPLES,
         rate=RATE,
         substeps=substeps_for(W0, RATE, nonsmooth=system.nonsmooth),
@@ -61,3 +66,15 @@ def test_an_effect_of_real_rigs_is_named_first(name, strength):
     strongest = found.suspects[0].effect.strength.name
     estimate = found.suspects[0].parameters[strongest]
     assert abs(estimate.value - truth["parameters"][strongest]) < 4.5 * estimate.std
+
+
+@pytest.mark.parametrize("name", ["dahl_friction", "lugre_friction", "bouc_wen_hysteresis", "hysteresis"])
+def test_a_joint_holds_no_more_at_the_start_than_it_gives_way_at(name):
+    """A fit that may begin with a state of metres makes a pulse of it, and gains by chance."""
+    effect = find_effect(name, ALL)
+    model = base_model().plus(Term(effect, {}))
+    sample = draw(None, 0.0, 71039, seconds=3.0, rate=96.0)
+    window = ready(sample.rate, sample.displacement, sample.acceleration).window
+    states = [u for u in lay_out(model, (window,), W0).unknowns if u.id.role == "state"]
+    assert [(u.low, u.high) for u in states] == [(-effect.largest_state, effect.largest_state)]
+    assert effect.states_at_rest(1.0, (20.0, 0.004, 1.0, 1.0, 0.0, 0.0))[0] == 1.0

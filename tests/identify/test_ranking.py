@@ -56,6 +56,7 @@ def test_p_values_of_the_best_suspect_of_nothing_are_not_too_often_small():
     excess = np.max(np.arange(1, len(values) + 1) / len(values) - values)
     # Kolmogorov and Smirnov: uniform p-values exceed this in 1 of 100 samples
     assert excess < 1.52 / np.sqrt(len(values))
+    assert np.sum(values < 0.02) <= 8  # of 150: 3 expected, more than 8 in 1 of 270 samples
     # Claims of nothing keep the promised 5 %: 7.5 of 150, more than 13 in 1 of 50 samples
     assert np.sum(values < ALPHA) <= 13
 
