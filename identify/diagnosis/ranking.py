@@ -50,25 +50,7 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribut
         evidence = chance.surprise(candidate.name, drop) + rest
         p_value = chance.p_value(candidate.name, drop, against=max(-rest, 0.0)) if evidence > 0.0 else 1.0
         ranked.append(Ranked(candidate, evidence, p_value, p_value < allowed))
-    ordered = tuple(sorted(ranked, key=_order))
-    if not baseline.floor_is_sure:
-        ordered = commoner_first(ordered)
-    return line_of_sensor_first(ordered, by_gain=not baseline.floor_is_sure)
-
-
-def commoner_first(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
-    """Return the candidates with a force before those that are rarer on benches and that this record does not tell from it.
-
-    Of a pendulum whose swing falls by a tenth a spring in u |u| has as good evidence as gravity, by what chance adds to it.
-    """
-    if not ranked or not ranked[0].claimed or not ranked[0].candidate.plausible:
-        return ranked
-    near = [e for e in ranked if e.claimed and e.candidate.plausible and e.candidate.term.is_force]
-    near = [e for e in near if ranked[0].evidence - e.evidence < RIVALS_WITHIN]
-    if ranked[0] not in near:
-        return ranked
-    first = min(near, key=lambda e: e.candidate.term.effect.rarity)
-    return (first, *(entry for entry in ranked if entry is not first))
+    return line_of_sensor_first(tuple(sorted(ranked, key=_order)), by_gain=not baseline.floor_is_sure)
 
 
 def line_of_sensor_first(ranked: tuple[Ranked, ...], *, by_gain: bool = False) -> tuple[Ranked, ...]:

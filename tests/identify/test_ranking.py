@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from releases import ready
 
-from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, commoner_first, line_of_sensor_first, rank
+from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, line_of_sensor_first, rank
 from identify.diagnosis.search import chances, singles
 from identify.effects.library import find_effect
 from identify.fitting.baseline import ALPHA, fit_baseline
@@ -59,16 +59,3 @@ def test_p_values_of_the_best_suspect_of_nothing_are_not_too_often_small():
     assert np.sum(values < 0.02) <= 8  # of 150: 3 expected, more than 8 in 1 of 270 samples
     # Claims of nothing keep the promised 5 %: 7.5 of 150, more than 13 in 1 of 50 samples
     assert np.sum(values < ALPHA) <= 13
-
-
-def test_of_forces_that_are_not_told_apart_the_commoner_leads():
-    near = (
-        entry("signed_quadratic_stiffness", 50.0),
-        entry("cubic_stiffness", 47.0),
-        entry("end_stop", 46.0),
-    )
-    assert commoner_first(near)[0].candidate.term.effect.name == "cubic_stiffness"
-    apart = (entry("signed_quadratic_stiffness", 50.0), entry("cubic_stiffness", 49.0 - RIVALS_WITHIN))
-    assert commoner_first(apart) == apart
-    fault = (entry("mains_hum", 50.0), entry("cubic_stiffness", 49.0))
-    assert commoner_first(fault) == fault
