@@ -143,7 +143,7 @@ def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
     w2, split = values["w2"], scales.frequency * values["ratio"] ** 0.5
     damping = values["zeta"] * w2
     if abs(w2 / scales.frequency - 1.0) <= _TUNED:
-        return split > damping and split * scales.duration > 2.0 * pi
+        return bool(split > damping and split * scales.duration > 2.0 * pi)
     harmonic = w2 > 1.5 * scales.frequency and near_harmonic(w2 / (2.0 * pi), scales)
     return not (harmonic and damping * scales.duration < _LASTING)
 
