@@ -360,3 +360,11 @@ def test_rows_that_are_counted_from_any_number_are_no_clock(tmp_path: Path) -> N
     asked = {"columns": {"displacement": 2}, "units": {"displacement": "mm"}}
     assert "names no rate" in refusal(tmp_path, text, **asked)
     assert load(tmp_path, text, rate=100.0, **asked).rate == 100.0
+
+
+def test_json_of_a_list_for_each_axis_is_transposed(tmp_path: Path) -> None:
+    motion, axes = phone(230)
+    recording = load(tmp_path, json.dumps([list(axis) for axis in axes]), rate=30.0)
+    assert recording.samples.shape == (1, 230)
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("acceleration", "m/s^2")]
+    assert np.std(recording.samples[0] - motion) < 0.05
