@@ -18,7 +18,7 @@ from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import line_percent, motion_percent
+from identify.fitting.model_error import line_percent, motion_percent, removed_percent
 from identify.formatting import (
     EXPLAINS_NOTHING,
     among,
@@ -110,7 +110,7 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
     if not baseline.adequate(baseline.fit):
         return (
             f"The model explains all but {whole}: too little to be worth a name, though it leaves a reduced chi-square of "
-            f"{left}; {floor} is a guess."
+            f"{left}; {floor} is {'known' if baseline.floor_is_sure else 'a guess'}."
         )
     first = (
         f"The model leaves a reduced chi-square of {left}, which is {floor}; "
@@ -144,8 +144,21 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
         what += f" together with {among([plain_name(name) for name in together])}: together they lower"
     else:
         what += ": it lowers"
+    motion = [three_figures(motion_percent(found)) for found in (baseline.fit, settled.fit)]
     return (
-        f"{what} the reduced chi-square from {before} to {after}, the noise floor being {floor_of(baseline)}."
+        f"{what} the misfit from {motion[0]} to {motion[1]} % of the motion, the reduced chi-square from {before} to "
+        f"{after}, the noise floor being {floor_of(baseline)}.{_small(baseline, top, settled)}"
+    )
+
+
+def _small(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
+    """Return that a force is sure and small, and how to tell it from what a rig does by itself; "" where it is not so."""
+    removed = removed_percent(baseline.fit, settled.fit)
+    if top.kind != "physics" or removed >= WORTH or max(d.window.release for d in baseline.decays) > 0:
+        return ""
+    return (
+        f" That is little, {three_figures(removed)} % of the motion: a spring that warms or settles moves as much, and one "
+        "release does not tell them apart. Diagnose it together with another one before you rely on the name."
     )
 
 

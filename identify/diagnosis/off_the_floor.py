@@ -52,10 +52,11 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
     first = judged.ranked[0]
     if judged.verdict != "sensor_fault" or not 0.0 < _line_percent(first.candidate) < WORTH:
         return judged
-    return replace(judged, verdict="nothing_missing", ranked=_unclaimed(judged.ranked))
+    return replace(judged, verdict="nothing_missing", ranked=unclaimed(judged.ranked))
 
 
-def _unclaimed(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+def unclaimed(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+    """Return the candidates, none of them claimed."""
     return tuple(replace(entry, claimed=False) for entry in ranked)
 
 
@@ -122,7 +123,7 @@ def by_curves(
     if alone is not None:
         return alone
     if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:
-        return Judgement("nothing_missing", _unclaimed(ranked), baseline.fit, confirmation=found)
+        return Judgement("nothing_missing", unclaimed(ranked), baseline.fit, confirmation=found)
     if found is None or baseline.floor_is_sure:
         shape = free_form(baseline, ranked[0].candidate.fit if best is not baseline.fit else best)
         return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)
