@@ -196,7 +196,7 @@ def _by_free_run(
 
     Either the amplitude beats and a force without a curve, a second oscillator, leaves much less than any other; or
     one that curves do not deny leaves next to nothing of what the model left, and far less than all but a few others,
-    among which no law of time. Its strength must be clear of none.
+    among which no law of time, and whose strength is clear of none.
     """
     plausible = sorted((entry for entry in ranked if entry.candidate.plausible), key=_misfit)
     if not plausible or plausible[0].candidate.term.effect.kind != "physics":
@@ -219,9 +219,8 @@ def _by_free_run(
     apart = len(near) <= MOST_RIVALS + 1 and (foretold is not None or not drifts)
     if not (beats or (left < _NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
         return None
-    if not is_clear(
-        best.candidate.fit, best.candidate.term, foretold=False
-    ):  # a mode that hardly moves the first
+    clear = is_clear(best.candidate.fit, best.candidate.term, foretold=False)
+    if not beats and not clear:  # a mode that hardly moves the first
         return None
     rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
     final = best.candidate.fit
