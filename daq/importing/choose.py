@@ -301,8 +301,8 @@ def _rising_first(table: Table, taken: set[int]) -> SourceColumn | None:
         return None
     steps = np.diff(values)
     even = np.all(steps > 0.0) and float(np.max(steps)) < 1e3 * float(np.median(steps))
-    if np.all(steps == 1.0) and values[0] in (0.0, 1.0):
-        return None
+    if np.all(steps == 1.0) and values[0] == np.rint(values[0]):
+        return None  # rows that were counted, from whatever number
     return column if even and np.isfinite(values).all() else None
 
 
@@ -334,8 +334,9 @@ def _no_motion(table: Table, taken: set[int], *, rate_known: bool) -> ImportProb
             "holds no column beside the time",
             "name a file with a displacement, velocity or acceleration",
         )
-    asked = (ask("displacement", _name(_likely(rest))), "--unit displacement=mm")
+    asked = (ask("displacement", _name(_likely(rest))), "--unit displacement=UNIT")
     return problem(
         table.path, _what_is_not_said(table, rest),
-        f"say it, as in {' '.join(asked)}", options=asked if rate_known else (*asked, "--rate HZ"),
+        f"say it and its unit (mm, deg, V ...), as in {' '.join(asked)}",
+        options=asked if rate_known else (*asked, "--rate HZ"),
     )  # fmt: skip

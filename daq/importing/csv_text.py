@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from daq.importing import serial_text, side_header
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, split
 from daq.importing.errors import problem
 from daq.importing.header_lines import Setting, headers, motion_unit, rate_above, settings_above
 from daq.importing.numbers import Parsed, parse_column, parse_number
 from daq.importing.options import ImportOptions
-from daq.importing.serial_text import table_of
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
@@ -27,9 +27,10 @@ def read_csv(path: Path, data: bytes, options: ImportOptions) -> Table:
     del text
     if options.skip_rows >= len(lines):
         raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {options.skip_rows}")
-    serial = table_of(lines[options.skip_rows :]) if options.delimiter is None else None
-    if serial is not None:
-        lines = [*[""] * options.skip_rows, *serial[0]]
+    body = lines[options.skip_rows :]
+    odd = serial_text.table_of(body) or side_header.table_of(body) if options.delimiter is None else None
+    if odd is not None:
+        lines = [*[""] * options.skip_rows, *odd[0]]
     dialect = find_dialect(path, lines, options)
     if dialect.width > MAX_COLUMNS:
         raise problem(
@@ -40,7 +41,7 @@ def read_csv(path: Path, data: bytes, options: ImportOptions) -> Table:
         )
     rows = [i for i in range(dialect.start, len(lines)) if lines[i] and not lines[i].isspace()]
     notes = [said] if said else []
-    notes += [serial[1]] if serial is not None else []
+    notes += [odd[1]] if odd is not None else []
     parsed, rows = _numbers(path, lines, rows, dialect, notes)
     names, units = headers(lines, dialect, options.skip_rows, len(parsed))
     if names and not names[-1] and names[0] and _counts(parsed[0]):

@@ -1,7 +1,9 @@
 """Readings that are held: a program that asks a sensor faster than it answers writes each answer again until the next.
 
 A row that repeats the one before while the mass moves fast is no new reading. The sensor answers by a clock of its own,
-which the rows that bring a new reading follow to within the interval between two questions.
+which the rows that bring a new reading follow to within the interval between two questions. Where few rows repeat one, as
+where a film's frames were doubled to a higher rate, new readings come in nearly every row, and the rows that repeat one
+tell the clock: each lies in the last part of a period, as long as the period is longer than the interval.
 """
 
 from dataclasses import dataclass
@@ -19,8 +21,9 @@ LARGE_STEP = 4.0
 
 FEWEST_INTERVALS = 24
 FEWEST_CHANGES = 40
-REPEATED = 0.1
-"""Share of the rows of a fast motion that repeat the one before, from which readings are held."""
+FEWEST_REPEATS = 12
+REPEATED = (0.05, 0.95)
+"""Shares of the rows of a fast motion that repeat the one before between which readings are held, if by a clock."""
 
 REGULAR = 0.7
 """New readings come as regularly as those of a clock: at least this share of the concentration that one would show."""
@@ -56,23 +59,38 @@ def held_readings(time: Array, values: Array) -> Held | None:
         return None
     new = np.concatenate([[True], np.any(values[:, 1:] != values[:, :-1], axis=0)])
     asked, changes = float(np.median(steps)), time[new]
-    period = _interval(time, values, new)
+    size = _steps_in_quanta(values)
+    period = _interval(time, size, new)
     share = 1.0 - asked / period if period > 0.0 else 0.0
-    if not REPEATED <= share <= 1.0 - 0.5 * REPEATED or len(changes) < FEWEST_CHANGES:
+    if not REPEATED[0] <= share <= REPEATED[1] or len(changes) < FEWEST_CHANGES:
         return None
-    period, regular, centre = _period(changes, period)
-    spread = asked / period  # a clock's readings are seen evenly spread over so much of a period
-    if spread > 1.0 or regular < max(REGULAR * float(np.sinc(spread)), 4.0 / np.sqrt(len(changes))):
+    shortest = asked / (1.0 - 0.5 * REPEATED[0])
+    clock = _clock(changes, period, shortest, asked, FEWEST_CHANGES)
+    if clock is None:
+        repeats = time[_surely_held(size, new)]
+        clock = _clock(repeats, period, shortest, -asked, FEWEST_REPEATS)
+    if clock is None:
         return None
-    return _on_its_clock(time, period, centre, asked, len(changes), float(np.mean(~new)))
+    return _on_its_clock(time, *clock, asked, float(np.mean(~new)))
 
 
-def _interval(time: Array, values: Array, new: Mask) -> float:
-    """Return the mean time (s) between two new readings that both are large steps; 0 where there are too few."""
-    size = np.zeros(len(time))
+def _steps_in_quanta(values: Array) -> Array:
+    """Return the largest step of a channel to each row, shape (n,), in what its readings differ by at least.
+
+    A converter's step, or a picture's pixel, need not be a round number in the unit of the file.
+    """
+    size = np.zeros(values.shape[1])
     for channel in values:
-        step = np.abs(np.diff(channel, prepend=channel[0])) / max(quantum(channel), 1e-300)
-        size = np.fmax(size, step)
+        step = np.abs(np.diff(channel, prepend=channel[0]))
+        rounded = quantum(channel)
+        apart = step[step > 0.5 * rounded]
+        least = max(rounded, float(np.min(apart, initial=np.inf)) if len(apart) else 0.0)
+        size = np.fmax(size, step / max(least, 1e-300))
+    return size
+
+
+def _interval(time: Array, size: Array, new: Mask) -> float:
+    """Return the mean time (s) between two new readings that both are large steps; 0 where there are too few."""
     at = np.flatnonzero(new)
     large = size[at] > LARGE_STEP
     between = np.diff(time[at])[large[1:] & large[:-1]]
@@ -81,10 +99,36 @@ def _interval(time: Array, values: Array, new: Mask) -> float:
     return float(np.mean(between[between < 3.0 * np.median(between)]))
 
 
-def _period(changes: Array, period: float) -> tuple[float, float, float]:
+def _surely_held(size: Array, new: Mask) -> Mask:
+    """Return which rows repeat the one before between two large steps, (n,): one row alone, which no rounding repeats."""
+    held = np.zeros(len(new), dtype=bool)
+    held[2:-1] = ~new[2:-1] & (size[1:-2] > LARGE_STEP) & (size[3:] > LARGE_STEP)
+    return held
+
+
+def _clock(
+    events: Array, period: float, shortest: float, asked: float, fewest: int
+) -> tuple[float, float, float] | None:
+    """Return period, its error and the middle (s) of new readings' times by rows that bring one, or, where `asked` is
+    negative, by rows that repeat one; None where they do not come by a clock.
+    """
+    if len(events) < fewest:
+        return None
+    period, regular, centre = _period(events, period, shortest)
+    # A clock's readings are seen evenly spread over so much of a period, and repeated over the rest of it.
+    spread = asked / period if asked > 0.0 else 1.0 + asked / period
+    if spread > 1.0 or regular < max(REGULAR * float(np.sinc(spread)), 4.0 / np.sqrt(len(events))):
+        return None
+    middle = centre if asked > 0.0 else centre + 0.5 * period
+    span = max((events[-1] - events[0]) / period, 1.0)
+    return period, spread * period / np.sqrt(len(events)) / span, middle
+
+
+def _period(changes: Array, period: float, shortest: float) -> tuple[float, float, float]:
     """Return the period (s) near a first guess at which changes (m,) bunch most, how much (0 to 1), and at what time.
 
     First of a few changes close together, whose phase a wrong period does not yet turn, then of twice as many each time.
+    Periods below the `shortest` are not tried: at the interval of the rows themselves all rows bunch.
     """
     reach, count = NEAR, min(FIRST_CHANGES, len(changes))
     first = int(np.argmin(changes[count - 1 :] - changes[: len(changes) - count + 1]))  # not over a rest
@@ -94,6 +138,7 @@ def _period(changes: Array, period: float) -> tuple[float, float, float]:
         span = max(float(part[-1] - part[0]) / period, 1.0)
         tried = period * (1.0 + np.arange(-reach, reach + 1e-12, 0.1 / span))
         bunched = np.exp(2j * np.pi * part / tried[:, None]).mean(axis=1)
+        bunched[tried < shortest] = 0.0
         best = _nearest_of_the_best(np.abs(bunched), len(tried) // 2)
         period = float(tried[best])
         if count == len(changes):
@@ -110,9 +155,7 @@ def _nearest_of_the_best(bunched: Array, middle: int) -> int:
     return int(group[np.argmax(bunched[group])])
 
 
-def _on_its_clock(
-    time: Array, period: float, centre: float, asked: float, changes: int, share: float
-) -> Held:
+def _on_its_clock(time: Array, period: float, std: float, centre: float, asked: float, share: float) -> Held:
     """Return the last row of each period around the times at which new readings are seen; periods without a row are lost."""
     first = int(np.ceil((time[0] - centre) / period - 0.5))
     last = int(np.floor((time[-1] - centre) / period + 0.5))
@@ -121,7 +164,6 @@ def _on_its_clock(
     rows = np.searchsorted(time, begin + period) - 1
     there = (rows >= 0) & (time[np.maximum(rows, 0)] >= begin)
     number, rows = number[there], rows[there]
-    std = asked / np.sqrt(changes) / max(float(number[-1] - number[0]), 1.0)
     start = centre + number[0] * period - 0.5 * asked
     return Held(
         period, std, float(start), rows.astype(np.int64), (number - number[0]).astype(np.int64), share

@@ -10,6 +10,7 @@ from daq.importing.numbers import parse_clock, parse_number
 from daq.recording import Array
 
 FEWEST = 3
+MANY = 8
 DEEPEST = 5
 _LABELS = ("name", "label", "channel", "title", "quantity", "id")
 _UNITS = ("unit", "units")
@@ -100,7 +101,20 @@ def _from_channels(node: list[Any], key: str) -> Found | None:
     return Found(key, names, columns, None)
 
 
+def _from_lists_of_channels(node: list[Any], key: str) -> Found | None:
+    """Read a few long lists, one for each channel: nothing has eight times as many channels as samples."""
+    if not node or not all(isinstance(row, list) and len(row) > MANY * len(node) for row in node):
+        return None
+    columns = [_numbers(row) for row in node]
+    if any(c is None for c in columns) or len({len(row) for row in node}) > 1:
+        return None
+    return Found(key, None, [c for c in columns if c is not None], None)
+
+
 def _from_list(node: list[Any], key: str) -> Found | None:
+    channels = _from_lists_of_channels(node, key)
+    if channels is not None:
+        return channels
     if len(node) < FEWEST:
         return None
     if all(isinstance(row, dict) for row in node):

@@ -36,8 +36,9 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
     """Return the table of each run, in the order of the file, or the table itself when it holds one recording.
 
     Runs are found by a word and a number in the names (`Angle (rad) Run #3`), by numbers or capital letters at their
-    end (`t1 theta1 t2 theta2`, `Time A`, `Time B`), by names that repeat, by columns of time without any name, by a
-    column that numbers the runs row by row, or by a time that begins again. Where runs stand side by side, each has a
+    end (`t1 theta1 t2 theta2`, `Time A`, `Time B`), by names that repeat, by a column of time before each that is called
+    otherwise (`t;without damper;t;with damper`), by columns of time without any name, by a column that numbers the runs row
+    by row, or by a time that begins again. Where runs stand side by side, each has a
     time of its own, or all share one (for bare numbers only where the operator asks for a run: `x1` and `x2` may be two
     masses).
     """
@@ -49,6 +50,7 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
         or _by_names(table, _number, shared=shared)
         or _by_names(table, _letter, shared=shared)
         or _by_repetition(table)
+        or _by_times(table)
         or _by_rising(table)
         or _by_row(table)
         or _by_restart(table)
@@ -142,6 +144,31 @@ def _by_repetition(table: Table) -> list[Table]:
         seen[key] = seen.get(key, 0) + 1
         groups.setdefault(str(seen[key]), []).append(replace(column, label=label))
     return _accepted(table, groups, [])
+
+
+def _by_times(table: Table) -> list[Table]:
+    """Cut a table at columns that rise evenly under one name, where one column that says what it is follows each.
+
+    The name need not be known as that of a time: nothing else rises evenly in each of several runs.
+    """
+    named = [c for c in table.columns if c.bad is not None or np.isfinite(c.values).any()]
+    names = [_COPY.sub(r"\1", c.label).strip().casefold() for c in named]
+    places = [i for i, name in enumerate(names) if name and name == names[0] and rises_evenly(named[i])]
+    if len(places) < 2 or [b - a for a, b in pairwise([*places, len(named)])] != [2] * len(places):
+        return []
+    said = {_motion_of(named[i + 1]) for i in places}
+    if len(said) != 1:
+        return []
+    groups = {
+        str(k): [replace(named[i], quantity="time"), named[i + 1]] for k, i in enumerate(places, start=1)
+    }
+    return _accepted(table, groups, [])
+
+
+def _motion_of(column: SourceColumn) -> str:
+    """Return what a column's name or unit says that it measures: a motion, or "" where it says none."""
+    quantity = column.quantity or meaning(column.label, column.unit).quantity
+    return quantity if quantity in MOTIONS else ""
 
 
 def _by_rising(table: Table) -> list[Table]:

@@ -15,6 +15,7 @@ _ITEM = re.compile(
     r"\s*(?:[,;|\t]|\s|$)\s*"
 )
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
+_TAIL = re.compile(r"(?<=\d),(\d+)(?![\d.,])")
 
 SAMPLE = 40
 ALIKE = 0.9
@@ -36,12 +37,14 @@ def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
     """Return the lines as a table between tabs with a header, and a sentence on it; None where they are no such text.
 
     Each line stays in its place; what does not fit is blank. Where no line is free above the first row, the header comes
-    before all. A comma between two digits is the decimal sign where every number then has a label, or every one a unit.
+    before all. A comma between two digits is the decimal sign where every number then has a label, or every one a unit, or
+    where as many digits follow it in all lines, and some begin with a zero, as no whole number does.
     """
     rows = _alike(lines)
     if rows is not None and not _all_named(rows):
         with_points = _alike([_COMMA.sub(".", line) for line in lines])
-        rows = with_points if with_points is not None and _all_named(with_points) else rows
+        decimal = with_points is not None and (_all_named(with_points) or _zeros_follow_commas(lines))
+        rows = with_points if decimal else rows
     if rows is None:
         return None
     first, row = next((i, row) for i, row in enumerate(rows) if row is not None)
@@ -77,6 +80,19 @@ def _all_named(rows: Sequence[_Row | None]) -> bool:
     """Return whether every number of a row has a label, or without any labels every one a unit."""
     row = next(row for row in rows if row is not None)
     return all(row.labels) or (not any(row.labels) and all(row.units))
+
+
+def _zeros_follow_commas(lines: Sequence[str]) -> bool:
+    """Return whether the digits after each comma between two digits are those of a decimal fraction."""
+    widths: set[tuple[int, ...]] = set()
+    zeros = 0
+    for line in lines:
+        arrow = _ARROW.match(line)
+        tails = _TAIL.findall(line[arrow.end() :] if arrow else line)
+        if tails:
+            widths.add(tuple(len(tail) for tail in tails))
+            zeros += sum(len(tail) > 1 and tail.startswith("0") for tail in tails)
+    return len(widths) == 1 and zeros > 0
 
 
 def _what_was_read(row: _Row) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from identify.curves.confirmation import Confirmation, ConfirmedEffect
 from identify.curves.release_by_release import confirm_releases
 from identify.diagnosis.explain import explain
-from identify.diagnosis.judgement import judge
+from identify.diagnosis.judgement import judge, worth_naming
 from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, without_needless_effects
 from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
@@ -57,7 +57,8 @@ class Diagnosis(Summarised):
     the decay foretell, None where they were not asked. `decays` are the whole releases, prepared. `shares` say what each
     effect of the final model does at the largest and at the smallest amplitude; none where the model misses something
     without a name. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
-    None where the floor itself decides. `modes` are other modes of the structure that what is left shows.
+    None where the floor itself decides. `modes` are other modes of the structure that what is left shows. Forces that
+    remove less than `worth` % of the motion were not named.
     """
 
     baseline: Baseline
@@ -75,6 +76,7 @@ class Diagnosis(Summarised):
     shares: tuple[AmplitudeShares, ...] = ()
     harmonics: HarmonicResidual | None = None
     modes: tuple[OtherMode, ...] = ()
+    worth: float = 0.0
 
     @property
     def of_releases(self) -> tuple[ReleaseValue, ...]:
@@ -115,7 +117,7 @@ class Diagnosis(Summarised):
                 progress(rung, f"removed {rung.removed}: it is no longer needed")
             top = rungs[-1].fit
             known = top.point
-            found = diagnose(self.decays, top.model, library=self.library, known=known)
+            found = diagnose(self.decays, top.model, library=self.library, known=known, worth=self.worth)
         named = {rung.added for rung in rungs}
         for rung in without_needless_effects(rungs[-1], named | set(base_model().names)):
             rungs.append(rung)
@@ -123,6 +125,8 @@ class Diagnosis(Summarised):
         return Ladder(tuple(rungs), reason, found.verdict)
 
     def _reason_to_stop(self, rungs: int) -> str:
+        if self.verdict == "nothing_missing" and not self.baseline.adequate(self.baseline.fit):
+            return "what is left is too little of the motion to be worth a name"
         if self.verdict == "nothing_missing":
             return "the noise floor is reached: no effect of the library lowers the error by more than chance would"
         if self.verdict == "unknown_effect":
@@ -171,13 +175,15 @@ def diagnose(
     *,
     library: tuple[Effect, ...] = LIBRARY,
     known: dict[str, float] | None = None,
+    worth: float = 0.0,
     progress: Callable[[str], None] = lambda words: None,
 ) -> Diagnosis:
     """Return what a model lacks on one release, or on several that share their physics.
 
     The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin the fit from, by
-    unknown's name. `progress` is told each step in words, counted where it has a known number of fits. Raises
-    NotIdentifiable when a release holds too little to fit anything.
+    unknown's name. No force is named that removes less than `worth` % of the motion, however sure it is; where the floor is
+    a guess half a percent is asked in any case. `progress` is told each step in words, counted where it has a known number
+    of fits. Raises NotIdentifiable when a release holds too little to fit anything.
     """
     whole = prepared_of(decays)
     first = fit_baseline(segments_of(whole), model or base_model(), known)
@@ -202,6 +208,7 @@ def diagnose(
             judgement = judge(
                 baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, foretell
             )
+    judgement = worth_naming(baseline, judgement, worth)
     if baseline is not first:  # other noise, another floor
         own = {window.release: window.own_linear for window in baseline.fit.windows}
         whole = tuple(
@@ -239,6 +246,7 @@ def diagnose(
         shares=shares(whole, baseline.stated(settled.fit)) if verdict in _EXPLAINED else (),
         harmonics=harmonics,
         modes=() if verdict == "driven" else other_modes(settled.fit),
+        worth=worth,
     )
 
 

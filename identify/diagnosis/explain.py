@@ -18,7 +18,7 @@ from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import line_percent, motion_percent
+from identify.fitting.model_error import line_percent, motion_percent, removed_percent
 from identify.formatting import (
     EXPLAINS_NOTHING,
     among,
@@ -66,7 +66,7 @@ def explain(
     if verdict == "driven" and confirmation is not None:
         return explain_driven(confirmation)
     if verdict == "unconfirmed" and confirmation is not None:
-        return explain_unconfirmed(confirmation)
+        return explain_unconfirmed(confirmation, suspects, baseline.reduced(baseline.fit))
     if top is not None and top.confirmed is not None and confirmation is not None:
         return explain_confirmed(suspects, confirmation)
     if verdict == "unknown_effect" or top is None:
@@ -110,7 +110,7 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
     if not baseline.adequate(baseline.fit):
         return (
             f"The model explains all but {whole}: too little to be worth a name, though it leaves a reduced chi-square of "
-            f"{left}; {floor} is a guess."
+            f"{left}; {floor} is {'known' if baseline.floor_is_sure else 'a guess'}."
         )
     first = (
         f"The model leaves a reduced chi-square of {left}, which is {floor}; "
@@ -144,8 +144,21 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
         what += f" together with {among([plain_name(name) for name in together])}: together they lower"
     else:
         what += ": it lowers"
+    motion = [three_figures(motion_percent(found)) for found in (baseline.fit, settled.fit)]
     return (
-        f"{what} the reduced chi-square from {before} to {after}, the noise floor being {floor_of(baseline)}."
+        f"{what} the misfit from {motion[0]} to {motion[1]} % of the motion, the reduced chi-square from {before} to "
+        f"{after}, the noise floor being {floor_of(baseline)}.{_small(baseline, top, settled)}"
+    )
+
+
+def _small(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
+    """Return that a force is sure and small, and how to tell it from what a rig does by itself; "" where it is not so."""
+    removed = removed_percent(baseline.fit, settled.fit)
+    if top.kind != "physics" or removed >= WORTH or max(d.window.release for d in baseline.decays) > 0:
+        return ""
+    return (
+        f" That is little, {three_figures(removed)} % of the motion: a spring that warms or settles moves as much, and one "
+        "release does not tell them apart. Diagnose it together with another one before you rely on the name."
     )
 
 
@@ -238,20 +251,28 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     tried = [s for s in suspects if s.plausible and not _is_corrected(s) and s.effect.kind == "physics"]
     most = sorted((s for s in tried if _explained(baseline, s) > _MOST_OF_IT), key=lambda s: s.error_after)
     if best is not None and most:
-        names = [plain_name(s.effect.name) for s in most[:_MOST_ALTERNATIVES]]
-        if len(most) > len(names):
-            names.append(f"{len(most) - len(names)} more")
-        each = "alone explains" if len(names) == 1 else "each explain"
-        left = _left(baseline, most[0].fit, most[0].error_after)
-        return (
-            f"Something is missing: the model leaves {whole}. {among(names)[0].upper()}{among(names)[1:]} {each} more than "
-            f"{100.0 * _MOST_OF_IT:.0f} % of it; {left} is left at best, {floor}, and has no name."
+        rest = (
+            "this record does not tell them apart"
+            if baseline.adequate(best.fit)
+            else "what is left has no name"
         )
+        return f"Something is missing: the model leaves {whole}. {_each_leaves(baseline, most)}, {floor}: {rest}."
     first = f"Something is missing that the library does not name: the model leaves {whole}"
     if best is not None:
         left = _left(baseline, best.fit, best.error_after)
         first += f", and the best named effect, {plain_name(best.effect.name)}, still {left}"
     return f"{first}, {floor}."
+
+
+def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
+    """Return what the suspects would leave, each alone, from the best on."""
+    first, shown = most[0], most[1:_MOST_ALTERNATIVES]
+    listed = [f"{plain_name(s.effect.name)} {three_figures(s.error_after)} times" for s in shown]
+    if len(most) > _MOST_ALTERNATIVES:
+        listed.append(f"{len(most) - _MOST_ALTERNATIVES} more less than a tenth of it")
+    others = f", {among(listed)}" if listed else ""
+    left = _left(baseline, first.fit, first.error_after)
+    return f"{plain_name(first.effect.name).capitalize()} would leave {left}{others}"
 
 
 def _unknown(
@@ -267,6 +288,8 @@ def _unknown(
             " The record holds too few cycles for its large amplitudes to foretell its small ones, so no name is "
             "confirmed: diagnose it together with another release."
         )
+    if best is not None and baseline.adequate(best.fit):
+        return first
     if shape is None or not shape.coordinates:
         return f"{first} No smooth force in displacement, velocity or time explains it either."
     peak = shape.shapes[0]

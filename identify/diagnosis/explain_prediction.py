@@ -4,7 +4,11 @@ import numpy as np
 
 from identify.curves.confirmation import RANGE, Confirmation, ConfirmedEffect
 from identify.diagnosis.suspect import Suspect
-from identify.formatting import among, plain_name, quantities, three_figures
+from identify.fitting.misfit_errors import CLEAR
+from identify.formatting import among, plain_name, quantities, share_words, three_figures
+
+_NEARLY_ALL = 0.99
+"""Share of what the model leaves above the noise that a force must explain to be spoken of though its strength is unsure."""
 
 _KINDS = {"frequency": "the frequency", "loss": "the loss per cycle"}
 
@@ -39,8 +43,11 @@ def _alone(effect: ConfirmedEffect) -> str:
     )
 
 
-def explain_unconfirmed(found: Confirmation) -> str:
-    """Return that something is left which no effect foretells, how much it is, and what may be behind it."""
+def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], before: float) -> str:
+    """Return that something is left which no effect foretells, how much it is, and what may be behind it.
+
+    `before` is the reduced chi-square of the model as it is.
+    """
     size = three_figures(_share(found))
     others = "the other" if found.parts == 2 else "all the others"
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
@@ -51,10 +58,23 @@ def explain_unconfirmed(found: Confirmation) -> str:
             f"{RANGE:g} on, so none was asked and none is named. Record until less is left, or add a release of another "
             "size."
         )
-        return " ".join(words)
-    undecided = _undecided(found)
-    words += undecided or ["No effect of the library foretells more of it, so none is named."]
-    return " ".join(words)
+    else:
+        words += _undecided(found) or ["No effect of the library foretells more of it, so none is named."]
+    return " ".join([*words, *(_unclear(suspect, before) for suspect in suspects[:1])]).strip()
+
+
+def _unclear(suspect: Suspect, before: float) -> str:
+    """Return that a force would explain nearly all of it, were its strength clear of none; "" where it is not so."""
+    share = (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
+    strength = suspect.parameters.get(suspect.effect.strength.name)
+    if suspect.kind != "physics" or not suspect.claimed or share < _NEARLY_ALL or strength is None:
+        return ""
+    if not abs(strength.value) < CLEAR * strength.std:
+        return ""
+    return (
+        f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of it, but its strength, "
+        f"{quantities({suspect.effect.strength.name: strength})[0]}, is not clear of zero."
+    )
 
 
 def explain_driven(found: Confirmation) -> str:

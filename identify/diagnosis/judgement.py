@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.line_beside import line_beside
-from identify.diagnosis.off_the_floor import by_curves, if_foretold
+from identify.diagnosis.off_the_floor import by_curves, if_foretold, unclaimed
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.search import Pair
 from identify.diagnosis.several_effects import several_effects
@@ -17,6 +17,7 @@ from identify.diagnosis.verdict import Judgement, free_form, verdict_of
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
+from identify.fitting.model_error import removed_percent
 
 _DECISIVE = 12.0
 """Nats of evidence below which a force is not claimed while a sensor is known to be faulty: mend that first."""
@@ -50,6 +51,16 @@ def judge(
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
         return replace(judged, verdict="sensor_fault", corrected=True)
     return judged
+
+
+def worth_naming(baseline: Baseline, judgement: Judgement, worth: float) -> Judgement:
+    """Return the judgement, which names no force that removes less than `worth` % of the motion: sure is not yet large."""
+    small = removed_percent(baseline.fit, judgement.final) < worth
+    if judgement.verdict != "missing_effect" or not small:
+        return judgement
+    return Judgement(
+        "nothing_missing", unclaimed(judgement.ranked), baseline.fit, confirmation=judgement.confirmation
+    )
 
 
 def _faulty(baseline: Baseline, faults: tuple[CorrectedFault, ...]) -> bool:

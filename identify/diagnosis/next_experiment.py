@@ -23,6 +23,7 @@ _DRIVES = (
     (1.5, "the motion under the same force at one and a half times its level"),
 )
 _WORTH = 25.0
+_BY_FAR = 1e6  # of chi-square; also where the rival's motion runs away
 
 
 def next_experiment(baseline: Baseline, verdict: str, suspects: tuple[Suspect, ...]) -> str:
@@ -66,10 +67,8 @@ def next_experiment(baseline: Baseline, verdict: str, suspects: tuple[Suspect, .
             f"No other {'level' if driven else 'release'} would separate {one} from {other} "
             f"on this bench; instead: {first.effect.confirming_test}."
         )
-    return (
-        f"To separate {one} from {other}, record {words}: there they differ by "
-        f"{np.sqrt(best):.0f} standard deviations."
-    )
+    by = f"{np.sqrt(best):.0f} standard deviations" if best < _BY_FAR else "far more than the noise"
+    return f"To separate {one} from {other}, record {words}: there they differ by {by}."
 
 
 def _amplitude(baseline: Baseline) -> tuple[float, str]:

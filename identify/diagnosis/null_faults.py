@@ -28,6 +28,9 @@ _SMALL = 1e-3
 _FOLLOWED = 1e-6
 """Share of a change's norm below which what the fit's own parameters leave of it is rounding."""
 
+_SWEEPS = 12
+"""Times that the shares of several releases are made the best ones in turn."""
+
 _NONE = 1e-9
 """Norm of a change, in units of the noise, that is none."""
 
@@ -40,6 +43,14 @@ class _Change:
     beside: tuple[Array, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class _Split:
+    """The same in parts (n,) that each have a size of their own: those of one release, or of each of several."""
+
+    parts: list[Array]
+    beside: list[Array]
+
+
 def fault_drops(base: Fit, term: Term, scales: Scales, tangent: Tangent, noise: Array) -> Array:
     """Sum over the releases of the best drop by a fault that each has with parameters of its own, (draws,).
 
@@ -48,17 +59,36 @@ def fault_drops(base: Fit, term: Term, scales: Scales, tangent: Tangent, noise: 
     readings = _Readings.of(base, term)
     changes = [_change(readings, start, scales) for start in reachable_starts(term, scales)]
     changes = [change for change in changes if np.isfinite(change.whole).all()]
-    total = np.zeros(noise.shape[1])
-    for i, rows in enumerate(rows_of(base.windows)):
+    total, every = np.zeros(noise.shape[1]), rows_of(base.windows)
+    for i, rows in enumerate(every):
         followed = _Followed.of(tangent.part(i))
         drawn = followed.whitened(noise[rows])
         wholes = [followed.left_of(change.whole[rows]) for change in changes]
         if not term.fault.held_at_first:  # the starts are directions, all of which are free
             total += _along(_independent(wholes, len(drawn)), drawn)
             continue
-        besides = [tuple(followed.left_of(b[rows]) for b in change.beside) for change in changes]
-        total += _of_sizes([_Change(*both) for both in zip(wholes, besides, strict=True)], drawn)
+        besides = [[followed.left_of(b[rows]) for b in change.beside] for change in changes]
+        total += _of_sizes([_Split([w], b) for w, b in zip(wholes, besides, strict=True)], drawn)
+    if term.fault.held_at_first and len(every) > 1:
+        total = np.maximum(total, _of_one_sensor(changes, every, tangent, noise))
     return total
+
+
+def _of_one_sensor(changes: list[_Change], every: list[slice], tangent: Tangent, noise: Array) -> Array:
+    """Return the largest drop over the starting values by a fault that is much the same in all releases, (draws,).
+
+    What is common to all, the parameters that they share follow better than what one of them has alone.
+    """
+
+    def parts(column: Array) -> list[Array]:
+        """Return what is left of a column in each release, the others without it."""
+        found = [np.zeros_like(column) for _ in every]
+        for own, rows in zip(found, every, strict=True):
+            own[rows] = column[rows]
+        return [tangent.free(own) for own in found]
+
+    split = [_Split(parts(c.whole), [own for column in c.beside for own in parts(column)]) for c in changes]
+    return _of_sizes(split, noise)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,25 +178,37 @@ def _along(directions: Array, noise: Array) -> Array:
     return np.asarray(np.sum((directions.T @ noise) ** 2, axis=0))
 
 
-def _of_sizes(changes: list[_Change], noise: Array) -> Array:
+def _of_sizes(changes: list[_Split], noise: Array) -> Array:
     """Return the largest drop over the starting values, each with the sizes that it stands for, (draws,)."""
     best = np.zeros(noise.shape[1])
     found = []
     for change in changes:
         beside = _independent(change.beside, len(noise))
-        whole = change.whole - beside @ (beside.T @ change.whole)
-        found.append((float(np.linalg.norm(change.whole)), whole, beside))
+        whole = np.column_stack(change.parts)
+        size = float(np.linalg.norm(whole.sum(axis=1)))
+        found.append((size, whole - beside @ (beside.T @ whole), beside))
     found.sort(key=lambda one: one[0])
     sizes = [size for size, _, _ in found]
     for j, (size, whole, beside) in enumerate(found):
-        squared = float(whole @ whole)
         low = np.sqrt(sizes[j - 1] / size) if j and size > 0.0 else 0.0
         high = np.sqrt(sizes[j + 1] / size) if j + 1 < len(found) and size > 0.0 else 1.0
-        along = whole @ noise
-        share = (
-            np.clip(along / squared, low, high)
-            if squared > _FOLLOWED**2 * size**2 + 1e-18
-            else np.zeros_like(along)
-        )
-        best = np.maximum(best, share * (2.0 * along - share * squared) + _along(beside, noise))
+        rounding = _FOLLOWED**2 * size**2 + 1e-18
+        best = np.maximum(best, drop_by_shares(whole, noise, low, high, rounding) + _along(beside, noise))
     return best
+
+
+def drop_by_shares(parts: Array, noise: Array, low: float, high: float, rounding: float) -> Array:
+    """Return the largest drop by columns (n, parts) of which any shares between two are there, (draws,).
+
+    Each share in its turn is made the best one beside the others, which climbs to the top of a concave function. Parts
+    whose square is `rounding` are none.
+    """
+    together, along = parts.T @ parts, parts.T @ noise
+    counts = np.diag(together) > rounding
+    together, along = together[np.ix_(counts, counts)], along[counts]
+    share = np.full_like(along, low)
+    for _ in range(_SWEEPS if len(along) > 1 else 1):
+        for i, own in enumerate(np.diag(together)):
+            beyond = along[i] - together[i] @ share + own * share[i]
+            share[i] = np.clip(beyond / own, low, high)
+    return np.asarray(np.sum(share * (2.0 * along - together @ share), axis=0))

@@ -11,14 +11,14 @@ import numpy as np
 from identify.curves.confirmation import MOST_RIVALS, Confirmation
 from identify.curves.leading_law import WORTH, complexity
 from identify.diagnosis.confirmed_fit import fit_confirmed
-from identify.diagnosis.ranking import Ranked
+from identify.diagnosis.ranking import Ranked, rivals_of
 from identify.diagnosis.suspects import Candidate
 from identify.diagnosis.verdict import Judgement, free_form
 from identify.effects.force_effect import ForceEffect
 from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import ADEQUATE, Baseline
 from identify.fitting.fit import Fit
-from identify.fitting.misfit_errors import as_white_misfit, with_misfit_errors
+from identify.fitting.misfit_errors import CLEAR, as_white_misfit, with_misfit_errors
 from identify.fitting.model_error import line_percent, motion_percent
 from identify.model.model import Term
 
@@ -31,9 +31,6 @@ NEGLIGIBLE = 0.1 * WORTH
 
 _NEXT_LEAVES = 3.0
 """A force that leaves less than this many times as much is not told apart from it."""
-
-_CLEAR = 3.0
-"""Standard errors, of the misfit that is there, by which a strength must differ from none."""
 
 _RIDGE = 1e-9
 """Added to a correlation matrix of parameters, so that it has an inverse."""
@@ -55,10 +52,11 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
     first = judged.ranked[0]
     if judged.verdict != "sensor_fault" or not 0.0 < _line_percent(first.candidate) < WORTH:
         return judged
-    return replace(judged, verdict="nothing_missing", ranked=_unclaimed(judged.ranked))
+    return replace(judged, verdict="nothing_missing", ranked=unclaimed(judged.ranked))
 
 
-def _unclaimed(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+def unclaimed(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+    """Return the candidates, none of them claimed."""
     return tuple(replace(entry, claimed=False) for entry in ranked)
 
 
@@ -70,19 +68,42 @@ def _line_percent(candidate: Candidate) -> float:
 
 
 def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
-    best = alone.ranked[0].candidate
+    alike = _alike(alone.ranked)
+    foretold = next((entry for entry in alike if is_foretold(entry.candidate)), None)
+    if foretold is None and len({entry.candidate.term.effect.of_time for entry in alike}) > 1:
+        return by_curves(baseline, alone.ranked, found, alone.final)
+    lead = foretold or min(alike, key=lambda entry: complexity(entry.candidate.term.effect))
+    rest = tuple(entry for entry in alone.ranked if entry is not lead)
+    alone = replace(alone, ranked=(lead, *rest), final=lead.candidate.fit)
+    best = lead.candidate
     if found is None and best.term.effect.of_time:
         return Judgement("unknown_effect", alone.ranked, best.fit, shape=free_form(baseline, baseline.fit))
-    if found is None or found.usual.typical("motion") < WORTH:
+    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term, foretold=False)
+    if clear and (found is None or found.usual.typical("motion") < WORTH):
         return replace(alone, confirmation=found)
+    if found is None:
+        return by_curves(baseline, alone.ranked, found, best.fit)
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
     open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
-    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term, foretold=False)
-    alike = found.effects[0].rivals if len(found.effects) == 1 else ()  # which the curves do not tell from it
+    rivals = found.effects[0].rivals if len(found.effects) == 1 else ()  # not told from it by curves
     open_to_it = open_to_it and not found.effects
-    if best.name in found.names or (clear and (open_to_it or best.name in alike)):
+    if best.name in found.names or (clear and (open_to_it or best.name in rivals)):
         return replace(alone, confirmation=found)
     return by_curves(baseline, alone.ranked, found, best.fit)
+
+
+def _alike(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+    """Return the leader and, of a force, the plausible forces that this record does not tell from it, best first.
+
+    Against a guess of the floor a few nats say nothing: of these the simplest leads, and a law of time among laws of the
+    amplitude is told from them by another release only.
+    """
+    first = ranked[0]
+    if not first.candidate.term.is_force:
+        return (first,)
+    names = rivals_of(first, ranked)
+    forces = (e for e in ranked[1:] if e.candidate.name in names and e.candidate.term.is_force)
+    return (first, *(entry for entry in forces if entry.candidate.plausible))
 
 
 def by_curves(
@@ -102,7 +123,7 @@ def by_curves(
     if alone is not None:
         return alone
     if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:
-        return Judgement("nothing_missing", _unclaimed(ranked), baseline.fit, confirmation=found)
+        return Judgement("nothing_missing", unclaimed(ranked), baseline.fit, confirmation=found)
     if found is None or baseline.floor_is_sure:
         shape = free_form(baseline, ranked[0].candidate.fit if best is not baseline.fit else best)
         return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)
@@ -165,7 +186,7 @@ def is_clear(whole: Fit, term: Term, *, foretold: bool) -> bool:
         block = errors.covariance[np.ix_(own, own)]
         size = np.sqrt(np.diag(block))
         sureness = np.linalg.inv(block / np.outer(size, size) + _RIDGE * np.eye(len(own)))[at, at]
-    return bool(abs(strength.value) * np.sqrt(sureness) > _CLEAR * strength.std)
+    return bool(abs(strength.value) * np.sqrt(sureness) > CLEAR * strength.std)
 
 
 def _by_free_run(
@@ -175,7 +196,7 @@ def _by_free_run(
 
     Either the amplitude beats and a force without a curve, a second oscillator, leaves much less than any other; or
     one that curves do not deny leaves next to nothing of what the model left, and far less than all but a few others,
-    among which no law of time.
+    among which no law of time, and whose strength is clear of none.
     """
     plausible = sorted((entry for entry in ranked if entry.candidate.plausible), key=_misfit)
     if not plausible or plausible[0].candidate.term.effect.kind != "physics":
@@ -197,6 +218,9 @@ def _by_free_run(
     drifts = any(entry.candidate.term.effect.of_time for entry in near)
     apart = len(near) <= MOST_RIVALS + 1 and (foretold is not None or not drifts)
     if not (beats or (left < _NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
+        return None
+    clear = is_clear(best.candidate.fit, best.candidate.term, foretold=False)
+    if not beats and not clear:  # a mode that hardly moves the first
         return None
     rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
     final = best.candidate.fit

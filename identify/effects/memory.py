@@ -6,7 +6,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.compiled import force_function, rate_function
-from identify.effects.effect import Parameter, Scales, Starts
+from identify.effects.effect import Parameter, Scales, Starts, near_harmonic
 from identify.effects.force_effect import ForceEffect
 
 
@@ -109,6 +109,12 @@ def _second_mass_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
 _LOWEST, _HIGHEST = 0.3, 8.0
 """Frequency of a second mass over the motion's: a slower one is a drift, a faster one a mode that other_modes tells."""
 
+_TUNED = 0.1
+"""Relative distance from the motion's frequency within which a second mass is tuned to it."""
+
+_LASTING = 3.0
+"""Amplitudes' decay, as an exponent over the record, up to which a line lasts like a harmonic of the motion."""
+
 _CLOSE, _WIDE, _APART = 300, 30, 2.0
 _SHARP, _SHARPLY_APART = 450, 2.2
 
@@ -126,6 +132,20 @@ def _fine_line_starts(scales: Scales) -> Starts:
     close = np.linspace(low, high, min(_CLOSE, int((high - low) * scales.duration / _APART) + 2))
     wide = np.geomspace(low, high, _WIDE)
     return tuple((float(w), 0.003) for w in close) + tuple((float(w), 0.04) for w in wide)
+
+
+def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
+    """Whether the line of a second mass is one: not the motion's own, nor one of its harmonics that lasts as they do.
+
+    Tuned to the motion, as a damper is, it splits the motion's line by the root of the ratio of masses (Den Hartog 1934):
+    that shows where it is more than either line is wide, by a beat at least within the record.
+    """
+    w2, split = values["w2"], scales.frequency * values["ratio"] ** 0.5
+    damping = values["zeta"] * w2
+    if abs(w2 / scales.frequency - 1.0) <= _TUNED:
+        return bool(split > damping and split * scales.duration > 2.0 * pi)
+    harmonic = w2 > 1.5 * scales.frequency and near_harmonic(w2 / (2.0 * pi), scales)
+    return not (harmonic and damping * scales.duration < _LASTING)
 
 
 def _reachable_lines(scales: Scales) -> Starts:
@@ -151,11 +171,11 @@ SECOND_MASS = ForceEffect(
     proportional=True,
     equilibrium_state=lambda u, p: (u, 0.0),
     starts=_line_starts,
-    plausible=lambda values, scales: abs(values["w2"] / scales.frequency - 1.0) > 0.1,
+    plausible=_has_a_line_of_its_own,
     fine_starts=_fine_line_starts,
     reach=_reachable_lines,
     fastest_rate=lambda p: 0.6 * float(p[1]),
-    symptom="a second line that starts at the release and dies by itself; beats",
+    symptom="a second line that starts at the release and dies by itself; beats; another mode of the rig reads the same",
     confirming_test="clamp or remove the suspected part: the second line is gone",
     confusable_with=("harmonic_forcing", "linear_stiffness"),
 )

@@ -12,8 +12,9 @@ def _pendulum(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * (sin(u) - u)
 
 
-_MOST_OF_IT = 0.3
-"""Share of the whole stiffness below which a softening is not called gravity's: a cubic spring says the same."""
+_LEAST, _MOST = 0.3, 1.5
+"""Shares of the whole stiffness between which a softening is called gravity's: beyond, a spring would have to push the
+pendulum over, and a cubic spring says the same."""
 
 PENDULUM_STIFFNESS = ForceEffect(
     name="pendulum_stiffness",
@@ -25,7 +26,7 @@ PENDULUM_STIFFNESS = ForceEffect(
     force=_pendulum,
     units=("rad",),
     may_be_all_of=LinearPart.STIFFNESS,
-    plausible=lambda values, scales: values["g"] > _MOST_OF_IT * scales.frequency**2,
+    plausible=lambda values, scales: _LEAST < values["g"] / scales.frequency**2 < _MOST,
     symptom="the frequency falls with the square of the angle, as 1 - angle^2/16 where there is no other spring",
     confirming_test="turn the axis vertical, so that gravity has no moment: the frequency is the same at every angle",
     confusable_with=("cubic_stiffness", "quintic_stiffness"),

@@ -57,6 +57,11 @@ def motion_percent(fit: Fit) -> float:
     return 100.0 * float(np.sqrt(np.mean(shares)))
 
 
+def removed_percent(before: Fit, after: Fit) -> float:
+    """Return the misfit that the second fit takes away from the first's, in % of the rms motion; 0 where it adds some."""
+    return float(np.sqrt(max(motion_percent(before) ** 2 - motion_percent(after) ** 2, 0.0)))
+
+
 def line_percent(fit: Fit, term: Term) -> float:
     """Return the rms of a line that a sensor has in % of the rms of its channel's motion, the largest of all releases."""
     name, shares = term.effect.strength.name, [0.0]

@@ -22,8 +22,9 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
     """Return which readings of a channel cannot be its sensor's answer to a smooth motion, shape (n,).
 
     A reading is lost when it repeats the one before it exactly, or is exactly zero, and lies more than eight noise
-    standard deviations from the cubic through its neighbours, and farther than readings usually do where the motion is
-    quick for the rate; or when it stands alone, far off both neighbours.
+    standard deviations (for a run of readings more, as the cubic's own error grows with its length) from the cubic through
+    its neighbours, and farther than readings usually do where the motion is quick for the rate; or when it stands alone, far
+    off both neighbours.
     """
     n = len(readings)
     lost = np.zeros(n, dtype=np.bool_)
@@ -37,7 +38,8 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
         length = stop - first
         if length not in usual:
             usual[length] = float(np.quantile(_off_cubic(readings, length), _USUAL))
-        limit = _FAR * sigma if usual[length] < _FAR * sigma else _UNUSUAL * usual[length]
+        far = _FAR * sigma * _amplified(length)
+        limit = far if usual[length] < far else _UNUSUAL * usual[length]
         if _off_cubic(readings[first - 2 : stop + 2], length)[0] > limit:
             lost[first:stop] = True
     return lost | _spikes(readings, sigma, lost)
@@ -52,16 +54,26 @@ def stale(readings: Array) -> Mask:
 
 def _off_cubic(readings: Array, length: int) -> Array:
     """Return how far each run of readings strays at most from the cubic through two on either side, (n - length - 3,)."""
-    at = np.array([-2.0, -1.0, length, length + 1.0])
     windows = np.lib.stride_tricks.sliding_window_view(readings, length + 4)
     around = windows[:, [0, 1, -2, -1]]
-    weights = np.stack(
+    return np.asarray(np.abs(windows[:, 2:-2] - around @ _cubic(length)).max(axis=1))
+
+
+def _cubic(length: int) -> Array:
+    """Return the weights of two readings on either side of a run in the cubic through them, shape (4, length)."""
+    at = np.array([-2.0, -1.0, length, length + 1.0])
+    return np.stack(
         [
             np.prod((np.arange(length)[:, None] - np.delete(at, i)) / (at[i] - np.delete(at, i)), axis=1)
             for i in range(4)
         ]
     )
-    return np.asarray(np.abs(windows[:, 2:-2] - around @ weights).max(axis=1))
+
+
+def _amplified(length: int) -> float:
+    """Return how far noise puts a run of readings off the cubic through its neighbours, over how far it puts one reading."""
+    spread = [np.sqrt(1.0 + np.max(np.sum(_cubic(n) ** 2, axis=0))) for n in (length, 1)]
+    return float(spread[0] / spread[1])
 
 
 def _spikes(readings: Array, sigma: float, lost: Mask) -> Mask:

@@ -143,7 +143,11 @@ def _identify(
     window = window_of(decay, motion, noise)
     windows = place_windows(window.valid, motion.rate, window.angular_frequency)
     if 2 * len(windows.first) < max_order + len(stiffness_orders) + 4:
-        raise NotIdentifiable("gaps leave too few whole stretches of two cycles; record again without losses")
+        raise NotIdentifiable(
+            "too few cycles for windows of two; release from a larger amplitude or record longer"
+            if window.valid.all()
+            else "gaps leave too few whole stretches of two cycles; record again without losses"
+        )
     points = points_of(window)
     fits = fit_orders(window, windows, max_order, stiffness_orders, decay)
     clear = [fit.clear for fit in fits]

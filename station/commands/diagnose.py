@@ -21,6 +21,13 @@ if TYPE_CHECKING:
 @MODEL
 @EFFECTS
 @GAIN
+@click.option(
+    "--worth",
+    type=click.FloatRange(0.0, 100.0),
+    default=0.0,
+    metavar="PERCENT",
+    help="Name no force that removes less than this share of the motion.",
+)
 @click.option("--anyway", is_flag=True, help="Even if the sessions look like different benches.")
 @NO_VIEWER
 @json_option
@@ -31,6 +38,7 @@ def command(
     model_file: Path | None,
     effects_file: Path | None,
     gain_percent: float | None,
+    worth: float,
     anyway: bool,
     no_viewer: bool,
     as_json: bool,
@@ -55,7 +63,7 @@ def command(
     settings = load_settings(settings_file)
     opened = open_or_refuse(sessions, settings, gain_percent, as_json)
     shared = physics_shared(opened, anyway, progress)
-    found, document = diagnose_sessions(opened, model_file, effects_file, progress)
+    found, document = diagnose_sessions(opened, model_file, effects_file, progress, worth=worth)
     if shared is not None:
         document = with_differences(document, shared)
     keep(opened, document)

@@ -74,12 +74,20 @@ def diagnose_sessions(
     effects_file: Path | None = None,
     progress: Progress = silent,
     steps: Progress = silent,
+    *,
+    worth: float = 0.0,
 ) -> tuple[Diagnosis, DiagnosisDocument]:
     """Diagnose sessions together; return the diagnosis and its document, which `keep` writes; see `pipeline.diagnose`."""
     library = whole_library(effects_file)
     begun = beginning(sessions.sessions, sessions.decays, model_file, library)
     found, left_out = diagnose(
-        sessions.decays, begun.model, begun.known, library=library, progress=progress, steps=steps
+        sessions.decays,
+        begun.model,
+        begun.known,
+        library=library,
+        worth=worth,
+        progress=progress,
+        steps=steps,
     )
     document = diagnosis_document(sessions.names, found, begun.expressions, left_out)
     return found, document.model_copy(update={"model_is": begun.words, "model_remark": begun.remark})

@@ -7,6 +7,7 @@ from station.report import identification_figures as draw
 from station.report.content import Facts, Figure, Paragraph, Part, Section, Table
 from station.report.findings import Findings
 from station.text.numbers import (
+    noise_scale,
     scale,
     typeset,
     typeset_error,
@@ -91,7 +92,7 @@ def capture(found: Findings) -> Section:
         for name in ("displacement", "velocity", "acceleration"):
             noise = getattr(decay, f"noise_{name}")
             if noise is not None:
-                factor, label = scale(name, decay.unit, fine=True)
+                factor, label = noise_scale(name, decay.unit, noise)
                 rows.append(
                     (f"noise, {name}", f"{typeset_figures(noise * factor)} {typeset_unit(label)} rms")
                 )

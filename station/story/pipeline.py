@@ -145,6 +145,7 @@ def diagnose(
     known: dict[str, float] | None = None,
     *,
     library: tuple[Effect, ...] = LIBRARY,
+    worth: float = 0.0,
     progress: Progress = silent,
     steps: Progress = silent,
 ) -> tuple[Diagnosis, tuple[LeftOut, ...] | None]:
@@ -154,7 +155,7 @@ def diagnose(
     """
     chosen = model or base_model()
     progress(f"trying {len(library) - len(chosen.terms)} effects")
-    found = diagnose_decays(decays, chosen, library=library, known=known, progress=steps)
+    found = diagnose_decays(decays, chosen, library=library, known=known, worth=worth, progress=steps)
     if len(decays) < 2:
         return found, None
     progress("leaving one session out at a time")

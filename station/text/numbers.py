@@ -92,11 +92,18 @@ def scale(channel: str, unit: str, fine: bool = False) -> tuple[float, str]:
     times smaller unit, for noise and for what a model leaves.
     """
     if channel == "displacement":
+        whole = unit in ("count", "px")  # nobody speaks of a thousandth of a count
         plain, small = {"m": ((1e3, "mm"), (1e6, "um")), "rad": ((1.0, "rad"), (1e3, "mrad"))}.get(
-            unit, ((1.0, unit), (1e3, f"m{unit}"))
+            unit, ((1.0, unit), (1.0, unit) if whole else (1e3, f"m{unit}"))
         )
         return small if fine else plain
     return 1.0, f"{unit}/s" if channel == "velocity" else f"{unit}/s^2"
+
+
+def noise_scale(channel: str, unit: str, noise: float) -> tuple[float, str]:
+    """Return the scale in which a channel's noise is shown: the fine one unless that makes a thousand or more of it."""
+    fine = scale(channel, unit, fine=True)
+    return fine if noise * fine[0] < 1000.0 else scale(channel, unit)
 
 
 def scale_as_recorded(quantity: str, unit: str) -> tuple[float, str]:

@@ -14,7 +14,7 @@ from station.story.engineering_values import times_mass
 from station.story.identification import Identification
 from station.text.layout import labelled, sentence
 from station.text.next_step import next_line
-from station.text.numbers import scale, with_error
+from station.text.numbers import noise_scale, with_error
 
 LABEL_WIDTH = 11
 KINDS = {
@@ -88,7 +88,7 @@ def _noise(result: Identification) -> str:
     for name in ("displacement", "velocity", "acceleration"):
         noise = getattr(decay, f"noise_{name}")
         if noise is not None:
-            factor, unit = scale(name, decay.unit, fine=True)
+            factor, unit = noise_scale(name, decay.unit, noise)
             parts.append(f"{name} {noise * factor:.3g} {unit}")
     return f"{', '.join(parts)} rms" if parts else ""
 

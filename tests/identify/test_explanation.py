@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 
 from identify.diagnosis.diagnose import Diagnosis, diagnose
 from identify.effects.library import find_effect
+from identify.fitting.model_error import motion_percent
 from identify.free_decay import FreeDecay
 from mocks.generate import draw
 
@@ -51,7 +52,11 @@ def test_effects_that_each_explain_nearly_all_are_said_and_only_the_rest_has_no_
     library = tuple(find_effect(name) for name in ("quintic_stiffness", "settling_stiffness", "hysteresis"))
     found = diagnose(pendulum(), library=library)
     assert found.verdict == "unknown_effect"
-    assert "ettling stiffness and quintic stiffness each explain more than 90 % of it" in found.explanation
+    percent = motion_percent(next(s.fit for s in found.suspects if s.effect.name == "settling_stiffness"))
+    leaves = {s.effect.name: f"{s.error_after:.3g} times" for s in found.suspects}
+    assert f"Settling stiffness would leave {percent:.3g} % of the motion" in found.explanation
+    assert f", quintic stiffness {leaves['quintic_stiffness']}, where the floor is" in found.explanation
+    assert "what is left has no name" in found.explanation
     assert "does not name" not in found.explanation
 
 

@@ -6,12 +6,14 @@ import pytest
 from releases import drawn
 
 from identify.diagnosis import several_effects
+from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.judgement import judge
 from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, rank, rivals_of
 from identify.diagnosis.search import Pair, chances, singles
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.corrected_faults import CorrectedFault
+from identify.fitting.model_error import motion_percent
 from identify.model.model import Term, base_model
 
 FORCES = tuple(find_effect(name) for name in ("cubic_stiffness", "quadratic_damping", "stribeck_friction"))
@@ -65,3 +67,21 @@ def test_a_weak_fault_of_a_sensor_is_claimed_only_where_the_floor_is_sure():
         (guessed, strong, "sensor_fault"),
     ):
         assert judge(baseline, (), (fault,), LIBRARY, lambda: None).verdict == verdict
+
+
+def test_a_force_that_is_sure_but_small_is_named_with_what_it_removes_or_not_where_more_is_asked():
+    prepared, _ = drawn("cubic_stiffness", 0.001, 44)
+    found = diagnose((prepared,), library=FORCES)
+    assert found.named == ("cubic_stiffness",)
+    before, after = motion_percent(found.baseline.fit), motion_percent(found.final)
+    removed = (before**2 - after**2) ** 0.5
+    assert removed < 0.5
+    assert f"from {before:.3g} to {after:.3g} % of the motion" in found.explanation
+    assert f"That is little, {removed:.3g} % of the motion" in found.explanation
+    assert diagnose((prepared,), library=FORCES, worth=0.9 * removed).named == ("cubic_stiffness",)
+    small = diagnose((prepared,), library=FORCES, worth=1.1 * removed)
+    assert (small.verdict, small.named) == ("nothing_missing", ())
+    assert not any(suspect.claimed for suspect in small.suspects)
+    ladder = small.refine()
+    assert len(ladder.rungs) == 1
+    assert ladder.stopped_because == "what is left is too little of the motion to be worth a name"

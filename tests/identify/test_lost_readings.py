@@ -53,3 +53,11 @@ def test_a_quick_motion_for_its_rate_is_not_called_a_faulty_sensor():
     reading = np.round(np.sin(2 * np.pi * np.outer(time, lines) + phases).sum(axis=1), 2)
     assert (reading[1:] == reading[:-1]).any()
     assert not find_lost_readings(reading, 0.003).any()
+
+
+def test_the_last_cycles_of_a_coarse_converter_are_no_dropout():
+    """A motion of a few steps stands still for several readings about its peaks, by rounding."""
+    time = np.arange(400) / 100.0
+    for phase in np.arange(0.0, 2 * np.pi, 0.1):
+        reading = 2.0 * np.round(60.0 * np.exp(-3.0 * time) * np.cos(18.2 * time + phase))
+        assert not find_lost_readings(reading, 2.0 / np.sqrt(12.0)).any()

@@ -46,13 +46,19 @@ def test_gravity_alone_has_the_strength_of_the_linear_spring(name: str, strength
 
 
 @pytest.mark.parametrize(
-    ("gravity", "drift", "verdict"),
-    [(124.0, 2.0, "missing_effect"), (160.0, 2.0, "unknown_effect"), (160.0, 4.0, "missing_effect")],
+    ("gravity", "drift", "clear", "verdict"),
+    [
+        (124.0, 2.0, True, "missing_effect"),
+        (124.0, 2.0, False, "unknown_effect"),
+        (160.0, 2.0, True, "unknown_effect"),
+        (160.0, 4.0, True, "missing_effect"),
+    ],
 )
 def test_a_drift_forbids_a_name_by_the_free_run_unless_its_strength_was_foretold(
-    monkeypatch: pytest.MonkeyPatch, gravity: float, drift: float, verdict: str
+    monkeypatch: pytest.MonkeyPatch, gravity: float, drift: float, clear: bool, verdict: str
 ):
-    """A drift that leaves twice as much is not told apart, one that leaves four times as much is."""
+    """A drift that leaves twice as much is not told apart, four times as much is; what is unclear is not named."""
+    monkeypatch.setattr(off_the_floor, "is_clear", lambda fit, term, *, foretold: clear)
     monkeypatch.setattr(off_the_floor, "free_form", lambda baseline, found: None)
     monkeypatch.setattr(off_the_floor, "motion_percent", lambda found: 3.0)
     ranked = tuple(
@@ -143,3 +149,46 @@ def test_readings_that_are_lost_are_told_where_the_misfit_is_next_to_nothing():
     found = diagnose(FreeDecay(20.0, displacement=u), library=tuple(find_effect(name) for name in names))
     assert not found.baseline.adequate(found.baseline.fit)
     assert (found.verdict, found.named) == ("sensor_fault", ("dropouts",))
+
+
+def test_another_mode_in_the_reading_is_no_force_on_the_first():
+    """A beam's second mode, 6.27 times as fast, stands in the accelerometer beside the first: nothing couples the two."""
+    random, time, w = np.random.default_rng(1), np.arange(4000) / 500.0, 2.0 * np.pi * 8.0
+    first = 0.01 * w**2 * np.exp(-0.3 * time) * np.cos(w * time)
+    second = 0.15 * 0.01 * w**2 * np.exp(-2.0 * time) * np.cos(6.27 * w * time + 1.0)
+    found = diagnose(
+        FreeDecay(500.0, acceleration=first + second + 0.02 * random.standard_normal(len(time))),
+        library=tuple(find_effect(n) for n in ("second_mass", "harmonic_forcing", "cubic_stiffness")),
+    )
+    assert found.named == ()
+    assert "not clear of zero" in found.explanation
+    assert [mode.frequency for mode in found.modes] == [pytest.approx(50.2, rel=0.02)]
+
+
+def leads(monkeypatch: pytest.MonkeyPatch, *found: tuple[str, float, float]) -> str | None:
+    """Return what leads of forces that reach a guessed floor, each with its evidence and strength."""
+    monkeypatch.setattr(off_the_floor, "is_clear", lambda whole, term, foretold: True)
+    monkeypatch.setattr(off_the_floor, "free_form", lambda baseline, fit: None)
+    ranked = tuple(
+        Ranked(candidate(n, strength, 1.0), evidence, 0.0, True) for n, evidence, strength in found
+    )
+    nothing = Judgement("unknown_effect", ranked, ranked[0].candidate.fit)
+    monkeypatch.setattr(off_the_floor, "by_curves", lambda *what: nothing)
+    alone = Judgement("missing_effect", ranked, ranked[0].candidate.fit)
+    said = if_foretold(SimpleNamespace(spread=0.05, fit=None), alone, None)  # type: ignore[arg-type]
+    return said.ranked[0].candidate.name if said.verdict == "missing_effect" else None
+
+
+def test_of_forces_that_a_guessed_floor_does_not_part_the_simplest_leads(monkeypatch: pytest.MonkeyPatch):
+    assert leads(monkeypatch, ("hysteresis", 50.0, 1.0), ("cubic_stiffness", 49.0, 1.0)) == "cubic_stiffness"
+    assert leads(monkeypatch, ("hysteresis", 50.0, 1.0), ("cubic_stiffness", 44.0, 1.0)) == "hysteresis"
+
+
+def test_no_force_leads_where_a_law_of_time_is_as_good_but_one_whose_strength_is_foretold(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    drift = ("settling_stiffness", 50.0, 0.1)
+    assert leads(monkeypatch, drift, ("cubic_stiffness", 49.0, 1.0)) is None
+    assert leads(monkeypatch, drift, ("cubic_stiffness", 40.0, 1.0)) is None  # a drift alone, and one record
+    assert leads(monkeypatch, drift, ("pendulum_stiffness", 49.0, K)) == "pendulum_stiffness"
+    assert leads(monkeypatch, drift, ("pendulum_stiffness", 49.0, 1.3 * K)) is None

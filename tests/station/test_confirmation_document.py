@@ -185,7 +185,7 @@ def test_what_leads_too_seldom_is_told_with_how_often_each_leads():
         undecided={"loss": ("quadratic_damping", "cubic_damping")},
         unstable={"loss": leads},
     )
-    told = explain_unconfirmed(found)
+    told = explain_unconfirmed(found, (), 2.0)
     assert (
         "in 50 resamplings of the cycles no effect leads in half (quadratic_damping in 20, cubic_damping in 18)"
         in told
@@ -197,7 +197,7 @@ def test_amplitudes_too_alike_to_ask_any_law_are_said_to_be():
     time = np.arange(6.0)
     flat = np.linspace(1.0, 0.6, 6)
     curve = DecayCurve(time, flat, 6.0 * time, 0.0 * time, 0.0 * time)
-    told = explain_unconfirmed(replace(confirmation(effects=False), curves=(curve,)))
+    told = explain_unconfirmed(replace(confirmation(effects=False), curves=(curve,)), (), 2.0)
     assert "differ by a factor of 1.7 only" in told
     assert "none was asked" in told
     assert "No effect of the library" not in told

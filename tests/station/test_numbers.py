@@ -7,6 +7,7 @@ from identify.estimate import Estimate
 from station.text.numbers import (
     SPACE,
     energy_scale,
+    noise_scale,
     scale,
     scale_as_recorded,
     three_figures,
@@ -17,6 +18,14 @@ from station.text.numbers import (
     with_error,
     with_unit,
 )
+
+
+def test_noise_is_shown_in_the_unit_that_its_size_asks_for():
+    assert noise_scale("displacement", "m", 3e-6) == (1e6, "um")
+    assert noise_scale("displacement", "m", 0.0304) == (1e3, "mm")
+    assert noise_scale("displacement", "rad", 0.02) == (1e3, "mrad")
+    assert noise_scale("displacement", "count", 0.997) == (1.0, "count")
+    assert noise_scale("acceleration", "m", 0.5) == scale("acceleration", "m")
 
 
 def test_what_is_not_known_is_said_so():

@@ -337,3 +337,34 @@ def test_with_a_rate_it_does_not_matter_which_of_two_columns_is_the_time(tmp_pat
     recording = load(tmp_path, text, rate=100.0)
     assert recording.rate == 100.0
     np.testing.assert_allclose(recording.samples[0], np.radians(u * 100.0), rtol=1e-7)
+
+
+def test_settings_of_an_oscilloscope_beside_the_numbers(tmp_path: Path) -> None:
+    t, x, _, _ = swing(300)
+    settings = [
+        "Record Length,3.0e+02,", "Sample Interval,1.0e-02,", "Trigger Point,0.0e+00,", ",,", "Source,CH1,",
+        "Vertical Units,V,", "Vertical Scale,2.0e+00,", "Horizontal Units,s,", "Model Number,TDS1002B,",
+    ]  # fmt: skip
+    beside = [*settings, *[",,"] * (300 - len(settings))]
+    text = "".join(f"{s},{a - 1:016.12f},   {1e3 * b:.5f},\r\n" for s, a, b in zip(beside, t, x, strict=True))
+    recording = load(tmp_path, text)
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "V")]
+    assert recording.samples.shape == (1, 300)
+    assert recording.rate == pytest.approx(100.0)
+    np.testing.assert_allclose(recording.samples[0], 1e3 * x, atol=6e-6)
+
+
+def test_rows_that_are_counted_from_any_number_are_no_clock(tmp_path: Path) -> None:
+    _, x, _, _ = swing(300)
+    text = "".join(f"{1000 + i},{1e3 * b:.3f}\n" for i, b in enumerate(x))
+    asked = {"columns": {"displacement": 2}, "units": {"displacement": "mm"}}
+    assert "names no rate" in refusal(tmp_path, text, **asked)
+    assert load(tmp_path, text, rate=100.0, **asked).rate == 100.0
+
+
+def test_json_of_a_list_for_each_axis_is_transposed(tmp_path: Path) -> None:
+    motion, axes = phone(230)
+    recording = load(tmp_path, json.dumps([list(axis) for axis in axes]), rate=30.0)
+    assert recording.samples.shape == (1, 230)
+    assert [(c.quantity, c.unit) for c in recording.channels] == [("acceleration", "m/s^2")]
+    assert np.std(recording.samples[0] - motion) < 0.05

@@ -40,6 +40,7 @@ FORMS = {
     "letters": ("Time A;Pos A;Time B;Pos B;Time C;Pos C", ["A", "B", "C"]),
     "repeated names": ("t;x;t;x;t;x", ["1", "2", "3"]),
     "names as pandas repeats them": ("t;x;t.1;x.1;t.2;x.2", ["1", "2", "3"]),
+    "a time before each": ("Timed;Alone (m);Timed;With damper (m);Timed;Damper locked (m)", ["1", "2", "3"]),
     "no names": ("", ["1", "2", "3"]),
 }  # fmt: skip
 
@@ -114,6 +115,19 @@ def test_a_column_may_number_the_runs_row_by_row(tmp_path: Path) -> None:
     runs = read_runs(write(tmp_path, wide("run,t (s),x (m)", [number, t, x], ",")))
     assert [(r.run, r.samples.shape[1]) for r in runs] == [("1", 200), ("2", 170), ("3", 185)]
     np.testing.assert_allclose(runs[2].samples[0], made[2][1], rtol=1e-8, atol=1e-12)
+
+
+def test_runs_of_other_names_may_stand_apart_and_end_early(tmp_path: Path) -> None:
+    """A spreadsheet with two empty columns between a release and another, each with its own time and name."""
+    (t, x), (u, y) = releases((200, 150))
+    empty = np.full(200, np.nan)
+    text = wide("Timed,With TMD (m/s^2),,,Timed,Without TMD (m/s^2)", [t, x, empty, empty, u, y], ",")
+    runs = read_runs(write(tmp_path, text.replace("nan", "")))
+    assert [r.samples.shape for r in runs] == [(1, 200), (1, 150)]
+    assert [r.channels[0].quantity for r in runs] == ["acceleration"] * 2
+    np.testing.assert_allclose(runs[1].samples[0], y, rtol=1e-8, atol=1e-12)
+    other = wide("Time,Position (m),Time,Temperature", [t, x, t, y], ",")
+    assert len(read_runs(write(tmp_path, other))) == 1
 
 
 def test_a_time_that_begins_again_begins_a_run(tmp_path: Path) -> None:

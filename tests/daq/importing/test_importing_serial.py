@@ -59,6 +59,24 @@ def test_a_decimal_comma_is_no_separator(tmp_path: Path, row: str) -> None:
     np.testing.assert_allclose(recording.samples[0], x / 100.0, atol=6e-5)
 
 
+@pytest.mark.parametrize(
+    "row", ["{clock} -> {x:.2f}", "{clock} -> {x:.2f} {y:.3f}", "{clock} -> {x:.2f}; {y:.3f}"]
+)
+def test_a_bare_decimal_comma_shows_by_the_zeros_behind_it(tmp_path: Path, row: str) -> None:
+    t, x = motion()
+    rows = [row.format(clock="@", x=b, y=0.1 * b).replace(".", ",") for b in x]
+    text = "".join(line.replace("@", clock(a)) + "\n" for a, line in zip(t, rows, strict=True))
+    recording = load(tmp_path, text, columns={"displacement": 2}, units={"displacement": "cm"})
+    np.testing.assert_allclose(recording.samples[0], x / 100.0, atol=6e-5)
+
+
+def test_whole_numbers_between_commas_stay_apart(tmp_path: Path) -> None:
+    t, x = motion()
+    text = "".join(f"{clock(a)} -> {round(b)},{round(100 * b) % 1000}\n" for a, b in zip(t, x, strict=True))
+    recording = load(tmp_path, text, columns={"displacement": 2}, units={"displacement": "cm"})
+    np.testing.assert_allclose(recording.samples[0], np.rint(x) / 100.0, atol=1e-9)
+
+
 def test_counts_between_commas_after_one_label_stay_apart(tmp_path: Path) -> None:
     t, x = motion()
     text = "".join(f"{clock(a)} -> raw: {round(1e3 * b)},7,8\n" for a, b in zip(t, x, strict=True))

@@ -1,0 +1,48 @@
+"""A second mass is named by a line of its own, not by a harmonic of the motion."""
+
+import numpy as np
+import pytest
+
+from identify.diagnosis.diagnose import diagnose
+from identify.effects.effect import Scales
+from identify.effects.memory import SECOND_MASS
+from identify.free_decay import FreeDecay
+
+
+def scales(duration: float) -> Scales:
+    """Sizes of a motion of 1 Hz."""
+    return Scales(1.0, 2 * np.pi, duration, 60.0, {"displacement": 1.0}, {})
+
+
+def test_a_tuned_second_mass_shows_by_its_beats() -> None:
+    tuned = {"w2": 2 * np.pi * 1.05, "zeta": 0.02}
+    assert SECOND_MASS.plausible({"ratio": 0.07, **tuned}, scales(8.0))
+    assert not SECOND_MASS.plausible({"ratio": 0.07, **tuned}, scales(3.0))  # less than a beat
+    assert not SECOND_MASS.plausible(
+        {"ratio": 0.07, **tuned, "zeta": 0.4}, scales(8.0)
+    )  # no line is left to beat
+
+
+@pytest.mark.parametrize(("line", "zeta", "plausible"), [
+    (2.0, 0.001, False),  # the second harmonic
+    (3.0, 0.0, False),
+    (1.05, 0.02, False),  # the motion itself
+    (2.0, 0.05, True),  # dies long before a harmonic would
+    (2.3, 0.001, True),
+    (1.5, 0.001, True),
+])  # fmt: skip
+def test_a_lasting_line_on_a_harmonic_is_no_second_mass(line: float, zeta: float, plausible: bool) -> None:
+    values = {"ratio": 0.01, "w2": 2 * np.pi * line, "zeta": zeta}
+    assert SECOND_MASS.plausible(values, scales(8.0)) is plausible
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.5, 3.0])
+def test_a_camera_s_second_harmonic_is_not_called_a_second_mass(phase: float) -> None:
+    """A pendulum filmed for eight cycles in half pixels, whose picture bends by 1.5 %."""
+    time, random = np.arange(474) / 60.0, np.random.default_rng(3)
+    w = 2 * np.pi * 0.992
+    reading = 44.9 * np.exp(-0.033 * time) * np.cos(w * time + 0.1) + 0.69 * np.cos(2 * w * time + phase)
+    reading = np.round(2.0 * (reading + 0.2 * random.standard_normal(len(time)))) / 2.0
+    found = diagnose(FreeDecay(60.0, displacement=1e-3 * reading))
+    assert found.verdict == "unknown_effect"
+    assert not found.named
