@@ -15,7 +15,13 @@ from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
 from identify.diagnosis.ranking import Ranked, rank, rivals_of
-from identify.diagnosis.releases_differ import on_second_thought, shared_where_alike, where_releases_differ
+from identify.diagnosis.releases_differ import (
+    carried,
+    decided_anew,
+    how_they_differ,
+    shared_where_alike,
+    where_releases_differ,
+)
 from identify.diagnosis.search import chances, singles
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
@@ -28,7 +34,7 @@ from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.fit import Fit, fit
 from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
-from identify.fitting.release_values import ReleaseValue, release_values, spread_sentence
+from identify.fitting.release_values import ReleaseValue, release_values
 from identify.fitting.segments import prepared_of, segments_of, what_was_used
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
@@ -194,10 +200,7 @@ def diagnose(
     tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
     progress("finding what each effect would explain by chance")
     ranked = rank(baseline, tried, chances(baseline, fitted))
-    again = on_second_thought(first, baseline, ranked)
-    if again is not baseline:
-        progress("trying all effects again, with the spring and damper of the releases " + _whose(again))
-        baseline, ranked = again, rank(again, singles(again, fitted), chances(again, fitted))
+    baseline, ranked = decided_anew(first, baseline, ranked, fitted)
     if _hides_noise(baseline, ranked):
         baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
     progress("judging whether one effect explains it, or several together")
@@ -210,11 +213,7 @@ def diagnose(
             )
     judgement = worth_naming(baseline, judgement, worth)
     if baseline is not first:  # other noise, another floor
-        own = {window.release: window.own_linear for window in baseline.fit.windows}
-        whole = tuple(
-            replace(prepared, floor_std=baseline.spread, window=prepared.window.with_(own_linear=own.get(i)))
-            for i, prepared in enumerate(whole)
-        )
+        whole = carried(whole, baseline)
     settled = baseline
     if judgement.final is not baseline.fit:
         settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
@@ -238,7 +237,9 @@ def diagnose(
         findings=findings,
         final=settled.fit,
         shape=shape,
-        explanation=" ".join(filter(None, (why, harmonics.sentence if harmonics else "", _spread(settled)))),
+        explanation=" ".join(
+            filter(None, (why, harmonics.sentence if harmonics else "", how_they_differ(settled)))
+        ),
         next_experiment=next_experiment(baseline, verdict, suspects),
         library=library,
         confirmation=confirmation,
@@ -248,16 +249,6 @@ def diagnose(
         modes=() if verdict == "driven" else other_modes(settled.fit),
         worth=worth,
     )
-
-
-def _whose(baseline: Baseline) -> str:
-    return "their own" if baseline.fit.windows[0].own_linear else "shared"
-
-
-def _spread(settled: Baseline) -> str:
-    """Return by how much the releases differ, in a sentence; "" where they share spring and damper."""
-    apart = any(unknown.deviates >= 0 for unknown in settled.fit.unknowns)
-    return spread_sentence(settled.stated(settled.fit)) if apart else ""
 
 
 def _seen_again(

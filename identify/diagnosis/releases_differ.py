@@ -12,11 +12,15 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import gammaincc, gammaln
 
-from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
+from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, rank
+from identify.diagnosis.search import chances, singles
+from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline, refit_at_floor
 from identify.fitting.fit import Fit, fit
 from identify.fitting.own_linear import with_own_linear, without_own_linear
 from identify.fitting.parameter_layout import windows_by_release
+from identify.fitting.release_values import spread_sentence
+from identify.preprocessing.prepared_decay import PreparedDecay
 
 CLEARLY = 1e-4
 """Probability below which what a spring and damper of each release's own gain is no chance."""
@@ -32,10 +36,23 @@ def where_releases_differ(baseline: Baseline) -> Baseline:
     return _with(baseline, own) if surprise(baseline.fit, own) > SURE else baseline
 
 
-def on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...]) -> Baseline:
+def decided_anew(
+    first: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...], library: tuple[Effect, ...]
+) -> tuple[Baseline, tuple[Ranked, ...]]:
+    """Return the baseline and its suspects, all tried again where these say otherwise whether the releases differ.
+
+    `first` is the baseline with one spring and damper for all releases.
+    """
+    again = _on_second_thought(first, baseline, ranked)
+    if again is baseline:
+        return baseline, ranked
+    return again, rank(again, singles(again, library), chances(again, library))
+
+
+def _on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...]) -> Baseline:
     """Return the baseline to search again from, now that suspects have been tried; the same where nothing changes.
 
-    `before` is that with one spring and damper for all releases. Where the best suspect has made the releases differ, they
+    Where the best suspect has made the releases differ, they
     share them; where it leaves that they do, or is not told from that (4.6 nats), each has its own: that releases differ is
     the lesser claim.
     """
@@ -78,6 +95,21 @@ def shared_where_alike(found: Fit) -> Fit:
         return found
     shared = fit(found.model, without_own_linear(found.windows), found.point, found.frequency, near=True)
     return shared if surprise(shared, found) <= SURE else found
+
+
+def carried(whole: tuple[PreparedDecay, ...], baseline: Baseline) -> tuple[PreparedDecay, ...]:
+    """Return whole releases with what was decided on their pieces: the width of the floor, and whether they differ."""
+    own = {window.release: window.own_linear for window in baseline.fit.windows}
+    return tuple(
+        replace(prepared, floor_std=baseline.spread, window=prepared.window.with_(own_linear=own.get(i)))
+        for i, prepared in enumerate(whole)
+    )
+
+
+def how_they_differ(settled: Baseline) -> str:
+    """Return by how much the releases differ, in a sentence; "" where they share spring and damper."""
+    apart = any(unknown.deviates >= 0 for unknown in settled.fit.unknowns)
+    return spread_sentence(settled.stated(settled.fit)) if apart else ""
 
 
 def of_each(found: Fit) -> Fit:
