@@ -97,46 +97,58 @@ def _design(sums: Sequence[CycleSums], free: Mask) -> tuple[list[_Columns], Arra
     return [_Columns(own.places, own.values / size[own.places, None, None]) for own in found], size
 
 
+@dataclass(frozen=True, eq=False)
+class _Turned:
+    """One channel of one window in the eigenvectors of a process, whose eigenvalues are `sizes` (n,).
+
+    `left` (n,) is what is left, `columns` (own, n) those of the unknowns at `places` (own,) among all.
+    """
+
+    sizes: Array
+    left: Array
+    places: NDArray[np.int_]
+    columns: Array
+
+
 def _trial(
     sums: Sequence[CycleSums], design: Sequence[_Columns], p: int, time: float, power: float
 ) -> _Trial:
     mean = np.sqrt(np.mean(np.concatenate([one.amplitude for one in sums]) ** 2))
-    sizes, left, columns, process = [], [], [], []
+    turned, process = [], []
     channels = len(sums) / max(len({one.window for one in sums}), 1)
     for one, own in zip(sums, design, strict=True):
         scale = (one.amplitude / mean) ** power
         apart = np.sqrt(3.0) * np.abs(np.subtract.outer(one.position, one.position)) / time
         variances, vectors = np.linalg.eigh((1.0 + apart) * np.exp(-apart) * np.outer(scale, scale))
         variances = np.maximum(np.tile(variances, 2), 0.0)
-        turned = (own.values @ vectors).reshape(len(own.places), -1)
-        process.append(channels * (turned * variances) @ turned.T)  # channels misfit together
-        sizes.append(variances)
-        left.append((one.residual @ vectors).ravel())
-        columns.append(np.zeros((p, len(variances))))
-        columns[-1][own.places] = turned
-    return _Trial(
-        *_restricted(np.concatenate(sizes), np.concatenate(left), np.concatenate(columns, axis=1)),
-        tuple(process),
-    )
+        columns = (own.values @ vectors).reshape(len(own.places), -1)
+        process.append(channels * (columns * variances) @ columns.T)  # channels misfit together
+        turned.append(_Turned(variances, (one.residual @ vectors).ravel(), own.places, columns))
+    return _Trial(*_restricted(turned, p), tuple(process))
 
 
-def _restricted(sizes: Array, left: Array, columns: Array) -> tuple[Array, Array]:
+def _restricted(turned: Sequence[_Turned], p: int) -> tuple[Array, Array]:
     """Return restricted log-likelihood and variance of the white part for every strength, (strengths,) each.
 
-    `sizes` (n,) are the eigenvalues of the process, `left` (n,) and `columns` (p, n) are in its eigenvectors. The variance
-    is raised as that of Student's distribution is by few degrees of freedom.
+    Of p unknowns in all. The variance is raised as that of Student's distribution is by few degrees of freedom.
     """
-    spread = 1.0 + _STRENGTHS[:, None] * sizes
-    weighted = columns / spread[:, None, :]
-    values, vectors = np.linalg.eigh(weighted @ columns.T)
+    count = len(_STRENGTHS)
+    products, along = np.zeros((count, p, p)), np.zeros((count, p))
+    square, determinant = np.zeros(count), np.zeros(count)
+    for one in turned:
+        spread = 1.0 + _STRENGTHS[:, None] * one.sizes
+        weighted = one.columns / spread[:, None, :]
+        products[:, one.places[:, None], one.places] += weighted @ one.columns.T
+        along[:, one.places] += weighted @ one.left
+        square += (one.left**2 / spread).sum(axis=1)
+        determinant += np.log(spread).sum(axis=1)
+    values, vectors = np.linalg.eigh(products)
     kept = values > _RANK * values[:, -1:]
-    free = len(left) - kept.sum(axis=1)
-    along = np.einsum("qpk,qp->qk", vectors, weighted @ left)
-    followed = np.divide(along**2, values, out=np.zeros_like(values), where=kept)
-    square = np.maximum((left**2 / spread).sum(axis=1) - followed.sum(axis=1), 1e-300)
-    determinant = np.log(spread).sum(axis=1) + np.log(values, out=np.zeros_like(values), where=kept).sum(
-        axis=1
-    )
+    free = sum(len(one.left) for one in turned) - kept.sum(axis=1)
+    turned_along = np.einsum("qpk,qp->qk", vectors, along)
+    followed = np.divide(turned_along**2, values, out=np.zeros_like(values), where=kept)
+    square = np.maximum(square - followed.sum(axis=1), 1e-300)
+    determinant += np.log(values, out=np.zeros_like(values), where=kept).sum(axis=1)
     enough = free >= _FEWEST_FREE
     likelihood = np.where(enough, -0.5 * (free * np.log(square) + determinant), -np.inf)
     return likelihood, np.where(enough, square / np.maximum(free - 2, 1), 1.0)
