@@ -10,7 +10,7 @@ from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.jacobian import linearise
-from identify.fitting.levenberg_marquardt import minimise, minimise_fully
+from identify.fitting.levenberg_marquardt import Minimum, minimise, minimise_fully
 from identify.fitting.parameter_layout import Unknown
 from identify.fitting.problem import Problem
 from identify.model.model import Model, Term
@@ -130,20 +130,36 @@ def fit(
     it is.
     """
     problem = Problem(model, windows, frequency)
-    theta = start_at = np.clip(problem.theta(start), problem.low, problem.high)
+    theta = np.clip(problem.theta(start), problem.low, problem.high)
     first = problem.residuals(theta)
-    far = _off(first)
-    if far:
-        theta = theta if near else _grow(model, windows, theta, frequency)
-        problem = Problem(model, windows, frequency, coarse=True)
+    if _off(first):
+        rough = _from_afar(model, windows, theta, frequency, tolerance, near=near, goal=goal)
+        theta = rough.theta
+        problem = Problem(model, windows, frequency, coarse=not rough.cost < FAR_OFF * len(first))
+        if rough.given_up:
+            return fit_at(problem, theta)
     found = minimise_fully(problem, theta, tolerance=tolerance, goal=goal)
-    if far and not near and not found.cost < float(first @ first):  # lost to the first few cycles
-        found = minimise_fully(problem, start_at, tolerance=tolerance, goal=goal)
-    if far and found.cost < FAR_OFF * len(first):
-        problem = Problem(model, windows, frequency)
-        found = minimise_fully(problem, found.theta, tolerance=tolerance, goal=goal)
     jacobian = found.jacobian if found.exact else linearise(problem, found.theta)[1]
     return _result(problem, found.theta, found.cost, jacobian, settled=found.settled)
+
+
+def _from_afar(
+    model: Model,
+    windows: tuple[FitWindow, ...],
+    theta: Array,
+    frequency: float,
+    tolerance: float,
+    *,
+    near: bool,
+    goal: float,
+) -> Minimum:
+    """Return the minimum by fewer readings and longer steps, where the misfit is far above the noise."""
+    problem = Problem(model, windows, frequency, far=True)
+    grown = theta if near else _grow(model, windows, theta, frequency)
+    found = minimise_fully(problem, grown, tolerance=tolerance, goal=goal)
+    if not near and not found.cost < _cost(problem.residuals(theta)):  # lost to the first few cycles
+        found = minimise_fully(problem, theta, tolerance=tolerance, goal=goal)
+    return found
 
 
 def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float], frequency: float) -> bool:
@@ -153,7 +169,11 @@ def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float]
 
 
 def _off(misfit: Array) -> bool:
-    return not np.isfinite(misfit).all() or float(misfit @ misfit) > FAR_OFF * len(misfit)
+    return not _cost(misfit) <= FAR_OFF * len(misfit)
+
+
+def _cost(misfit: Array) -> float:
+    return float(misfit @ misfit) if np.isfinite(misfit).all() else np.inf
 
 
 def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | None = None) -> Fit:
@@ -168,7 +188,7 @@ def _grow(model: Model, windows: tuple[FitWindow, ...], theta: Array, frequency:
         samples = int(cycles * 2.0 * np.pi / frequency * windows[0].rate)
         if samples >= longest:
             break
-        short = Problem(model, tuple(s.until(min(samples, len(s))) for s in windows), frequency)
+        short = Problem(model, tuple(s.until(min(samples, len(s))) for s in windows), frequency, far=True)
         theta = minimise(short, theta, steps=8, tolerance=1.0).theta
     return theta
 
