@@ -11,7 +11,12 @@ from identify.diagnosis.weak_presence import states_of_term
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
+from identify.fitting.segments import first_cycles
+from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
+
+_CYCLES = 30.0
+"""Cycles of each of the two: together as many as a short record has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,12 +37,16 @@ class FewReleases:
         places = _chosen(whole.decays)
         if len(places) == len(whole.decays):
             return cls.all(whole, tried)
-        base = _refitted(whole.fit, places)
-        decays = tuple(whole.decays[i] for i in places)
+        decays = tuple(first_cycles(whole.decays[i], _CYCLES) for i in places)
+        windows = tuple(
+            whole.fit.windows[i].until(len(prepared.window))
+            for i, prepared in zip(places, decays, strict=True)
+        )
+        base = _refitted(whole.fit, places, windows)
         baseline = Baseline(decays, base, tuple(whole.floors[i] for i in places))
         scales = scales_of(decays[0], residual_lines(base))
         goal = baseline.highest * base.degrees
-        few = tuple(judged(_refitted(c.fit, places, goal), base, c.term, scales) for c in tried)
+        few = tuple(judged(_refitted(c.fit, places, windows, goal), base, c.term, scales) for c in tried)
         return cls(whole, baseline, tuple(sorted(few, key=lambda c: c.score)), places)
 
     @classmethod
@@ -77,14 +86,17 @@ def _chosen(decays: tuple[PreparedDecay, ...]) -> tuple[int, ...]:
     return tuple(sorted({order[0], order[-1]}))
 
 
-def _refitted(found: Fit, places: tuple[int, ...], goal: float = 0.0) -> Fit:
-    """Return a fit to all releases refitted to those in `places`; left where it creeps to a `goal` of chi-square above 0."""
+def _refitted(
+    found: Fit, places: tuple[int, ...], windows: tuple[FitWindow, ...], goal: float = 0.0
+) -> Fit:
+    """Return a fit to all releases refitted to the `windows` of those in `places`.
+
+    Left where it creeps to a `goal` of chi-square above 0.
+    """
     count = len(places)
     start = {
         str(u.id if u.window < 0 else u.id.of_release(places.index(u.window), count)): value
         for u, value in zip(found.unknowns, found.theta.tolist(), strict=True)
         if u.window < 0 or u.window in places
     }
-    return fit(
-        found.model, tuple(found.windows[i] for i in places), start, found.frequency, near=True, goal=goal
-    )
+    return fit(found.model, windows, start, found.frequency, near=True, goal=goal)
