@@ -125,18 +125,19 @@ def fit(
 ) -> Fit:
     """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed.
 
-    Far from the readings the motion is integrated in longer steps. A start that is `near`, from curves of the whole
-    decay, is not lost again to its first few cycles. A fit that creeps towards a `goal` of chi-square above 0 is left as
-    it is.
+    Far from the readings fewer of them are compared, and the motion is integrated in longer steps, until all have their say.
+    A start that is `near`, from curves of the whole
+    decay, is not lost again to its first few cycles. A fit that creeps towards a `goal` of chi-square above 0, or ends
+    far from the readings above it, is left as it is.
     """
     problem = Problem(model, windows, frequency)
     theta = np.clip(problem.theta(start), problem.low, problem.high)
     first = problem.residuals(theta)
     if _off(first):
         rough = _from_afar(model, windows, theta, frequency, tolerance, near=near, goal=goal)
-        theta = rough.theta
-        problem = Problem(model, windows, frequency, coarse=not rough.cost < FAR_OFF * len(first))
-        if rough.given_up:
+        theta, still = rough.theta, not rough.cost < FAR_OFF * len(first)
+        problem = Problem(model, windows, frequency, coarse=still)
+        if still and 0.0 < goal < rough.cost:
             return fit_at(problem, theta)
     found = minimise_fully(problem, theta, tolerance=tolerance, goal=goal)
     jacobian = found.jacobian if found.exact else linearise(problem, found.theta)[1]
