@@ -1,4 +1,4 @@
-"""Many releases: more effects than one are sought on a few of them, and what is found there is fitted to all.
+"""Many releases: more effects than one are sought on a few of them, on a few cycles, and what is found is fitted to all.
 
 What does not reach the floor on a few releases does not reach it on all, and every trial costs as much less.
 """
@@ -16,7 +16,7 @@ from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _CYCLES = 30.0
-"""Cycles of each of the two: together as many as a short record has."""
+"""Cycles of each of the two, at most: what a record of a few seconds has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class FewReleases:
 
     @classmethod
     def of(cls, whole: Baseline, tried: tuple[Candidate, ...]) -> Self:
-        """Return the releases of the largest and of the smallest amplitude; all where there are no more."""
+        """Return the first cycles of the releases of the largest and the smallest amplitude; all where there are no more."""
         places = _chosen(whole.decays)
         if len(places) == len(whole.decays):
             return cls.all(whole, tried)
@@ -86,9 +86,7 @@ def _chosen(decays: tuple[PreparedDecay, ...]) -> tuple[int, ...]:
     return tuple(sorted({order[0], order[-1]}))
 
 
-def _refitted(
-    found: Fit, places: tuple[int, ...], windows: tuple[FitWindow, ...], goal: float = 0.0
-) -> Fit:
+def _refitted(found: Fit, places: tuple[int, ...], windows: tuple[FitWindow, ...], goal: float = 0.0) -> Fit:
     """Return a fit to all releases refitted to the `windows` of those in `places`.
 
     Left where it creeps to a `goal` of chi-square above 0.

@@ -41,7 +41,7 @@ _FEWEST_PLACES = 100
 
 _LARGE = 100.0
 _PLACES_FAR = 25
-"""Reduced chi-square above which gains are so far beyond chance that it is drawn at so few starting values of an effect."""
+"""Reduced chi-square above which gains lie far beyond chance, which is then drawn at few starting values of an effect."""
 
 _PROBE = 1e-5
 """Share of the acceleration that a probed force has: it moves the readings by a few units of noise, in proportion.
@@ -215,9 +215,8 @@ def _column_drops(
     best, one_sided = np.zeros(noise.shape[1]), term.effect.one_sided
     single: list[Array] = []
     starts = reachable_starts(term, scales)
-    enough = max(_FEWEST_PLACES, _MOST_COLUMN_NUMBERS // len(before))
-    if base.reduced > _LARGE:
-        enough = _PLACES_FAR
+    near = max(_FEWEST_PLACES, _MOST_COLUMN_NUMBERS // len(before))
+    enough = _PLACES_FAR if base.reduced > _LARGE else near
     for start in starts[:: (len(starts) - 1) // enough + 1]:
         points = probes(decays, base, problem, term, start, _PROBE, early=True)
         if not term.force.fading_memory and len(base.windows) == 1:  # of several each has a state of its own

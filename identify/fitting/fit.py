@@ -125,10 +125,9 @@ def fit(
 ) -> Fit:
     """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed.
 
-    Far from the readings fewer of them are compared, and the motion is integrated in longer steps, until all have their say.
-    A start that is `near`, from curves of the whole
-    decay, is not lost again to its first few cycles. A fit that creeps towards a `goal` of chi-square above 0, or ends
-    far from the readings above it, is left as it is.
+    Far from the readings fewer of them are compared, and the motion is integrated in longer steps; in the end all are. A
+    start that is `near`, from curves of the whole decay, is not lost again to its first few cycles. A fit that creeps
+    towards a `goal` of chi-square above 0, or ends above it and far from the readings, is left as it is.
     """
     problem = Problem(model, windows, frequency)
     theta = np.clip(problem.theta(start), problem.low, problem.high)

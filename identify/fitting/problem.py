@@ -14,7 +14,7 @@ _PRE_RELEASE_STEPS = 16
 _COARSE = 2.0
 _FAR = 4.0
 _TANGENT = 4.0
-"""How many times longer the steps of the integration are far from the readings, and where only a slope is wanted."""
+"""How many times longer steps are beside a large misfit, far from the readings, and where only a slope is wanted."""
 
 _ENOUGH_FAR = 24
 """Readings a cycle that show a misfit far above the noise."""
@@ -146,14 +146,13 @@ class Problem:
         return states
 
     def _steps_of_memory(self, table: Array, i: int) -> float:
-        """Return how many steps a sample of window i takes so that none goes farther than friction with memory gives way."""
-        most = 0.0
-        for row, term in zip(table, self.layout.forces, strict=True):
-            effect = term.force
-            if effect.nonsmooth and effect.states:
-                way = 0.0 if effect.gives_way is None else effect.gives_way(row)
-                most = max(most, self._paths[i] / way if way > 0.0 else np.inf)
-        return most
+        """Return how many steps a sample of window i takes so that friction with memory gives way in no less than one."""
+        ways = [
+            0.0 if term.force.gives_way is None else term.force.gives_way(row)
+            for row, term in zip(table, self.layout.forces, strict=True)
+            if term.force.nonsmooth and term.force.states
+        ]
+        return max((self._paths[i] / way if way > 0.0 else np.inf for way in ways), default=0.0)
 
     def _fastest_rate(self, table: Array, sampling: float) -> float:
         """Return the angular frequency (rad/s) that the integration must resolve of readings at a rate (Hz).

@@ -68,7 +68,6 @@ class Colour:
         """Return the processes with the strength of those that are no lines changed by a factor."""
         return tuple(c if c.frequency else Component(factor * c.variance, c.corner) for c in self.components)
 
-
     def beside_white(self, variance: float) -> "Colour":
         """Return the same processes beside a white part whose variance has changed by a factor."""
         return replace(
