@@ -327,10 +327,7 @@ def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: B
     candidate = entry.candidate
     is_final = candidate.fit is judgement.final
     named = judgement.together and (entry is judgement.ranked[0] or candidate.name in judgement.together)
-    found = settled.fit if named or is_final else candidate.fit
     confirmed = _confirmed(judgement.confirmation, candidate.name)
-    own = baseline.stated(candidate.fit)
-    stated = own if found is candidate.fit else baseline.stated(found)
     return Suspect(
         effect=candidate.term.effect,
         term=candidate.term,
@@ -338,9 +335,9 @@ def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: B
         evidence=entry.evidence,
         p_value=entry.p_value,
         claimed=entry.claimed,
-        parameters=stated.of(candidate.term),
+        baseline=baseline,
         fit=candidate.fit,
-        stated=own,
+        last=settled.fit if named or is_final else candidate.fit,
         rivals=rivals_of(entry, judgement.ranked) if confirmed is None else confirmed.rivals,
         plausible=candidate.plausible,
         confirmed=confirmed,
@@ -362,9 +359,10 @@ def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[Correcte
         evidence=0.5 * fault.surplus,
         p_value=fault.p_value,
         claimed=fault.p_value < baseline.alpha,
-        parameters=fault.parameters,
+        baseline=baseline,
         fit=baseline.fit,
-        stated=baseline.stated(baseline.fit),
+        last=baseline.fit,
+        corrected=fault.parameters,
     )
 
 

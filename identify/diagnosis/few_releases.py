@@ -1,4 +1,4 @@
-"""Many releases: more effects than one are sought on a few of them, and what is found there is fitted to all.
+"""Many releases: more effects than one are sought on a few of them, on a few cycles, and what is found is fitted to all.
 
 What does not reach the floor on a few releases does not reach it on all, and every trial costs as much less.
 """
@@ -11,7 +11,12 @@ from identify.diagnosis.weak_presence import states_of_term
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
+from identify.fitting.segments import first_cycles
+from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
+
+_CYCLES = 30.0
+"""Cycles of each of the two, at most: what a record of a few seconds has."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,16 +33,20 @@ class FewReleases:
 
     @classmethod
     def of(cls, whole: Baseline, tried: tuple[Candidate, ...]) -> Self:
-        """Return the releases of the largest and of the smallest amplitude; all where there are no more."""
+        """Return the first cycles of the releases of the largest and the smallest amplitude; all where there are no more."""
         places = _chosen(whole.decays)
         if len(places) == len(whole.decays):
             return cls.all(whole, tried)
-        base = _refitted(whole.fit, places)
-        decays = tuple(whole.decays[i] for i in places)
+        decays = tuple(first_cycles(whole.decays[i], _CYCLES) for i in places)
+        windows = tuple(
+            whole.fit.windows[i].until(len(prepared.window))
+            for i, prepared in zip(places, decays, strict=True)
+        )
+        base = _refitted(whole.fit, places, windows)
         baseline = Baseline(decays, base, tuple(whole.floors[i] for i in places))
         scales = scales_of(decays[0], residual_lines(base))
         goal = baseline.highest * base.degrees
-        few = tuple(judged(_refitted(c.fit, places, goal), base, c.term, scales) for c in tried)
+        few = tuple(judged(_refitted(c.fit, places, windows, goal), base, c.term, scales) for c in tried)
         return cls(whole, baseline, tuple(sorted(few, key=lambda c: c.score)), places)
 
     @classmethod
@@ -94,9 +103,9 @@ def _chosen(decays: tuple[PreparedDecay, ...]) -> tuple[int, ...]:
     return tuple(sorted({order[0], order[-1]}))
 
 
-def _refitted(found: Fit, places: tuple[int, ...], goal: float = 0.0) -> Fit:
-    """Return a fit to all releases refitted to those in `places`; left where it creeps to a `goal` of chi-square above 0."""
-    start = found.of_windows(places)
-    return fit(
-        found.model, tuple(found.windows[i] for i in places), start, found.frequency, near=True, goal=goal
-    )
+def _refitted(found: Fit, places: tuple[int, ...], windows: tuple[FitWindow, ...], goal: float = 0.0) -> Fit:
+    """Return a fit to all releases refitted to the `windows` of those in `places`.
+
+    Left where it creeps to a `goal` of chi-square above 0.
+    """
+    return fit(found.model, windows, found.of_windows(places), found.frequency, near=True, goal=goal)

@@ -39,6 +39,10 @@ _MOST_COLUMN_NUMBERS = 2_000_000
 _FEWEST_PLACES = 100
 """Numbers in all columns of one effect: of long records its starting values lie less close, a hundred of them at least."""
 
+_LARGE = 100.0
+_PLACES_FAR = 25
+"""Reduced chi-square above which gains lie far beyond chance, which is then drawn at few starting values of an effect."""
+
 _PROBE = 1e-5
 """Share of the acceleration that a probed force has: it moves the readings by a few units of noise, in proportion.
 
@@ -217,7 +221,8 @@ def _column_drops(
     single: list[Array] = []
     several: list[Array] = []
     starts = reachable_starts(term, scales)
-    enough = max(_FEWEST_PLACES, _MOST_COLUMN_NUMBERS // len(before))
+    near = max(_FEWEST_PLACES, _MOST_COLUMN_NUMBERS // len(before))
+    enough = _PLACES_FAR if base.reduced > _LARGE else near
     for start in starts[:: (len(starts) - 1) // enough + 1]:
         points = probes(decays, base, problem, term, start, _PROBE, early=True)
         if not term.force.fading_memory and len(base.windows) == 1:  # of several each has a state of its own

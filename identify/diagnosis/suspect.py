@@ -1,10 +1,12 @@
 """A suspect: one effect that a model may lack, with the evidence for it."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from identify.curves.confirmation import ConfirmedEffect
 from identify.effects.effect import Effect, Kind
 from identify.estimate import Estimate
+from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.model.model import Term
 
@@ -13,8 +15,9 @@ from identify.model.model import Term
 class Suspect:
     """One effect that the model may lack.
 
-    `error_after` is the reduced chi-square of the model refitted with it, `parameters` what that refit found.
-    `stated` is the `fit` with the standard errors to state.
+    `fit` is the model refitted with it, judged against the `baseline`, and `error_after` its reduced chi-square. Its
+    parameters are those of `last`: of the fit of all that is named where it is among them, else of its own; `corrected`
+    are those of a fault that every fit corrects, None of all else.
     `evidence` is in nats: how much better than by chance the refit explains the readings. `p_value` is the probability
     that chance gives any suspect of the library as good a reason, nan where no chance was drawn; `claimed` says that the
     effect is claimed. `rivals` are claimed effects whose evidence is as good: this record does not tell them apart.
@@ -29,13 +32,27 @@ class Suspect:
     evidence: float
     p_value: float
     claimed: bool
-    parameters: dict[str, Estimate]
+    baseline: Baseline
     fit: Fit
-    stated: Fit
+    last: Fit
+    corrected: dict[str, Estimate] | None = None
     rivals: tuple[str, ...] = ()
     held_out_gain: float | None = None
     plausible: bool = True
     confirmed: ConfirmedEffect | None = None
+
+    @cached_property
+    def stated(self) -> Fit:
+        """The fit with the standard errors to state; found when they are asked for, for that takes its time."""
+        return self.baseline.stated(self.fit)
+
+    @cached_property
+    def parameters(self) -> dict[str, Estimate]:
+        """The parameters of the effect by their own names, with the standard errors to state."""
+        if self.corrected is not None:
+            return self.corrected
+        last = self.stated if self.last is self.fit else self.baseline.stated(self.last)
+        return last.of(self.term)
 
     @property
     def kind(self) -> Kind:

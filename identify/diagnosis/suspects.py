@@ -175,8 +175,8 @@ def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tup
 def _begin(
     decays: tuple[PreparedDecay, ...], base: Fit, slope: Slope | None, term: Term, scales: Scales, goal: float
 ) -> _Beginning | None:
-    coarse = base.reduced > FAR_OFF
-    problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=coarse)
+    model, coarse = base.model.plus(term), base.reduced > FAR_OFF
+    problem = Problem(model, base.windows, base.frequency, coarse=coarse, far=slope is None)
     inner = np.array([_is_inner(u.id, term) for u in problem.unknowns])
     best: _Beginning | None = None
     for start in _promising(decays, base, problem.model, term, term_starts(term, scales)):
@@ -237,10 +237,12 @@ def _finish(base: Fit, begun: _Beginning, scales: Scales, goal: float) -> Candid
 
 
 def _leave(base: Fit, near: Slope | None, begun: _Beginning, scales: Scales) -> Candidate:
-    slope = None
+    problem, slope = begun.problem, None
     if near is not None:
-        slope = _from_slope(near, begun.problem, begun.theta, np.zeros(len(begun.theta), dtype=bool))
-    return judged(fit_at(begun.problem, begun.theta, slope), base, begun.term, scales)
+        slope = _from_slope(near, problem, begun.theta, np.zeros(len(begun.theta), dtype=bool))
+    elif problem.windows is not base.windows:
+        problem = Problem(problem.model, base.windows, base.frequency, coarse=True)
+    return judged(fit_at(problem, begun.theta, slope), base, begun.term, scales)
 
 
 def _is_inner(unknown: ParameterId, term: Term) -> bool:

@@ -96,6 +96,7 @@ BOUC_WEN = Family(
         fading_memory=False,
         equilibrium_state=lambda u, p: (copysign(min(abs(u) / float(p[1]), 1.0), u), 0.0),
         starts=_yield_starts,
+        gives_way=lambda p: float(p[1] / p[2]),
         symptom="a loop in the plane of displacement and force, whose corners are the sharper the larger n",
         confirming_test="move the mass slowly to and fro: the loop shows its corners",
         nonsmooth=True,

@@ -42,9 +42,11 @@ class ForceEffect(Effect):
     ones where midpoints between those would leave gaps, `reach(scales)` those over all that a fit may reach, where that is
     more. `fastest_rate(p)` is the angular frequency (rad/s) that the
     integration must resolve for the sake of the effect, None where the motion's own does. `nonsmooth` forces want a
-    finer step. A `proportional` force grows with the motion as a whole, so that it changes frequency and loss alike at
-    all amplitudes, and leaves the centre where it is. A `linear_part` is built into the simulator. What `may_be_all_of`
-    a linear part has the strength of that part on a rig where nothing else adds to it, and then no constant of its own.
+    finer step; the state of one with memory follows the motion over the displacement (m) that it `gives_way(p)` within,
+    and no longer step goes farther; where that is None, its steps are never longer. A `proportional` force grows with the
+    motion as a whole, so that it changes frequency and loss alike at all amplitudes, and leaves the centre where it is. A
+    `linear_part` is built into the simulator. What `may_be_all_of` a linear part has the strength of that part on a rig
+    where nothing else adds to it, and then no constant of its own.
     A joint or an asperity holds no more than it gives way at: its first state is a share of that, at most `largest_state`.
     Other states are displacements, their second speeds, of any size.
     """
@@ -61,6 +63,7 @@ class ForceEffect(Effect):
     fine_starts: Callable[[Scales], Starts] | None = None
     reach: Callable[[Scales], Starts] | None = None
     fastest_rate: Callable[[Array], float] | None = None
+    gives_way: Callable[[Array], float] | None = None
     nonsmooth: bool = False
     proportional: bool = False
     linear_part: LinearPart | None = None

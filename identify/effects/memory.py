@@ -45,6 +45,7 @@ HYSTERESIS = ForceEffect(
     equilibrium_state=lambda u, p: (copysign(min(abs(u) / float(p[1]), 1.0), u), 0.0),
     starts=_yield_starts,
     reach=lambda scales: tuple((share * scales.amplitude,) for share in _YIELDS),
+    gives_way=lambda p: 0.5 * float(p[1]),
     symptom="a loop in the plane of displacement and force; softer at large amplitude",
     confirming_test="the loss per cycle stops growing once the amplitude is well above the yield displacement",
     confusable_with=("coulomb_friction", "freeplay", "position_dependent_friction"),

@@ -11,7 +11,7 @@ from identify.effects.force_effect import LinearPart
 from identify.estimate import Estimate
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.jacobian import linearise
-from identify.fitting.levenberg_marquardt import minimise, minimise_fully
+from identify.fitting.levenberg_marquardt import Minimum, minimise, minimise_fully
 from identify.fitting.own_linear import centred, weighed
 from identify.fitting.parameter_layout import Unknown
 from identify.fitting.problem import Problem
@@ -155,9 +155,10 @@ def fit(
 ) -> Fit:
     """Fit a model to windows from starting values by name (see `initial_values`); the window grows where it is needed.
 
-    Far from the readings the motion is integrated in longer steps. A start that is `near`, from curves of the whole
-    decay, is not lost again to its first few cycles. A fit that creeps towards a `goal` of chi-square above 0 is left as
-    it is. What single releases have of their own counts in units of what is left, found in turn.
+    Far from the readings fewer of them are compared, and the motion is integrated in longer steps; in the end all are. A
+    start that is `near`, from curves of the whole decay, is not lost again to its first few cycles. A fit that creeps
+    towards a `goal` of chi-square above 0, or ends above it and far from the readings, is left as it is. What single
+    releases have of their own counts in units of what is left, found in turn.
     """
     found = _fit(model, windows, start, frequency, tolerance=tolerance, near=near, goal=goal)
     for _ in range(_ROUNDS):
@@ -182,20 +183,36 @@ def _fit(
 ) -> Fit:
     """Return the fit with the priors of single releases, if there are any, counted as the windows say."""
     problem = Problem(model, windows, frequency)
-    theta = start_at = np.clip(problem.theta(start), problem.low, problem.high)
+    theta = np.clip(problem.theta(start), problem.low, problem.high)
     first = problem.residuals(theta)
-    far = _off(first)
-    if far:
-        theta = theta if near else _grow(model, windows, theta, frequency)
-        problem = Problem(model, windows, frequency, coarse=True)
+    if _off(first):
+        rough = _from_afar(model, windows, theta, frequency, tolerance, near=near, goal=goal)
+        theta, still = rough.theta, not rough.cost < FAR_OFF * len(first)
+        problem = Problem(model, windows, frequency, coarse=still)
+        if still and 0.0 < goal < rough.cost:
+            return fit_at(problem, theta)
     found = minimise_fully(problem, theta, tolerance=tolerance, goal=goal)
-    if far and not near and not found.cost < float(first @ first):  # lost to the first few cycles
-        found = minimise_fully(problem, start_at, tolerance=tolerance, goal=goal)
-    if far and found.cost < FAR_OFF * len(first):
-        problem = Problem(model, windows, frequency)
-        found = minimise_fully(problem, found.theta, tolerance=tolerance, goal=goal)
     jacobian = found.jacobian if found.exact else linearise(problem, found.theta)[1]
     return _result(problem, found.theta, found.cost, jacobian, settled=found.settled)
+
+
+def _from_afar(
+    model: Model,
+    windows: tuple[FitWindow, ...],
+    theta: Array,
+    frequency: float,
+    tolerance: float,
+    *,
+    near: bool,
+    goal: float,
+) -> Minimum:
+    """Return the minimum by fewer readings and longer steps, where the misfit is far above the noise."""
+    problem = Problem(model, windows, frequency, far=True)
+    grown = theta if near else _grow(model, windows, theta, frequency)
+    found = minimise_fully(problem, grown, tolerance=tolerance, goal=goal)
+    if not near and not found.cost < _cost(problem.residuals(theta)):  # lost to the first few cycles
+        found = minimise_fully(problem, theta, tolerance=tolerance, goal=goal)
+    return found
 
 
 def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float], frequency: float) -> bool:
@@ -205,7 +222,11 @@ def is_far(model: Model, windows: tuple[FitWindow, ...], start: dict[str, float]
 
 
 def _off(misfit: Array) -> bool:
-    return not np.isfinite(misfit).all() or float(misfit @ misfit) > FAR_OFF * len(misfit)
+    return not _cost(misfit) <= FAR_OFF * len(misfit)
+
+
+def _cost(misfit: Array) -> float:
+    return float(misfit @ misfit) if np.isfinite(misfit).all() else np.inf
 
 
 def fit_at(problem: Problem, theta: Array, slope: tuple[Array, BlockJacobian] | None = None) -> Fit:
@@ -220,7 +241,7 @@ def _grow(model: Model, windows: tuple[FitWindow, ...], theta: Array, frequency:
         samples = int(cycles * 2.0 * np.pi / frequency * windows[0].rate)
         if samples >= longest:
             break
-        short = Problem(model, tuple(s.until(min(samples, len(s))) for s in windows), frequency)
+        short = Problem(model, tuple(s.until(min(samples, len(s))) for s in windows), frequency, far=True)
         theta = minimise(short, theta, steps=8, tolerance=1.0).theta
     return theta
 

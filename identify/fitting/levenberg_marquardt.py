@@ -129,9 +129,7 @@ def _step(
     """Return the step that lowers chi-square; None when none is predicted to gain more than `tolerance`."""
     cost = _sum_of_squares(residual)
     least = _least(tolerance, cost, problem, len(residual))
-    size = problem.sizes(theta)
-    gradient = jacobian.gradient(residual) * size
-    normal = jacobian.normal() * np.outer(size, size)
+    gradient, normal = jacobian.gradient(residual), jacobian.normal()
     still = never | ((theta <= problem.low) & (gradient > 0)) | ((theta >= problem.high) & (gradient < 0))
     normal[still] = 0.0
     normal[:, still] = 0.0
@@ -142,7 +140,7 @@ def _step(
     for _ in range(_TRIALS):
         matrix = scaled + np.diag(np.where(diagonal > 0.0, damping + _SINGULAR, 1.0))
         step = -np.linalg.solve(matrix, np.where(still, 0.0, gradient) / own) / own
-        candidate = np.clip(theta + step * size, problem.low, problem.high)
+        candidate = np.clip(theta + step, problem.low, problem.high)
         predicted = -(2.0 * gradient @ step + step @ normal @ step)
         trial = problem.residuals(candidate)
         trial_cost = _sum_of_squares(trial)

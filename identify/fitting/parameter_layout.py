@@ -114,7 +114,7 @@ class ParameterLayout:
 
 def lay_out(model: Model, windows: tuple[FitWindow, ...], frequency: float) -> ParameterLayout:
     """List the unknowns of a model on windows whose motion has an angular `frequency` (rad/s)."""
-    amplitude = max(_amplitude(window, frequency) for window in windows)
+    amplitude = max(amplitude_of(window, frequency) for window in windows)
     builder = _Builder(model, frequency, amplitude, windows[0].unit, len(windows))
     linear = builder.linear_and_forces()
     force_gain = NOWHERE
@@ -284,7 +284,8 @@ class _Builder:
         return tuple(found)
 
 
-def _amplitude(window: FitWindow, w: float) -> float:
+def amplitude_of(window: FitWindow, w: float) -> float:
+    """Return the largest displacement that the readings of a window show of a motion of angular frequency w (rad/s)."""
     channel = window.channels[0]
     values = window.readings[channel][window.used[channel]]
     return float(np.ptp(values)) / 2.0 / w ** _DERIVATIVE[channel] if len(values) else 1.0

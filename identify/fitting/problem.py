@@ -5,15 +5,19 @@ import numpy as np
 from identify.arrays import Array
 from identify.effects.compiled import STATES
 from identify.fitting.block_jacobian import BlockPattern
-from identify.fitting.parameter_layout import NOWHERE, Unknown, lay_out
+from identify.fitting.parameter_layout import NOWHERE, Unknown, amplitude_of, lay_out
 from identify.model.model import Model
 from identify.model.simulate import Response, make_system, simulate, substeps_for
 from identify.preprocessing.fit_window import FitWindow
 
 _PRE_RELEASE_STEPS = 16
 _COARSE = 2.0
+_FAR = 4.0
 _TANGENT = 4.0
-"""How many times longer the steps of the integration are far from the readings, and where only a slope is wanted."""
+"""How many times longer steps are beside a large misfit, far from the readings, and where only a slope is wanted."""
+
+_ENOUGH_FAR = 24
+"""Readings a cycle that show a misfit far above the noise."""
 
 
 class Problem:
@@ -24,16 +28,25 @@ class Problem:
     a linear spring and damper of its own near those of all: what they are off, in standard deviations, is read as a last
     stretch of the misfit, which no window has. `steps` (unknowns,) are the steps of
     differentiation, 0 until they are known. A `coarse` problem is integrated in longer steps: what they are off by shows
-    beside the noise, but not beside a misfit that is much larger.
+    beside the noise, but not beside a misfit that is much larger. One that is `far` off besides compares every second
+    reading, or fewer, where they are many to a cycle.
     """
 
     def __init__(
-        self, model: Model, windows: tuple[FitWindow, ...], frequency: float, *, coarse: bool = False
+        self,
+        model: Model,
+        windows: tuple[FitWindow, ...],
+        frequency: float,
+        *,
+        coarse: bool = False,
+        far: bool = False,
     ) -> None:
+        if far:
+            windows = tuple(w.thinned(int(2.0 * np.pi / frequency * w.rate / _ENOUGH_FAR)) for w in windows)
         self.model = model
         self.windows = windows
         self.frequency = frequency
-        self.coarse = coarse
+        self.longer = _FAR if far else _COARSE if coarse else 1.0
         self.layout = lay_out(model, windows, frequency)
         self.system = make_system(tuple(term.force for term in self.layout.forces))
         self.low = np.array([u.low for u in self.unknowns])
@@ -45,6 +58,7 @@ class Problem:
         self._own = [[one for one in self.expected if i in one.windows] for i in range(len(windows))]
         self.pattern = BlockPattern.of(moves, len(windows), [one.own for one in self.expected])
         self.steps = np.zeros(len(self.unknowns))
+        self._paths = [frequency * amplitude_of(window, frequency) / window.rate for window in windows]
         self._last: list[tuple[Array, Response]] = []
 
     @property
@@ -64,13 +78,15 @@ class Problem:
 
     def substeps(self, theta: Array, i: int, *, tangent: bool = False) -> int:
         """Return how many steps of the integration a sample of window i takes; a `tangent` takes what its slope needs."""
-        longer = _TANGENT if tangent else _COARSE if self.coarse else 1.0
-        return substeps_for(
-            self._fastest_rate(self._table(self.within(theta, i)), self.windows[i].rate),
+        table, rate, nonsmooth = (
+            self._table(self.within(theta, i)),
             self.windows[i].rate,
-            nonsmooth=self.system.nonsmooth,
-            longer=1.0 if self.system.is_stiff else longer,
+            self.system.nonsmooth,
         )
+        fastest = self._fastest_rate(table, rate)
+        fine = substeps_for(fastest, rate, nonsmooth=nonsmooth)
+        longer = substeps_for(fastest, rate, nonsmooth=nonsmooth, longer=_TANGENT if tangent else self.longer)
+        return int(min(max(longer, np.ceil(self._steps_of_memory(table, i))), fine))
 
     def within(self, theta: Array, i: int) -> Array:
         """Return the unknowns with the shared ones as they are in window i: with what its release has of its own."""
@@ -148,6 +164,15 @@ class Problem:
                     motion = (before.time, before.displacement, before.velocity)
                     states[row] = effect.states_along(p, *motion, rest, steps=_PRE_RELEASE_STEPS)[-1]
         return states
+
+    def _steps_of_memory(self, table: Array, i: int) -> float:
+        """Return how many steps a sample of window i takes so that friction with memory gives way in no less than one."""
+        ways = [
+            0.0 if term.force.gives_way is None else term.force.gives_way(row)
+            for row, term in zip(table, self.layout.forces, strict=True)
+            if term.force.nonsmooth and term.force.states
+        ]
+        return max((self._paths[i] / way if way > 0.0 else np.inf for way in ways), default=0.0)
 
     def _fastest_rate(self, table: Array, sampling: float) -> float:
         """Return the angular frequency (rad/s) that the integration must resolve of readings at a rate (Hz).

@@ -90,6 +90,20 @@ def what_was_used(pieces: Sequence[PreparedDecay]) -> str:
     return f"{sentence[0].upper()}{sentence[1:]}." if sentence else ""
 
 
+def first_cycles(prepared: PreparedDecay, cycles: float) -> PreparedDecay:
+    """Return the first cycles of a release, or of a piece of one; as it is where it has no more."""
+    samples = int(cycles * 2.0 * np.pi / prepared.frequency * prepared.window.rate)
+    if samples >= len(prepared.window):
+        return prepared
+    kept = slice(samples)
+    return replace(
+        prepared,
+        window=prepared.window.until(samples),
+        motion=prepared.motion.part(kept),
+        lost={c: m[kept] for c, m in prepared.lost.items()},
+    )
+
+
 def _counted(prepared: PreparedDecay, release: int) -> PreparedDecay:
     """Return a release with its place among several; a piece has that of the release that it was cut from."""
     window = prepared.window

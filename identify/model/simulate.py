@@ -44,11 +44,6 @@ class System:
         """Whether some effect has internal states."""
         return bool(self.addresses[:, 2].any())
 
-    @property
-    def is_stiff(self) -> bool:
-        """Whether internal states are those of friction, which follow the motion in a small part of a cycle."""
-        return self.nonsmooth and self.has_memory
-
 
 @dataclass(frozen=True, eq=False)
 class Response:

@@ -151,6 +151,24 @@ class FitWindow:
             force=None if self.force is None else self.force[samples],
         )
 
+    def thinned(self, step: int) -> Self:
+        """Return every so many-th sample, each with the weight of them all: chi-square stays about what it is.
+
+        A window with an external force stays whole: the force acts between the samples too.
+        """
+        if step < 2 or self.force is not None:
+            return self
+        if step not in self._thinned:
+            self._thinned[step] = self.part(slice(None, None, step)).with_(
+                sigma={c: sigma / np.sqrt(step) for c, sigma in self.sigma.items()},
+                colour={c: colour.beside_white(1.0 / step) for c, colour in self.colour.items()},
+            )
+        return self._thinned[step]
+
+    @cached_property
+    def _thinned(self) -> dict[int, Self]:
+        return {}
+
     def until(self, samples: int) -> Self:
         """Return the window cut after some samples."""
         return self.part(slice(samples))

@@ -5,7 +5,7 @@ A sum of first-order (Ornstein-Uhlenbeck) processes with corners a constant fact
 The Kalman filter of their sum gives the innovations, which are white (Kailath 1968).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -67,6 +67,12 @@ class Colour:
     def stronger(self, factor: float) -> tuple[Component, ...]:
         """Return the processes with the strength of those that are no lines changed by a factor."""
         return tuple(c if c.frequency else Component(factor * c.variance, c.corner) for c in self.components)
+
+    def beside_white(self, variance: float) -> "Colour":
+        """Return the same processes beside a white part whose variance has changed by a factor."""
+        return replace(
+            self, components=tuple(replace(c, variance=c.variance / variance) for c in self.components)
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,6 +31,14 @@ def test_standard_errors_that_are_stated_are_those_of_the_misfit_above_the_floor
     assert np.all(stated.theta == short.baseline.fit.theta)
 
 
+def test_a_suspects_parameters_have_the_errors_to_state_and_are_found_once(short):
+    suspect = short.suspects[0]
+    stated = short.baseline.stated(suspect.fit)
+    assert suspect.parameters["c2"].value == suspect.fit.parameters["quadratic_damping.c2"].value
+    assert suspect.parameters["c2"].std == stated.values["quadratic_damping.c2"].std
+    assert suspect.stated is suspect.stated
+
+
 def test_what_is_left_is_said_in_percent_of_the_motion_where_the_floor_is_a_guess(short):
     assert short.verdict == "unknown_effect"
     assert "% of the motion (" in short.explanation
