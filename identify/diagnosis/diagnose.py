@@ -1,20 +1,21 @@
 """Diagnosis: which effect a model lacks, how sure that is, and what cannot be told apart."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from identify.curves.confirmation import Confirmation, ConfirmedEffect
+from identify.curves.confirmation import Confirmation
 from identify.curves.release_by_release import confirm_releases
 from identify.diagnosis.explain import explain
 from identify.diagnosis.judgement import judge, worth_naming
 from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, without_needless_effects
+from identify.diagnosis.listed_suspects import listed_suspects
 from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
-from identify.diagnosis.ranking import Ranked, rank, rivals_of
+from identify.diagnosis.ranking import Ranked, rank
 from identify.diagnosis.releases_differ import (
     carried,
     decided_anew,
@@ -31,7 +32,7 @@ from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor, with_noise_beside
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
-from identify.fitting.fit import Fit, fit
+from identify.fitting.fit import Fit
 from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
 from identify.fitting.release_values import ReleaseValue, release_values
@@ -39,17 +40,13 @@ from identify.fitting.segments import prepared_of, segments_of, what_was_used
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
-from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.summary import Summarised, Summary
 
 _FEWEST_CYCLES = 5.0
-_HELD_OUT = 3
 _MOST_RUNGS = 5
 _SHOWN = 6
 _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_missing")
-_WORTH_A_MENTION = 6.0
-"""Nats from which on a fault that every fit corrects is listed before suspects that are not claimed."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -194,32 +191,14 @@ def diagnose(
     whole = prepared_of(decays)
     first = fit_baseline(segments_of(whole), model or base_model(), known)
     whole = tuple(with_floor(prepared, first.spread) for prepared in whole)
-    baseline = where_releases_differ(first)
-    foretell = cache(lambda: foretold(baseline, whole, library))
-    fitted = _worth_a_fit(baseline, library, foretell)
-    tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
-    progress("finding what each effect would explain by chance")
-    ranked = rank(baseline, tried, chances(baseline, fitted))
-    baseline, ranked = decided_anew(first, baseline, ranked, fitted)
-    if _hides_noise(baseline, ranked):
-        baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
-    progress("judging whether one effect explains it, or several together")
-    judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, foretell)
-    if judgement.verdict == "unknown_effect" and baseline.floor_is_sure:
-        before, (baseline, ranked) = baseline, _seen_again(baseline, judgement.final, ranked, fitted)
-        if baseline is not before:
-            judgement = judge(
-                baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, foretell
-            )
+    baseline, judgement = _searched(first, whole, library, progress)
     judgement = worth_naming(baseline, judgement, worth)
     if baseline is not first:  # other noise, another floor
         whole = carried(whole, baseline)
     settled = baseline
     if judgement.final is not baseline.fit:
         settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
-    suspects = _with_held_out(
-        baseline, _suspects(baseline, judgement, unnamed_faults(baseline.decays, baseline.fit), settled)
-    )
+    suspects = listed_suspects(baseline, judgement, settled)
     verdict = judgement.verdict
     if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
         verdict = "not_enough_data"
@@ -249,6 +228,36 @@ def diagnose(
         modes=() if verdict == "driven" else other_modes(settled.fit),
         worth=worth,
     )
+
+
+def _searched(
+    first: Baseline,
+    whole: tuple[PreparedDecay, ...],
+    library: tuple[Effect, ...],
+    progress: Callable[[str], None],
+) -> tuple[Baseline, Judgement]:
+    """Return what is to be said of a model, and the baseline that it was judged against.
+
+    That is not the `first` where releases differ, or where the noise is seen only once what hides it is fitted.
+    """
+    baseline = where_releases_differ(first)
+    foretell = cache(lambda: foretold(baseline, whole, library))
+    fitted = _worth_a_fit(baseline, library, foretell)
+    tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
+    progress("finding what each effect would explain by chance")
+    ranked = rank(baseline, tried, chances(baseline, fitted))
+    baseline, ranked = decided_anew(first, baseline, ranked, fitted)
+    if _hides_noise(baseline, ranked):
+        baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
+    progress("judging whether one effect explains it, or several together")
+    judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, foretell)
+    if judgement.verdict == "unknown_effect" and baseline.floor_is_sure:
+        before, (baseline, ranked) = baseline, _seen_again(baseline, judgement.final, ranked, fitted)
+        if baseline is not before:
+            judgement = judge(
+                baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, foretell
+            )
+    return baseline, judgement
 
 
 def _seen_again(
@@ -303,92 +312,3 @@ def foretold(
 def _cycles(baseline: Baseline) -> float:
     window = baseline.fit.windows[0]
     return len(window) / window.rate * baseline.fit.frequency / (2.0 * np.pi)
-
-
-def _suspects(
-    baseline: Baseline, judgement: Judgement, faults: tuple[CorrectedFault, ...], settled: Baseline
-) -> tuple[Suspect, ...]:
-    """Return the suspects in order: first what the verdict names, if it names any."""
-    entries = [_suspect(baseline, entry, judgement, settled) for entry in judgement.ranked]
-    sensors = sorted(
-        (_corrected(baseline, fault, faults) for fault in faults), key=lambda suspect: -suspect.evidence
-    )
-    if judgement.corrected:
-        return (*sensors, *entries)
-    named = 1 if judgement.verdict in ("missing_effect", "sensor_fault") else 0
-    first = [e for rank, e in enumerate(entries) if rank < named or e.claimed]
-    rest = [e for e in entries if e not in first]
-    strong = [s for s in sensors if s.evidence > _WORTH_A_MENTION]
-    weak = [s for s in sensors if s.evidence <= _WORTH_A_MENTION]
-    return (*first, *strong, *rest, *weak)
-
-
-def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: Baseline) -> Suspect:
-    candidate = entry.candidate
-    is_final = candidate.fit is judgement.final
-    named = judgement.together and (entry is judgement.ranked[0] or candidate.name in judgement.together)
-    confirmed = _confirmed(judgement.confirmation, candidate.name)
-    return Suspect(
-        effect=candidate.term.effect,
-        term=candidate.term,
-        error_after=settled.reduced(settled.fit) if is_final else baseline.reduced(candidate.fit),
-        evidence=entry.evidence,
-        p_value=entry.p_value,
-        claimed=entry.claimed,
-        baseline=baseline,
-        fit=candidate.fit,
-        last=settled.fit if named or is_final else candidate.fit,
-        rivals=rivals_of(entry, judgement.ranked) if confirmed is None else confirmed.rivals,
-        plausible=candidate.plausible,
-        confirmed=confirmed,
-    )
-
-
-def _confirmed(found: Confirmation | None, name: str) -> ConfirmedEffect | None:
-    return next((e for e in found.effects if e.name == name), None) if found is not None else None
-
-
-def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[CorrectedFault, ...]) -> Suspect:
-    """Return a fault that every fit corrects as a suspect: what the model would leave with this one named in it."""
-    others = [f for f in faults if f is not fault]
-    chi_square = baseline.fit.chi_square + sum(f.drop for f in others)
-    return Suspect(
-        effect=fault.term.effect,
-        term=fault.term,
-        error_after=chi_square / max(baseline.fit.degrees + sum(f.readings for f in others), 1),
-        evidence=0.5 * fault.surplus,
-        p_value=fault.p_value,
-        claimed=fault.p_value < baseline.alpha,
-        baseline=baseline,
-        fit=baseline.fit,
-        last=baseline.fit,
-        corrected=fault.parameters,
-    )
-
-
-def _with_held_out(baseline: Baseline, suspects: tuple[Suspect, ...]) -> tuple[Suspect, ...]:
-    """Ask the first few suspects what they predict of cycles they were not fitted to."""
-    error = cache(lambda found: _held_out_error(found, baseline.fit.windows))
-    asked = []
-    for place, suspect in enumerate(suspects):
-        if place < _HELD_OUT and suspect.fit is not baseline.fit and suspect.claimed:
-            suspect = replace(suspect, held_out_gain=error(baseline.fit) - error(suspect.fit))
-        asked.append(suspect)
-    return tuple(asked)
-
-
-def _held_out_error(found: Fit, windows: tuple[FitWindow, ...]) -> float:
-    """Return chi-square on every second pair of cycles, of a fit to the others."""
-    kept, held = [], []
-    for window in windows:
-        cycle = np.floor(window.clock * found.frequency / (2.0 * np.pi)).astype(int) % 2 == 0
-        kept.append(window.with_(used={c: m & cycle for c, m in window.used.items()}))
-        held.append(window.with_(used={c: m & ~cycle for c, m in window.used.items()}))
-    refit = fit(found.model, tuple(kept), found.point, found.frequency, tolerance=1.0)
-    total = 0.0
-    for i, window in enumerate(held):
-        for channel in window.channels:
-            off = window.in_noise(channel, window.readings[channel] - refit.predicted[i][channel])
-            off = off[window.used[channel]]
-            total += float(off @ off)
-    return total
