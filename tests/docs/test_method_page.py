@@ -56,7 +56,7 @@ def value(module, name):
         ("curves.confirmation", "MOST_RIVALS", lambda x: f"more than {WORDS[x]} rivals"),
         ("curves.confirmation", "RANGE", lambda x: f"a factor of {x:g}"),
         ("diagnosis.diagnose", "_FEWEST_CYCLES", lambda x: f"fewer than {WORDS[x]} cycles"),
-        ("diagnosis.diagnose", "_HELD_OUT", lambda x: f"The first {WORDS[x]} suspects"),
+        ("diagnosis.listed_suspects", "_HELD_OUT", lambda x: f"The first {WORDS[x]} suspects"),
         (
             "fitting.own_linear",
             "STIFFNESS_VARIES",
