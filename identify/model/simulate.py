@@ -299,8 +299,9 @@ def _run(  # type: ignore[no-untyped-def]
                 _run_away(readings, due, i + 1)
                 return
     for i in range(due, n):  # an early channel ends after the run
-        readings[0, i] = u + (i * interval - lag - (n - 1) * interval) * v
-        readings[1, i] = v
+        ahead = (i - n) * interval - lag
+        readings[0, i] = u + ahead * (v + 0.5 * ahead * a)
+        readings[1, i] = v + ahead * a
 
 
 def substeps_for(frequency: float, rate: float, *, nonsmooth: bool, longer: float = 1.0) -> int:

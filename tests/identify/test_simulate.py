@@ -56,6 +56,20 @@ def test_without_dry_friction_the_decay_is_the_exponential_of_the_closed_form():
     assert np.max(np.abs(found.displacement - exact)) < 1e-7
 
 
+@pytest.mark.parametrize("lag", [-0.6 / RATE, -1.0 / RATE, -3.4 / RATE])
+def test_a_channel_that_is_early_reads_on_beyond_the_end_of_the_run(lag):
+    k, mu_1 = 614.0, 0.277
+    found = run((), (), (k, mu_1, 0.0), samples=1000, lag=lag)
+    t = np.arange(1000) / RATE - lag
+    w = np.sqrt(k - mu_1**2 / 4.0)
+    exact = 0.02 * np.exp(-mu_1 * t / 2.0) * (np.cos(w * t) + mu_1 / (2.0 * w) * np.sin(w * t))
+    # The parabola from the last step on errs by (w dt)^3/6 of the amplitude.
+    assert (
+        np.max(np.abs(found.displacement - exact))
+        < 0.02 * (w * max(-lag - 1.0 / RATE, 0.0)) ** 3 / 6.0 + 1e-7
+    )
+
+
 def test_a_hardening_spring_has_the_period_of_the_elliptic_integral():
     k, k3, a = 614.0, 5e5, 0.02
     found = run(("cubic_stiffness",), ((k3,),), (k, 0.0, 0.0), (a, 0.0), 4096)
