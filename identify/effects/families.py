@@ -5,7 +5,7 @@ from math import copysign, inf
 from identify.effects.compiled import force_function, rate_function
 from identify.effects.effect import Parameter, Scales, Starts
 from identify.effects.family import Family
-from identify.effects.force_effect import ForceEffect
+from identify.effects.force_effect import ForceEffect, share_of_yield
 
 
 @force_function
@@ -94,7 +94,7 @@ BOUC_WEN = Family(
         states=1,
         largest_state=1.0,
         fading_memory=False,
-        equilibrium_state=lambda u, p: (copysign(min(abs(u) / float(p[1]), 1.0), u), 0.0),
+        equilibrium_state=lambda u, p: share_of_yield(u, float(p[1])),
         starts=_yield_starts,
         gives_way=lambda p: float(p[1] / p[2]),
         symptom="a loop in the plane of displacement and force, whose corners are the sharper the larger n",

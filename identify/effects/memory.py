@@ -1,13 +1,13 @@
 """Effects with memory: forces that depend on where the mass has been."""
 
-from math import copysign, inf, pi
+from math import inf, pi
 
 import numpy as np
 
 from identify.arrays import Array
 from identify.effects.compiled import force_function, rate_function
 from identify.effects.effect import Parameter, Scales, Starts, near_harmonic
-from identify.effects.force_effect import ForceEffect
+from identify.effects.force_effect import ForceEffect, share_of_yield
 
 
 @force_function
@@ -42,7 +42,7 @@ HYSTERESIS = ForceEffect(
     states=1,
     largest_state=1.0,
     fading_memory=False,
-    equilibrium_state=lambda u, p: (copysign(min(abs(u) / float(p[1]), 1.0), u), 0.0),
+    equilibrium_state=lambda u, p: share_of_yield(u, float(p[1])),
     starts=_yield_starts,
     reach=lambda scales: tuple((share * scales.amplitude,) for share in _YIELDS),
     gives_way=lambda p: 0.5 * float(p[1]),

@@ -1,11 +1,11 @@
 """Friction before sliding: an asperity bends as a spring does, and slides in the end."""
 
-from math import copysign, exp, inf
+from math import exp, inf
 
 from identify.arrays import Array
 from identify.effects.compiled import force_function, rate_function
 from identify.effects.effect import Parameter, Scales, Starts
-from identify.effects.force_effect import ForceEffect
+from identify.effects.force_effect import ForceEffect, share_of_yield
 
 _SHORTEST = 0.01
 """Presliding displacement over the amplitude below which the friction is a dry one."""
@@ -25,7 +25,7 @@ def _dahl_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 
 def _pulled(u: float, p: Array) -> tuple[float, float]:
-    return copysign(min(abs(u) / float(p[1]), 1.0), u), 0.0
+    return share_of_yield(u, float(p[1]))
 
 
 def _slides(values: dict[str, float], scales: Scales) -> bool:
