@@ -149,7 +149,8 @@ def _by_repetition(table: Table) -> list[Table]:
 def _by_times(table: Table) -> list[Table]:
     """Cut a table at columns that rise evenly under one name, where one column that says what it is follows each.
 
-    The name need not be known as that of a time: nothing else rises evenly in each of several runs.
+    The name need not be known as that of a time: nothing else rises evenly in each of several runs. Where all of them are
+    the same to the last digit they are one clock, written beside each of several channels: one run.
     """
     named = [c for c in table.columns if c.bad is not None or np.isfinite(c.values).any()]
     names = [_COPY.sub(r"\1", c.label).strip().casefold() for c in named]
@@ -157,7 +158,8 @@ def _by_times(table: Table) -> list[Table]:
     if len(places) < 2 or [b - a for a, b in pairwise([*places, len(named)])] != [2] * len(places):
         return []
     said = {_motion_of(named[i + 1]) for i in places}
-    if len(said) != 1:
+    one_clock = all(np.array_equal(named[i].values, named[0].values, equal_nan=True) for i in places)
+    if len(said) != 1 or one_clock:
         return []
     groups = {
         str(k): [replace(named[i], quantity="time"), named[i + 1]] for k, i in enumerate(places, start=1)

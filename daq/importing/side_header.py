@@ -28,15 +28,18 @@ def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
         return None
     named = sum(bool(row[0].strip()) for row in rows)
     texts = sum(parse_number(row[0]) is None for row in rows[:named])
-    beside = all(_is_number(cell) for row in rows for cell in row[width : width + 2])
+    count = next((k for k, cell in enumerate(rows[-1][width:]) if not cell.strip()), len(rows[-1]) - width)
+    beside = all(_is_number(cell) for row in rows for cell in row[width : width + count])
     apart = not any(cell.strip() for row in rows[MOST_SETTINGS:] for cell in row[:width])
     if not 3 <= texts <= MOST_SETTINGS or not beside or not apart:
         return None
     facts = {row[0].strip().lower(): row[1].strip() for row in rows[:MOST_SETTINGS]}
     units = facts.get("horizontal units", "s"), facts.get("vertical units", "")
     name = facts.get("source", "signal")
-    header = f"time ({units[0]}),{name} ({units[1]})" if units[1] else f"time ({units[0]}),{name}"
-    made = [",".join(line.split(",")[width : width + 2]) if line.strip() else "" for line in lines]
+    unit = f" ({units[1]})" if units[1] else ""
+    channels = [f"{name}{unit}"] if count == 2 else [f"{name} {k}{unit}" for k in range(1, count)]
+    header = ",".join([f"time ({units[0]})", *channels])
+    made = [",".join(line.split(",")[width : width + count]) if line.strip() else "" for line in lines]
     return [header, *made], f"what an oscilloscope was set to stands beside the first {named} rows"
 
 

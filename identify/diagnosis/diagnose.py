@@ -61,7 +61,7 @@ class Diagnosis(Summarised):
     effect of the final model does at the largest and at the smallest amplitude; none where the model misses something
     without a name. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
     None where the floor itself decides. `modes` are other modes of the structure that what is left shows. Forces that
-    remove less than `worth` % of the motion were not named.
+    remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
     """
 
     baseline: Baseline
@@ -80,6 +80,7 @@ class Diagnosis(Summarised):
     harmonics: HarmonicResidual | None = None
     modes: tuple[OtherMode, ...] = ()
     worth: float = 0.0
+    too_small: float = 0.0
 
     @property
     def of_releases(self) -> tuple[ReleaseValue, ...]:
@@ -128,7 +129,9 @@ class Diagnosis(Summarised):
         return Ladder(tuple(rungs), reason, found.verdict)
 
     def _reason_to_stop(self, rungs: int) -> str:
-        if self.verdict == "nothing_missing" and not self.baseline.adequate(self.baseline.fit):
+        if self.verdict == "nothing_missing" and (
+            self.too_small or not self.baseline.adequate(self.baseline.fit)
+        ):
             return "what is left is too little of the motion to be worth a name"
         if self.verdict == "nothing_missing":
             return "the noise floor is reached: no effect of the library lowers the error by more than chance would"
@@ -205,29 +208,50 @@ def diagnose(
     findings = tuple(
         f for f in unnamed_faults(settled.decays, settled.fit) if f.p_value < settled.alpha or f.remarked
     )
-    together, shape, confirmation = judgement.together, judgement.shape, judgement.confirmation
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
-    why = explain(baseline, verdict, suspects, together, findings, settled, shape, confirmation)
     return Diagnosis(
         baseline=baseline,
         verdict=verdict,
         suspects=suspects,
-        together=together,
+        together=judgement.together,
         findings=findings,
         final=settled.fit,
-        shape=shape,
-        explanation=" ".join(
-            filter(None, (why, harmonics.sentence if harmonics else "", how_they_differ(settled)))
-        ),
+        shape=judgement.shape,
+        explanation=_why(baseline, verdict, judgement, suspects, findings, settled, harmonics),
         next_experiment=next_experiment(baseline, verdict, suspects),
         library=library,
-        confirmation=confirmation,
+        confirmation=judgement.confirmation,
         decays=whole,
         shares=shares(whole, baseline.stated(settled.fit)) if verdict in _EXPLAINED else (),
         harmonics=harmonics,
         modes=() if verdict == "driven" else other_modes(settled.fit),
         worth=worth,
+        too_small=judgement.too_small,
     )
+
+
+def _why(
+    baseline: Baseline,
+    verdict: Verdict,
+    judgement: Judgement,
+    suspects: tuple[Suspect, ...],
+    findings: tuple[CorrectedFault, ...],
+    settled: Baseline,
+    harmonics: HarmonicResidual | None,
+) -> str:
+    """Return why the verdict is what it is, what stands at the harmonics, and by how much releases differ."""
+    why = explain(
+        baseline,
+        verdict,
+        suspects,
+        judgement.together,
+        findings,
+        settled,
+        judgement.shape,
+        judgement.confirmation,
+        too_small=judgement.too_small,
+    )
+    return " ".join(filter(None, (why, harmonics.sentence if harmonics else "", how_they_differ(settled))))
 
 
 def _searched(

@@ -53,8 +53,16 @@ def explain(
     settled: Baseline,
     shape: NonparametricForce | None,
     confirmation: Confirmation | None = None,
+    *,
+    too_small: float = 0.0,
 ) -> str:
-    """Return why the verdict is what it is, with numbers and the alternatives that remain."""
+    """Return why the verdict is what it is, with numbers and the alternatives that remain.
+
+    `too_small` is what the first force removes, in % of the motion, where it is sure and too small to be named.
+    """
+    if verdict == "nothing_missing" and too_small:
+        small = next(s for s in suspects if s.kind == "physics" and s.plausible)
+        return _sure_but_small(baseline, small, too_small)
     if verdict == "nothing_missing":
         return _nothing(baseline, suspects, settled)
     if verdict == "not_enough_data":
@@ -90,6 +98,16 @@ def explain(
 def floor_of(baseline: Baseline) -> str:
     """Return the reduced chi-square of an adequate model, with its standard error."""
     return f"1 ± {baseline.spread:.2f}"
+
+
+def _sure_but_small(baseline: Baseline, top: Suspect, removed: float) -> str:
+    """Return what a sure effect removes that is less than was asked of a name, and what the model leaves without it."""
+    name, left = plain_name(top.effect.name).capitalize(), three_figures(motion_percent(baseline.fit))
+    return (
+        f"{name} is sure, but removes {three_figures(removed)} % of the motion only: less than was asked of a name. Without "
+        f"it the model leaves {left} % of the motion, a reduced chi-square of "
+        f"{three_figures(baseline.reduced(baseline.fit))}."
+    )
 
 
 def _nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Baseline) -> str:
@@ -251,11 +269,13 @@ def _what_is_missing(baseline: Baseline, best: Suspect | None, suspects: tuple[S
     tried = [s for s in suspects if s.plausible and not _is_corrected(s) and s.effect.kind == "physics"]
     most = sorted((s for s in tried if _explained(baseline, s) > _MOST_OF_IT), key=lambda s: s.error_after)
     if best is not None and most:
-        rest = (
-            "this record does not tell them apart"
-            if baseline.adequate(best.fit)
-            else "what is left has no name"
-        )
+        rest = "what is left has no name"
+        if baseline.adequate(most[0].fit):
+            rest = (
+                "this record does not tell them apart"
+                if len(most) > 1
+                else "one release does not vouch for it"
+            )
         return f"Something is missing: the model leaves {whole}. {_each_leaves(baseline, most)}, {floor}: {rest}."
     first = f"Something is missing that the library does not name: the model leaves {whole}"
     if best is not None:
@@ -269,7 +289,7 @@ def _each_leaves(baseline: Baseline, most: list[Suspect]) -> str:
     first, shown = most[0], most[1:_MOST_ALTERNATIVES]
     listed = [f"{plain_name(s.effect.name)} {three_figures(s.error_after)} times" for s in shown]
     if len(most) > _MOST_ALTERNATIVES:
-        listed.append(f"{len(most) - _MOST_ALTERNATIVES} more less than a tenth of it")
+        listed.append(f"{len(most) - _MOST_ALTERNATIVES} more less than a tenth of what the model leaves")
     others = f", {among(listed)}" if listed else ""
     left = _left(baseline, first.fit, first.error_after)
     return f"{plain_name(first.effect.name).capitalize()} would leave {left}{others}"

@@ -72,7 +72,8 @@ def _unclear(suspect: Suspect, before: float) -> str:
     if not abs(strength.value) < CLEAR * strength.std:
         return ""
     return (
-        f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of it, but its strength, "
+        f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves, but "
+        "its strength, "
         f"{quantities({suspect.effect.strength.name: strength})[0]}, is not clear of zero."
     )
 

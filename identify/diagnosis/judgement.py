@@ -54,13 +54,22 @@ def judge(
 
 
 def worth_naming(baseline: Baseline, judgement: Judgement, worth: float) -> Judgement:
-    """Return the judgement, which names no force that removes less than `worth` % of the motion: sure is not yet large."""
-    small = removed_percent(baseline.fit, judgement.final) < worth
-    if judgement.verdict != "missing_effect" or not small:
+    """Return the judgement, which names no force that removes less than `worth` % of the motion: sure is not yet large.
+
+    What curves confirm removes error of prediction, all else misfit of the free run.
+    """
+    if judgement.verdict != "missing_effect":
         return judgement
-    return Judgement(
-        "nothing_missing", unclaimed(judgement.ranked), baseline.fit, confirmation=judgement.confirmation
-    )
+    told = judgement.confirmation
+    if told is not None and told.effects:
+        before, after = told.usual.typical("motion"), told.found.typical("motion")
+        removed = max(before**2 - after**2, 0.0) ** 0.5
+    else:
+        removed = removed_percent(baseline.fit, judgement.final)
+    if removed >= worth:
+        return judgement
+    ranked = unclaimed(judgement.ranked)
+    return Judgement("nothing_missing", ranked, baseline.fit, confirmation=told, too_small=removed)
 
 
 def _faulty(baseline: Baseline, faults: tuple[CorrectedFault, ...]) -> bool:

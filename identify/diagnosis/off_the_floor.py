@@ -68,7 +68,7 @@ def _line_percent(candidate: Candidate) -> float:
 
 
 def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
-    alike = _alike(alone.ranked)
+    alike = _alike(baseline, alone.ranked)
     foretold = next((entry for entry in alike if is_foretold(entry.candidate)), None)
     if foretold is None and len({entry.candidate.term.effect.of_time for entry in alike}) > 1:
         return by_curves(baseline, alone.ranked, found, alone.final)
@@ -92,8 +92,8 @@ def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmati
     return by_curves(baseline, alone.ranked, found, best.fit)
 
 
-def _alike(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
-    """Return the leader and, of a force, the plausible forces that this record does not tell from it, best first.
+def _alike(baseline: Baseline, ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
+    """Return the leader and, of a force, the plausible forces at the floor that are not told from it, best first.
 
     Against a guess of the floor a few nats say nothing: of these the simplest leads, and a law of time among laws of the
     amplitude is told from them by another release only.
@@ -103,7 +103,8 @@ def _alike(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
         return (first,)
     names = rivals_of(first, ranked)
     forces = (e for e in ranked[1:] if e.candidate.name in names and e.candidate.term.is_force)
-    return (first, *(entry for entry in forces if entry.candidate.plausible))
+    reach = (e for e in forces if e.candidate.plausible and baseline.adequate(e.candidate.fit))
+    return (first, *reach)
 
 
 def by_curves(

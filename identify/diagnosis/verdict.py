@@ -38,7 +38,8 @@ class Judgement:
     `ranked` are the candidates, what the verdict names first; `together` the second effect where it takes two; `final`
     the fit with what was found; `shape` the free form, when something is missing that has no name. `corrected` tells
     that a fault which every fit corrects decides, not a candidate that was tried. `confirmation` is what curves
-    foretell, None where they were not asked.
+    foretell, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
+    too small to be named; 0 where that is not so.
     """
 
     verdict: Verdict
@@ -48,6 +49,7 @@ class Judgement:
     shape: NonparametricForce | None = None
     corrected: bool = False
     confirmation: Confirmation | None = None
+    too_small: float = 0.0
 
 
 def verdict_of(candidate: Candidate) -> Verdict:

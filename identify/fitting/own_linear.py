@@ -57,6 +57,9 @@ def centred(problem: Problem, theta: Array, covariance: Array) -> tuple[Array, A
     noise (p,), 0 of all other unknowns.
     """
     turned, spread = np.eye(len(theta)), np.zeros(len(theta))
+    theta = theta.copy()
+    for one in problem.expected:  # no release goes below the bound of what all share
+        theta[one.own] = max(theta[one.own], problem.low[one.shared] - theta[one.shared])
     for shared in {one.shared for one in problem.expected}:
         own = [one for one in problem.expected if one.shared == shared]
         places = [one.own for one in own]

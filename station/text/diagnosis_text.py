@@ -201,16 +201,27 @@ def _weighed(document: DiagnosisDocument, weighing: Weighing | None) -> list[tup
     return lines
 
 
+def _not_shared(document: DiagnosisDocument) -> list[tuple[str, str]]:
+    """Return in what sessions differ from the first: what each then has of its own, and what one model has to fit."""
+    own = {one.parameter for one in document.of_sessions}
+    facts = []
+    for is_own, what in ((True, "each has its own"), (False, "one model has to fit both")):
+        differ = [
+            f"{one.session} in {_of_effect(one.parameter)}{_by(one.percent)}"
+            for one in document.differences or ()
+            if (one.parameter in own) == is_own
+        ]
+        if differ:
+            facts.append(("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: {what}"))
+    return facts
+
+
 def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     facts = [("used", used(document))] if document.used else []
     if document.model_remark:
         facts.append(("model", document.model_remark))
     if document.differences:
-        differ = [
-            f"{one.session} in {_of_effect(one.parameter)}{_by(one.percent)}" for one in document.differences
-        ]
-        both = "each has its own" if document.of_sessions else "one model has to fit both"
-        facts.append(("not shared", f"{', '.join(differ)}, against {document.sessions[0]}: {both}"))
+        facts += _not_shared(document)
     if document.modes:
         seen = " and ".join(mode.words for mode in document.modes)
         facts.append(("modes", f"beside the motion's, {seen}; one mode is followed here"))

@@ -175,7 +175,8 @@ def leads(monkeypatch: pytest.MonkeyPatch, *found: tuple[str, float, float]) -> 
     nothing = Judgement("unknown_effect", ranked, ranked[0].candidate.fit)
     monkeypatch.setattr(off_the_floor, "by_curves", lambda *what: nothing)
     alone = Judgement("missing_effect", ranked, ranked[0].candidate.fit)
-    said = if_foretold(SimpleNamespace(spread=0.05, fit=None), alone, None)  # type: ignore[arg-type]
+    at_floor = SimpleNamespace(spread=0.05, fit=None, adequate=lambda fit: fit.chi_square < 2.0)
+    said = if_foretold(at_floor, alone, None)  # type: ignore[arg-type]
     return said.ranked[0].candidate.name if said.verdict == "missing_effect" else None
 
 

@@ -11,7 +11,7 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.jacobian import linearise
 from identify.fitting.leave_one_out import leave_one_out
-from identify.fitting.own_linear import with_own_linear
+from identify.fitting.own_linear import centred, with_own_linear
 from identify.fitting.problem import Problem
 from identify.fitting.release_values import release_values, spread_sentence
 from identify.fitting.segments import segments_by_release, segments_of
@@ -151,3 +151,16 @@ def test_releases_that_share_their_physics_are_left_as_they_are():
     assert where_releases_differ(usual) is usual
     one = fit_baseline(segments_of(releases()[:1]), base_model())
     assert where_releases_differ(one) is one
+
+
+def test_the_mean_damper_is_that_of_what_the_motion_has_of_each_release_never_below_its_bound():
+    pieces = segments_of(releases()[:2])
+    base = fit_baseline(pieces, base_model()).fit
+    problem = Problem(base.model, with_own_linear(base.windows, base.frequency), base.frequency)
+    shared = problem.index["viscous_damping.mu_1"]
+    own = [one.own for one in problem.expected if one.shared == shared]
+    theta = problem.theta(base.point)
+    theta[shared], theta[own] = 0.01, (-0.05, 0.02)  # in the motion 0 and 0.03
+    stated, _, _ = centred(problem, theta, np.eye(len(theta)))
+    assert stated[shared] == pytest.approx(0.015)
+    assert stated[own] == pytest.approx([-0.015, 0.015])

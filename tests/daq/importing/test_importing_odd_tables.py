@@ -352,6 +352,11 @@ def test_settings_of_an_oscilloscope_beside_the_numbers(tmp_path: Path) -> None:
     assert recording.samples.shape == (1, 300)
     assert recording.rate == pytest.approx(100.0)
     np.testing.assert_allclose(recording.samples[0], 1e3 * x, atol=6e-6)
+    two = "".join(
+        f"{s},{a - 1:.12f},{1e3 * b:.5f},{2e3 * b:.5f},\r\n" for s, a, b in zip(beside, t, x, strict=True)
+    )
+    second = load(tmp_path, two, columns={"displacement": "CH1 2"}, units={"displacement": "V"})
+    np.testing.assert_allclose(second.samples[0], 2e3 * x, atol=6e-6)
 
 
 def test_rows_that_are_counted_from_any_number_are_no_clock(tmp_path: Path) -> None:

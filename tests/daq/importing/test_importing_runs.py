@@ -236,3 +236,11 @@ def test_a_part_is_read_by_the_times_of_the_file(tmp_path: Path) -> None:
     assert "its own go from 33.692 s to 35.682 s" in refusal(
         tmp_path, wide("t (s);x (m)", [t + 33.692, x]), start=0.0, stop=1.0
     )
+
+
+def test_one_clock_beside_each_of_two_channels_is_one_run(tmp_path: Path) -> None:
+    t, x, _, _ = swing()
+    text = wide("X_Value;Voltage_0;X_Value;Voltage_1", [t, x, t, 3.0 * x])
+    asked = {"columns": {"time": 1, "displacement": 4}, "units": {"time": "s", "displacement": "mm"}}
+    np.testing.assert_allclose(load(tmp_path, text, **asked).samples[0], 3e-3 * x, rtol=1e-6, atol=1e-9)
+    assert "run" not in refusal(tmp_path, text)
