@@ -53,8 +53,8 @@ def physics_shared(sessions: SessionSet, anyway: bool, progress: Progress) -> Sh
         progress(f"{names[difference.index]}: {difference.words(names[0])}")
     if shared.differences:
         progress(
-            "these sessions do not share all of their physics: a spring and viscous damping near the others' are fitted to "
-            "each, what differs otherwise is counted as misfit of one model. To look at "
+            "these sessions do not share all of their physics: each may have a spring and viscous damping near the others', "
+            "what differs otherwise is counted as misfit of one model. To look at "
             f"each alone: {command_line('diagnose', names[0])}"
         )
     else:
