@@ -16,12 +16,7 @@ from identify.arrays import Array
 from identify.curves.averaged_law import AveragedLaw
 from identify.curves.decay_curve import DecayCurve
 from identify.effects.force_effect import LinearPart
-
-_STIFFNESS_VARIES = 0.01
-"""Relative standard deviation by which the stiffness may differ between releases."""
-
-_DAMPING_VARIES = 1.0
-"""The same for viscous damping, in units of the mean loss: brakes are set, air and bearings change."""
+from identify.fitting.own_linear import DAMPING_VARIES, STIFFNESS_VARIES
 
 _CENTRE_COUNTS = 0.5
 _RIDGE = 1e-10
@@ -222,8 +217,8 @@ class CurveRegression:
     def _varies(self, column: int) -> float:
         """Standard deviation by which a linear law's strength may differ between releases."""
         if self.laws[column].term.force.linear_part == LinearPart.STIFFNESS:
-            return _STIFFNESS_VARIES * self.frequency**2
-        return _DAMPING_VARIES * self.typical_loss
+            return STIFFNESS_VARIES * self.frequency**2
+        return DAMPING_VARIES * self.typical_loss
 
     @cached_property
     def _scatters(self) -> tuple[float, ...]:

@@ -4,7 +4,7 @@ import numpy as np
 
 from identify.curves.confirmation import RANGE, Confirmation, ConfirmedEffect
 from identify.diagnosis.suspect import Suspect
-from identify.fitting.misfit_errors import CLEAR
+from identify.fitting.clear_strength import is_clear
 from identify.formatting import among, plain_name, quantities, share_words, three_figures
 
 _NEARLY_ALL = 0.99
@@ -69,7 +69,7 @@ def _unclear(suspect: Suspect, before: float) -> str:
     strength = suspect.parameters.get(suspect.effect.strength.name)
     if suspect.kind != "physics" or not suspect.claimed or share < _NEARLY_ALL or strength is None:
         return ""
-    if not abs(strength.value) < CLEAR * strength.std:
+    if is_clear(suspect.fit, suspect.term, foretold=False):
         return ""
     return (
         f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves, but "

@@ -17,10 +17,9 @@ from identify.diagnosis.verdict import Judgement, free_form
 from identify.effects.force_effect import ForceEffect
 from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import ADEQUATE, Baseline
+from identify.fitting.clear_strength import is_clear
 from identify.fitting.fit import Fit
-from identify.fitting.misfit_errors import CLEAR, as_white_misfit, with_misfit_errors
 from identify.fitting.model_error import line_percent, motion_percent
-from identify.model.model import Term
 
 _NEXT_TO_NOTHING = 0.01
 """Share of chi-square that is left where a name explains nearly all: so much may stay where the floor is sure and is not
@@ -31,9 +30,6 @@ NEGLIGIBLE = 0.1 * WORTH
 
 _NEXT_LEAVES = 3.0
 """A force that leaves less than this many times as much is not told apart from it."""
-
-_RIDGE = 1e-9
-"""Added to a correlation matrix of parameters, so that it has an inverse."""
 
 _THE_SAME = 0.05
 """Relative difference up to which a strength is the one foretold: one in thirty of those between -1 and 2 times it."""
@@ -161,33 +157,6 @@ def _of_confirmed(
     return Judgement(
         "missing_effect", (*first, *rest), whole, found.names[1:], shape=shape, confirmation=found
     )
-
-
-def is_clear(whole: Fit, term: Term, *, foretold: bool) -> bool:
-    """Whether the strength of an effect differs from none by some errors of the misfit that is there.
-
-    Of one that curves have `foretold` the inner parameters are held at their values: at no strength they mean nothing, and
-    with them free a strength that they trade with (a friction's stiffness and the displacement over which it gives way)
-    is unsure however sure the force is (Davies 1977). Of any other they count as fitted: they bend to any guess. Of a
-    foretold one the misfit counts as white noise: the prediction is its evidence, and the free run need only bear it out.
-    """
-    errors = as_white_misfit(whole) if foretold else with_misfit_errors(whole)
-    name = str(term.strength)
-    strength = errors.values[name]
-    if not np.isfinite(strength.std):
-        return False
-    sureness = 1.0
-    if foretold:
-        own = [
-            i
-            for i, u in enumerate(errors.unknowns)
-            if u.id.effect == term.effect.name and u.id.role == "parameter"
-        ]
-        at = [errors.unknowns[i].name for i in own].index(name)
-        block = errors.covariance[np.ix_(own, own)]
-        size = np.sqrt(np.diag(block))
-        sureness = np.linalg.inv(block / np.outer(size, size) + _RIDGE * np.eye(len(own)))[at, at]
-    return bool(abs(strength.value) * np.sqrt(sureness) > CLEAR * strength.std)
 
 
 def _by_free_run(

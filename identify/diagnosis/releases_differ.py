@@ -52,9 +52,8 @@ def decided_anew(
 def _on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...]) -> Baseline:
     """Return the baseline to search again from, now that suspects have been tried; the same where nothing changes.
 
-    Where the best suspect has made the releases differ, they
-    share them; where it leaves that they do, or is not told from that (4.6 nats), each has its own: that releases differ is
-    the lesser claim.
+    Where the best suspect has made the releases differ, they share spring and damper; where it leaves that they do, or is
+    not told from that (4.6 nats), each has its own: that releases differ is the lesser claim.
     """
     top = ranked[0] if ranked and ranked[0].claimed else None
     if top is None:

@@ -70,6 +70,8 @@ def _joint(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 @rate_function
 def _joint_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    if p[1] <= 0.0:
+        return 0.0, 0.0
     if v * z[0] > 0.0:
         return v * (1.0 - abs(z[0]) ** p[2]) / p[1], 0.0
     return v / p[1], 0.0

@@ -29,8 +29,11 @@ class LinearPart(IntEnum):
 
 
 def share_of_yield(u: float, gives_way: float) -> tuple[float, float]:
-    """Return the states of a joint that has been held at u (m) for long: u over what it gives way at (m), 1 at most."""
-    return copysign(min(abs(u) / gives_way, 1.0) if gives_way > 0.0 else 1.0, u), 0.0
+    """Return the states of a joint that has been held at u (m) for long: u over what it gives way at (m), 1 at most.
+
+    One that gives way at nothing has no force; its state is 0.
+    """
+    return copysign(min(abs(u) / gives_way, 1.0), u) if gives_way > 0.0 else 0.0, 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

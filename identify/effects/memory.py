@@ -17,6 +17,8 @@ def _hysteresis(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 @rate_function
 def _hysteresis_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    if p[1] <= 0.0:
+        return 0.0, 0.0
     if v * z[0] > 0.0:
         return v * (1.0 - z[0] * z[0]) / p[1], 0.0
     return v / p[1], 0.0

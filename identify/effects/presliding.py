@@ -21,7 +21,7 @@ def _spring(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 @rate_function
 def _dahl_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return (v - abs(v) * z[0]) / p[1], 0.0
+    return (v - abs(v) * z[0]) / p[1] if p[1] > 0.0 else 0.0, 0.0
 
 
 def _pulled(u: float, p: Array) -> tuple[float, float]:
@@ -62,6 +62,8 @@ _MOST_RISE = 5.0
 
 @rate_function
 def _lugre_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
+    if p[1] <= 0.0:
+        return 0.0, 0.0
     ratio = v / p[3]
     return (v - abs(v) * z[0] / (1.0 + p[2] * exp(-ratio * ratio))) / p[1], 0.0
 

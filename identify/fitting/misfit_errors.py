@@ -15,9 +15,6 @@ from identify.fitting.fit import Fit
 from identify.fitting.release_spread import spread_of_releases
 from identify.fitting.wandering_misfit import scatter_of_scores
 
-CLEAR = 3.0
-"""Standard errors, of the misfit that is there, by which a strength must differ from none."""
-
 _REACH = 0.5
 """Distance, in units of the motion's frequency, up to which a bin counts."""
 

@@ -58,8 +58,8 @@ def centred(problem: Problem, theta: Array, covariance: Array) -> tuple[Array, A
     """
     turned, spread = np.eye(len(theta)), np.zeros(len(theta))
     theta = theta.copy()
-    for one in problem.expected:  # no release goes below the bound of what all share
-        theta[one.own] = max(theta[one.own], problem.low[one.shared] - theta[one.shared])
+    for one in problem.expected:
+        theta[one.own] = problem.deviation(theta, one)
     for shared in {one.shared for one in problem.expected}:
         own = [one for one in problem.expected if one.shared == shared]
         places = [one.own for one in own]
@@ -76,7 +76,7 @@ def percent_off(problem: Problem, theta: Array, one: Deviation) -> float:
     assert own is not None
     is_spring = problem.unknowns[one.own].id.parameter == OWN_STIFFNESS
     share, std = (STIFFNESS_VARIES, own.stiffness) if is_spring else (DAMPING_VARIES, own.damping)
-    return 100.0 * share * float(theta[one.own]) / std
+    return 100.0 * share * problem.deviation(theta, one) / std
 
 
 def _with_weight(window: FitWindow, weight: float) -> FitWindow:

@@ -5,7 +5,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.effects.compiled import STATES
 from identify.fitting.block_jacobian import BlockPattern
-from identify.fitting.parameter_layout import NOWHERE, Unknown, amplitude_of, lay_out
+from identify.fitting.parameter_layout import NOWHERE, Deviation, Unknown, amplitude_of, lay_out
 from identify.model.model import Model
 from identify.model.simulate import Response, make_system, simulate, substeps_for
 from identify.preprocessing.fit_window import FitWindow
@@ -94,8 +94,12 @@ class Problem:
             return theta
         theta = theta.copy()
         for one in self._own[i]:
-            theta[one.shared] = max(theta[one.shared] + theta[one.own], self.low[one.shared])
+            theta[one.shared] += self.deviation(theta, one)
         return theta
+
+    def deviation(self, theta: Array, one: Deviation) -> float:
+        """Return what a release is off in its motion: no less than leaves the shared value at its bound."""
+        return float(max(theta[one.own], self.low[one.shared] - theta[one.shared]))
 
     def respond(self, theta: Array, i: int, substeps: int | None = None) -> Response:
         """Simulate window i, in as many steps a sample as given, or as it needs."""

@@ -80,5 +80,5 @@ def test_a_joint_holds_no_more_at_the_start_than_it_gives_way_at(name):
     assert effect.states_at_rest(1.0, (20.0, 0.004, 1.0, 1.0, 0.0, 0.0))[0] == 1.0
     assert effect.states_at_rest(-0.001, (20.0, 0.004, 1.0, 1.0, 0.0, 0.0))[0] == pytest.approx(-0.25)
     assert (
-        effect.states_at_rest(-0.001, (20.0, 0.0, 1.0, 1.0, 0.0, 0.0))[0] == -1.0
+        effect.states_at_rest(-0.001, (20.0, 0.0, 1.0, 1.0, 0.0, 0.0))[0] == 0.0
     )  # a parameter at its bound

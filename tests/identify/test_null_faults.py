@@ -18,7 +18,7 @@ def test_the_best_shares_are_those_of_bounded_least_squares(seed, low, high):
     found = drop_by_shares(parts, noise, low, high, 1e-12)
     for drawn, drop in zip(noise.T, found, strict=True):
         best = lsq_linear(parts, drawn, (low, high))
-        assert drop == pytest.approx(drawn @ drawn - 2.0 * best.cost, rel=0.02, abs=0.5)
+        assert drop == pytest.approx(drawn @ drawn - 2.0 * best.cost, rel=0.01, abs=1e-6)
 
 
 @pytest.mark.slow

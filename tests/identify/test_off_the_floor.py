@@ -8,11 +8,13 @@ import pytest
 
 from identify.diagnosis import off_the_floor
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.off_the_floor import by_curves, if_foretold, is_clear, is_foretold
+from identify.diagnosis.off_the_floor import by_curves, if_foretold, is_foretold
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
 from identify.diagnosis.verdict import Judgement
 from identify.effects.library import find_effect
+from identify.fitting import clear_strength
+from identify.fitting.clear_strength import is_clear
 from identify.free_decay import FreeDecay
 from identify.model.model import Term, base_model
 from identify.model.parameter_id import ParameterId
@@ -87,7 +89,7 @@ def test_a_strength_is_asked_for_with_the_inner_parameters_held(
     monkeypatch: pytest.MonkeyPatch, correlation: float, std: float, clear: bool
 ):
     """Two normal errors of correlation r: with one held the other's is smaller by sqrt(1 - r^2)."""
-    monkeypatch.setattr(off_the_floor, "as_white_misfit", lambda found: found)
+    monkeypatch.setattr(clear_strength, "as_white_misfit", lambda found: found)
     term = Term(find_effect("dahl_friction"))
     unknowns = [
         SimpleNamespace(name=f"dahl_friction.{name}", id=ParameterId("dahl_friction", name))
