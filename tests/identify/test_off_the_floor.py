@@ -195,3 +195,16 @@ def test_no_force_leads_where_a_law_of_time_is_as_good_but_one_whose_strength_is
     assert leads(monkeypatch, drift, ("cubic_stiffness", 40.0, 1.0)) is None  # a drift alone, and one record
     assert leads(monkeypatch, drift, ("pendulum_stiffness", 49.0, K)) == "pendulum_stiffness"
     assert leads(monkeypatch, drift, ("pendulum_stiffness", 49.0, 1.3 * K)) is None
+
+
+def test_of_a_name_whose_strength_is_unknown_no_numbers_are_stated():
+    """A swing so near the bounce of a spring that the amplitude beats: two masses or two modes, it reads alike."""
+    random, time = np.random.default_rng(1), np.arange(1800) / 60.0
+    bounce = 0.05 * np.exp(-0.03 * time) * np.cos(2.0 * np.pi * 1.2 * time)
+    swing = 0.009 * np.exp(-0.02 * time) * np.cos(2.0 * np.pi * 1.02 * time + 1.0)
+    found = diagnose(
+        FreeDecay(60.0, displacement=bounce + swing + 5e-5 * random.standard_normal(len(time))),
+        library=tuple(find_effect(n) for n in ("second_mass", "harmonic_forcing", "cubic_stiffness")),
+    )
+    assert found.named == ("second_mass",)
+    assert "second mass (how strong, this record does not tell)" in found.explanation
