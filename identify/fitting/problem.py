@@ -101,8 +101,10 @@ class Problem:
         """Return what a release is off in its motion: no less than leaves the shared value at its bound."""
         return float(max(theta[one.own], self.low[one.shared] - theta[one.shared]))
 
-    def respond(self, theta: Array, i: int, substeps: int | None = None) -> Response:
-        """Simulate window i, in as many steps a sample as given, or as it needs."""
+    def respond(
+        self, theta: Array, i: int, substeps: int | None = None, *, extra: Array | None = None
+    ) -> Response:
+        """Simulate window i, in as many steps a sample as given, or as it needs; with an `extra` force per unit mass (n,)."""
         window, places = self.windows[i], self.layout.releases[i]
         theta = self.within(theta, i)
         linear = np.array([theta[at] if at != NOWHERE else 0.0 for at in self.layout.linear])
@@ -120,10 +122,17 @@ class Problem:
             substeps=self.substeps(theta, i) if substeps is None else substeps,
             time=window.time,
             lag=float(lag),
-            external=window.force
-            if not window.estimates_mass
-            else theta[self.layout.force_gain] * window.force,
+            external=self._external(theta, i, extra),
         )
+
+    def _external(self, theta: Array, i: int, extra: Array | None) -> Array | None:
+        """Return the force per unit mass that acts from outside on window i, (n,); None where none does."""
+        force = self.windows[i].force
+        if force is not None and self.windows[i].estimates_mass:
+            force = theta[self.layout.force_gain] * force
+        if force is None or extra is None:
+            return extra if force is None else force
+        return np.asarray(force + extra)
 
     def responses(self, theta: Array) -> list[Response]:
         """Simulate all windows, anew only where an unknown of the window differs from the last call.

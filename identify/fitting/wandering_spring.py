@@ -1,0 +1,140 @@
+"""A linear spring and damper that wander: how much of a misfit their random walk explains, by its evidence.
+
+On a rig neither is quite constant: it warms, creeps, rubs here and there. What they do slowly, and never twice alike, any
+law of the amplitude or of time can follow in part. So before a law is named it must be better than such a walk. Its
+strength is not known; the evidence is the mean over all strengths, with half of the weight on none (Jeffreys, *Theory of
+Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear mixed model; Laird and Ware, *Biometrics*
+38, 1982), whose response is simulated.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.fitting.fit import Fit
+from identify.fitting.jacobian import linearise
+from identify.fitting.problem import Problem
+
+_MOST_KNOTS, _FEWEST_KNOTS = 24, 3
+"""Times of one window between which spring and damper change at a constant rate; else one a cycle."""
+
+_ALL_KNOTS = 100
+"""The most knots of all windows together."""
+
+_STRENGTHS = np.concatenate([[0.0], np.geomspace(1e-6, 1.0, 19)])
+"""Standard deviation of a walk after one second, of the stiffness in units of itself, of the damping in those of omega."""
+
+_PROBE = 1e-5
+"""Share of the acceleration that the probed force has at first."""
+
+_MOVED = 0.02
+"""Root mean square change of the readings, in units of the noise, at which a response is taken."""
+
+_JUMP = 0.5
+"""Change of a reading, in units of the noise, from which on a reversal has crossed its sample."""
+
+
+@dataclass(frozen=True)
+class Wander:
+    """What a walk of the linear spring and damper explains of the misfit of a fit.
+
+    `evidence` is the logarithm (nats) of the odds for a walk of unknown strength, or none, against none. `stiffness` and
+    `damping` are the likeliest standard deviations after one second (1/sqrt(s)), relative to the linear stiffness and to the
+    angular frequency of the motion. `reduced` is the reduced chi-square that the likeliest walk leaves.
+    """
+
+    evidence: float
+    stiffness: float
+    damping: float
+    reduced: float
+
+
+def wander_beside(found: Fit) -> Wander:
+    """Return what a walk of spring and damper explains of what a fit leaves."""
+    problem = Problem(found.model, found.windows, found.frequency)
+    residual, jacobian = linearise(problem, found.theta)
+    columns, root = [], []
+    for kind in ("stiffness", "damping"):
+        columns.append(_responses(problem, found.theta, len(residual), kind))
+        root.append(np.full(columns[-1].shape[1], kind == "stiffness"))
+    free = jacobian.tangent(np.diag(jacobian.normal()) > 0.0).free(np.column_stack([residual, *columns]))
+    misfit, walk = free[:, 0], free[:, 1:]
+    square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
+    is_spring = np.concatenate(root)
+    best, likelihood = (0.0, 0.0, 0.0, 0.0), []
+    for stiffness in _STRENGTHS:
+        for damping in _STRENGTHS:
+            scale = np.where(is_spring, stiffness, damping)
+            if not scale.any():
+                continue
+            gain, explained = _gain(products * np.outer(scale, scale), along * scale)
+            likelihood.append(gain)
+            best = max(best, (gain, float(stiffness), float(damping), explained))
+    most = best[0]
+    mean = float(np.mean(np.exp(np.array(likelihood) - most)))
+    evidence = most + float(np.log(0.5 * np.exp(-most) + 0.5 * mean))
+    return Wander(evidence, best[1], best[2], (square - best[3]) / max(found.degrees, 1))
+
+
+def _gain(products: Array, along: Array) -> tuple[float, float]:
+    """Return log-likelihood beyond that of none, and what is explained of chi-square, of a walk with variance 1."""
+    factor = np.linalg.cholesky(np.eye(len(along)) + products)
+    followed = np.linalg.solve(factor, along)
+    explained = float(followed @ followed)
+    return 0.5 * explained - float(np.log(np.diag(factor)).sum()), explained
+
+
+def _responses(problem: Problem, theta: Array, readings: int, kind: str) -> Array:
+    """Return how the misfit changes with each step of one of the two walks, of one standard deviation, (readings, steps).
+
+    A walk has variance 1 after one second; it goes on from window to window of a release, and begins anew with each release.
+    """
+    columns: list[Array] = []
+    times: list[tuple[int, float]] = []
+    first = 0
+    for i, window in enumerate(problem.windows):
+        cycles = len(window) / window.rate * problem.frequency / (2.0 * np.pi)
+        most = max(_ALL_KNOTS // len(problem.windows), _FEWEST_KNOTS)
+        count = int(np.clip(cycles, _FEWEST_KNOTS, min(most, _MOST_KNOTS))) + 1
+        knots = np.linspace(window.clock[0], window.clock[-1], count)
+        hats = [np.interp(window.clock, knots, one) for one in np.eye(count)]
+        changes = _changes(problem, theta, i, kind, hats)
+        for change, knot in zip(changes, knots.tolist(), strict=True):
+            column = np.zeros(readings)
+            column[first : first + len(change)] = change
+            columns.append(column)
+            times.append((window.release, knot))
+        first += len(changes[0])
+    return np.column_stack(columns) @ _steps(times)
+
+
+def _steps(times: list[tuple[int, float]]) -> Array:
+    """Return a walk's values at knots, each a release and a time (s), by its steps, (knots, steps)."""
+    release = np.array([one for one, _ in times])
+    time = np.array([time for _, time in times])
+    goes_on = release[1:] == release[:-1]
+    length = np.concatenate([[0.0], np.where(goes_on, np.diff(time), 0.0)])
+    after = np.tril(release[:, None] == release)
+    return np.asarray(after * np.sqrt(np.maximum(length, 0.0)))
+
+
+def _changes(problem: Problem, theta: Array, i: int, kind: str, shapes: list[Array]) -> list[Array]:
+    """Return how the misfit of window i changes with a spring or damper that is more by each shape in time, (n,) each."""
+    substeps = problem.substeps(theta, i, tangent=True)
+    response = problem.respond(theta, i, substeps)
+    base = problem.residual_of(i, problem.read(theta, i, response))
+    omega = problem.frequency
+    force = -(omega**2) * response.displacement if kind == "stiffness" else -omega * response.velocity
+
+    def change(shape: Array, step: float) -> Array:
+        moved = problem.respond(theta, i, substeps, extra=step * shape * force)
+        return np.asarray(problem.residual_of(i, problem.read(theta, i, moved)) - base)
+
+    whole = change(np.ones_like(force), _PROBE)
+    step = _PROBE * _MOVED / max(float(np.sqrt(np.mean(whole**2))), 1e-300)
+    found = []
+    for shape in shapes:
+        moved = change(shape, step)
+        found.append(np.where(np.abs(moved) < _JUMP, moved, 0.0) / step)
+    return found
