@@ -8,6 +8,7 @@ import numpy as np
 
 from identify.curves.confirmation import Confirmation
 from identify.curves.release_by_release import confirm_releases
+from identify.diagnosis.beside_wander import wander_sentence
 from identify.diagnosis.explain import explain
 from identify.diagnosis.judgement import judge, worth_naming
 from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, without_needless_effects
@@ -37,6 +38,7 @@ from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
 from identify.fitting.release_values import ReleaseValue, release_values
 from identify.fitting.segments import prepared_of, segments_of, what_was_used
+from identify.fitting.wandering_spring import Wander
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
@@ -62,6 +64,7 @@ class Diagnosis(Summarised):
     without a name. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
     None where the floor itself decides. `modes` are other modes of the structure that what is left shows. Forces that
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
+    `wander` is a slow walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
     """
 
     baseline: Baseline
@@ -81,6 +84,7 @@ class Diagnosis(Summarised):
     modes: tuple[OtherMode, ...] = ()
     worth: float = 0.0
     too_small: float = 0.0
+    wander: Wander | None = None
 
     @property
     def of_releases(self) -> tuple[ReleaseValue, ...]:
@@ -227,6 +231,7 @@ def diagnose(
         modes=() if verdict == "driven" else other_modes(settled.fit),
         worth=worth,
         too_small=judgement.too_small,
+        wander=judgement.wander,
     )
 
 
@@ -239,7 +244,7 @@ def _why(
     settled: Baseline,
     harmonics: HarmonicResidual | None,
 ) -> str:
-    """Return why the verdict is what it is, what stands at the harmonics, and by how much releases differ."""
+    """Return why the verdict is what it is, what wanders, what stands at the harmonics, and by how much releases differ."""
     why = explain(
         baseline,
         verdict,
@@ -251,7 +256,10 @@ def _why(
         judgement.confirmation,
         too_small=judgement.too_small,
     )
-    return " ".join(filter(None, (why, harmonics.sentence if harmonics else "", how_they_differ(settled))))
+    walk = wander_sentence(judgement.wander, named=verdict == "missing_effect")
+    return " ".join(
+        filter(None, (why, walk, harmonics.sentence if harmonics else "", how_they_differ(settled)))
+    )
 
 
 def _searched(

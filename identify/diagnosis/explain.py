@@ -173,13 +173,13 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
 
 
 def _small(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
-    """Return that a force is sure and small, and how to tell it from what a rig does by itself; "" where it is not so."""
+    """Return that a force is sure and small, and how to make sure of it; "" where it is not so."""
     removed = removed_percent(baseline.fit, settled.fit)
     if top.kind != "physics" or removed >= WORTH or max(d.window.release for d in baseline.decays) > 0:
         return ""
     return (
-        f" That is little, {three_figures(removed)} % of the motion: a spring that warms or settles moves as much, and one "
-        "release does not tell them apart. Diagnose it together with another one before you rely on the name."
+        f" That is little, {three_figures(removed)} % of the motion, though more than a spring or damper that wanders "
+        "explains. Diagnose it together with another release before you rely on the name."
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
+from identify.diagnosis.beside_wander import BesideWander, named_beside_wander
 from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.off_the_floor import by_curves, if_foretold, unclaimed
 from identify.diagnosis.ranking import Ranked
@@ -17,6 +18,7 @@ from identify.diagnosis.verdict import Judgement, free_form, verdict_of
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
+from identify.fitting.fit import Fit
 from identify.fitting.model_error import removed_percent
 
 _DECISIVE = 12.0
@@ -95,7 +97,10 @@ def _judged(
             shape = free_form(baseline, baseline.fit)
             return Judgement("unknown_effect", ranked, best.fit, shape=shape)
         alone = Judgement(verdict_of(best), ranked, best.fit)
-        return alone if baseline.floor_is_sure else if_foretold(baseline, alone, foretell())
+        if not baseline.floor_is_sure:
+            return if_foretold(baseline, alone, foretell())
+        force = best.term.effect.kind == "physics"
+        return _unless_it_wanders(baseline, alone, {baseline.fit: 1}) if force else alone
     return _beyond_one(baseline, ranked, library, foretell)
 
 
@@ -122,12 +127,33 @@ def _beyond_one(
     found = several_effects(baseline, tuple(entry.candidate for entry in ranked), library)
     if found.law is not None:
         law = Ranked(found.law, 0.5 * found.law.gain, float("nan"), True)
-        return Judgement("missing_effect", (law, *ranked), found.law.fit)
-    if found.pair is not None:
-        return _of_pair(ranked, found.pair)
-    if found.triple is not None:
-        return _of_three(ranked, found.triple)
-    return by_curves(baseline, ranked, foretell(), found.closest)
+        judged = Judgement("missing_effect", (law, *ranked), found.law.fit)
+        return _unless_it_wanders(baseline, judged, {baseline.fit: 1})
+    several = found.pair or found.triple
+    if several is not None:
+        judged = _of_pair(ranked, several) if isinstance(several, Pair) else _of_three(ranked, several)
+        more, first = len(judged.together), judged.ranked[0].candidate.fit
+        return _unless_it_wanders(baseline, judged, {first: more, baseline.fit: more + 1})
+    beside = named_beside_wander(baseline, ranked)
+    return by_curves(baseline, ranked, foretell(), found.closest) if beside is None else beside
+
+
+def _unless_it_wanders(baseline: Baseline, judged: Judgement, before: dict[Fit, int]) -> Judgement:
+    """Return a judgement whose effects are told from a wander, so many of them from each fit `before` they were added.
+
+    Where they are not, one of them may be beside a wander; else nothing is named.
+    """
+    if judged.verdict != "missing_effect":
+        return judged
+    compared = {fit: BesideWander.of(fit, judged.final) for fit in before}
+    if all(beside.told_apart(before[fit]) for fit, beside in compared.items()):
+        return judged
+    alone = named_beside_wander(baseline, judged.ranked) if judged.together else None
+    if alone is not None:
+        return alone
+    shape = free_form(baseline, baseline.fit)
+    walk = compared[baseline.fit].before
+    return Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape, wander=walk)
 
 
 def _of_pair(ranked: tuple[Ranked, ...], pair: Pair) -> Judgement:

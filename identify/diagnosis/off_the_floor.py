@@ -16,14 +16,10 @@ from identify.diagnosis.suspects import Candidate
 from identify.diagnosis.verdict import Judgement, free_form
 from identify.effects.force_effect import ForceEffect
 from identify.effects.sensor_fault import SensorFault
-from identify.fitting.baseline import ADEQUATE, Baseline
+from identify.fitting.baseline import ADEQUATE, NEXT_TO_NOTHING, Baseline
 from identify.fitting.clear_strength import is_clear
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import line_percent, motion_percent
-
-_NEXT_TO_NOTHING = 0.01
-"""Share of chi-square that is left where a name explains nearly all: so much may stay where the floor is sure and is not
-reached, or where the free run alone names."""
 
 NEGLIGIBLE = 0.1 * WORTH
 """Percent of the motion below which a misfit above a guessed floor is nothing missing: a tenth of what a name asks."""
@@ -138,7 +134,7 @@ def _worthy(baseline: Baseline, found: Confirmation) -> Fit | None:
     if whole is None or not any(e.alone or is_clear(whole, e.term, foretold=True) for e in found.effects):
         return None
     left = whole.chi_square / baseline.fit.chi_square
-    return None if baseline.floor_is_sure and left > _NEXT_TO_NOTHING else whole
+    return None if baseline.floor_is_sure and left > NEXT_TO_NOTHING else whole
 
 
 def _of_confirmed(
@@ -187,7 +183,7 @@ def _by_free_run(
     denied = seen and found is not None and best.candidate.name not in found.mentioned
     drifts = any(entry.candidate.term.effect.of_time for entry in near)
     apart = len(near) <= MOST_RIVALS + 1 and (foretold is not None or not drifts)
-    if not (beats or (left < _NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
+    if not (beats or (left < NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
         return None
     clear = is_clear(best.candidate.fit, best.candidate.term, foretold=False)
     if not beats and not clear:  # a mode that hardly moves the first

@@ -9,6 +9,7 @@ from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
 from identify.fitting.baseline import Baseline, force_along_motion
 from identify.fitting.fit import Fit
+from identify.fitting.wandering_spring import Wander
 
 Verdict = Literal[
     "missing_effect",
@@ -39,7 +40,8 @@ class Judgement:
     the fit with what was found; `shape` the free form, when something is missing that has no name. `corrected` tells
     that a fault which every fit corrects decides, not a candidate that was tried. `confirmation` is what curves
     foretell, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
-    too small to be named; 0 where that is not so.
+    too small to be named; 0 where that is not so. `wander` is what a slow walk of spring and damper explains, where a
+    name is not told from it, or where it is what is left beside a name; None elsewhere.
     """
 
     verdict: Verdict
@@ -50,6 +52,7 @@ class Judgement:
     corrected: bool = False
     confirmation: Confirmation | None = None
     too_small: float = 0.0
+    wander: Wander | None = None
 
 
 def verdict_of(candidate: Candidate) -> Verdict:

@@ -19,6 +19,10 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 ADEQUATE = 3.0
 """Standard errors by which a reduced chi-square may exceed 1 and still count as at the floor."""
 
+NEXT_TO_NOTHING = 0.01
+"""Share of chi-square that is left where a name explains nearly all: so much may stay where the floor is sure and is not
+reached, or where the free run alone names."""
+
 DOUBT = 0.5
 """Excess of the reduced chi-square that is left to the noise where its floor could only be guessed."""
 

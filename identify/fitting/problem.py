@@ -104,7 +104,7 @@ class Problem:
     def respond(
         self, theta: Array, i: int, substeps: int | None = None, *, extra: Array | None = None
     ) -> Response:
-        """Simulate window i, in as many steps a sample as given, or as it needs; with an `extra` force per unit mass (n,)."""
+        """Simulate window i in as many steps a sample as given, or as it needs, with an `extra` force per unit mass (n,)."""
         window, places = self.windows[i], self.layout.releases[i]
         theta = self.within(theta, i)
         linear = np.array([theta[at] if at != NOWHERE else 0.0 for at in self.layout.linear])

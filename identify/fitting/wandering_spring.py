@@ -7,7 +7,7 @@ Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear m
 38, 1982), whose response is simulated.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,9 @@ _ALL_KNOTS = 100
 
 _STRENGTHS = np.concatenate([[0.0], np.geomspace(1e-6, 1.0, 19)])
 """Standard deviation of a walk after one second, of the stiffness in units of itself, of the damping in those of omega."""
+
+_EACH = 1.0
+"""Nats that one of the two must bring to be stated: Akaike's, of one number more."""
 
 _PROBE = 1e-5
 """Share of the acceleration that the probed force has at first."""
@@ -62,7 +65,7 @@ def wander_beside(found: Fit) -> Wander:
     misfit, walk = free[:, 0], free[:, 1:]
     square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
     is_spring = np.concatenate(root)
-    best, likelihood = (0.0, 0.0, 0.0, 0.0), []
+    best, likelihood = Wander(0.0, 0.0, 0.0, square / max(found.degrees, 1)), []
     for stiffness in _STRENGTHS:
         for damping in _STRENGTHS:
             scale = np.where(is_spring, stiffness, damping)
@@ -70,11 +73,14 @@ def wander_beside(found: Fit) -> Wander:
                 continue
             gain, explained = _gain(products * np.outer(scale, scale), along * scale)
             likelihood.append(gain)
-            best = max(best, (gain, float(stiffness), float(damping), explained))
-    most = best[0]
-    mean = float(np.mean(np.exp(np.array(likelihood) - most)))
-    evidence = most + float(np.log(0.5 * np.exp(-most) + 0.5 * mean))
-    return Wander(evidence, best[1], best[2], (square - best[3]) / max(found.degrees, 1))
+            gain -= _EACH * np.count_nonzero([stiffness, damping])
+            if gain > best.evidence:
+                left = (square - explained) / max(found.degrees, 1)
+                best = Wander(gain, float(stiffness), float(damping), left)
+    most = max(likelihood)
+    mean = np.mean(np.exp(np.array(likelihood) - most))
+    evidence = most + np.log(0.5 * np.exp(-most) + 0.5 * mean)
+    return replace(best, evidence=float(evidence))
 
 
 def _gain(products: Array, along: Array) -> tuple[float, float]:

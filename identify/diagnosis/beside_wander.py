@@ -1,0 +1,85 @@
+"""A name beside a wander: whether effects explain more than a spring and damper that never stay quite the same.
+
+Where the floor is sure, some law of the library follows nearly any slow walk of the spring to within the noise, with
+thousands of nats. What tells a law is what it explains beyond the walk, each with its evidence. A law that is there
+needs no walk beside it; a walk that a law has followed still shows in what the law leaves.
+"""
+
+from dataclasses import dataclass
+
+from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
+from identify.diagnosis.verdict import Judgement, free_form
+from identify.fitting.baseline import NEXT_TO_NOTHING, Baseline
+from identify.fitting.fit import Fit
+from identify.fitting.wandering_spring import Wander, wander_beside
+
+_BEYOND = 12.0
+"""Nats by which an effect must be better than a walk: it was the best of many, and its values were fitted."""
+
+
+@dataclass(frozen=True)
+class BesideWander:
+    """Two fits, the second with one effect more or several, and what a walk of spring and damper does beside each.
+
+    `gain` (nats) is what the effects explain beyond a walk: its evidence and theirs against its alone.
+    """
+
+    before: Wander
+    after: Wander
+    gain: float
+
+    @classmethod
+    def of(cls, before: Fit, after: Fit) -> "BesideWander":
+        """Return what is gained from the first fit to the second."""
+        first, second = wander_beside(before), wander_beside(after)
+        lower = 0.5 * (before.chi_square - after.chi_square)
+        return cls(first, second, lower + second.evidence - first.evidence)
+
+    def told_apart(self, effects: int = 1) -> bool:
+        """Whether so many effects are told from a walk: there is none, or they explain more."""
+        return self.before.evidence < RIVALS_WITHIN or self.gain > effects * _BEYOND
+
+
+def named_beside_wander(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
+    """Return the judgement that names one force where it leaves next to nothing, and a wander explains that; or None.
+
+    No other force may do so nearly as well.
+    """
+    if not baseline.floor_is_sure:
+        return None
+    limit = 1.0 + NEXT_TO_NOTHING * (baseline.fit.reduced - 1.0)
+    near = [
+        entry
+        for entry in ranked
+        if entry.claimed
+        and entry.candidate.plausible
+        and entry.candidate.term.effect.kind == "physics"
+        and entry.candidate.fit.reduced < limit
+    ]
+    if not near:
+        return None
+    beside = {entry: BesideWander.of(baseline.fit, entry.candidate.fit) for entry in near}
+    best, *others = sorted(near, key=lambda entry: -beside[entry].gain)
+    found = beside[best]
+    alike = any(beside[other].gain > found.gain - _BEYOND for other in others)
+    if alike or not found.told_apart() or found.after.reduced > baseline.highest:
+        return None
+    rest = tuple(entry for entry in ranked if entry is not best)
+    fit = best.candidate.fit
+    shape = free_form(baseline, fit)
+    return Judgement("missing_effect", (best, *rest), fit, shape=shape, wander=found.after)
+
+
+def wander_sentence(wander: Wander | None, *, named: bool) -> str:
+    """Return what a walk explains, of what a name leaves or instead of a name; "" where none is told of."""
+    if wander is None or not (wander.stiffness or wander.damping):
+        return ""
+    walks = []
+    if wander.stiffness:
+        walks.append(f"a stiffness that changes at random by about {100.0 * wander.stiffness:.1g} %")
+    if wander.damping:
+        walks.append(f"a damping ratio that changes at random by about {0.5 * wander.damping:.1g}")
+    walk = f"{' and '.join(walks)} in one second"
+    if named:
+        return f"What is left beside it is what {walk} would leave."
+    return f"A wander explains it as well: {walk}. A wander never comes twice alike, so several releases tell a law from it."
