@@ -18,7 +18,7 @@ from identify.diagnosis.refine import refine
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
-from mocks.forces import OUTSIDE_THE_LIBRARY
+from mocks.forces import OUTSIDE_THE_LIBRARY, WANDERS
 from mocks.generate import PHYSICS, draw
 from mocks.sensor_faults import SENSOR_FAULTS
 
@@ -33,6 +33,9 @@ HIDDEN_AT_ONE_FREQUENCY = "maxwell_element"
 """Stiffness and viscous damping at one frequency: see the section on bounds for what can be seen of it at all."""
 
 STRENGTHS = (0.0003, 0.001, 0.003, 0.01, 0.03)
+WANDERED = (0.00003, 0.0001, 0.0003, 0.001)
+"""Strengths of a wander; after one second it has about half of it."""
+
 PAIRS = (
     "freeplay+cubic_damping",
     "stribeck_friction+cubic_stiffness",
@@ -131,6 +134,9 @@ def run(quick: bool) -> str:
         for s in STRENGTHS[2:]
         for i in range(seeds // 2 or 1)
     )
+    wanders = judge_all(
+        Case(w, s, 4000 + i) for w in WANDERS for s in WANDERED for i in range(2 if quick else 10)
+    )
     return "\n\n".join(
         (
             _by_strength(single),
@@ -138,6 +144,7 @@ def run(quick: bool) -> str:
             _faults(faults),
             _pairs(pairs),
             _outside(outside),
+            _wanders(wanders),
             _parameters(single),
         )
     )
@@ -230,6 +237,18 @@ def _outside(outcomes: list[Outcome]) -> str:
         "\n".join(lines)
         + f"\n\nunknown_effect or unconfirmed in {100 * unknown:.0f} %, a clean bill in {100 * clean:.0f} %."
     )
+
+
+def _wanders(outcomes: list[Outcome]) -> str:
+    lines = ["| what wanders | strength | named | verdicts |", "|---|---|---|---|"]
+    for what in WANDERS:
+        for strength in WANDERED:
+            own = [o for o in outcomes if o.case.hidden == what and o.case.strength == strength]
+            said = Counter(f"{o.verdict} {'+'.join(o.named)}".strip() for o in own)
+            named = sum(bool(o.named) for o in own)
+            words = ", ".join(f"{v} x{n}" for v, n in said.items())
+            lines.append(f"| {what} | {100 * strength:g} % | {named} of {len(own)} | {words} |")
+    return "A spring or a damper that wanders, and nothing else: a name is false.\n\n" + "\n".join(lines)
 
 
 def _parameters(outcomes: list[Outcome]) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from mocks.forces import BEGINS_AT_Z, PARAMETERS, Effect, pulled
+from mocks.forces import BEGINS_AT_Z, PARAMETERS, WANDERS, Effect, pulled
 from mocks.sensor_faults import rms
 from mocks.testbed import Bench, Release, simulate
 
@@ -115,6 +115,8 @@ def _draw_shape(
         shape |= {"vs": random.uniform(0.04, 0.15)}
     elif name == "fading_friction":
         shape |= {"tau": random.uniform(0.8, 3.0)}
+    elif name in WANDERS:
+        shape |= {"walk": float(random.integers(10000))}
     elif name == "adhesion":
         shape |= {"length": random.uniform(0.001, 0.003)}
     return shape
@@ -139,6 +141,8 @@ def _magnitude(name: str, size: float, w: float) -> float:
         "lugre_friction": w * w,
         "bouc_wen_hysteresis": w * w,
         "settling_stiffness": 1.0,
+        "wandering_stiffness": 1.0,
+        "wandering_damping": 1.0,
         "freeplay": w * w,
         "bilinear_stiffness": w * w,
         "hysteresis": w * w,

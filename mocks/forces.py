@@ -48,6 +48,8 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
     "power_law_stiffness": ("f", "p", "at"),
     "power_law_damping": ("f", "p", "at"),
     "bouc_wen_hysteresis": ("kh", "uy", "n", "z_start"),
+    "wandering_stiffness": ("s", "walk"),
+    "wandering_damping": ("s", "walk"),
     "coulomb_friction": ("mu_0",),
     "stribeck_friction": ("dmu", "vs"),
     "position_dependent_friction": ("slope",),
@@ -57,6 +59,8 @@ PARAMETERS: dict[str, tuple[str, ...]] = {
 }
 NAMES = tuple(PARAMETERS)
 CODE = {name: code for code, name in enumerate(NAMES)}
+#: Never the same twice: a random walk of standard deviation s after one second, the same for the same number `walk`.
+WANDERS = ("wandering_stiffness", "wandering_damping")
 #: Outside the library of the diagnosis: it must say that it does not know them.
 OUTSIDE_THE_LIBRARY = (
     "magnet",
@@ -66,6 +70,7 @@ OUTSIDE_THE_LIBRARY = (
     "fading_friction",
     "one_sided_friction",
     "adhesion",
+    *WANDERS,
 )
 #: Between the names of the library: laws with an exponent of their own, and LuGre's friction.
 BETWEEN_THE_NAMES = ("lugre_friction", "power_law_stiffness", "power_law_damping", "bouc_wen_hysteresis")
@@ -79,7 +84,8 @@ BEGINS_AT_Z = {"hysteresis": 2, "dahl_friction": 6, "lugre_friction": 6, "bouc_w
 (_K, _MU1, _C2, _C3, _C12, _K3, _K2, _K5, _K2A, _STOP, _IMPACT, _PLAY, _BILINEAR) = range(13)
 (_HYSTERESIS, _DAHL, _MAXWELL, _SECOND, _DRIFT, _SETTLING, _FORCING) = range(13, 20)
 (_MAGNET, _NOTCH, _SWITCHED, _CABLE, _LUGRE, _POWER_U, _POWER_V, _BOUC_WEN) = range(20, 28)
-(_COULOMB, _STRIBECK, _BINDING, _FADING, _ONE_SIDED, _ADHESION) = range(28, 34)
+(_WANDERING_K, _WANDERING_MU) = range(28, 30)
+(_COULOMB, _STRIBECK, _BINDING, _FADING, _ONE_SIDED, _ADHESION) = range(30, 36)
 _HYSTERESIS_CODE = _HYSTERESIS
 _MAXWELL_CODE = _MAXWELL
 _SECOND_CODE = _SECOND
@@ -198,6 +204,29 @@ def _remembered(code, row, s):  # type: ignore[no-untyped-def]
     return row[1] * s[2 if code == _HYSTERESIS else 7 if code == _BOUC_WEN else 6]
 
 
+#: A walk is a series of sines, which converges to it (Karhunen and Loeve), over so many seconds, of so many terms.
+_WALK_S, _WALK_TERMS = 16.0, 40
+
+
+@compiled()
+def _walk(t, number):  # type: ignore[no-untyped-def]
+    """Return a random walk of variance t at `t` s; its coefficients are uniform numbers made of `number`."""
+    total = 0.0
+    for n in range(_WALK_TERMS):
+        mixed = math.sin((n + 1.0) * 12.9898 + number * 78.233) * 43758.5453
+        uniform = mixed - math.floor(mixed)
+        rate = (n + 0.5) * math.pi / _WALK_S
+        total += math.sqrt(12.0) * (uniform - 0.5) * math.sin(rate * t) / rate
+    return total * math.sqrt(2.0 / _WALK_S)
+
+
+@compiled()
+def _wandering(code, row, k, t, u, v):  # type: ignore[no-untyped-def]
+    """Return the force of a spring or a damper that wanders, in shares of `k` and of its root."""
+    size = row[1] * _walk(t, row[2])
+    return k * size * u if code == _WANDERING_K else math.sqrt(k) * size * v
+
+
 @compiled()
 def _power(code, row, u, v, at, way):  # type: ignore[no-untyped-def]
     """Return a force of a power law of displacement or of speed."""
@@ -242,6 +271,8 @@ def force(row, k, t, s, at, way, turned_at):  # type: ignore[no-untyped-def]
         return a * u if at > 0.0 else 0.0
     if code in (_HYSTERESIS, _DAHL, _LUGRE, _BOUC_WEN, _MAXWELL, _SECOND):
         return _remembered(code, row, s)
+    if code in (_WANDERING_K, _WANDERING_MU):
+        return _wandering(code, row, k, t, u, v)
     if code in (_POWER_U, _POWER_V):
         return _power(code, row, u, v, at, way)
     if code == _DRIFT:

@@ -5,7 +5,7 @@ thousands of nats. What tells a law is what it explains beyond the walk, each wi
 needs no walk beside it; a walk that a law has followed still shows in what the law leaves.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
 from identify.diagnosis.verdict import Judgement, free_form
@@ -68,6 +68,15 @@ def named_beside_wander(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judge
     fit = best.candidate.fit
     shape = free_form(baseline, fit)
     return Judgement("missing_effect", (best, *rest), fit, shape=shape, wander=found.after)
+
+
+def with_wander(baseline: Baseline, judged: Judgement) -> Judgement:
+    """Return a judgement without a name, with the wander that explains all of the misfit, where one does."""
+    if judged.verdict != "unknown_effect" or not baseline.floor_is_sure:
+        return judged
+    alone = wander_beside(baseline.fit)
+    enough = alone.evidence > RIVALS_WITHIN and alone.reduced <= baseline.highest
+    return replace(judged, wander=alone) if enough else judged
 
 
 def wander_sentence(wander: Wander | None, *, named: bool) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_wander import BesideWander, named_beside_wander
+from identify.diagnosis.beside_wander import BesideWander, named_beside_wander, with_wander
 from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.off_the_floor import by_curves, if_foretold, unclaimed
 from identify.diagnosis.ranking import Ranked
@@ -135,7 +135,7 @@ def _beyond_one(
         more, first = len(judged.together), judged.ranked[0].candidate.fit
         return _unless_it_wanders(baseline, judged, {first: more, baseline.fit: more + 1})
     beside = named_beside_wander(baseline, ranked)
-    return by_curves(baseline, ranked, foretell(), found.closest) if beside is None else beside
+    return beside or with_wander(baseline, by_curves(baseline, ranked, foretell(), found.closest))
 
 
 def _unless_it_wanders(baseline: Baseline, judged: Judgement, before: dict[Fit, int]) -> Judgement:

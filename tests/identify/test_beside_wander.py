@@ -1,0 +1,88 @@
+"""A spring and damper that wander: how strong a walk is found, and that no law is named that only follows one."""
+
+import numpy as np
+import pytest
+from releases import ready
+
+from identify.diagnosis.beside_wander import BesideWander
+from identify.diagnosis.diagnose import diagnose
+from identify.fitting.baseline import fit_baseline
+from identify.fitting.wandering_spring import wander_beside
+from identify.model.model import base_model
+from mocks.generate import draw
+
+
+def release(hidden, strength, seed):
+    sample = draw(hidden, strength, seed)
+    return ready(sample.rate, sample.displacement, sample.acceleration), sample.truth
+
+
+def walk(truth, name):
+    """Return the standard deviation of a hidden walk after one second, relative."""
+    parameters = truth["parameters"]
+    return parameters.get(name, parameters)["s"]
+
+
+@pytest.mark.parametrize(
+    ("name", "found"), [("wandering_stiffness", "stiffness"), ("wandering_damping", "damping")]
+)
+def test_the_strength_of_a_walk_is_found(name, found):
+    ratios = []
+    for seed in (1, 2, 3):
+        prepared, truth = release(name, 0.0003, seed)
+        wander = wander_beside(fit_baseline((prepared,), base_model()).fit)
+        assert wander.evidence > 10.0
+        assert wander.reduced < 1.1
+        ratios.append(getattr(wander, found) / walk(truth, name))
+    # One walk of eight seconds tells its strength to a factor of two.
+    assert 0.5 < np.exp(np.mean(np.log(ratios))) < 2.0
+
+
+def test_white_noise_shows_no_wander():
+    for seed in (4, 5):
+        prepared, _ = release(None, 0.0, seed)
+        wander = wander_beside(fit_baseline((prepared,), base_model()).fit)
+        assert wander.evidence < 1.0  # at most twice the odds that it had before
+
+
+@pytest.mark.parametrize("name", ["wandering_stiffness", "wandering_damping"])
+@pytest.mark.parametrize("seed", [1, 3])
+def test_no_law_is_named_that_follows_a_walk(name, seed):
+    prepared, _ = release(name, 0.0003, seed)
+    found = diagnose((prepared,))
+    assert found.verdict == "unknown_effect"
+    assert found.named == ()
+    assert found.suspects[0].claimed  # by chi-square alone it is beyond chance
+
+
+def test_what_is_not_told_from_a_wander_is_said_with_its_size():
+    prepared, _ = release("wandering_stiffness", 0.0003, 1)
+    found = diagnose((prepared,))
+    assert found.wander is not None
+    assert found.wander.stiffness > 0.0
+    assert (
+        "A wander explains it as well: a stiffness that changes at random by about 0.01 %"
+        in found.explanation
+    )
+    assert "together" in found.next_experiment
+
+
+@pytest.mark.parametrize("name", ["cubic_stiffness", "quadratic_damping", "freeplay"])
+def test_a_law_that_is_there_is_named_beside_a_wander_and_nothing_with_it(name):
+    prepared, truth = release(f"{name}+wandering_stiffness", (0.01, 0.0003), 6)
+    found = diagnose((prepared,))
+    assert found.named == (name,)
+    strength = next(iter(truth["parameters"][name]))
+    value = found.named_suspects[0].parameters[strength].value
+    assert value == pytest.approx(truth["parameters"][name][strength], rel=0.05)
+
+
+def test_a_law_alone_needs_no_wander():
+    prepared, _ = release("cubic_stiffness", 0.003, 7)
+    before = fit_baseline((prepared,), base_model())
+    found = diagnose((prepared,))
+    assert found.named == ("cubic_stiffness",)
+    beside = BesideWander.of(before.fit, found.final)
+    assert beside.after.evidence < 1.0
+    assert beside.told_apart()
+    assert not beside.told_apart(effects=1000)
