@@ -373,3 +373,29 @@ def test_json_of_a_list_for_each_axis_is_transposed(tmp_path: Path) -> None:
     assert recording.samples.shape == (1, 230)
     assert [(c.quantity, c.unit) for c in recording.channels] == [("acceleration", "m/s^2")]
     assert np.std(recording.samples[0] - motion) < 0.05
+
+
+def test_without_names_the_only_column_that_rises_evenly_is_the_time_wherever_it_stands(tmp_path: Path) -> None:
+    t, u, _, _ = swing(300)
+    uneven = t + 1e-4 * np.random.default_rng(2).random(300)
+    text = table("", 40.0 * u / np.max(np.abs(u)), np.round(2.4 + uneven, 3), 90.0 * u, delimiter=",")
+    with pytest.raises(ImportProblem) as caught:
+        load(tmp_path, text)
+    assert "column 1, column 3" in str(caught.value)
+    assert "--rate" not in str(caught.value)
+    recording = load(tmp_path, text, columns={"displacement": 1}, units={"displacement": "deg"})
+    assert recording.rate == pytest.approx(RATE, rel=1e-3)
+    assert "column 2 has no name that says so, but its numbers rise evenly" in said(recording)
+
+
+def test_a_column_that_stands_still_is_no_motion_to_choose(tmp_path: Path) -> None:
+    t, u, _, _ = swing(300)
+    with pytest.raises(ImportProblem, match="whether column 3 is a displacement"):
+        load(tmp_path, table("", t, np.zeros(300), u, delimiter="\t"))
+
+
+def test_a_table_of_amplitudes_is_told_that_it_is_no_recording(tmp_path: Path) -> None:
+    times = np.array([0.0, 3.9, 10.0, 16.9, 23.8, 30.6, 37.4, 43.5, 50.3, 57.0, 63.8])
+    recording = load(tmp_path, table("t,theta (rad)", times, 0.25 * np.exp(-times / 17.0)))
+    assert "11 samples only: the amplitudes or periods of swings are no recording" in said(recording)
+    assert "the motion's period" not in said(recording)
