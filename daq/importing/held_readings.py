@@ -83,7 +83,7 @@ class Repeated:
 
 
 def repeated_readings(time: Array, values: Array) -> Repeated | None:
-    """Return which share of rows repeats the one before between two large steps of `values` (channels, n); None where few do.
+    """Return which share of rows repeats the one before between large steps of `values` (channels, n); None where few do.
 
     For rows that `held_readings` finds no clock behind: what was read when is not known then.
     """

@@ -177,8 +177,8 @@ def _repeated(time: Array, values: Array) -> tuple[str, ...]:
         return ()
     return (
         f"{100.0 * found.share:.0f} % of the rows repeat the one before while the mass moves, by no clock, for up to "
-        f"{_milli(found.longest)}: when the sensor was read is not known, and what such steps leave of the motion is no force. "
-        "Write a row only where there is a new reading",
+        f"{_milli(found.longest)}: when the sensor was read is not known, and what such steps leave of the motion is no "
+        "force. Write a row only where there is a new reading",
     )
 
 

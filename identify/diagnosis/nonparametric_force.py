@@ -35,6 +35,7 @@ class Shape:
     force: Array
     std: Array
 
+
 _FEWEST_HELD = 60
 """Readings of every other cycle, well above the noise in their velocity, that a free form asks for."""
 

@@ -21,9 +21,7 @@ def too_few_cycles(baseline: Baseline) -> bool:
 
 def is_drowned(baseline: Baseline, found: Fit) -> bool:
     """Whether a fit that leaves most of the motion is excused by a floor that is a guess: so is any other model then."""
-    return (
-        not baseline.floor_is_sure and baseline.adequate(found) and motion_percent(found) > DROWNED
-    )
+    return not baseline.floor_is_sure and baseline.adequate(found) and motion_percent(found) > DROWNED
 
 
 def why_not_enough(baseline: Baseline, found: Fit) -> str:

@@ -14,7 +14,7 @@ from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.averaged_decay import FEW, averaged
 from identify.preprocessing.equation_error import moving, regress
 from identify.preprocessing.fit_window import CHANNELS, FitWindow
-from identify.preprocessing.motion import Motion, reconstruct
+from identify.preprocessing.motion import ABOVE_NOISE, Motion, reconstruct
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import RestColour, colour_at_rest
 from identify.preprocessing.pre_release import pre_release_motion
@@ -258,7 +258,9 @@ def _length(motion: Motion, frequency: float, stuck: float, noise: dict[str, flo
     floors = [noise["displacement"]] if "displacement" in noise else []
     floors += [noise["velocity"] / frequency] if "velocity" in noise else []
     floors += [noise["acceleration"] / frequency**2] if "acceleration" in noise else []
-    limit = 2.0 * stuck + 8.0 * min(floors)
+    if motion.noise_displacement is not None:
+        floors.append(motion.noise_displacement)
+    limit = 2.0 * stuck + ABOVE_NOISE * min(floors)
     above = np.flatnonzero(amplitude > limit)
     return int(above[-1]) + 1 if len(above) else 0
 

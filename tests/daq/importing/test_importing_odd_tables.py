@@ -375,7 +375,9 @@ def test_json_of_a_list_for_each_axis_is_transposed(tmp_path: Path) -> None:
     assert np.std(recording.samples[0] - motion) < 0.05
 
 
-def test_without_names_the_only_column_that_rises_evenly_is_the_time_wherever_it_stands(tmp_path: Path) -> None:
+def test_without_names_the_only_column_that_rises_evenly_is_the_time_wherever_it_stands(
+    tmp_path: Path,
+) -> None:
     t, u, _, _ = swing(300)
     uneven = t + 1e-4 * np.random.default_rng(2).random(300)
     text = table("", 40.0 * u / np.max(np.abs(u)), np.round(2.4 + uneven, 3), 90.0 * u, delimiter=",")
