@@ -413,7 +413,7 @@ def test_of_the_angles_of_one_body_the_one_that_it_swings_by_is_taken(tmp_path: 
 
 
 def test_angles_of_one_body_that_move_alike_are_for_the_operator_to_choose(tmp_path: Path) -> None:
-    t, u, v, _ = swing(300)
+    t, u, _, _ = swing(300)
     assert "2 columns could be the displacement" in refusal(
         tmp_path, table("t (s),roll (deg),pitch (deg)", t, u, 0.5 * u[::-1])
     )
