@@ -32,6 +32,7 @@ from station.results.documents import (
 )
 from station.results.models import ModelFile, model_file
 from station.results.shares_document import SharesDocument
+from station.results.wander_document import WanderDocument
 
 NAME = "diagnosis.json"
 MOST_POINTS = 40
@@ -198,6 +199,7 @@ class DiagnosisDocument(Document):
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
     `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
     `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
+    `wander` is a slow walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     `model_is` says which model it is that was diagnosed, `model_remark` why it is not the one that was identified.
     """
@@ -225,6 +227,7 @@ class DiagnosisDocument(Document):
     shares: list[SharesDocument] = Field(default_factory=list)
     used: list[UsedDocument] = Field(default_factory=list)
     of_sessions: list[ReleaseValueDocument] = Field(default_factory=list)
+    wander: WanderDocument | None = None
     modes: list[ModeDocument] = Field(default_factory=list)
     model_is: str = "the usual model"
     model_remark: str = ""
@@ -267,6 +270,7 @@ def diagnosis_document(
             "final": model_file(baseline.stated(found.final), expressions) if found.named else None,
             "shares": found.shares,
             "modes": found.modes,
+            "wander": found.wander,
             "used": _used(names, found),
             "of_sessions": [{"session": names[one.index]} | vars(one) for one in found.of_releases],
         }
