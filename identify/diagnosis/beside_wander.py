@@ -36,8 +36,8 @@ class BesideWander:
         return cls(first, second, lower + second.evidence - first.evidence)
 
     def told_apart(self, effects: int = 1) -> bool:
-        """Whether so many effects are told from a walk: there is none, or they explain more."""
-        return self.before.evidence < RIVALS_WITHIN or self.gain > effects * _BEYOND
+        """Whether so many effects are told from a walk: the odds are against one, or they explain more."""
+        return self.before.evidence < 0.0 or self.gain > effects * _BEYOND
 
 
 def named_beside_wander(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
