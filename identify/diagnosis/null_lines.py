@@ -44,19 +44,23 @@ def _of_sensor(base: Fit, term: Term, noise: Array) -> Array:
             found = _scaled(window, noise[rows])[term.channel]
             padded = np.zeros((len(window), noise.shape[1]))
             padded[window.used[term.channel]] = found
-            spectrum = rfft(padded, next_fast_len(2 * len(window), real=True), axis=0)
+            spectrum = np.fft.rfft(padded, 2 * len(window), axis=0)
             total += highest(np.abs(spectrum[2:-2]) ** 2)
     return total
 
 
 def _size(windows: tuple[FitWindow, ...]) -> int:
-    """Return the length of the transform that resolves a line through all windows: the next that has small factors only."""
+    """Return the length of the transform that resolves a line through all windows.
+
+    That of pieces of a long record is the next that has small factors only: one with a large prime takes ten times as long.
+    """
     first = min(window.time for window in windows)
     size = 2 * max(len(window) for window in windows)
     if any(window.segment for window in windows):
         span = max(window.time + len(window) / window.rate for window in windows) - first
-        size = min(max(size, 2 * int(span * windows[0].rate)), _LONGEST)
-    return int(next_fast_len(size, real=True))
+        size = int(next_fast_len(max(size, 2 * int(span * windows[0].rate)), real=True))
+        size = min(size, _LONGEST)
+    return size
 
 
 def _of_force(base: Fit, noise: Array, size: int) -> Array:

@@ -20,10 +20,7 @@ from identify.effects.force_effect import ForceEffect
 
 _STEP_ANGLE = 0.055
 _STEP_ANGLE_KINKED = 0.027
-_REVERSAL_TRIALS = 12
-_NEARLY_THERE, _THERE = 1e-4, 1e-9
-"""Share of a step before or behind a reversal that a parabola covers; the second where there are internal states."""
-
+_REVERSAL_TRIALS = 8
 _EVENTS_PER_STEP = 16
 _COMPILE: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
 """Without numba's count of references, which no array here needs: it would take half of the time."""
@@ -59,18 +56,17 @@ class Response:
 
 @compiled(**_INLINE)
 def _acceleration(addresses, t, u, v, states, s, linear, table, drive):  # type: ignore[no-untyped-def]
-    pull = drive - linear[0] * u
+    total = linear[0] * u + linear[1] * v - drive
     level = linear[2]
     for i in range(addresses.shape[0]):
         if addresses[i, 0] != 0 or addresses[i, 1] != 0:
             z = (0.0, 0.0) if states is None else (states[i, 0], states[i, 1])
             p = (table[i, 0], table[i, 1], table[i, 2], table[i, 3], table[i, 4], table[i, 5])
             if addresses[i, 0] != 0:
-                pull -= call_force(addresses[i, 0], t, u, v, z, p)
+                total += call_force(addresses[i, 0], t, u, v, z, p)
             if addresses[i, 1] != 0:
                 level += call_force(addresses[i, 1], t, u, v, z, p)
-    level = max(level, 0.0)
-    return pull - s * level - linear[1] * v, pull - linear[1] * v, level
+    return -total - s * max(level, 0.0), total, max(level, 0.0)
 
 
 @compiled(**_INLINE)
@@ -157,11 +153,11 @@ def _drive(external, position):  # type: ignore[no-untyped-def]
 @compiled(**_INLINE)
 def _direction_of_slip(addresses, t, u, states, linear, table, drive):  # type: ignore[no-untyped-def]
     """At zero velocity: the direction in which the mass will slip (0 where friction holds it), and the acceleration."""
-    _, free, level = _acceleration(addresses, t, u, 0.0, states, 0.0, linear, table, drive)
-    if abs(free) <= level:
+    _, total, level = _acceleration(addresses, t, u, 0.0, states, 0.0, linear, table, drive)
+    if abs(total) <= level:
         return 0.0, 0.0
-    s = np.sign(free)
-    return s, free - s * level
+    s = -np.sign(total)
+    return s, -total - s * level
 
 
 @compiled(**_INLINE)
@@ -175,33 +171,22 @@ def _hold(addresses, t, u, step, states, table, work):  # type: ignore[no-untype
 
 @compiled(**_COMPILE)
 def _until_reversal(  # type: ignore[no-untyped-def]
-    addresses, t, u, v, a, states, s, step, un, vn, h, linear, table, work, external, position, interval,
+    addresses, t, u, v, a, states, s, step, vn, h, linear, table, work, external, position, interval,
 ):  # fmt: skip
-    """Length of the step after which the velocity is zero, displacement and acceleration there.
-
-    Tried first is what the cubic of the time over the velocity says, through both ends of the step; then Newton's method,
-    between what is too short and too long. What is left in the end is a parabola.
-    """
-    low, high, near = 0.0, step, _NEARLY_THERE if work is None else _THERE
-    drives = _drives(external, position, step / interval)
-    new = None if work is None else work[4]
-    an = _acceleration(addresses, t + step, un, vn, new, s, linear, table, drives[2])[0]
-    y = v / (v - vn)
-    tried = guess = y * (y * (3.0 - 2.0 * y) * step + (vn - v) * (1.0 - y) * ((1.0 - y) / a - y / an))
+    """Length of the step after which the velocity is zero, and the displacement there, by false position."""
+    low, high, vlow, vhigh, un, guess = 0.0, step, v, vn, u, step
     for _ in range(_REVERSAL_TRIALS):
-        tried = guess if low < guess < high else 0.5 * (low + high)
-        drives = _drives(external, position, tried / interval)
-        un, vn = _step(addresses, t, u, v, a, states, s, tried, linear, table, drives, work)
-        an = _acceleration(addresses, t + tried, un, vn, new, s, linear, table, drives[2])[0]
-        rest = -vn / an
-        if abs(rest) <= near * h:
-            return min(max(tried + rest, low), high), un + 0.5 * vn * rest, an
+        guess = low + (high - low) * vlow / (vlow - vhigh)
+        guess = min(max(guess, low + 1e-3 * (high - low)), high - 1e-3 * (high - low))
+        drives = _drives(external, position, guess / interval)
+        un, vn = _step(addresses, t, u, v, a, states, s, guess, linear, table, drives, work)
+        if abs(vn) <= 1e-9 * (abs(a) * h + 1e-300):
+            break
         if vn * s > 0.0:
-            low = tried
+            low, vlow = guess, vn
         else:
-            high = tried
-        guess = tried + rest
-    return tried, un, an
+            high, vhigh = guess, vn
+    return guess, un
 
 
 @compiled(**_INLINE)
@@ -249,7 +234,11 @@ def _run_away(readings, due, after):  # type: ignore[no-untyped-def]
 def _run(  # type: ignore[no-untyped-def]
     addresses, dry, t0, n, interval, substeps, u, v, states, linear, table, lag, external, readings, work,
 ):  # fmt: skip
-    """Write displacement, velocity and acceleration at the samples into `readings` (3, n)."""
+    """Write displacement, velocity and acceleration at the samples into `readings` (3, n).
+
+    `states` and `work` are None where nothing remembers, `external` where no force is recorded: numba then leaves out
+    what serves them.
+    """
     h = interval / substeps
     drives = _drives(external, 0.0, 0.0)
     s = np.sign(v) if dry else 0.0
@@ -277,13 +266,12 @@ def _run(  # type: ignore[no-untyped-def]
                     un, vn = _step(addresses, t, u, v, a, states, s, step, linear, table, drives, work)
                     crossed = dry and vn * s < 0.0
                 if crossed:
-                    step, un, an = _until_reversal(
-                        addresses, t, u, v, a, states, s, step, un, vn, h, linear, table, work, external, position, interval,
+                    vn, (step, un) = 0.0, _until_reversal(
+                        addresses, t, u, v, a, states, s, step, vn, h, linear, table, work, external, position, interval,
                     )  # fmt: skip
-                    vn = 0.0
                 if work is not None:
                     _take_over(addresses, work[4], states)
-                if not (stuck or crossed):
+                if not stuck:
                     an = _acceleration(addresses, t + step, un, vn, states, s, linear, table, drives[2])[0]
                 while due < n and due * interval - lag <= t + step - t0 + 1e-12:
                     x = (due * interval - lag - (t - t0)) / step
