@@ -5,6 +5,7 @@ up. A force's line is one for all releases and channels, in step with the clock 
 """
 
 import numpy as np
+from scipy.fft import next_fast_len, rfft
 
 from identify.arrays import Array
 from identify.fitting.fit import Fit
@@ -49,12 +50,16 @@ def _of_sensor(base: Fit, term: Term, noise: Array) -> Array:
 
 
 def _size(windows: tuple[FitWindow, ...]) -> int:
-    """Return the length of the transform that resolves a line through all windows."""
+    """Return the length of the transform that resolves a line through all windows.
+
+    That of pieces of a long record is the next that has small factors only: one with a large prime takes ten times as long.
+    """
     first = min(window.time for window in windows)
     size = 2 * max(len(window) for window in windows)
     if any(window.segment for window in windows):
         span = max(window.time + len(window) / window.rate for window in windows) - first
-        size = min(max(size, 2 * int(span * windows[0].rate)), _LONGEST)
+        size = int(next_fast_len(max(size, 2 * int(span * windows[0].rate)), real=True))
+        size = min(size, _LONGEST)
     return size
 
 
@@ -78,7 +83,7 @@ def _of_force(base: Fit, noise: Array, size: int) -> Array:
                 values = _scaled(window, noise[rows[i]])[channel]
                 record[at % size] += np.sqrt(count) / window.sigma[channel] * values
                 power += count / window.sigma[channel] ** 2 * np.abs(weight[channel]) ** 2
-            together += np.fft.rfft(record, axis=0) * (np.conj(weight[channel]) * late)[:, None]
+            together += rfft(record, axis=0) * (np.conj(weight[channel]) * late)[:, None]
     peaks = np.abs(together) ** 2 / np.maximum(power, 1e-300)[:, None]
     return highest(peaks[2:-2])
 

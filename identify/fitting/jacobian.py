@@ -29,8 +29,7 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
 
     The problem keeps the steps, each so large that it moves the readings well above rounding and well below the noise.
     """
-    responses = problem.responses(theta)
-    parts = [problem.residual_of(i, problem.read(theta, i, r)) for i, r in enumerate(responses)]
+    responses, parts = problem.responses(theta), problem.misfits(theta)
     start = _Start(problem, theta, responses, parts)
     expected = problem.off_expected(theta)
     residual = np.concatenate([*parts, *expected])

@@ -1,5 +1,7 @@
 """The problem that a fit solves: parameters to predicted readings, in units of the noise."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from identify.arrays import Array
@@ -18,6 +20,15 @@ _TANGENT = 4.0
 
 _ENOUGH_FAR = 24
 """Readings a cycle that show a misfit far above the noise."""
+
+
+@dataclass(eq=False)
+class _Motion:
+    """One window simulated at its own unknowns, (own,), and its misfit once it was wanted, (n,)."""
+
+    unknowns: Array
+    response: Response
+    misfit: Array | None = None
 
 
 class Problem:
@@ -59,7 +70,7 @@ class Problem:
         self.pattern = BlockPattern.of(moves, len(windows), [one.own for one in self.expected])
         self.steps = np.zeros(len(self.unknowns))
         self._paths = [frequency * amplitude_of(window, frequency) / window.rate for window in windows]
-        self._last: list[tuple[Array, Response]] = []
+        self._kept: list[list[_Motion]] = [[] for _ in windows]
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -78,15 +89,14 @@ class Problem:
 
     def substeps(self, theta: Array, i: int, *, tangent: bool = False) -> int:
         """Return how many steps of the integration a sample of window i takes; a `tangent` takes what its slope needs."""
-        table, rate, nonsmooth = (
-            self._table(self.within(theta, i)),
-            self.windows[i].rate,
-            self.system.nonsmooth,
-        )
+        return self._substeps(self._table(self.within(theta, i)), i, _TANGENT if tangent else self.longer)
+
+    def _substeps(self, table: Array, i: int, longer: float) -> int:
+        rate, nonsmooth = self.windows[i].rate, self.system.nonsmooth
         fastest = self._fastest_rate(table, rate)
         fine = substeps_for(fastest, rate, nonsmooth=nonsmooth)
-        longer = substeps_for(fastest, rate, nonsmooth=nonsmooth, longer=_TANGENT if tangent else self.longer)
-        return int(min(max(longer, np.ceil(self._steps_of_memory(table, i))), fine))
+        fewer = substeps_for(fastest, rate, nonsmooth=nonsmooth, longer=longer)
+        return int(min(max(fewer, np.ceil(self._steps_of_memory(table, i))), fine))
 
     def within(self, theta: Array, i: int) -> Array:
         """Return the unknowns with the shared ones as they are in window i: with what its release has of its own."""
@@ -119,7 +129,7 @@ class Problem:
             states=self._states_at_start(theta, table, i),
             samples=len(window),
             rate=window.rate,
-            substeps=self.substeps(theta, i) if substeps is None else substeps,
+            substeps=self._substeps(table, i, self.longer) if substeps is None else substeps,
             time=window.time,
             lag=float(lag),
             external=self._external(theta, i, extra),
@@ -135,17 +145,31 @@ class Problem:
         return np.asarray(force + extra)
 
     def responses(self, theta: Array) -> list[Response]:
-        """Simulate all windows, anew only where an unknown of the window differs from the last call.
+        """Simulate all windows, anew only where an unknown of the window differs from the last two calls."""
+        return [self._motion(theta, i).response for i in range(len(self.windows))]
 
-        What was tried is then linearised and read; and a start that changes moves one window only.
+    def misfits(self, theta: Array) -> list[Array]:
+        """Return the misfit of each window in units of the noise, anew only as the motions are; inf where they run away."""
+        found = []
+        for i in range(len(self.windows)):
+            motion = self._motion(theta, i)
+            if motion.misfit is None:
+                motion.misfit = self.residual_of(i, self.read(theta, i, motion.response))
+            found.append(motion.misfit)
+        return found
+
+    def _motion(self, theta: Array, i: int) -> "_Motion":
+        """Return the motion of window i: one of the last two, or simulated and kept.
+
+        What was tried is then linearised and read, or left for what was before; a start that changes moves one window only.
         """
-        own = [theta[at] for at in self.pattern.places[: len(self.windows)]]
-        if not self._last:
-            self._last = [(values, self.respond(theta, i)) for i, values in enumerate(own)]
-        for i, values in enumerate(own):
-            if not np.array_equal(self._last[i][0], values):
-                self._last[i] = values, self.respond(theta, i)
-        return [response for _, response in self._last]
+        own, kept = theta[self.pattern.places[i]], self._kept[i]
+        for motion in kept:
+            if np.array_equal(motion.unknowns, own):
+                return motion
+        kept.insert(0, _Motion(own, self.respond(theta, i)))
+        del kept[2:]
+        return kept[0]
 
     def states_at_start(self, theta: Array, i: int) -> dict[str, float]:
         """Return the internal states at the start of window i, by "effect.state0"."""
@@ -231,12 +255,4 @@ class Problem:
 
     def residuals(self, theta: Array) -> Array:
         """Return the misfit of all windows in units of the noise; inf where the motion runs away."""
-        return np.concatenate(
-            [
-                *(
-                    self.residual_of(i, self.read(theta, i, response))
-                    for i, response in enumerate(self.responses(theta))
-                ),
-                *self.off_expected(theta),
-            ]
-        )
+        return np.concatenate([*self.misfits(theta), *self.off_expected(theta)])

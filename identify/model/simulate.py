@@ -60,7 +60,7 @@ def _acceleration(addresses, t, u, v, states, s, linear, table, drive):  # type:
     level = linear[2]
     for i in range(addresses.shape[0]):
         if addresses[i, 0] != 0 or addresses[i, 1] != 0:
-            z = (states[i, 0], states[i, 1])
+            z = (0.0, 0.0) if states is None else (states[i, 0], states[i, 1])
             p = (table[i, 0], table[i, 1], table[i, 2], table[i, 3], table[i, 4], table[i, 5])
             if addresses[i, 0] != 0:
                 total += call_force(addresses[i, 0], t, u, v, z, p)
@@ -79,40 +79,43 @@ def _state_rates(addresses, t, u, v, states, table, out):  # type: ignore[no-unt
 
 
 @compiled(**_INLINE)
-def _blend(states, factor, slope, out):  # type: ignore[no-untyped-def]
-    for i in range(states.shape[0]):
-        out[i, 0] = states[i, 0] + factor * slope[i, 0]
-        out[i, 1] = states[i, 1] + factor * slope[i, 1]
+def _blend(addresses, states, factor, slope, out):  # type: ignore[no-untyped-def]
+    for i in range(addresses.shape[0]):
+        if addresses[i, 2] != 0:
+            out[i, 0] = states[i, 0] + factor * slope[i, 0]
+            out[i, 1] = states[i, 1] + factor * slope[i, 1]
 
 
 @compiled(**_INLINE)
-def _step(addresses, memory, t, u, v, a, states, s, h, linear, table, drives, work):  # type: ignore[no-untyped-def]
+def _step(addresses, t, u, v, a, states, s, h, linear, table, drives, work):  # type: ignore[no-untyped-def]
     """One Runge-Kutta step of length h from (u, v, states) with acceleration a; new states go to work[4]."""
     half = 0.5 * h
-    if memory:
+    new = None if work is None else work[4]
+    if work is not None:
         _state_rates(addresses, t, u, v, states, table, work[0])
-        _blend(states, half, work[0], work[4])
+        _blend(addresses, states, half, work[0], work[4])
     u2 = u + half * v
     v2 = v + half * a
-    a2 = _acceleration(addresses, t + half, u2, v2, work[4], s, linear, table, drives[1])[0]
-    if memory:
+    a2 = _acceleration(addresses, t + half, u2, v2, new, s, linear, table, drives[1])[0]
+    if work is not None:
         _state_rates(addresses, t + half, u2, v2, work[4], table, work[1])
-        _blend(states, half, work[1], work[4])
+        _blend(addresses, states, half, work[1], work[4])
     u3 = u + half * v2
     v3 = v + half * a2
-    a3 = _acceleration(addresses, t + half, u3, v3, work[4], s, linear, table, drives[1])[0]
-    if memory:
+    a3 = _acceleration(addresses, t + half, u3, v3, new, s, linear, table, drives[1])[0]
+    if work is not None:
         _state_rates(addresses, t + half, u3, v3, work[4], table, work[2])
-        _blend(states, h, work[2], work[4])
+        _blend(addresses, states, h, work[2], work[4])
     u4 = u + h * v3
     v4 = v + h * a3
-    a4 = _acceleration(addresses, t + h, u4, v4, work[4], s, linear, table, drives[2])[0]
-    if memory:
+    a4 = _acceleration(addresses, t + h, u4, v4, new, s, linear, table, drives[2])[0]
+    if work is not None:
         _state_rates(addresses, t + h, u4, v4, work[4], table, work[3])
-        for i in range(states.shape[0]):
-            for j in range(states.shape[1]):
-                slope = work[0, i, j] + 2.0 * (work[1, i, j] + work[2, i, j]) + work[3, i, j]
-                work[4, i, j] = states[i, j] + h / 6.0 * slope
+        for i in range(addresses.shape[0]):
+            if addresses[i, 2] != 0:
+                for j in (0, 1):
+                    slope = work[0, i, j] + 2.0 * (work[1, i, j] + work[2, i, j]) + work[3, i, j]
+                    work[4, i, j] = states[i, j] + h / 6.0 * slope
     return u + h / 6.0 * (v + 2.0 * (v2 + v3) + v4), v + h / 6.0 * (a + 2.0 * (a2 + a3) + a4)
 
 
@@ -161,39 +164,22 @@ def _direction_of_slip(addresses, t, u, states, linear, table, drive):  # type: 
 def _hold(addresses, t, u, step, states, table, work):  # type: ignore[no-untyped-def]
     """Internal states after a step in which the mass sticks, into work[4]."""
     _state_rates(addresses, t, u, 0.0, states, table, work[0])
-    _blend(states, 0.5 * step, work[0], work[4])
+    _blend(addresses, states, 0.5 * step, work[0], work[4])
     _state_rates(addresses, t + 0.5 * step, u, 0.0, work[4], table, work[1])
-    _blend(states, step, work[1], work[4])
+    _blend(addresses, states, step, work[1], work[4])
 
 
 @compiled(**_COMPILE)
 def _until_reversal(  # type: ignore[no-untyped-def]
-    addresses,
-    memory,
-    t,
-    u,
-    v,
-    a,
-    states,
-    s,
-    step,
-    vn,
-    h,
-    linear,
-    table,
-    drives,
-    work,
-    external,
-    position,
-    interval,
-):
+    addresses, t, u, v, a, states, s, step, vn, h, linear, table, work, external, position, interval,
+):  # fmt: skip
     """Length of the step after which the velocity is zero, and the displacement there, by false position."""
     low, high, vlow, vhigh, un, guess = 0.0, step, v, vn, u, step
     for _ in range(_REVERSAL_TRIALS):
         guess = low + (high - low) * vlow / (vlow - vhigh)
         guess = min(max(guess, low + 1e-3 * (high - low)), high - 1e-3 * (high - low))
-        _drive_step(external, position, guess / interval, drives)
-        un, vn = _step(addresses, memory, t, u, v, a, states, s, guess, linear, table, drives, work)
+        drives = _drives(external, position, guess / interval)
+        un, vn = _step(addresses, t, u, v, a, states, s, guess, linear, table, drives, work)
         if abs(vn) <= 1e-9 * (abs(a) * h + 1e-300):
             break
         if vn * s > 0.0:
@@ -204,19 +190,23 @@ def _until_reversal(  # type: ignore[no-untyped-def]
 
 
 @compiled(**_INLINE)
-def _drive_step(external, position, length, drives):  # type: ignore[no-untyped-def]
-    """Write the recorded force in the middle and at the end of a step of `length` samples into drives[1:], if one acts."""
-    if external.shape[0] > 1:
-        drives[1] = _drive(external, position + 0.5 * length)
-        drives[2] = _drive(external, position + length)
+def _drives(external, position, length):  # type: ignore[no-untyped-def]
+    """Return the recorded force at the start, in the middle and at the end of a step of `length` samples; 0 if none acts."""
+    if external is None:
+        return 0.0, 0.0, 0.0
+    return (
+        _drive(external, position),
+        _drive(external, position + 0.5 * length),
+        _drive(external, position + length),
+    )
 
 
 @compiled(**_INLINE)
 def _take_over(addresses, found, states):  # type: ignore[no-untyped-def]
     """Copy the internal states that a step found."""
-    for r in range(states.shape[0]):
-        if addresses[r, 2] != 0:
-            states[r, 0], states[r, 1] = found[r, 0], found[r, 1]
+    for i in range(addresses.shape[0]):
+        if addresses[i, 2] != 0:
+            states[i, 0], states[i, 1] = found[i, 0], found[i, 1]
 
 
 @compiled(**_INLINE)
@@ -242,12 +232,15 @@ def _run_away(readings, due, after):  # type: ignore[no-untyped-def]
 
 @compiled(**_COMPILE)
 def _run(  # type: ignore[no-untyped-def]
-    addresses, memory, dry, t0, n, interval, substeps, u, v, states, linear, table, lag, external, readings, work, drives,
+    addresses, dry, t0, n, interval, substeps, u, v, states, linear, table, lag, external, readings, work,
 ):  # fmt: skip
-    """Write displacement, velocity and acceleration at the samples into `readings` (3, n)."""
+    """Write displacement, velocity and acceleration at the samples into `readings` (3, n).
+
+    `states` and `work` are None where nothing remembers, `external` where no force is recorded: numba then leaves out
+    what serves them.
+    """
     h = interval / substeps
-    _drive_step(external, 0.0, 0.0, drives)
-    drives[0] = drives[2]
+    drives = _drives(external, 0.0, 0.0)
     s = np.sign(v) if dry else 0.0
     if dry and s == 0.0:
         s, a = _direction_of_slip(addresses, t0, u, states, linear, table, drives[0])
@@ -264,24 +257,19 @@ def _run(  # type: ignore[no-untyped-def]
             for _ in range(_EVENTS_PER_STEP):
                 t = start + (h - remaining)
                 step, crossed, stuck = remaining, False, dry and s == 0.0
-                position = 0.0
-                if external.shape[0] > 1:
-                    position = (t - t0) / interval
-                    _drive_step(external, position, step / interval, drives)
+                position = 0.0 if external is None else (t - t0) / interval
+                drives = _drives(external, position, step / interval)
                 un, vn, an = u, 0.0, 0.0
-                if stuck and memory:
+                if work is not None and stuck:
                     _hold(addresses, t, u, step, states, table, work)
                 if not stuck:
-                    un, vn = _step(
-                        addresses, memory, t, u, v, a, states, s, step, linear, table, drives, work
-                    )
+                    un, vn = _step(addresses, t, u, v, a, states, s, step, linear, table, drives, work)
                     crossed = dry and vn * s < 0.0
                 if crossed:
                     vn, (step, un) = 0.0, _until_reversal(
-                        addresses, memory, t, u, v, a, states, s, step, vn, h, linear, table, drives, work, external,
-                        position, interval,
+                        addresses, t, u, v, a, states, s, step, vn, h, linear, table, work, external, position, interval,
                     )  # fmt: skip
-                if memory:
+                if work is not None:
                     _take_over(addresses, work[4], states)
                 if not stuck:
                     an = _acceleration(addresses, t + step, un, vn, states, s, linear, table, drives[2])[0]
@@ -291,6 +279,7 @@ def _run(  # type: ignore[no-untyped-def]
                     due += 1
                 u, v, a = un, vn, an
                 if crossed or stuck:
+                    drives = _drives(external, position, step / interval)
                     s, a = _direction_of_slip(addresses, t + step, u, states, linear, table, drives[2])
                 remaining -= step
                 if remaining <= 1e-9 * h:
@@ -335,9 +324,10 @@ def simulate(
     """
     dry = bool(linear[2] > 0.0 or system.has_friction)
     readings = np.empty((3, samples))
+    forced = external is not None and len(external) > 1
+    memory = system.has_memory or forced
     _run(
         system.addresses,
-        system.has_memory,
         dry,
         time,
         samples,
@@ -345,14 +335,13 @@ def simulate(
         substeps,
         start[0],
         start[1],
-        np.array(states, dtype=np.float64),
+        np.array(states, dtype=np.float64) if memory else None,
         linear,
         table,
         lag,
-        np.zeros(0) if external is None else external,
+        external if forced else None,
         readings,
-        np.zeros((5, len(system.addresses), 2)),
-        np.zeros(3),
+        np.zeros((5, len(system.addresses), 2)) if memory else None,
     )
     return Response(readings[0], readings[1], readings[2])
 

@@ -34,3 +34,23 @@ def test_slopes_from_longer_steps_are_those_of_the_motion(name, inner):
         moves = np.abs(there - back) < 0.5  # a reading that friction's reversal crosses has no slope
         gap = (jacobian.column(j) - slope)[moves]
         assert np.linalg.norm(gap) < 0.05 * np.linalg.norm(slope[moves]), unknown.name
+
+
+def test_a_start_that_changes_and_changes_back_moves_its_window_once(monkeypatch):
+    prepared, _ = drawn("cubic_stiffness", 0.03, 7100)
+    model, windows = base_model(), (prepared.window, prepared.window.with_(release=1))
+    problem = Problem(model, windows, prepared.frequency)
+    theta = problem.theta(initial_values((prepared, prepared), model, {}))
+    moved = theta.copy()
+    (start,) = [u for u in problem.unknowns if u.window == 1 and u.id.parameter == "displacement"]
+    moved[problem.index[start.name]] += 1e-5
+    before = problem.residuals(theta)
+    simulated, respond = [], problem.respond
+    monkeypatch.setattr(problem, "respond", lambda *a: simulated.append(a[1]) or respond(*a))
+    after, again = problem.residuals(moved), problem.residuals(theta)
+    assert simulated == [1]
+    np.testing.assert_array_equal(again, before)
+    half = len(before) // 2
+    np.testing.assert_array_equal(after[:half], before[:half])
+    assert np.max(np.abs(after[half:] - before[half:])) > 1.0
+    np.testing.assert_array_equal(after, Problem(model, windows, prepared.frequency).residuals(moved))

@@ -123,6 +123,55 @@ def test_memory_agrees_with_an_independent_integrator(name, p, states, rhs):
     assert np.max(np.abs(found.displacement - exact.y[0])) < 2e-7
 
 
+def in_pieces(slope, start, until, samples):
+    """Displacement at the samples of a motion against dry friction, from one turning point to the next."""
+    t = np.arange(samples) / RATE
+    found, now, y, s = np.zeros(samples), 0.0, start, -1.0
+
+    def turns(t, y, s):
+        return y[1]
+
+    turns.terminal = True
+    while now < until:
+        turns.direction = -s
+        run = solve_ivp(
+            slope,
+            (now, until),
+            y,
+            args=(s,),
+            events=turns,
+            dense_output=True,
+            rtol=1e-11,
+            atol=1e-14,
+            method="DOP853",
+        )
+        here = (t >= now) & (t <= run.t[-1])
+        found[here] = run.sol(t[here])[0]
+        now, y, s = run.t[-1], [run.y[0, -1], 0.0, *run.y[2:, -1]], -s
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "p", "states", "rhs"),
+    [
+        ("cubic_stiffness", (5e4,), 0, lambda u, v, z: (5e4 * u**3, [])),
+        ("quadratic_damping", (2.0,), 0, lambda u, v, z: (2.0 * v * abs(v), [])),
+        ("maxwell_element", (60.0, 0.05), 1, lambda u, v, z: (60.0 * (u - z[0]), [(u - z[0]) / 0.05])),
+    ],
+)
+def test_a_mass_turns_against_dry_friction_where_an_independent_integrator_says(name, p, states, rhs):
+    mu_0, samples = 0.1, 512
+    found = run((name,), (p,), (614.0, 0.277, mu_0), samples=samples)
+
+    def slope(t, y, s):
+        force, rates = rhs(y[0], y[1], y[2:])
+        return [y[1], -614.0 * y[0] - 0.277 * y[1] - force - s * mu_0, *rates]
+
+    exact = in_pieces(slope, [0.02, 0.0, *[0.0] * states], (samples - 1) / RATE, samples)
+    assert np.max(np.abs(exact[-64:])) > 1e-3  # it still moves
+    assert np.max(np.abs(found.displacement - exact)) < 2e-7
+
+
 @pytest.mark.parametrize("effect", [e for e in LIBRARY if isinstance(e, ForceEffect)])
 def test_every_force_is_proportional_to_its_strength(effect):
     function = effect.force or effect.friction
