@@ -24,7 +24,7 @@ def _hysteresis_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return v / p[1], 0.0
 
 
-_YIELDS = (0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.65, 1.0, 2.0)
+_YIELDS = (0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.65, 1.0, 2.0, 5.0, 15.0, 50.0)
 
 
 def _yield_starts(scales: Scales) -> Starts:
@@ -65,7 +65,7 @@ def _maxwell_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return (u - z[0]) / p[1], 0.0
 
 
-_TIMES = (0.07, 0.15, 0.3, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0, 50.0)
+_TIMES = (0.07, 0.15, 0.3, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0, 50.0, 200.0)
 
 
 def _time_starts(scales: Scales) -> Starts:
