@@ -22,6 +22,8 @@ DERIVATIVES = (
     ("displacement", "acceleration", 2),
 )
 MIN_SAMPLES = 8
+FEWEST = 50
+"""Samples of five cycles with ten readings each: of fewer nothing can be told, and tables of results are as short."""
 MIN_RATE, MAX_RATE = 1e-3, 1e7
 
 
@@ -63,6 +65,11 @@ def assemble(table: Table, options: ImportOptions) -> Recording:
         )
     if not options.keep_offset:
         samples = _without_gravity(choices, units, quantities, samples, notes)
+    if samples.shape[1] < FEWEST:
+        notes.append(
+            f"{samples.shape[1]} samples only: the amplitudes or periods of swings are no recording; what is needed is the "
+            "motion itself, five cycles or more with at least ten readings each"
+        )
     channels = tuple(Channel(choices[q].column.label or q, q, units[q].si) for q in quantities)
     made = Recording(
         clock.rate, channels, samples, valid, gaps, clock.rate_std, None, tuple(notes), table.run
@@ -219,7 +226,7 @@ def _say_invalid(
 
 def _strays(clock: Timebase, samples: Array, valid: Mask) -> tuple[str, ...]:
     """Return the clock's sentences, with the stray as a share of the motion's period where one can be seen."""
-    if clock.stray_rms * clock.rate <= EVEN or clock.coarse or not clock.notes:
+    if clock.stray_rms * clock.rate <= EVEN or clock.coarse or not clock.notes or samples.shape[-1] < FEWEST:
         return clock.notes
     filled = np.where(valid, samples, np.nan)
     filled = np.nan_to_num(filled - np.nanmean(filled))

@@ -13,6 +13,7 @@ from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.still import oscillation
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
+from daq.recording import Array
 
 LARGEST = 1e150
 SHORTEST = 20
@@ -69,7 +70,7 @@ def choose_columns(table: Table, options: ImportOptions, notes: list[str]) -> di
         and options.rate is None
         and table.rate is None
     ):
-        clock = _rising_first(table, taken)
+        clock = _rising_first(table, taken) or _rising_alone(table, taken)
         if clock is not None:
             choices["time"] = _clock_of(clock, meanings, notes)
             taken.add(clock.number)
@@ -283,6 +284,24 @@ def _same_numbers(columns: Sequence[SourceColumn]) -> bool:
     return all(np.array_equal(columns[0].values, c.values, equal_nan=True) for c in columns[1:])
 
 
+def _rising_alone(table: Table, taken: set[int]) -> SourceColumn | None:
+    """Return the only column that rises all the way in even steps, of columns without names; None where none does alone."""
+    if any(words(column.label) for column in table.columns):
+        return None
+    found = [c for c in table.columns if c.number not in taken and c.bad is None and _is_a_clock(c.values)]
+    return found[0] if len(found) == 1 else None
+
+
+def _is_a_clock(values: Array) -> bool:
+    """Whether numbers rise from each row to the next in steps that are nearly alike, and do not count the rows."""
+    if len(values) < SHORTEST or not np.isfinite(values).all() or not float(np.max(np.abs(values))) < LARGEST:
+        return False
+    steps = np.diff(values)
+    if np.all(steps == 1.0) and values[0] == np.rint(values[0]):
+        return False
+    return bool(np.all(steps > 0.0)) and float(np.max(steps)) < EVENLY * float(np.median(steps))
+
+
 def _rising_first(table: Table, taken: set[int]) -> SourceColumn | None:
     """Return the first free column if its numbers rise all the way and nearly evenly."""
     if not table.columns or table.columns[0].number in taken or table.columns[0].bad is not None:
@@ -328,6 +347,7 @@ def _what_is_not_said(table: Table, rest: Sequence[SourceColumn]) -> str:
 
 def _no_motion(table: Table, taken: set[int], *, rate_known: bool) -> ImportProblem:
     rest = [c for c in table.columns if c.number not in taken]
+    rest = [c for c in rest if oscillation(c.values) > 0.0] or rest
     if not rest:
         return problem(
             table.path,

@@ -41,7 +41,7 @@ WORDS: tuple[tuple[str, tuple[str, ...]], ...] = (
     )),
     ("time", (
         "time", "zeit", "uhrzeit", "temps", "tiempo", "tempo", "tijd", "tid", "czas", "время", "час", "cas", "ido",
-        "aika", "zaman", "vreme", "timestamp", "zeitstempel", "horodatage", "millis", "micros", "elapsed",
+        "aika", "zaman", "vreme", "timestamp", "ts", "zeitstempel", "horodatage", "millis", "micros", "elapsed",
         "datetime", "seconds", "sekunden", "时间", "時間", "时刻", "시간",
     )),
 )  # fmt: skip

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from daq.importing import serial_text, side_header
+from daq.importing import lvm, serial_text, side_header
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, split
 from daq.importing.errors import problem
 from daq.importing.header_lines import Setting, headers, motion_unit, rate_above, settings_above
@@ -28,7 +28,9 @@ def read_csv(path: Path, data: bytes, options: ImportOptions) -> Table:
     if options.skip_rows >= len(lines):
         raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {options.skip_rows}")
     body = lines[options.skip_rows :]
-    odd = serial_text.table_of(body) or side_header.table_of(body) if options.delimiter is None else None
+    odd = None
+    if options.delimiter is None:
+        odd = lvm.table_of(body) or serial_text.table_of(body) or side_header.table_of(body)
     if odd is not None:
         lines = [*[""] * options.skip_rows, *odd[0]]
     dialect = find_dialect(path, lines, options)

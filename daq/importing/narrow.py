@@ -14,7 +14,9 @@ TOTALS = frozenset({"absolute", "abs", "total", "norm", "resultant", "modulus", 
 DRIVES = frozenset({
     "actuator", "applied", "input", "excitation", "drive", "driving", "exciter", "shaker", "erreger", "anregung", "hammer",
 })  # fmt: skip
-AXES = ("x", "y", "z")
+AXES = (frozenset("xyz"), frozenset({"roll", "pitch", "yaw"}), frozenset({"phi", "theta", "psi"}))
+"""The names of one point's coordinates, and of one body's angles."""
+
 AXIS_MOVES = 5.0
 """A point moves along an axis if it moves this many times as much as along the others: the rest is 2 % of its path."""
 
@@ -55,7 +57,9 @@ def _rises(values: Array) -> bool:
 def along_one_axis(
     columns: Sequence[SourceColumn], said: Mapping[int, Meaning]
 ) -> tuple[list[SourceColumn], list[str]]:
-    """Return the coordinate that a point moves along, of x, y, z, and why not the others; all where it has no such."""
+    """Return the coordinate that a point moves along, or the angle that a body swings by, and why not the others; all where
+    there is no such.
+    """
     notes: list[str] = []
     why = "{} moves less than a fifth as much as another axis of the same point"
     return _kept(columns, _along(columns, said), why, notes), notes
@@ -87,11 +91,12 @@ def _moving(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> lis
 
 
 def _along(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> list[bool]:
-    """Return which of the coordinates x, y, z of one point, in one unit, are moved along: that which moves far the most."""
+    """Return which of the coordinates of one point, or angles of one body, in one unit, moves far the most; all else."""
     names = [split_unit(c.label)[0].strip().lower() for c in columns]
     units = {said[c.number].unit_text for c in columns}
     sizes = [amplitude(c.values) for c in columns]
-    alike = len(set(names)) == len(names) > 1 and set(names) <= set(AXES) and len(units) == 1
+    of_one = any(set(names) <= axes for axes in AXES)
+    alike = len(set(names)) == len(names) > 1 and of_one and len(units) == 1
     if not alike or sorted(sizes)[-1] < AXIS_MOVES * sorted(sizes)[-2]:
         return [True] * len(columns)
     return [size == max(sizes) for size in sizes]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from daq.importing.block_stamps import Blocks, clock_of_blocks
 from daq.importing.errors import problem
-from daq.importing.held_readings import Held, held_readings
+from daq.importing.held_readings import Held, held_readings, repeated_readings
 from daq.importing.quantisation import quantum, rounding
 from daq.importing.rounded_stamps import nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
@@ -86,6 +86,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     held = held_readings(time, values[:, rows])
     if held is not None:
         return _of_held(column, unit, rows, held)
+    notes.extend(_repeated(time, values[:, rows]))
     period = float(np.median(np.diff(time)))
     if not period > 0.0:
         period = float(time[-1] - time[0]) / (len(time) - 1)
@@ -166,6 +167,18 @@ def _of_blocks(column: SourceColumn, unit: Unit, rows: Index, blocks: Blocks) ->
         notes=(note,),
         origin=float(column.values[np.isfinite(column.values)][0]) * unit.scale + blocks.start,
         coarse=True,
+    )
+
+
+def _repeated(time: Array, values: Array) -> tuple[str, ...]:
+    """Return a sentence on rows that repeat readings by no clock, if many do."""
+    found = repeated_readings(time, values)
+    if found is None:
+        return ()
+    return (
+        f"{100.0 * found.share:.0f} % of the rows repeat the one before while the mass moves, by no clock, for up to "
+        f"{_milli(found.longest)}: when the sensor was read is not known, and what such steps leave of the motion is no "
+        "force. Write a row only where there is a new reading",
     )
 
 

@@ -14,6 +14,7 @@ from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, with
 from identify.diagnosis.listed_suspects import listed_suspects
 from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.not_enough import is_drowned, too_few_cycles
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
 from identify.diagnosis.ranking import Ranked, rank
 from identify.diagnosis.releases_differ import (
@@ -43,7 +44,6 @@ from identify.model.model import Model, base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.summary import Summarised, Summary
 
-_FEWEST_CYCLES = 5.0
 _MOST_RUNGS = 5
 _SHOWN = 6
 _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_missing")
@@ -203,7 +203,8 @@ def diagnose(
         settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
     suspects = listed_suspects(baseline, judgement, settled)
     verdict = judgement.verdict
-    if _cycles(baseline) < _FEWEST_CYCLES and verdict != "sensor_fault":
+    few = too_few_cycles(baseline) and verdict != "sensor_fault"
+    if few or (verdict in _EXPLAINED and is_drowned(settled, settled.fit)):
         verdict = "not_enough_data"
     findings = tuple(
         f for f in unnamed_faults(settled.decays, settled.fit) if f.p_value < settled.alpha or f.remarked
@@ -333,8 +334,3 @@ def foretold(
     return confirm_releases(
         whole, forces, known, terms, scales_of(max(whole, key=lambda decay: decay.amplitude), {})
     )
-
-
-def _cycles(baseline: Baseline) -> float:
-    window = baseline.fit.windows[0]
-    return len(window) / window.rate * baseline.fit.frequency / (2.0 * np.pi)

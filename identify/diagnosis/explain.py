@@ -10,6 +10,7 @@ from identify.diagnosis.explain_prediction import (
     explain_unconfirmed,
 )
 from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.not_enough import why_not_enough
 from identify.diagnosis.suspect import Suspect
 from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
@@ -34,6 +35,9 @@ _MOST_ALTERNATIVES = 4
 
 _NEARLY = 0.5
 """Share of what the named effect takes away that another must take, where the model is at the floor without either."""
+
+_LESSER_PART = 0.5
+"""Share of the misfit's power up to which a sensor's fault that is named is the lesser part of it."""
 
 _MOST_OF_IT = 0.9
 """Share of what the model leaves that an effect explains where what is left, not the whole, has no name."""
@@ -66,10 +70,7 @@ def explain(
     if verdict == "nothing_missing":
         return _nothing(baseline, suspects, settled)
     if verdict == "not_enough_data":
-        return (
-            "Fewer than five cycles of free motion stand above friction and noise, too few to tell effects apart. "
-            "Release from a larger amplitude, or record for longer."
-        )
+        return why_not_enough(baseline, settled.fit)
     top = suspects[0] if suspects else None
     if verdict == "driven" and confirmation is not None:
         return explain_driven(confirmation)
@@ -169,6 +170,20 @@ def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled:
     return (
         f"{what} the misfit from {motion[0]} to {motion[1]} % of the motion, the reduced chi-square from {before} to "
         f"{after}, the noise floor being {floor_of(baseline)}.{_small(baseline, top, settled)}"
+        f"{_hardly_any_of_it(baseline, top, settled)}"
+    )
+
+
+def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
+    """Return that a sensor's fault is the lesser part of what the model leaves, the rest excused by a guess; "" else."""
+    before, left = motion_percent(baseline.fit), motion_percent(settled.fit)
+    share = (removed_percent(baseline.fit, settled.fit) / before) ** 2
+    if top.kind == "physics" or baseline.floor_is_sure or left < WORTH or share > _LESSER_PART:
+        return ""
+    part = "hardly any" if share < EXPLAINS_NOTHING else share_words(share)
+    return (
+        f" That is {part} of what the model leaves: {three_figures(left)} % of the motion is left with it, which "
+        "only a floor that is a guess excuses, and in which a force may hide."
     )
 
 

@@ -36,6 +36,10 @@ class Shape:
     std: Array
 
 
+_FEWEST_HELD = 60
+"""Readings of every other cycle, well above the noise in their velocity, that a free form asks for."""
+
+
 @dataclass(frozen=True, eq=False)
 class NonparametricForce:
     """What the free form explains of a model's misfit in the acceleration.
@@ -70,8 +74,10 @@ def nonparametric_force(prepared: PreparedDecay, force: Array) -> NonparametricF
     noise = max(motion.noise_acceleration or 0.0, 1e-300)
     cycle = np.floor(prepared.time * prepared.frequency / (2.0 * np.pi)).astype(int)
     folds = [used & (cycle % 2 == parity) for parity in (0, 1)]
+    if min(int(fold.sum()) for fold in folds) < _FEWEST_HELD:
+        return NonparametricForce(1.0, 1.0, ())
     inside = [_within(prepared, used & ~fold, fold) for fold in folds]
-    if min(int(fold.sum()) for fold in folds) < 60 or not all(mask.any() for mask in inside):
+    if not all(mask.any() for mask in inside):
         return NonparametricForce(1.0, 1.0, ())
     blocks = _blocks(prepared)
     chosen: list[str] = []

@@ -15,9 +15,12 @@ from identify.signal.integration import integrate, slow_part
 from identify.signal.kinematics import agree, cut
 from identify.signal.oscillation import dominant_frequency
 from identify.signal.reversals import reversal_excess
-from identify.signal.smoothing import slope, smooth_to_noise
+from identify.signal.smoothing import slope, smooth, smooth_to_noise
 
 SHORTEST = 16
+
+ABOVE_NOISE = 8.0
+"""Noise standard deviations down to which a motion is fitted: of a reading, or, of a loud channel, of what is made of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +30,8 @@ class Motion:
     `start` is the index of the first sample in the record they were made from, `rate` is in Hz; `valid` is
     False where a sample was lost or an edge makes the values unreliable. `source` says which channels
     they were made from ("displacement and acceleration", "acceleration", "displacement", "velocity").
-    `noise_velocity` and `noise_acceleration` are the standard errors of a sample, where known.
+    `noise_velocity` and `noise_acceleration` are the standard errors of a sample, where known; `noise_displacement` that of
+    a loud channel's displacement, once it is smoothed.
     """
 
     rate: float
@@ -39,6 +43,7 @@ class Motion:
     source: str
     noise_velocity: float | None = None
     noise_acceleration: float | None = None
+    noise_displacement: float | None = None
 
     def part(self, samples: slice) -> "Motion":
         """Return some of the samples; with a step, the rate falls by it."""
@@ -59,6 +64,7 @@ class _Parts(NamedTuple):
     noise_velocity: float | None
     noise_acceleration: float | None
     edge: int
+    noise_displacement: float | None = None
 
 
 def reconstruct(decay: FreeDecay) -> Motion:
@@ -90,7 +96,8 @@ def reconstruct(decay: FreeDecay) -> Motion:
     reliable[: parts.edge] = False
     reliable[len(reliable) - parts.edge :] = False
     return Motion(decay.rate, start, frozen(parts.displacement), frozen(parts.velocity), frozen(parts.acceleration),
-                  frozen_mask(reliable), source, parts.noise_velocity, parts.noise_acceleration)  # fmt: skip
+                  frozen_mask(reliable), source, parts.noise_velocity, parts.noise_acceleration,
+                  parts.noise_displacement)  # fmt: skip
 
 
 def _from_pair(decay: FreeDecay, start: int) -> _Parts:
@@ -135,7 +142,8 @@ def _from_displacement(decay: FreeDecay, start: int, known: Mask) -> _Parts:
     values = bridge(decay.displacement[start:], known)
     noise = decay.noise_displacement or noise_of(decay)["displacement"].std
     frequency = _frequency(values, decay.rate)
-    smoothed, corner = smooth_to_noise(values, noise, frequency / decay.rate, known)
+    loud = _is_loud(values[known], noise, frequency, decay.rate)
+    smoothed, corner = smooth_to_noise(values, noise, frequency / decay.rate, known, loud=loud)
     velocity = slope(smoothed, decay.rate)
     acceleration = slope(velocity, decay.rate)
     edge = int(np.ceil(1.0 / corner)) + 2
@@ -146,7 +154,14 @@ def _from_displacement(decay: FreeDecay, start: int, known: Mask) -> _Parts:
         _passed(noise, corner, decay.rate, 1),
         _passed(noise, corner, decay.rate, 2),
         edge,
+        _passed(noise, corner, decay.rate, 0) if loud else None,
     )
+
+
+def _is_loud(values: Array, noise: float, frequency: float, rate: float) -> bool:
+    """Whether the noise that the usual smoothing leaves in the velocity would hide its sign for half of the motion."""
+    speed = 2.0 * np.pi * frequency * float(np.std(values))
+    return 3.0 * _passed(noise, 5.0 * frequency / rate, rate, 1) > 0.5 * speed
 
 
 def _from_velocity(decay: FreeDecay, start: int, known: Mask) -> _Parts:
@@ -182,9 +197,16 @@ def _from_acceleration(decay: FreeDecay, start: int, known: Mask) -> _Parts:
         slow = slow_part(raw, decay.rate, frequency, known)
         excess, _placed = reversal_excess(centred, velocity - slow.first, noise, 1)
     omega = 2.0 * np.pi * frequency
-    noise_velocity = noise / np.sqrt(decay.rate * omega)
+    noise_velocity = float(noise / np.sqrt(decay.rate * omega))
+    largest = float(np.max(np.abs(smooth(centred, min(5.0 * frequency / decay.rate, 0.5), known))))
     return _Parts(
-        raw - slow.value, velocity - slow.first, centred - slow.second, float(noise_velocity), noise, 2
+        raw - slow.value,
+        velocity - slow.first,
+        centred - slow.second,
+        noise_velocity,
+        noise,
+        2,
+        noise_velocity / omega if ABOVE_NOISE * noise > 0.5 * largest else None,
     )
 
 

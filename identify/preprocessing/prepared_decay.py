@@ -14,7 +14,7 @@ from identify.preprocessing.alignment import Alignment
 from identify.preprocessing.averaged_decay import FEW, averaged
 from identify.preprocessing.equation_error import moving, regress
 from identify.preprocessing.fit_window import CHANNELS, FitWindow
-from identify.preprocessing.motion import Motion, reconstruct
+from identify.preprocessing.motion import ABOVE_NOISE, Motion, reconstruct
 from identify.preprocessing.noise import Noise
 from identify.preprocessing.noise_colour import RestColour, colour_at_rest
 from identify.preprocessing.pre_release import pre_release_motion
@@ -130,7 +130,7 @@ def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -
     base = regress(restoring, _base_columns(motion), moving(motion))
     k, _, mu_0 = base.strengths
     if not k > 0.0:
-        raise _refusal(record, "The motion shows no restoring force: is the displacement's sign reversed?")
+        raise _refusal(record, _no_spring(record))
     frequency = float(np.sqrt(k))
     zero = -base.constant / k
     sigma = {name: max(found.std, 1e-300) for name, found in noise.items()}
@@ -171,6 +171,16 @@ def _refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
     )
     known = valid_samples(record)
     return NotIdentifiable(too_coarse(bridge(reading, known), record.rate, derivative) or reason)
+
+
+def _no_spring(record: FreeDecay) -> str:
+    """Return why no stiffness is seen: against a second channel a sign may be wrong; one channel alone has but its noise."""
+    if record.displacement is not None and record.acceleration is not None:
+        return "The motion shows no restoring force: is the displacement's sign reversed?"
+    return (
+        "The motion shows no restoring force above the noise of its only channel: is this the column that swings? If it is, "
+        "release from a larger amplitude, or use a sensor with less noise."
+    )
 
 
 def _too_few(cycles: float, frequency: float, use: RecordUse) -> str:
@@ -248,7 +258,9 @@ def _length(motion: Motion, frequency: float, stuck: float, noise: dict[str, flo
     floors = [noise["displacement"]] if "displacement" in noise else []
     floors += [noise["velocity"] / frequency] if "velocity" in noise else []
     floors += [noise["acceleration"] / frequency**2] if "acceleration" in noise else []
-    limit = 2.0 * stuck + 8.0 * min(floors)
+    if motion.noise_displacement is not None:
+        floors.append(motion.noise_displacement)
+    limit = 2.0 * stuck + ABOVE_NOISE * min(floors)
     above = np.flatnonzero(amplitude > limit)
     return int(above[-1]) + 1 if len(above) else 0
 

@@ -49,16 +49,18 @@ def slope(values: Array, rate: float) -> Array:
 
 
 def smooth_to_noise(
-    values: Array, noise: float, frequency: float, known: Mask | None = None
+    values: Array, noise: float, frequency: float, known: Mask | None = None, *, loud: bool = False
 ) -> tuple[Array, float]:
     """Return the smooth of `values` with the lowest corner that leaves no more than the noise, and that corner.
 
     `frequency` of the oscillation and the corner are in cycles per sample. The corner starts at five times the frequency,
     where the oscillation itself loses 3e-6, and rises until the misfit is the noise within four per cent, or hardly
     falls any more: a motion's harmonics fall quickly, if only as the jumps of dry friction do, a sensor's wandering slowly.
+    Of a `loud` channel it starts where the oscillation loses a tenth of the noise: closer by, noise is all that is added.
     """
     weights = np.ones(len(values), dtype=bool) if known is None else known
-    corner = 5.0 * frequency
+    size = np.sqrt(2.0) * float(np.std(values[weights]))
+    corner = frequency * (min(5.0, max((10.0 * size / noise) ** 0.125, 1.5)) if loud else 5.0)
     smoothed = smooth(values, corner, known)
     misfit = _rms((values - smoothed)[weights])
     while corner < 0.3 and misfit > 1.04 * noise:

@@ -55,7 +55,7 @@ def value(module, name):
         ("curves.leading_law", "DRIFT_NEARLY", lambda x: f"law of time removes {100 * x:g} % of"),
         ("curves.confirmation", "MOST_RIVALS", lambda x: f"more than {WORDS[x]} rivals"),
         ("curves.confirmation", "RANGE", lambda x: f"a factor of {x:g}"),
-        ("diagnosis.diagnose", "_FEWEST_CYCLES", lambda x: f"fewer than {WORDS[x]} cycles"),
+        ("diagnosis.not_enough", "FEWEST_CYCLES", lambda x: f"fewer than {WORDS[x]} cycles"),
         ("diagnosis.listed_suspects", "_HELD_OUT", lambda x: f"The first {WORDS[x]} suspects"),
         (
             "fitting.own_linear",

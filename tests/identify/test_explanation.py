@@ -1,9 +1,12 @@
 """What a diagnosis says: percent of the motion where the floor is a guess, and what to record of a driven motion."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from identify.diagnosis import explain
 from identify.diagnosis.diagnose import Diagnosis, diagnose
 from identify.effects.library import find_effect
 from identify.fitting.model_error import motion_percent
@@ -89,3 +92,24 @@ def test_a_line_below_what_is_worth_a_name_is_a_remark():
     assert found.verdict == "nothing_missing"
     assert "The displacement has a line at 23.1" in found.explanation
     assert "too small to be worth a name" in found.explanation
+
+
+@pytest.mark.parametrize(
+    ("kind", "sure", "before", "after", "told"),
+    [
+        ("sensor", False, 9.98, 9.80, "That is 4 % of what the model leaves: 9.80 % of the motion is left"),
+        ("sensor", False, 9.98, 9.975, "That is hardly any of what the model leaves"),
+        ("sensor", False, 9.98, 3.0, ""),  # most of it
+        ("sensor", False, 0.5, 0.4, ""),  # little is left
+        ("sensor", True, 9.98, 9.80, ""),
+        ("physics", False, 9.98, 9.80, ""),
+    ],
+)
+def test_a_sensors_fault_that_is_little_of_what_a_guessed_floor_excuses_is_told(
+    monkeypatch, kind, sure, before, after, told
+):
+    monkeypatch.setattr(explain, "motion_percent", lambda found: found)
+    monkeypatch.setattr(explain, "removed_percent", lambda one, other: np.sqrt(one**2 - other**2))
+    baseline = SimpleNamespace(fit=before, floor_is_sure=sure)
+    words = explain._hardly_any_of_it(baseline, SimpleNamespace(kind=kind), SimpleNamespace(fit=after))
+    assert words.strip().startswith(told) if told else words == ""

@@ -113,3 +113,13 @@ def test_a_long_rest_before_the_release_costs_nothing() -> None:
     assert found is not None
     assert 1.0 / found.period == pytest.approx(100.0, rel=2e-3)
     assert most < 5e7  # bytes
+
+
+def test_readings_that_are_held_by_no_clock_are_told(tmp_path: Path) -> None:
+    times = np.arange(600) / 30.0
+    new = np.random.default_rng(4).random(600) < 0.4  # a camera's tracker that finds its ball now and then
+    new[0] = True
+    measured = times[np.maximum.accumulate(np.where(new, np.arange(600), 0))]
+    recording = load(tmp_path, table("t (s),x (mm)", times, np.round(motion(measured, 1.1), 3)))
+    assert recording.rate == pytest.approx(30.0)
+    assert "of the rows repeat the one before while the mass moves, by no clock" in said(recording)

@@ -373,3 +373,63 @@ def test_json_of_a_list_for_each_axis_is_transposed(tmp_path: Path) -> None:
     assert recording.samples.shape == (1, 230)
     assert [(c.quantity, c.unit) for c in recording.channels] == [("acceleration", "m/s^2")]
     assert np.std(recording.samples[0] - motion) < 0.05
+
+
+def test_without_names_the_only_column_that_rises_evenly_is_the_time_wherever_it_stands(
+    tmp_path: Path,
+) -> None:
+    t, u, _, _ = swing(300)
+    uneven = t + 1e-4 * np.random.default_rng(2).random(300)
+    text = table("", 40.0 * u / np.max(np.abs(u)), np.round(2.4 + uneven, 3), 90.0 * u, delimiter=",")
+    with pytest.raises(ImportProblem) as caught:
+        load(tmp_path, text)
+    assert "column 1, column 3" in str(caught.value)
+    assert "--rate" not in str(caught.value)
+    recording = load(tmp_path, text, columns={"displacement": 1}, units={"displacement": "deg"})
+    assert recording.rate == pytest.approx(RATE, rel=1e-3)
+    assert "column 2 has no name that says so, but its numbers rise evenly" in said(recording)
+
+
+def test_a_column_that_stands_still_is_no_motion_to_choose(tmp_path: Path) -> None:
+    t, u, _, _ = swing(300)
+    with pytest.raises(ImportProblem, match="whether column 3 is a displacement"):
+        load(tmp_path, table("", t, np.zeros(300), u, delimiter="\t"))
+
+
+def test_a_table_of_amplitudes_is_told_that_it_is_no_recording(tmp_path: Path) -> None:
+    times = np.array([0.0, 3.9, 10.0, 16.9, 23.8, 30.6, 37.4, 43.5, 50.3, 57.0, 63.8])
+    recording = load(tmp_path, table("t,theta (rad)", times, 0.25 * np.exp(-times / 17.0)))
+    assert "11 samples only: the amplitudes or periods of swings are no recording" in said(recording)
+    assert "the motion's period" not in said(recording)
+
+
+@pytest.mark.parametrize("names", ["roll_deg,pitch_deg,yaw_deg", "phi (deg),theta (deg),psi (deg)"])
+def test_of_the_angles_of_one_body_the_one_that_it_swings_by_is_taken(tmp_path: Path, names: str) -> None:
+    t, u, _, _ = swing(300)
+    noise = 0.01 * np.random.default_rng(5).standard_normal((2, 300))
+    recording = load(tmp_path, table(f"t (s),{names}", t, noise[0], 500.0 * u, noise[1]))
+    assert recording.samples[0] == pytest.approx(np.radians(500.0 * u), abs=1e-4)
+    assert "moves less than a fifth as much as another axis" in said(recording)
+
+
+def test_angles_of_one_body_that_move_alike_are_for_the_operator_to_choose(tmp_path: Path) -> None:
+    t, u, _, _ = swing(300)
+    assert "2 columns could be the displacement" in refusal(
+        tmp_path, table("t (s),roll (deg),pitch (deg)", t, u, 0.5 * u[::-1])
+    )
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(40000.0, "count"), (5000.0, "rad")])
+def test_whole_numbers_of_an_encoder_beyond_a_turn_are_counts(
+    tmp_path: Path, scale: float, unit: str
+) -> None:
+    t, u, _, _ = swing(300)
+    recording = load(tmp_path, table("t (s),encoder", t, np.rint(scale * u)))
+    assert recording.channels[0].unit == unit
+
+
+def test_a_column_called_ts_is_the_time(tmp_path: Path) -> None:
+    t, _, _, a = swing(300)
+    rows = [{"ts": 1690000000000 + round(1000.0 * x), "acc": y} for x, y in zip(t, a, strict=True)]
+    recording = load(tmp_path, "".join(json.dumps(row) + "\n" for row in rows), "a.jsonl")
+    assert recording.rate == pytest.approx(RATE, rel=1e-3)

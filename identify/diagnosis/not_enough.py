@@ -1,0 +1,39 @@
+"""Not enough data: too few cycles to tell effects apart, or a motion that noise, as far as it is known, could be itself."""
+
+import numpy as np
+
+from identify.fitting.baseline import Baseline
+from identify.fitting.fit import Fit
+from identify.fitting.model_error import motion_percent
+from identify.formatting import three_figures
+
+FEWEST_CYCLES = 5.0
+
+DROWNED = 100.0 / float(np.sqrt(2.0))
+"""Percent of the motion (rms) left by a model that leaves as much of its power as it explains."""
+
+
+def too_few_cycles(baseline: Baseline) -> bool:
+    """Whether fewer cycles of free motion stand above friction and noise than tell effects apart."""
+    window = baseline.fit.windows[0]
+    return len(window) / window.rate * baseline.fit.frequency / (2.0 * np.pi) < FEWEST_CYCLES
+
+
+def is_drowned(baseline: Baseline, found: Fit) -> bool:
+    """Whether a fit that leaves most of the motion is excused by a floor that is a guess: so is any other model then."""
+    return not baseline.floor_is_sure and baseline.adequate(found) and motion_percent(found) > DROWNED
+
+
+def why_not_enough(baseline: Baseline, found: Fit) -> str:
+    """Return why nothing can be told, and what to record."""
+    if too_few_cycles(baseline) or not is_drowned(baseline, found):
+        return (
+            "Fewer than five cycles of free motion stand above friction and noise, too few to tell effects apart. "
+            "Release from a larger amplitude, or record for longer."
+        )
+    return (
+        f"The model leaves {three_figures(motion_percent(found))} % of the motion, and the noise, which this record leaves "
+        "to a guess, may be as large: it would excuse any model. Look at the record first: is this the column "
+        "and the part that swings freely? If it is, release from a larger amplitude, or record what the sensor "
+        "reads at rest before the release."
+    )
