@@ -26,7 +26,8 @@ def p_value(seed: int) -> float:
     sample = draw(None, 0.0, seed, seconds=SECONDS, rate=RATE)
     decay = FreeDecay(sample.rate, sample.displacement, sample.acceleration)
     baseline = fit_baseline(segments_of(prepared_of(decay)), base_model())
-    return min(entry.p_value for entry in rank(baseline, singles(baseline), chances(baseline)))
+    chance = chances(baseline)
+    return min(entry.p_value for entry in rank(baseline, singles(baseline, chance), chance))
 
 
 def p_values(count: int, first: int = 70000) -> np.ndarray:

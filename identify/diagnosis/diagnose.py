@@ -276,9 +276,10 @@ def _searched(
     baseline = where_releases_differ(first)
     foretell = cache(lambda: foretold(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, foretell)
-    tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
     progress("finding what each effect would explain by chance")
-    ranked = rank(baseline, tried, chances(baseline, fitted))
+    chance = chances(baseline, fitted)
+    tried = singles(baseline, chance, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
+    ranked = rank(baseline, tried, chance)
     baseline, ranked = decided_anew(first, baseline, ranked, fitted)
     if _hides_noise(baseline, ranked):
         baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
@@ -300,7 +301,8 @@ def _seen_again(
     clearer = with_noise_beside(baseline, found)
     if clearer is baseline:
         return baseline, ranked
-    return clearer, rank(clearer, singles(clearer, library), chances(clearer, library))
+    chance = chances(clearer, library)
+    return clearer, rank(clearer, singles(clearer, chance, library), chance)
 
 
 def _hides_noise(baseline: Baseline, ranked: tuple[Ranked, ...]) -> bool:

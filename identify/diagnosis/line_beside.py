@@ -58,12 +58,14 @@ def line_beside(
     beside = with_noise_beside(replace(baseline, fit=usual), best.fit)
     names = {entry.candidate.name for entry in ranked} - {best.name}
     tried = tuple(effect for effect in library if effect.name in names)
-    return LineBeside(line, beside, rank(beside, singles(beside, tried), chances(beside, tried)))
+    chance = chances(beside, tried)
+    return LineBeside(line, beside, rank(beside, singles(beside, chance, tried), chance))
 
 
 def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Ranked | None:
     """Return the line of a sensor in what a fit leaves; None where none stands clear of the residual around it and lasts."""
-    found = next((c for c in singles(behind, lines) if c.plausible), None)
+    chance = chances(behind, lines)
+    found = next((c for c in singles(behind, chance, lines) if c.plausible), None)
     if found is None:
         return None
     values = found.fit.of(found.term, 0)
@@ -71,7 +73,7 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Ranked | None:
     if not may_be_hum(behind.fit, found.term.channel, line):
         return None
     density = misfit_density(found.fit, 2.0 * np.pi * line, found.term.channel)
-    chance, drop = chances(behind, lines), found.gain / max(density, 1.0)
+    drop = found.gain / max(density, 1.0)
     p_value = chance.p_value(found.name, drop)
     if p_value >= behind.alpha:
         return None

@@ -7,20 +7,19 @@ distribution, and the smallest tail probability over the whole library one from 
 all releases; a sensor's fault has parameters in each, whose drops add up.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from zlib import crc32
 
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.null_columns import NullColumns
 from identify.diagnosis.null_faults import fault_drops
-from identify.diagnosis.null_lines import highest, line_drops, rows_of
-from identify.diagnosis.weak_presence import probes
-from identify.effects.effect import Scales
+from identify.diagnosis.null_forces import force_places
+from identify.diagnosis.null_lines import likeliest_line, line_drops
+from identify.diagnosis.places import Starts
 from identify.fitting.fit import Fit
-from identify.fitting.initial_values import reachable_starts, scales_of
+from identify.fitting.initial_values import reachable_starts, scales_of, term_starts
 from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.fitting.tangent import Tangent
@@ -32,29 +31,10 @@ _FEWEST_DRAWS = 100
 _MOST_NUMBERS = 4_000_000
 """Random numbers that are drawn: of records of more than 10,000 readings there are fewer draws, 100 at least."""
 
-_AT_ONCE = 2_000_000
-"""Numbers in the columns of one effect that are multiplied with the draws together."""
-
-_MOST_COLUMN_NUMBERS = 2_000_000
-_FEWEST_PLACES = 100
-"""Numbers in all columns of one effect: of long records its starting values lie less close, a hundred of them at least."""
-
-_LARGE = 100.0
-_PLACES_FAR = 25
-"""Reduced chi-square above which gains lie far beyond chance, which is then drawn at few starting values of an effect."""
-
-_PROBE = 1e-5
-"""Share of the acceleration that a probed force has: it moves the readings by a few units of noise, in proportion.
-
-With a hundred times as much what the fit's parameters leave is mostly of second order.
-"""
 _TAIL = 0.1
 
 _CLEARLY = 0.16
 """Standard error of the slope of the last tenth of 400 draws, relative."""
-
-_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)
-"""Of the way from a joint that gives way to one side at the start to one that gives way to the other."""
 
 _WEAKEST = 0.1
 """Least strength of drawn noise, in units of the floor, however unsure that is."""
@@ -65,11 +45,13 @@ class NullDistribution:
     """Null distributions of the drop of chi-square, by effect name, and of the search over all of them.
 
     `drops` maps an effect to its draws, sorted; `search` holds the largest surprise (-ln p) of each draw over
-    the library, sorted.
+    the library, sorted. `likeliest` are the places at which each variant lowers the fit's own misfit most, which goes with
+    the draws as one more: where fits begin, so that the search finds what it is compared with.
     """
 
     drops: dict[str, Array]
     search: Array
+    likeliest: Mapping[tuple[str, ...], Starts] = field(default_factory=dict)
 
     def surprise(self, effect: str, drop: float) -> float:
         """Return -ln of the probability that chance lowers chi-square this much by this effect alone."""
@@ -105,7 +87,7 @@ def null_distribution(
     random = np.random.default_rng(_seed_of(base) if seed is None else seed)
     theta = base.theta
     problem = Problem(base.model, base.windows, base.frequency)
-    _, jacobian = linearise(problem, theta)
+    residual, jacobian = linearise(problem, theta)
     noise = np.concatenate(
         [window.draw_noise(channel, random, draws) for window in base.windows for channel in window.channels]
     )
@@ -120,23 +102,32 @@ def null_distribution(
         *((j, -1.0) for j in np.flatnonzero(high).tolist()),
     ]:
         noise = _pressed(noise, side * jacobian.column(at), tangent)
-    # What a misfit and a presence have in common lowers chi-square where they differ in sign.
-    noise = -noise
+    # The fit's own misfit goes last. What it and a presence have in common lowers chi-square where they differ in sign.
+    noise = np.column_stack([-noise, -residual])
     free = tangent.free(noise)
     scales = scales_of(decays[0], dict.fromkeys(base.windows[0].channels, ()))
     drops: dict[str, Array] = {}
+    likeliest: dict[tuple[str, ...], Starts] = {}
     for term in terms:
         name = term.effect.name
         if term.effect.line:
-            best = line_drops(base, term, noise)
+            best = line_drops(base, term, noise[:, :-1])
+            line = likeliest_line(base, term, noise[:, -1:])
+            starts = term_starts(term, scales_of(decays[0], {line.channel: (line.values,)}))
+            if term.is_force:
+                starts = force_places(decays, base, term, starts, tangent, free[:, -1:]).likeliest(0)
+            likeliest[term.variant] = starts
         elif term.is_force:
-            best = _column_drops(decays, base, term, scales, tangent, free)
+            places = force_places(decays, base, term, reachable_starts(term, scales), tangent, free)
+            best = places.best[:-1]
+            if len(places.starts) > 1:
+                likeliest[term.variant] = places.likeliest(-1)
         else:
-            best = fault_drops(base, term, scales, tangent, free)
+            best = fault_drops(base, term, scales, tangent, free[:, :-1])
         drops[name] = np.maximum(drops[name], best) if name in drops else best
     drawn = {name: np.sort(found) for name, found in drops.items()}
     search = np.max([_surprise(drawn[name], found) for name, found in drops.items()], axis=0)
-    return NullDistribution(drawn, np.sort(search))
+    return NullDistribution(drawn, np.sort(search), likeliest)
 
 
 def _seed_of(base: Fit) -> int:
@@ -209,68 +200,3 @@ def _with_tail(draws: Array, values: Array, knee: float, rise: Array) -> Array:
     rank = np.searchsorted(draws, values, side="left")
     inside = np.minimum(-np.log((n - rank + 0.5) / (n + 0.5)), -np.log(_TAIL))
     return np.asarray(np.where(values > knee, -np.log(_TAIL) + rise, inside))
-
-
-def _column_drops(
-    decays: tuple[PreparedDecay, ...], base: Fit, term: Term, scales: Scales, tangent: Tangent, noise: Array
-) -> Array:
-    problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=True)
-    before = Problem(base.model, base.windows, base.frequency, coarse=True).residuals(base.theta)
-    rows = rows_of(base.windows)
-    best, one_sided = np.zeros(noise.shape[1]), term.effect.one_sided
-    single: list[Array] = []
-    several: list[Array] = []
-    starts = reachable_starts(term, scales)
-    near = max(_FEWEST_PLACES, _MOST_COLUMN_NUMBERS // len(before))
-    enough = _PLACES_FAR if base.reduced > _LARGE else near
-    for start in starts[:: (len(starts) - 1) // enough + 1]:
-        points = probes(decays, base, problem, term, start, _PROBE, early=True)
-        if not term.force.fading_memory and len(base.windows) == 1:  # of several each has a state of its own
-            single += _held_either_way(problem, term, points, before)
-            continue
-        columns = NullColumns.at(problem, points, before, rows)
-        if columns.own:
-            several.append(_drops(*columns.products(tangent, noise, rows), one_sided=one_sided))
-        elif columns.whole is not None:
-            single.append(columns.whole)
-        if len(single) * len(before) > _AT_ONCE:
-            best, single = np.maximum(best, _best_of(single, tangent, noise, one_sided=one_sided)), []
-    if single:
-        best = np.maximum(best, _best_of(single, tangent, noise, one_sided=one_sided))
-    return np.maximum(best, highest(np.array(several))) if several else best
-
-
-def _held_either_way(problem: Problem, term: Term, points: Sequence[Array], before: Array) -> list[Array]:
-    """Return what a force does (readings,) that never forgets where it came from, held on one side before, or on the other.
-
-    It cannot be drawn farther than it yields: as a direction of its own its state would be drawn without limit.
-    """
-    if not points:
-        return []
-    states = np.array([u.id.role == "state" and u.id.effect == term.effect.name for u in problem.unknowns])
-    one, other = (problem.residuals(np.where(states, side, points[0])) - before for side in (1.0, -1.0))
-    if not np.isfinite(one + other).all():
-        return []
-    return [one + share * (other - one) for share in _SHARES]
-
-
-def _best_of(columns: list[Array], tangent: Tangent, noise: Array, *, one_sided: bool) -> Array:
-    """Return the largest drop of chi-square by any one of some columns (readings,), of each draw, (draws,)."""
-    free = tangent.free(np.column_stack(columns))
-    amount = (free / np.sqrt(np.maximum(np.sum(free**2, axis=0), 1e-300))).T @ noise
-    return np.asarray(np.max(np.maximum(amount, 0.0) ** 2 if one_sided else amount**2, axis=0))
-
-
-def _drops(together: Array, along: Array, *, one_sided: bool) -> Array:
-    """Return the drop of chi-square by some columns together, (draws,).
-
-    `together` (columns, columns) are their products, `along` (columns, draws) what of each draw lies along them.
-    """
-    if not len(together):
-        return np.zeros(along.shape[1])
-    values, vectors = np.linalg.eigh(together)
-    kept = values > 1e-12 * values[-1]
-    amount = (vectors[:, kept] / np.sqrt(values[kept])).T @ along
-    if len(amount) == 1 and one_sided:
-        amount = np.maximum(amount * np.sign(vectors[0, -1]), 0.0)
-    return np.asarray(np.sum(amount**2, axis=0))

@@ -4,6 +4,8 @@ A sensor's line has frequency and phase of its own in every release, so that the
 up. A force's line is one for all releases and channels, in step with the clock of the release.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.fft import next_fast_len, rfft
 
@@ -41,12 +43,55 @@ def _of_sensor(base: Fit, term: Term, noise: Array) -> Array:
     total = np.zeros(noise.shape[1])
     for window, rows in zip(base.windows, rows_of(base.windows), strict=True):
         if term.channel in window.channels:
-            found = _scaled(window, noise[rows])[term.channel]
-            padded = np.zeros((len(window), noise.shape[1]))
-            padded[window.used[term.channel]] = found
-            spectrum = np.fft.rfft(padded, 2 * len(window), axis=0)
-            total += highest(np.abs(spectrum[2:-2]) ** 2)
+            total += highest(_power(window, term.channel, noise[rows]))
     return total
+
+
+def _power(window: FitWindow, channel: str, noise: Array) -> Array:
+    """Return the periodogram of each draw of the noise of one window, (frequencies, draws), the first of the third bin."""
+    padded = np.zeros((len(window), noise.shape[1]))
+    padded[window.used[channel]] = _scaled(window, noise)[channel]
+    return np.asarray(np.abs(np.fft.rfft(padded, 2 * len(window), axis=0)[2:-2]) ** 2)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line as a channel shows it: frequency (Hz), size (of the reading) and phase at the release (rad)."""
+
+    channel: str
+    values: tuple[float, float, float]
+
+
+def likeliest_line(base: Fit, term: Term, misfit: Array) -> Line:
+    """Return the line that lowers a misfit (readings, 1) most, as the first release shows it.
+
+    That is the highest peak of what `line_drops` takes of the draws. A residual's strongest lines (`residual_lines`), seen
+    through a window that keeps the motion's leaks away, are others where all is noise.
+    """
+    window = base.windows[0]
+    if term.is_force:
+        size, channel = _size(base.windows), window.channels[0]
+        power = _power_of_force(base, misfit, size)
+    else:
+        size, channel = 2 * len(window), term.channel
+        power = _power(window, channel, misfit[rows_of(base.windows)[0]])
+    frequency = _top(power[:, 0], window.rate / size)
+    used = window.used[channel]
+    angle = 2.0 * np.pi * frequency * window.clock[used]
+    waves = np.column_stack([np.sin(angle), np.cos(angle)])
+    sine, cosine = np.linalg.lstsq(waves, base.residual(channel, 0)[used], rcond=None)[0]
+    return Line(channel, (frequency, float(np.hypot(sine, cosine)), float(np.arctan2(cosine, sine))))
+
+
+def _top(power: Array, step: float) -> float:
+    """Return the frequency (Hz) of the highest peak of a periodogram that begins at its third bin."""
+    at = int(np.argmax(power))
+    shift = 0.0
+    if 0 < at < len(power) - 1:
+        left, top, right = power[at - 1 : at + 2]
+        bend = left - 2.0 * top + right
+        shift = 0.5 * (left - right) / bend if bend < 0.0 else 0.0
+    return float((at + 2 + shift) * step)
 
 
 def _size(windows: tuple[FitWindow, ...]) -> int:
@@ -64,7 +109,13 @@ def _size(windows: tuple[FitWindow, ...]) -> int:
 
 
 def _of_force(base: Fit, noise: Array, size: int) -> Array:
-    """Add up the spectra of all windows at their times; pieces of one record, whose samples have one clock, as one."""
+    return highest(_power_of_force(base, noise, size))
+
+
+def _power_of_force(base: Fit, noise: Array, size: int) -> Array:
+    """Return the drop of chi-square by a line of each frequency, (frequencies, draws), the first of the third bin.
+
+    Add up the spectra of all windows at their times; pieces of one record, whose samples have one clock, as one."""
     windows = base.windows
     start = min(window.time for window in windows)
     together, power = np.zeros((size // 2 + 1, noise.shape[1]), dtype=complex), np.zeros(size // 2 + 1)
@@ -85,7 +136,7 @@ def _of_force(base: Fit, noise: Array, size: int) -> Array:
                 power += count / window.sigma[channel] ** 2 * np.abs(weight[channel]) ** 2
             together += rfft(record, axis=0) * (np.conj(weight[channel]) * late)[:, None]
     peaks = np.abs(together) ** 2 / np.maximum(power, 1e-300)[:, None]
-    return highest(peaks[2:-2])
+    return np.asarray(peaks[2:-2])
 
 
 def highest(power: Array) -> Array:

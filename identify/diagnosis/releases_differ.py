@@ -46,7 +46,8 @@ def decided_anew(
     again = _on_second_thought(first, baseline, ranked)
     if again is baseline:
         return baseline, ranked
-    return again, rank(again, singles(again, library), chances(again, library))
+    chance = chances(again, library)
+    return again, rank(again, singles(again, chance, library), chance)
 
 
 def _on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...]) -> Baseline:

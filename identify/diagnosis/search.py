@@ -29,12 +29,16 @@ _UNSURE = 0.2
 
 def singles(
     baseline: Baseline,
+    chance: NullDistribution,
     library: tuple[Effect, ...] = LIBRARY,
     counted: Callable[[int, int], None] = lambda done, whole: None,
 ) -> tuple[Candidate, ...]:
-    """Return the model refitted with each effect it lacks, best first; `counted` is told how many fits are done."""
+    """Return the model refitted with each effect it lacks, best first; `counted` is told how many fits are done.
+
+    Fits begin where `chance` finds the largest linear gains, so that they find what their gains are compared with.
+    """
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
-    return try_terms(baseline.decays, baseline.fit, terms, counted=counted)
+    return try_terms(baseline.decays, baseline.fit, terms, likeliest=chance.likeliest, counted=counted)
 
 
 def chances(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> NullDistribution:

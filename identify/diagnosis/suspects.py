@@ -1,6 +1,6 @@
 """Suspects: every effect that the model lacks, refitted in turn."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import TypeVar
@@ -9,6 +9,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.diagnosis.linear_gain import Slope, worth_a_fit
+from identify.diagnosis.places import NOWHERE, Starts
 from identify.diagnosis.weak_presence import probes, states_of_term, with_fault
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
@@ -35,6 +36,17 @@ _Found = TypeVar("_Found")
 
 _LINES = 3
 _STARTS = 3
+"""Places from which the fit of a force begins."""
+
+_BY_LINEAR_GAIN = 2
+"""How many of them are those of the largest linear gains, where these are known; equation error gives the others."""
+
+_PRESENT = 1e-5
+"""Share of the acceleration that a force has where a fit begins by its linear gain: the readings move in proportion."""
+
+_NO_DAMPING = 1e-9
+"""Damping of the first step from there: one that is mostly spring or damper would not get far with more."""
+
 _FIRST_STEPS = 5
 _POLISHED = 14
 _LEADERS = 3
@@ -110,6 +122,7 @@ def try_terms(
     polished: int = _POLISHED,
     goal: float | None = None,
     promising: bool = False,
+    likeliest: Mapping[tuple[str, ...], Starts] = NOWHERE,
     counted: Callable[[int, int], None] = lambda done, whole: None,
 ) -> tuple[Candidate, ...]:
     """Refit the model with each term added; return the best variant of each effect, best first.
@@ -118,8 +131,9 @@ def try_terms(
     promising ones, `polished` of them, are then fitted freely: the first few to the end, the others until they creep
     with twice the best of these still below. Where only a `goal` of chi-square counts, terms that cannot come near it are
     left out by their linear gain, and a fit that creeps towards it is left; where equation error has found the terms
-    `promising`, it is asked first only near the floor: from afar a misfit is not linear in what is missing. `counted`
-    is told how many fits are done, and of how many at most.
+    `promising`, it is asked first only near the floor: from afar a misfit is not linear in what is missing. There fits
+    begin at the `likeliest` places of each variant, too, where these are known. `counted` is told how many fits are done,
+    and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
     slope = Slope.of(base) if goal is not None or base.reduced < _LINEAR_UP_TO else None
@@ -133,7 +147,10 @@ def try_terms(
         counted(next(done), whole)
         return found
 
-    tried_to_begin = [step(_begin(decays, base, near, term, scales, floor)) for term in terms]
+    known = likeliest if near is not None else NOWHERE
+    tried_to_begin = [
+        step(_begin(decays, base, near, term, scales, floor, known.get(term.variant, ()))) for term in terms
+    ]
     begun = sorted((b for b in tried_to_begin if b is not None), key=lambda beginning: beginning.cost)
     leaders = begun[: min(_LEADERS, polished)]
     tried = [step(_finish(base, beginning, scales, floor)) for beginning in leaders]
@@ -173,13 +190,21 @@ def _from_slope(slope: Slope, problem: Problem, theta: Array, held: Mask) -> tup
 
 
 def _begin(
-    decays: tuple[PreparedDecay, ...], base: Fit, slope: Slope | None, term: Term, scales: Scales, goal: float
+    decays: tuple[PreparedDecay, ...],
+    base: Fit,
+    slope: Slope | None,
+    term: Term,
+    scales: Scales,
+    goal: float,
+    likeliest: Starts,
 ) -> _Beginning | None:
     model, coarse = base.model.plus(term), base.reduced > FAR_OFF
     problem = Problem(model, base.windows, base.frequency, coarse=coarse, far=slope is None)
     inner = np.array([_is_inner(u.id, term) for u in problem.unknowns])
-    best: _Beginning | None = None
-    for start in _promising(decays, base, problem.model, term, term_starts(term, scales)):
+    best = _begin_weakly(decays, base, slope, problem, term, likeliest, inner) if slope is not None else None
+    begun_at = 0 if best is None else min(len(likeliest), _BY_LINEAR_GAIN)
+    starts = term_starts(term, scales) if term.is_force else likeliest + term_starts(term, scales)
+    for start in _promising(decays, base, problem.model, term, starts, _STARTS - begun_at):
         theta = _nearer(problem, start, base) if slope is None else problem.theta(start)
         theta = np.clip(theta, problem.low, problem.high)
         begun = None if slope is None else _from_slope(slope, problem, theta, inner)
@@ -194,6 +219,30 @@ def _begin(
         found = minimise(problem, theta, steps=_FIRST_STEPS, tolerance=1.0, held=inner, goal=goal)
         if best is None or found.cost < best.cost:
             best = _Beginning(term, problem, found.theta, found.cost)
+    return best
+
+
+def _begin_weakly(
+    decays: tuple[PreparedDecay, ...],
+    base: Fit,
+    slope: Slope,
+    problem: Problem,
+    term: Term,
+    likeliest: Starts,
+    inner: Mask,
+) -> _Beginning | None:
+    """Return the best of what a force of hardly any strength grows to at its likeliest places; None where there are none.
+
+    The first step is as long as the linear gain foretells: without damping, however alike it is to what the model has.
+    """
+    best: _Beginning | None = None
+    for place in likeliest[:_BY_LINEAR_GAIN] if term.is_force else ():
+        for point in probes(decays, base, problem, term, place, _PRESENT)[:1]:
+            theta = np.clip(point, problem.low, problem.high)
+            begun = _from_slope(slope, problem, theta, inner)
+            found = minimise(problem, theta, steps=_FIRST_STEPS, held=inner, begun=begun, damping=_NO_DAMPING)
+            if best is None or found.cost < best.cost:
+                best = _Beginning(term, problem, found.theta, found.cost)
     return best
 
 
@@ -267,11 +316,12 @@ def _promising(
     base: Fit,
     model: Model,
     term: Term,
-    starts: tuple[dict[str, float], ...],
+    starts: Starts,
+    few: int,
 ) -> list[dict[str, float]]:
     """Return complete starting points: the base's values with the term added at the strength of the equation error.
 
-    Where the base is far off, all values come from the equation error. The best few by equation error are kept.
+    Where the base is far off, all values come from the equation error. The best `few` by equation error are kept.
     """
     if not term.is_force:
         return [_with_fault(base, term, start, scales_of(decays[0], {})) for start in starts]
@@ -287,7 +337,7 @@ def _promising(
         ranked.append((regression.rss if possible else np.inf, inner))
     ranked.sort(key=lambda entry: entry[0])
     points = []
-    for rss, inner in ranked[:_STARTS]:
+    for rss, inner in ranked[:few]:
         point = initial_values(decays, model, inner)
         if not np.isfinite(rss):
             point[strength] = 1e-3 * _one_percent(largest, term, inner)

@@ -124,7 +124,8 @@ class Effect(ABC):
     def fine_starting_values(self, scales: Scales, channel: str) -> Starts:
         """Return starting values so close together that no place between them looks very different."""
         starts = self.starting_values(scales, channel)
-        return starts + tuple(tuple(map(_between, a, b)) for a, b in pairwise(starts))
+        between = (tuple(map(_between, a, b)) for a, b in pairwise(starts))
+        return starts[:1] + tuple(place for pair in zip(between, starts[1:], strict=True) for place in pair)
 
     def reachable_starting_values(self, scales: Scales, channel: str) -> Starts:
         """Return close starting values over all that a fit may reach from its own: what it would find there by chance."""

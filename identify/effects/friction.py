@@ -30,7 +30,7 @@ def _stribeck(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return p[0] * exp(-ratio * ratio)
 
 
-_SPEEDS = (0.02, 0.035, 0.06, 0.1, 0.16, 0.25, 0.4, 0.65, 1.0)
+_SPEEDS = (0.002, 0.005, 0.01, 0.02, 0.035, 0.06, 0.1, 0.16, 0.25, 0.4, 0.5, 0.65, 1.0, 1.6)
 
 
 def _speed_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:

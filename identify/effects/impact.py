@@ -33,8 +33,8 @@ def _fine_starts(scales: Scales) -> Starts:
     return tuple((share * scales.amplitude, loss / scales.speed) for share in shares for loss in losses)
 
 
-_GAPS = (0.08, 0.26, 0.46, 0.63, 0.76, 0.87, 0.95)
-_LOSSES = (0.0, 1.0, 10.0)
+_GAPS = (0.02, 0.08, 0.26, 0.46, 0.63, 0.76, 0.87, 0.95)
+_LOSSES = (0.0, 1.0, 3.0, 10.0)
 """Gaps over the amplitude, and losses times the largest speed, that a fit may reach; 10 is nearly all on the way in."""
 
 

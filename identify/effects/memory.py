@@ -24,7 +24,7 @@ def _hysteresis_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return v / p[1], 0.0
 
 
-_YIELDS = (0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.65, 1.0, 2.0)
+_YIELDS = (0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.65, 1.0, 2.0, 5.0, 15.0, 50.0)
 
 
 def _yield_starts(scales: Scales) -> Starts:
@@ -65,7 +65,7 @@ def _maxwell_rates(t, u, v, z, p):  # type: ignore[no-untyped-def]
     return (u - z[0]) / p[1], 0.0
 
 
-_TIMES = (0.07, 0.15, 0.3, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0, 50.0)
+_TIMES = (0.07, 0.15, 0.3, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0, 50.0, 200.0)
 
 
 def _time_starts(scales: Scales) -> Starts:
@@ -119,7 +119,9 @@ _LASTING = 3.0
 """Amplitudes' decay, as an exponent over the record, up to which a line lasts like a harmonic of the motion."""
 
 _CLOSE, _WIDE, _APART = 300, 30, 2.0
-_SHARP, _SHARPLY_APART = 450, 2.2
+_SHARP, _SHARPLY_APART = 600, 2.2
+_DYING = ((2.0, 3.0, 250), (8.0, 8.0, 100))
+"""Second masses that die within the record: exponent of the decay over it, distance of lines times it, and most lines."""
 
 
 def _line_starts(scales: Scales) -> Starts:
@@ -152,11 +154,15 @@ def _has_a_line_of_its_own(values: dict[str, float], scales: Scales) -> bool:
 
 
 def _reachable_lines(scales: Scales) -> Starts:
-    """Return the same as close as the peaks of an undamped one: a fit makes any of these sharper."""
+    """Return the same as close as the peaks of an undamped one, and of those that die within the record."""
     low, high = _LOWEST * scales.frequency, min(3.0 * scales.rate, _HIGHEST * scales.frequency)
-    close = np.linspace(low, high, min(_SHARP, int((high - low) * scales.duration / _SHARPLY_APART) + 2))
-    wide = np.geomspace(low, high, _WIDE)
-    return tuple((float(w), 0.0) for w in close) + tuple((float(w), 0.04) for w in wide)
+    lines = (high - low) * scales.duration
+    close = np.linspace(low, high, min(_SHARP, int(lines / _SHARPLY_APART) + 2))
+    found = [(float(w), 0.0) for w in close]
+    for exponent, apart, most in _DYING:
+        dying = np.linspace(low, high, min(most, int(lines / apart) + 2))
+        found += [(float(w), min(exponent / (float(w) * scales.duration), 1.0)) for w in dying]
+    return (*found, *((float(w), 0.04) for w in np.geomspace(low, high, _WIDE)))
 
 
 SECOND_MASS = ForceEffect(

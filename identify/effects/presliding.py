@@ -11,7 +11,7 @@ _SHORTEST = 0.01
 """Presliding displacement over the amplitude below which the friction is a dry one."""
 
 
-_DISPLACEMENTS = (0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.2)
+_DISPLACEMENTS = (0.02, 0.04, 0.07, 0.12, 0.2, 0.35, 0.6, 1.2, 1.8, 2.5, 4.0, 6.0, 15.0, 60.0)
 
 
 @force_function

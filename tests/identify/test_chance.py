@@ -7,7 +7,7 @@ from releases import drawn
 from scipy import stats
 from test_fit import fitted
 
-from identify.diagnosis import null_distribution as module
+from identify.diagnosis import null_forces as module
 from identify.diagnosis.null_distribution import NullDistribution, null_distribution
 from identify.diagnosis.weak_presence import probes
 from identify.effects.effect import Scales

@@ -42,8 +42,9 @@ def test_rivals_are_claimed_and_their_evidence_is_as_good():
 def test_a_pair_counts_only_where_it_is_better_than_the_best_single_effect(better, monkeypatch):
     prepared, _ = drawn("freeplay+cubic_damping", 0.02, seed=44)
     baseline = fit_baseline((prepared,), base_model())
-    tried = singles(baseline, FORCES)
-    ranked = rank(baseline, tried, chances(baseline, FORCES))
+    chance = chances(baseline, FORCES)
+    tried = singles(baseline, chance, FORCES)
+    ranked = rank(baseline, tried, chance)
     best, other = ranked[0].candidate, tried[-1]
     assert not baseline.adequate(best.fit)
     pair = Pair(best, replace(other, plausible=True, score=best.score + (-100.0 if better else 100.0)))
