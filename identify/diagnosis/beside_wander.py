@@ -8,6 +8,7 @@ needs no walk beside it; a walk that a law has followed still shows in what the 
 from dataclasses import dataclass, replace
 
 from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
+from identify.diagnosis.suspects import LINEAR_UP_TO
 from identify.diagnosis.verdict import Judgement, free_form
 from identify.fitting.baseline import NEXT_TO_NOTHING, Baseline
 from identify.fitting.fit import Fit
@@ -72,7 +73,8 @@ def named_beside_wander(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judge
 
 def with_wander(baseline: Baseline, judged: Judgement) -> Judgement:
     """Return a judgement without a name, with the wander that explains all of the misfit, where one does."""
-    if judged.verdict != "unknown_effect" or not baseline.floor_is_sure:
+    near = baseline.floor_is_sure and baseline.fit.reduced < LINEAR_UP_TO
+    if judged.verdict != "unknown_effect" or not near:
         return judged
     alone = wander_beside(baseline.fit)
     enough = alone.evidence > RIVALS_WITHIN and alone.reduced <= baseline.highest

@@ -126,7 +126,8 @@ def null_distribution(
             best = fault_drops(base, term, scales, tangent, free[:, :-1])
         drops[name] = np.maximum(drops[name], best) if name in drops else best
     drawn = {name: np.sort(found) for name, found in drops.items()}
-    search = np.max([_surprise(drawn[name], found) for name, found in drops.items()], axis=0)
+    surprises = [_surprise(drawn[name], found) for name, found in drops.items()]
+    search = np.max(surprises, axis=0) if surprises else np.zeros(draws)  # of no effect nothing is expected
     return NullDistribution(drawn, np.sort(search), likeliest)
 
 

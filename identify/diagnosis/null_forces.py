@@ -27,7 +27,7 @@ _FEWEST_PLACES = 100
 """Numbers in all columns of one effect: of long records its starting values lie less close, a hundred of them at least."""
 
 _LARGE = 100.0
-_PLACES_FAR = 25
+_PLACES_FAR = 12
 """Reduced chi-square above which gains lie far beyond chance, which is then drawn at few starting values of an effect."""
 
 _PROBE = 1e-5

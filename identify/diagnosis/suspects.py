@@ -53,7 +53,7 @@ _LEADERS = 3
 _BEHIND = 2.0
 """Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
 
-_LINEAR_UP_TO = 100.0
+LINEAR_UP_TO = 100.0
 """Reduced chi-square up to which one more effect moves the readings in proportion, so that the base's slope serves it."""
 
 _ASTRAY = 1.1
@@ -136,10 +136,10 @@ def try_terms(
     and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
-    slope = Slope.of(base) if goal is not None or base.reduced < _LINEAR_UP_TO else None
-    if goal is not None and slope is not None and not (promising and base.reduced >= _LINEAR_UP_TO):
+    slope = Slope.of(base) if goal is not None or base.reduced < LINEAR_UP_TO else None
+    if goal is not None and slope is not None and not (promising and base.reduced >= LINEAR_UP_TO):
         terms = worth_a_fit(decays, slope, terms, scales, goal)
-    near = slope if base.reduced < _LINEAR_UP_TO else None
+    near = slope if base.reduced < LINEAR_UP_TO else None
     floor = 0.0 if goal is None else goal
     done, whole = count(1), len(terms) + min(polished, len(terms))
 
@@ -341,7 +341,7 @@ def _promising(
         point = initial_values(decays, model, inner)
         if not np.isfinite(rss):
             point[strength] = 1e-3 * _one_percent(largest, term, inner)
-        if base.reduced < _LINEAR_UP_TO:
+        if base.reduced < LINEAR_UP_TO:
             point = inner | base.point | {strength: point[strength]} | states_of_term(base, term, inner)
         points.append(point)
     return points

@@ -10,6 +10,7 @@ Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear m
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from identify.arrays import Array
 from identify.fitting.fit import Fit
@@ -86,7 +87,7 @@ def wander_beside(found: Fit) -> Wander:
 def _gain(products: Array, along: Array) -> tuple[float, float]:
     """Return log-likelihood beyond that of none, and what is explained of chi-square, of a walk with variance 1."""
     factor = np.linalg.cholesky(np.eye(len(along)) + products)
-    followed = np.linalg.solve(factor, along)
+    followed = solve_triangular(factor, along, lower=True, check_finite=False)
     explained = float(followed @ followed)
     return 0.5 * explained - float(np.log(np.diag(factor)).sum()), explained
 

@@ -2,9 +2,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from releases import drawn
+from releases import drawn, ready
 
 from identify.diagnosis import null_distribution as chance_module
+from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.null_distribution import null_distribution
 from identify.diagnosis.null_forces import _of_each
 from identify.diagnosis.places import Places
@@ -13,6 +14,7 @@ from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.initial_values import reachable_starts
 from identify.model.model import Term, base_model
+from mocks.generate import draw
 
 SOMEWHERE = tuple({"gap": float(i)} for i in range(6))
 
@@ -82,3 +84,12 @@ def test_only_what_has_a_choice_of_places_has_likeliest_ones():
         place["gap"] for place in reachable_starts(terms[1], SimpleNamespace(amplitude=prepared.amplitude))
     }
     assert {place["gap"] for place in likeliest[terms[1].variant]} <= gaps
+
+
+def test_a_library_of_nothing_claims_nothing():
+    sample = draw("cubic_stiffness", 0.03, 5)
+    decay = ready(sample.rate, sample.displacement, sample.acceleration)
+    assert diagnose((decay,), library=()).verdict == "unknown_effect"
+    sample = draw(None, 0.0, 5)
+    decay = ready(sample.rate, sample.displacement, sample.acceleration)
+    assert diagnose((decay,), library=()).verdict == "nothing_missing"
