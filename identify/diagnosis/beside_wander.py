@@ -85,12 +85,15 @@ def wander_sentence(wander: Wander | None, *, named: bool) -> str:
     """Return what a walk explains, of what a name leaves or instead of a name; "" where none is told of."""
     if wander is None or not (wander.stiffness or wander.damping):
         return ""
-    walks = []
+    drifts = []
     if wander.stiffness:
-        walks.append(f"a stiffness that changes at random by about {100.0 * wander.stiffness:.1g} %")
+        drifts.append(f"in stiffness of about {100.0 * wander.stiffness:.1g} %")
     if wander.damping:
-        walks.append(f"a damping ratio that changes at random by about {0.5 * wander.damping:.1g}")
-    walk = f"{' and '.join(walks)} in one second"
+        drifts.append(f"in damping ratio of about {0.5 * wander.damping:.1g}")
+    drift = f"a random drift {' and '.join(drifts)} in one second"
     if named:
-        return f"What is left beside it is what {walk} would leave."
-    return f"A wander explains it as well: {walk}. A wander never comes twice alike, so several releases tell a law from it."
+        return f"What is left is what {drift} would leave."
+    return (
+        f"It may be no law at all: {drift} explains it as well. Such a drift never comes twice alike, so several "
+        "releases tell a law from it."
+    )

@@ -61,8 +61,7 @@ def test_what_is_not_told_from_a_wander_is_said_with_its_size():
     assert found.wander is not None
     assert found.wander.stiffness > 0.0
     assert (
-        "A wander explains it as well: a stiffness that changes at random by about 0.01 %"
-        in found.explanation
+        "a random drift in stiffness of about 0.01 % in one second explains it as well" in found.explanation
     )
     assert "together" in found.next_experiment
 
