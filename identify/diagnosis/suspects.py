@@ -201,10 +201,13 @@ def _begin(
     model, coarse = base.model.plus(term), base.reduced > FAR_OFF
     problem = Problem(model, base.windows, base.frequency, coarse=coarse, far=slope is None)
     inner = np.array([_is_inner(u.id, term) for u in problem.unknowns])
-    best = _begin_weakly(decays, base, slope, problem, term, likeliest, inner) if slope is not None else None
+    weak = slope if term.is_force and not _has_free_state(problem, term) else None
+    best = None if weak is None else _begin_weakly(decays, base, weak, problem, term, likeliest, inner)
     begun_at = 0 if best is None else min(len(likeliest), _BY_LINEAR_GAIN)
-    starts = term_starts(term, scales) if term.is_force else likeliest + term_starts(term, scales)
-    for start in _promising(decays, base, problem.model, term, starts, _STARTS - begun_at):
+    starts = _promising(decays, base, problem.model, term, term_starts(term, scales), _STARTS - begun_at)
+    if weak is None:
+        starts = _promising(decays, base, problem.model, term, likeliest[:_BY_LINEAR_GAIN], _STARTS) + starts
+    for start in starts:
         theta = _nearer(problem, start, base) if slope is None else problem.theta(start)
         theta = np.clip(theta, problem.low, problem.high)
         begun = None if slope is None else _from_slope(slope, problem, theta, inner)
@@ -222,6 +225,16 @@ def _begin(
     return best
 
 
+def _has_free_state(problem: Problem, term: Term) -> bool:
+    """Whether a force has a state at the start that is unknown and without bounds: a force of hardly any strength could be
+    as large as any by it.
+    """
+    return any(
+        u.id.role == "state" and u.id.effect == term.effect.name and np.isinf(u.high)
+        for u in problem.unknowns
+    )
+
+
 def _begin_weakly(
     decays: tuple[PreparedDecay, ...],
     base: Fit,
@@ -236,7 +249,7 @@ def _begin_weakly(
     The first step is as long as the linear gain foretells: without damping, however alike it is to what the model has.
     """
     best: _Beginning | None = None
-    for place in likeliest[:_BY_LINEAR_GAIN] if term.is_force else ():
+    for place in likeliest[:_BY_LINEAR_GAIN]:
         for point in probes(decays, base, problem, term, place, _PRESENT)[:1]:
             theta = np.clip(point, problem.low, problem.high)
             begun = _from_slope(slope, problem, theta, inner)

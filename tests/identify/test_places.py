@@ -93,3 +93,12 @@ def test_a_library_of_nothing_claims_nothing():
     sample = draw(None, 0.0, 5)
     decay = ready(sample.rate, sample.displacement, sample.acceleration)
     assert diagnose((decay,), library=()).verdict == "nothing_missing"
+
+
+def test_a_second_mass_is_fitted_from_mid_decay_with_hum_beside_it():
+    sample = draw("second_mass", 0.03, 60600, imperfections=("hum",))
+    first = round(1.7 * sample.rate)
+    found = diagnose((ready(sample.rate, sample.displacement[first:], sample.acceleration[first:]),))
+    second = next(s for s in found.suspects if s.effect.name == "second_mass")
+    assert second.parameters["ratio"].value == pytest.approx(sample.truth["parameters"]["ratio"], rel=0.2)
+    assert second.parameters["w2"].value == pytest.approx(sample.truth["parameters"]["w2"], rel=0.01)
