@@ -172,9 +172,14 @@ def _by_strength(outcomes: list[Outcome]) -> str:
     rows.append(
         f"| **all but {HIDDEN_AT_ONE_FREQUENCY}** | " + " | ".join(f"**{100 * t:.1f}**" for t in total) + " |"
     )
+    told = [
+        np.mean([o.case.hidden in o.named for o in outcomes if o.case.strength == strength])
+        for strength in STRENGTHS
+    ]
+    rows.append("| **named by the verdict** | " + " | ".join(f"**{100 * t:.1f}**" for t in told) + " |")
     seconds = np.median([o.seconds for o in outcomes])
     return (
-        f"Named first, % of {seeds} seeds each, by strength (rms of the effect's force over the total):\n\n"
+        f"First of the suspects, % of {seeds} seeds each, by strength (rms of the effect's force over the total):\n\n"
         + "\n".join([head, *rows])
         + f"\n\nMedian time of a diagnosis, one process a core: {seconds:.1f} s."
     )
