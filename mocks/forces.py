@@ -204,7 +204,8 @@ def _remembered(code, row, s):  # type: ignore[no-untyped-def]
     return row[1] * s[2 if code == _HYSTERESIS else 7 if code == _BOUC_WEN else 6]
 
 
-#: A walk is a series of sines, which converges to it (Karhunen and Loeve), over so many seconds, of so many terms.
+#: A walk is a series of sines, which converges to it (Karhunen and Loeve), of so many terms, over so many seconds; no longer
+#: release should have one.
 _WALK_S, _WALK_TERMS = 16.0, 40
 
 

@@ -10,6 +10,7 @@ from daq.importing.numbers import parse_number
 
 FIRST_LINE = "labview measurement"
 CLOSED = "***end_of_header***"
+X_VALUE = "X_Value"
 
 
 def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
@@ -25,27 +26,25 @@ def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
     )
     if not start:
         return None
-    separator = (
-        "," if _settings(lines[: closed[0]], ",").get("separator", [""])[0].casefold() == "comma" else "\t"
-    )
+    by_comma = _first(_settings(lines[: closed[0]], ","), "separator", "tab").casefold() == "comma"
+    separator = "," if by_comma else "\t"
     of_file, of_channels = (
         _settings(part, separator) for part in (lines[: closed[0]], lines[closed[0] + 1 : closed[1]])
     )
     names = [cell.strip() for cell in lines[start].split(separator)]
     width = names.index("Comment") if "Comment" in names else len(names)
-    timed = of_file.get("x_columns", ["One"])[0].casefold()
-    point = of_file.get("decimal_separator", ["."])[0]
-    step = _number(of_channels.get("delta_x", []), point)
-    if timed == "no" and step is None:
-        return None
+    timed = _first(of_file, "x_columns", "One").casefold()
+    point = _first(of_file, "decimal_separator", ".")
     end = next(
         (i for i in range(start + 1, len(lines)) if lines[i].casefold().startswith("channels")), len(lines)
     )
     body = [[cell.strip() for cell in line.split(separator)[:width]] for line in lines[start + 1 : end]]
     rows = [cells for cells in body if any(cells)]
     if timed == "no":
-        first = _number(of_channels.get("x0", []), point) or 0.0
-        assert step is not None
+        first = parse_number(_first(of_channels, "x0", "0"), point) or 0.0
+        step = parse_number(_first(of_channels, "delta_x", ""), point)
+        if step is None or names[0] != X_VALUE:
+            return None
         rows = [[f"{first + i * step:.12g}", *cells[1:]] for i, cells in enumerate(rows)]
         rows = [[cell.replace(",", ".") for cell in cells] for cells in rows]
     header = _header(names[:width], of_channels, timed)
@@ -58,23 +57,20 @@ def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
 def _settings(lines: Sequence[str], separator: str) -> dict[str, list[str]]:
     """Return what is set, by its name in lower case."""
     rows = [line.replace("\t", separator).split(separator) for line in lines]
-    return {
-        row[0].strip().casefold(): [cell.strip() for cell in row[1:] if cell.strip()]
-        for row in rows
-        if row[0].strip()
-    }
+    return {row[0].strip().casefold(): [c.strip() for c in row[1:]] for row in rows if row[0].strip()}
 
 
-def _number(cells: Sequence[str], point: str) -> float | None:
-    return parse_number(cells[0], point) if cells else None
+def _first(settings: dict[str, list[str]], name: str, otherwise: str) -> str:
+    """Return what is set first by a name, or otherwise where nothing is."""
+    return next(iter(settings.get(name, [])), "") or otherwise
 
 
 def _header(names: Sequence[str], settings: dict[str, list[str]], timed: str) -> list[str]:
     """Return the names of the columns, with the units that the settings give each channel."""
     units, made, channel = settings.get("y_unit_label", []), [], 0
-    is_time = all(said.casefold() == "time" for said in settings.get("x_dimension", []))
+    is_time = all(said.casefold() == "time" for said in settings.get("x_dimension", []) if said)
     for i, name in enumerate(names):
-        if name == "X_Value" and (i == 0 or timed == "multi"):
+        if name == X_VALUE and (i == 0 or timed == "multi"):
             made.append("time (s)" if is_time else name)
             continue
         unit = units[channel] if channel < len(units) else ""

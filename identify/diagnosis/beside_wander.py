@@ -7,11 +7,11 @@ needs no walk beside it; a walk that a law has followed still shows in what the 
 
 from dataclasses import dataclass, replace
 
+from identify.diagnosis.places import LINEAR_UP_TO
 from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
-from identify.diagnosis.suspects import LINEAR_UP_TO
 from identify.diagnosis.verdict import Judgement, free_form
 from identify.fitting.baseline import NEXT_TO_NOTHING, Baseline
-from identify.fitting.fit import Fit
+from identify.fitting.fit import Fit, fit
 from identify.fitting.wandering_spring import Wander, wander_beside
 
 _BEYOND = 12.0
@@ -30,15 +30,27 @@ class BesideWander:
     gain: float
 
     @classmethod
-    def of(cls, before: Fit, after: Fit) -> "BesideWander":
-        """Return what is gained from the first fit to the second."""
-        first, second = wander_beside(before), wander_beside(after)
+    def of(cls, before: Fit, after: Fit, alone: Wander | None = None) -> "BesideWander":
+        """Return what is gained from the first fit to the second; `alone` is the walk beside the first, where known."""
+        first, second = alone or wander_beside(before), wander_beside(after)
         lower = 0.5 * (before.chi_square - after.chi_square)
         return cls(first, second, lower + second.evidence - first.evidence)
 
     def told_apart(self, effects: int = 1) -> bool:
         """Whether so many effects are told from a walk: the odds are against one, or they explain more."""
         return self.before.evidence < 0.0 or self.gain > effects * _BEYOND
+
+
+def told_from_wander(baseline: Baseline, judged: Judgement) -> bool:
+    """Whether the forces that are named at a sure floor are told from a wander: all together, and each beside the others."""
+    before, final = baseline.fit, judged.final
+    forces = [t.effect.name for t in final.model.terms if t.is_force and t.effect.name not in before.model]
+    if not forces:
+        return True
+    if not BesideWander.of(before, final).told_apart(1 + len(judged.together)):
+        return False
+    without = (fit(final.model.minus(name), final.windows, final.point, final.frequency) for name in forces)
+    return not judged.together or all(BesideWander.of(less, final).told_apart() for less in without)
 
 
 def named_beside_wander(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
@@ -59,16 +71,17 @@ def named_beside_wander(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judge
     ]
     if not near:
         return None
-    beside = {entry: BesideWander.of(baseline.fit, entry.candidate.fit) for entry in near}
+    alone = wander_beside(baseline.fit)
+    beside = {entry: BesideWander.of(baseline.fit, entry.candidate.fit, alone) for entry in near}
     best, *others = sorted(near, key=lambda entry: -beside[entry].gain)
     found = beside[best]
     alike = any(beside[other].gain > found.gain - _BEYOND for other in others)
     if alike or not found.told_apart() or found.after.reduced > baseline.highest:
         return None
     rest = tuple(entry for entry in ranked if entry is not best)
-    fit = best.candidate.fit
-    shape = free_form(baseline, fit)
-    return Judgement("missing_effect", (best, *rest), fit, shape=shape, wander=found.after)
+    final = best.candidate.fit
+    shape = free_form(baseline, final)
+    return Judgement("missing_effect", (best, *rest), final, shape=shape, wander=found.after)
 
 
 def with_wander(baseline: Baseline, judged: Judgement) -> Judgement:
@@ -81,19 +94,22 @@ def with_wander(baseline: Baseline, judged: Judgement) -> Judgement:
     return replace(judged, wander=alone) if enough else judged
 
 
-def wander_sentence(wander: Wander | None, *, named: bool) -> str:
+def wander_sentence(wander: Wander | None, *, named: bool, releases: int) -> str:
     """Return what a walk explains, of what a name leaves or instead of a name; "" where none is told of."""
     if wander is None or not (wander.stiffness or wander.damping):
         return ""
     drifts = []
     if wander.stiffness:
-        drifts.append(f"in stiffness of about {100.0 * wander.stiffness:.1g} %")
+        drifts.append(f"in stiffness of about {_one_figure(100.0 * wander.stiffness)} %")
     if wander.damping:
-        drifts.append(f"in damping ratio of about {0.5 * wander.damping:.1g}")
+        drifts.append(f"in damping ratio of about {_one_figure(0.5 * wander.damping)}")
     drift = f"a random drift {' and '.join(drifts)} in one second"
     if named:
         return f"What is left is what {drift} would leave."
-    return (
-        f"It may be no law at all: {drift} explains it as well. Such a drift never comes twice alike, so several "
-        "releases tell a law from it."
-    )
+    apart = "Such a drift never comes twice alike, so several releases tell a law from it."
+    return f"It may be no law at all: {drift} explains it as well.{f' {apart}' if releases == 1 else ''}"
+
+
+def _one_figure(value: float) -> str:
+    """Return a size that is known to a factor of two."""
+    return f"{value:.0f}" if value >= 1.0 else f"{value:.1g}"

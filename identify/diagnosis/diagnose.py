@@ -257,7 +257,8 @@ def _why(
         judgement.confirmation,
         too_small=judgement.too_small,
     )
-    walk = wander_sentence(judgement.wander, named=verdict == "missing_effect")
+    releases = 1 + max(prepared.window.release for prepared in baseline.decays)
+    walk = wander_sentence(judgement.wander, named=verdict == "missing_effect", releases=releases)
     return " ".join(
         filter(None, (why, walk, harmonics.sentence if harmonics else "", how_they_differ(settled)))
     )

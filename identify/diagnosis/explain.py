@@ -193,8 +193,8 @@ def _small(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
     if top.kind != "physics" or removed >= WORTH or max(d.window.release for d in baseline.decays) > 0:
         return ""
     return (
-        f" That is little, {three_figures(removed)} % of the motion, though more than a random drift of stiffness or "
-        "damping explains. Diagnose it together with another release before you rely on the name."
+        f" That is little, {three_figures(removed)} % of the motion: diagnose it together with another release before you "
+        "rely on the name."
     )
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_wander import BesideWander, named_beside_wander, with_wander
+from identify.diagnosis.beside_wander import named_beside_wander, told_from_wander, with_wander
 from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.off_the_floor import by_curves, if_foretold, unclaimed
 from identify.diagnosis.ranking import Ranked
@@ -18,7 +18,6 @@ from identify.diagnosis.verdict import Judgement, free_form, verdict_of
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
-from identify.fitting.fit import Fit
 from identify.fitting.model_error import removed_percent
 
 _DECISIVE = 12.0
@@ -52,7 +51,7 @@ def judge(
         faulty = _faulty(baseline, unnamed_faults(baseline.decays, judged.final))
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
         return replace(judged, verdict="sensor_fault", corrected=True)
-    return judged
+    return with_wander(baseline, judged)
 
 
 def worth_naming(baseline: Baseline, judgement: Judgement, worth: float) -> Judgement:
@@ -99,8 +98,7 @@ def _judged(
         alone = Judgement(verdict_of(best), ranked, best.fit)
         if not baseline.floor_is_sure:
             return if_foretold(baseline, alone, foretell())
-        force = best.term.effect.kind == "physics"
-        return _unless_it_wanders(baseline, alone, {baseline.fit: 1}) if force else alone
+        return _unless_it_wanders(baseline, alone)
     return _beyond_one(baseline, ranked, library, foretell)
 
 
@@ -127,33 +125,22 @@ def _beyond_one(
     found = several_effects(baseline, tuple(entry.candidate for entry in ranked), library)
     if found.law is not None:
         law = Ranked(found.law, 0.5 * found.law.gain, float("nan"), True)
-        judged = Judgement("missing_effect", (law, *ranked), found.law.fit)
-        return _unless_it_wanders(baseline, judged, {baseline.fit: 1})
+        return _unless_it_wanders(baseline, Judgement("missing_effect", (law, *ranked), found.law.fit))
     several = found.pair or found.triple
     if several is not None:
         judged = _of_pair(ranked, several) if isinstance(several, Pair) else _of_three(ranked, several)
-        more, first = len(judged.together), judged.ranked[0].candidate.fit
-        return _unless_it_wanders(baseline, judged, {first: more, baseline.fit: more + 1})
+        return _unless_it_wanders(baseline, judged)
     beside = named_beside_wander(baseline, ranked)
-    return beside or with_wander(baseline, by_curves(baseline, ranked, foretell(), found.closest))
+    return beside or by_curves(baseline, ranked, foretell(), found.closest)
 
 
-def _unless_it_wanders(baseline: Baseline, judged: Judgement, before: dict[Fit, int]) -> Judgement:
-    """Return a judgement whose effects are told from a wander, so many of them from each fit `before` they were added.
-
-    Where they are not, one of them may be beside a wander; else nothing is named.
-    """
-    if judged.verdict != "missing_effect":
-        return judged
-    compared = {fit: BesideWander.of(fit, judged.final) for fit in before}
-    if all(beside.told_apart(before[fit]) for fit, beside in compared.items()):
+def _unless_it_wanders(baseline: Baseline, judged: Judgement) -> Judgement:
+    """Return a judgement whose forces are told from a wander; else of one that is beside a wander, or without a name."""
+    if told_from_wander(baseline, judged):
         return judged
     alone = named_beside_wander(baseline, judged.ranked) if judged.together else None
-    if alone is not None:
-        return alone
     shape = free_form(baseline, baseline.fit)
-    walk = compared[baseline.fit].before
-    return Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape, wander=walk)
+    return alone or Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape)
 
 
 def _of_pair(ranked: tuple[Ranked, ...], pair: Pair) -> Judgement:

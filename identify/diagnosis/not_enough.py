@@ -26,7 +26,7 @@ def is_drowned(baseline: Baseline, found: Fit) -> bool:
 
 def why_not_enough(baseline: Baseline, found: Fit) -> str:
     """Return why nothing can be told, and what to record."""
-    if too_few_cycles(baseline) or not is_drowned(baseline, found):
+    if too_few_cycles(baseline):
         return (
             "Fewer than five cycles of free motion stand above friction and noise, too few to tell effects apart. "
             "Release from a larger amplitude, or record for longer."

@@ -11,7 +11,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.diagnosis.null_columns import NullColumns
 from identify.diagnosis.null_lines import rows_of
-from identify.diagnosis.places import Places
+from identify.diagnosis.places import LINEAR_UP_TO, Places
 from identify.diagnosis.weak_presence import probes
 from identify.fitting.fit import Fit
 from identify.fitting.problem import Problem
@@ -26,9 +26,8 @@ _MOST_COLUMN_NUMBERS = 2_000_000
 _FEWEST_PLACES = 100
 """Numbers in all columns of one effect: of long records its starting values lie less close, a hundred of them at least."""
 
-_LARGE = 100.0
 _PLACES_FAR = 12
-"""Reduced chi-square above which gains lie far beyond chance, which is then drawn at few starting values of an effect."""
+"""Starting values of an effect at which chance is drawn where gains lie far beyond it."""
 
 _PROBE = 1e-5
 """Share of the acceleration that a probed force has: it moves the readings by a few units of noise, in proportion.
@@ -55,7 +54,7 @@ def force_places(
     before = Problem(base.model, base.windows, base.frequency, coarse=True).residuals(base.theta)
     rows = rows_of(base.windows)
     near = max(_FEWEST_PLACES, _MOST_COLUMN_NUMBERS // len(before))
-    enough = _PLACES_FAR if base.reduced > _LARGE else near
+    enough = _PLACES_FAR if base.reduced > LINEAR_UP_TO else near
     kept = starts[:: (len(starts) - 1) // enough + 1]
     drops = np.zeros((len(kept), noise.shape[1]))
     one_sided, several = term.effect.one_sided, False

@@ -9,6 +9,9 @@ import numpy as np
 from identify.arrays import Array
 from identify.diagnosis.null_lines import highest
 
+LINEAR_UP_TO = 100.0
+"""Reduced chi-square up to which one more effect moves the readings in proportion; beyond, gains are far beyond chance."""
+
 Starts = tuple[dict[str, float], ...]
 """Starting values by their own names, of each place."""
 

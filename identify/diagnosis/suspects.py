@@ -9,7 +9,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.diagnosis.linear_gain import Slope, worth_a_fit
-from identify.diagnosis.places import NOWHERE, Starts
+from identify.diagnosis.places import LINEAR_UP_TO, NOWHERE, Starts
 from identify.diagnosis.weak_presence import probes, states_of_term, with_fault
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
@@ -52,9 +52,6 @@ _POLISHED = 14
 _LEADERS = 3
 _BEHIND = 2.0
 """Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
-
-LINEAR_UP_TO = 100.0
-"""Reduced chi-square up to which one more effect moves the readings in proportion, so that the base's slope serves it."""
 
 _ASTRAY = 1.1
 """Multiple of chi-square without a term above which its first steps have led away, and it is begun from hardly there."""

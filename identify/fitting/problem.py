@@ -145,7 +145,7 @@ class Problem:
         return np.asarray(force + extra)
 
     def responses(self, theta: Array) -> list[Response]:
-        """Simulate all windows, anew only where an unknown of the window differs from the last two calls."""
+        """Simulate all windows, anew only where an unknown of the window differs from its last two motions."""
         return [self._motion(theta, i).response for i in range(len(self.windows))]
 
     def misfits(self, theta: Array) -> list[Array]:
@@ -158,7 +158,7 @@ class Problem:
             found.append(motion.misfit)
         return found
 
-    def _motion(self, theta: Array, i: int) -> "_Motion":
+    def _motion(self, theta: Array, i: int) -> _Motion:
         """Return the motion of window i: one of the last two, or simulated and kept.
 
         What was tried is then linearised and read, or left for what was before; a start that changes moves one window only.

@@ -21,7 +21,7 @@ _MOST_KNOTS, _FEWEST_KNOTS = 24, 3
 """Times of one window between which spring and damper change at a constant rate; else one a cycle."""
 
 _ALL_KNOTS = 100
-"""The most knots of all windows together."""
+"""About the most knots of all windows together: of many each has the fewest."""
 
 _STRENGTHS = np.concatenate([[0.0], np.geomspace(1e-6, 1.0, 19)])
 """Standard deviation of a walk after one second, of the stiffness in units of itself, of the damping in those of omega."""
@@ -58,14 +58,14 @@ def wander_beside(found: Fit) -> Wander:
     """Return what a walk of spring and damper explains of what a fit leaves."""
     problem = Problem(found.model, found.windows, found.frequency)
     residual, jacobian = linearise(problem, found.theta)
-    columns, root = [], []
+    columns, of_spring = [], []
     for kind in ("stiffness", "damping"):
         columns.append(_responses(problem, found.theta, len(residual), kind))
-        root.append(np.full(columns[-1].shape[1], kind == "stiffness"))
+        of_spring.append(np.full(columns[-1].shape[1], kind == "stiffness"))
     free = jacobian.tangent(np.diag(jacobian.normal()) > 0.0).free(np.column_stack([residual, *columns]))
     misfit, walk = free[:, 0], free[:, 1:]
     square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
-    is_spring = np.concatenate(root)
+    is_spring = np.concatenate(of_spring)
     best, likelihood = Wander(0.0, 0.0, 0.0, square / max(found.degrees, 1)), []
     for stiffness in _STRENGTHS:
         for damping in _STRENGTHS:
@@ -139,7 +139,10 @@ def _changes(problem: Problem, theta: Array, i: int, kind: str, shapes: list[Arr
         return np.asarray(problem.residual_of(i, problem.read(theta, i, moved)) - base)
 
     whole = change(np.ones_like(force), _PROBE)
-    step = _PROBE * _MOVED / max(float(np.sqrt(np.mean(whole**2))), 1e-300)
+    size = float(np.sqrt(np.mean(whole**2)))
+    if not 0.0 < size < np.inf:  # the motion runs away
+        return [np.zeros_like(base) for _ in shapes]
+    step = _PROBE * _MOVED / size
     found = []
     for shape in shapes:
         moved = change(shape, step)

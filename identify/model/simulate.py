@@ -269,6 +269,7 @@ def _run(  # type: ignore[no-untyped-def]
                     vn, (step, un) = 0.0, _until_reversal(
                         addresses, t, u, v, a, states, s, step, vn, h, linear, table, work, external, position, interval,
                     )  # fmt: skip
+                    drives = _drives(external, position, step / interval)
                 if work is not None:
                     _take_over(addresses, work[4], states)
                 if not stuck:
@@ -279,7 +280,6 @@ def _run(  # type: ignore[no-untyped-def]
                     due += 1
                 u, v, a = un, vn, an
                 if crossed or stuck:
-                    drives = _drives(external, position, step / interval)
                     s, a = _direction_of_slip(addresses, t + step, u, states, linear, table, drives[2])
                 remaining -= step
                 if remaining <= 1e-9 * h:

@@ -175,7 +175,7 @@ def _refusal(record: FreeDecay, reason: str) -> NotIdentifiable:
 
 def _no_spring(record: FreeDecay) -> str:
     """Return why no stiffness is seen: against a second channel a sign may be wrong; one channel alone has but its noise."""
-    if record.displacement is not None and record.acceleration is not None:
+    if sum(c is not None for c in (record.displacement, record.velocity, record.acceleration)) > 1:
         return "The motion shows no restoring force: is the displacement's sign reversed?"
     return (
         "The motion shows no restoring force above the noise of its only channel: is this the column that swings? If it is, "

@@ -54,6 +54,13 @@ def test_no_law_is_named_that_follows_a_walk(name, seed):
     assert found.suspects[0].claimed  # by chi-square alone it is beyond chance
 
 
+@pytest.mark.parametrize("seed", [1, 4])
+def test_a_line_does_not_vouch_for_a_law_that_follows_a_walk_beside_it(seed):
+    prepared, _ = release("wandering_stiffness+mains_hum", (0.0003, 0.003), seed)
+    named = diagnose((prepared,)).named
+    assert not set(named) - {"mains_hum", "harmonic_forcing"}
+
+
 def test_what_is_not_told_from_a_wander_is_said_with_its_size():
     prepared, _ = release("wandering_stiffness", 0.0003, 1)
     found = diagnose((prepared,))

@@ -54,6 +54,7 @@ def test_no_sign_is_doubted_where_there_is_one_channel_only() -> None:
     with pytest.raises(NotIdentifiable) as caught:
         prepare(decay("displacement", 0.5, seed=2))
     assert "sign reversed" not in str(caught.value)
+    assert "noise" in str(caught.value)
 
 
 def test_a_free_form_of_readings_whose_velocity_is_never_sure_explains_nothing() -> None:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from import_files import RATE, load, refusal, said, swing
 
+from daq.importing.lvm import table_of
+
 FILE = "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t{point}\n{more}"
 CHANNELS = (
     "Channels\t2\t\t\nSamples\t300\t300\t\nDate\t2023/05/11\t2023/05/11\t\nTime\t14:02:33,12\t14:02:33,12\t\n"
@@ -49,7 +51,22 @@ def test_of_several_segments_the_first_is_read(tmp_path: Path) -> None:
 
 def test_a_file_without_time_and_step_is_refused_in_words(tmp_path: Path) -> None:
     text = two_channels("No", ".").replace("Delta_X", "Delta_Y")
-    assert "rate" in refusal(tmp_path, text, "a.lvm") or "time" in refusal(tmp_path, text, "a.lvm")
+    assert "--rate" in refusal(tmp_path, text, "a.lvm")
+
+
+def test_a_channel_without_a_unit_does_not_take_that_of_the_next() -> None:
+    found = table_of(
+        two_channels(point=".").replace("Y_Unit_Label\tg\tVolts", "Y_Unit_Label\t\tVolts").split("\n")
+    )
+    assert found is not None
+    header = next(line for line in found[0] if line)
+    assert header.split("\t") == ["time (s)", "Acceleration", "Voltage (Volts)"]
+
+
+@pytest.mark.parametrize("name", ["Decimal_Separator\t.", "X_Columns\tOne", "Separator\tTab"])
+def test_a_setting_that_is_empty_counts_as_not_made(name: str) -> None:
+    text = two_channels(point=".")
+    assert table_of(text.replace(name, name.split("\t")[0] + "\t").split("\n")) == table_of(text.split("\n"))
 
 
 @pytest.mark.parametrize(
