@@ -104,7 +104,7 @@ def _held_out_error(found: Fit, windows: tuple[FitWindow, ...]) -> float:
         cycle = np.floor(window.clock * found.frequency / (2.0 * np.pi)).astype(int) % 2 == 0
         kept.append(window.with_(used={c: m & cycle for c, m in window.used.items()}))
         held.append(window.with_(used={c: m & ~cycle for c, m in window.used.items()}))
-    refit = fit(found.model, tuple(kept), found.point, found.frequency, tolerance=1.0)
+    refit = fit(found.model, tuple(kept), found.point, found.frequency, tolerance=1.0, near=True)
     total = 0.0
     for i, window in enumerate(held):
         for channel in window.channels:

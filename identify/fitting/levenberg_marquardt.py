@@ -13,6 +13,9 @@ MOST_STEPS = 40
 _TRIALS = 12
 _CONFIRMATIONS = 3
 _CREEPS = 0.02
+_STILL = 0.002
+"""Share of a misfit far above the noise below which the gains of three steps on end are none."""
+
 _UNDAMPED = 1e-3
 _SINGULAR = 1e-12
 """Least damping, beside which rounding errors of the normal equations are nothing."""
@@ -77,7 +80,7 @@ def minimise(
     never = np.zeros(len(theta), dtype=bool) if held is None else held
     residual, jacobian = linearise(problem, theta, skip=held) if begun is None else begun
     cost = _sum_of_squares(residual)
-    exact, settled, slow = begun is None, False, 0
+    exact, settled, slow, still = begun is None, False, 0, 0
     for _ in range(steps):
         if not np.isfinite(cost):
             break
@@ -85,7 +88,8 @@ def minimise(
         if step is None:
             settled = True
             break
-        settled = step.gained < _least(tolerance, step.cost, problem, len(residual))
+        still = still + 1 if problem.longer > 1.0 and step.gained < _STILL * cost else 0
+        settled = still > 2 or step.gained < _least(tolerance, step.cost, problem, len(residual))
         before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
         slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
         if (

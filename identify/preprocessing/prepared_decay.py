@@ -132,6 +132,8 @@ def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -
     if not k > 0.0:
         raise _refusal(record, _no_spring(record))
     frequency = float(np.sqrt(k))
+    if frequency > np.pi * record.rate:
+        raise _refusal(record, _beyond_readings(record, frequency))
     zero = -base.constant / k
     sigma = {name: max(found.std, 1e-300) for name, found in noise.items()}
     length = _length(motion, frequency, max(mu_0, 0.0) / k, sigma)
@@ -180,6 +182,14 @@ def _no_spring(record: FreeDecay) -> str:
     return (
         "The motion shows no restoring force above the noise of its only channel: is this the column that swings? If it is, "
         "release from a larger amplitude, or use a sensor with less noise."
+    )
+
+
+def _beyond_readings(record: FreeDecay, frequency: float) -> str:
+    return (
+        f"The stiffness would be that of a motion at {frequency / (2.0 * np.pi):.4g} Hz, which {record.rate:.4g} readings a "
+        "second do not show: a channel clips, or is not of this motion; release from a smaller amplitude, or name other "
+        "columns."
     )
 
 

@@ -1,4 +1,4 @@
-"""A fit that has lost its spring is not compared cycle by cycle: it is said."""
+"""A fit that has lost its spring, and channels that together have too stiff a one, are refused in words."""
 
 from dataclasses import replace
 
@@ -13,6 +13,7 @@ from identify.fitting.problem import Problem
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
+from mocks.generate import draw
 
 
 def test_a_model_without_a_spring_is_refused_in_words():
@@ -25,3 +26,15 @@ def test_a_model_without_a_spring_is_refused_in_words():
     lost = fit_at(problem, problem.theta(baseline.fit.point | overdamped))
     with pytest.raises(NotIdentifiable, match="lost its spring"):
         compare_fitted(replace(baseline, fit=lost))
+
+
+@pytest.mark.slow
+def test_a_stiffness_that_the_readings_could_not_show_is_refused_in_words():
+    """A motion whose damping wanders below none: it grows until both channels clip."""
+    parameters = {"wandering_damping": {"s": 0.02217, "walk": 8330.0}}
+    sample = draw("wandering_damping", 0.02, 881, seconds=120.0, mu_0=0.003, mu_1=0.02, parameters=parameters)
+    decay = FreeDecay(sample.rate, sample.displacement, sample.acceleration)
+    with pytest.raises(
+        NotIdentifiable, match=r"\d+.* Hz, which 256 readings a second do not show: a channel clips"
+    ):
+        prepare(decay)
