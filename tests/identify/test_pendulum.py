@@ -13,6 +13,7 @@ from scipy.special import ellipk, j1
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import add_effect, first_rung
 from identify.diagnosis.suspects import candidate_terms
+from identify.effects.effect import Scales
 from identify.effects.library import LIBRARY, find_effect
 from identify.errors import NotIdentifiable
 from identify.fitting.initial_values import initial_values
@@ -146,6 +147,34 @@ def test_a_fit_begins_at_the_right_damping_where_the_friction_would_come_out_neg
     assert begin["coulomb_friction.mu_0"] == 0.0
     # Cut off afterwards, the negative friction would have left 7 % too much viscous damping.
     assert begin["viscous_damping.mu_1"] == pytest.approx(mu_1, rel=0.02)
+
+
+@pytest.mark.parametrize("degrees", [20.0, 90.0, 130.0, 150.0, 165.0])
+def test_a_swing_of_any_amplitude_may_be_gravitys(degrees: float):
+    """The exact frequency of a swing against gravity alone: at 165 degrees a quarter of the stiffness about rest."""
+    amplitude = np.radians(degrees)
+    seen = np.sqrt(K) * np.pi / (2.0 * ellipk(np.sin(amplitude / 2.0) ** 2))
+    scales = Scales(amplitude, float(seen), 8.0, 100.0, {}, {})
+    effect = find_effect("pendulum_stiffness")
+    assert effect.plausible({"g": K}, scales)
+    # A softening that gravity would have to be fifteen times the spring for, at angles at which none falls over.
+    assert degrees > 60.0 or not effect.plausible({"g": 15.0 * K}, scales)
+
+
+def test_gravity_is_named_on_a_pendulum_that_swings_through_more_than_half_a_turn():
+    """The model leaves noise alone, so that no name that leaves more may stand before it."""
+    time = np.arange(800) / 100.0
+    run = solve_ivp(
+        lambda t, y: [y[1], -57.0 * np.sin(y[0]) - 0.05 * y[1]],
+        (0.0, 8.0),
+        [np.radians(130.0), 0.0],
+        t_eval=time,
+        rtol=1e-10,
+    )
+    angle = run.y[0] + 1e-3 * np.random.default_rng(3).standard_normal(len(time))
+    found = diagnose((prepare(FreeDecay(100.0, displacement=angle, unit="rad")),))
+    assert found.named == ("pendulum_stiffness",)
+    assert found.suspects[0].error_after < 1.3  # the noise is drawn: a reduced chi-square of 1, five errors of 0.05
 
 
 @pytest.mark.skipif(not DATA.exists(), reason=f"no recordings in {DATA}")
