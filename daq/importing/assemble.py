@@ -7,7 +7,7 @@ from daq.importing.channel_units import ORDER, in_si, is_angle, of_one_kind, uni
 from daq.importing.choose import Choice, choose_columns, left_out
 from daq.importing.cutting import cut
 from daq.importing.derived import find_derivation
-from daq.importing.errors import problem
+from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import ImportOptions
 from daq.importing.quantisation import rounding
 from daq.importing.resampling import find_gaps, place
@@ -155,7 +155,16 @@ def _clock(
             else f"; it names no unit: {why} (change it with --unit time=...)"
         )
         notes.append(f"{column.place} read as time{how}")
-    return from_stamps(table, column, unit, values, resample=options.resample)
+    try:
+        return from_stamps(table, column, unit, values, resample=options.resample)
+    except ImportProblem:
+        if options.start is None and options.stop is None:
+            raise
+    between = (
+        -np.inf if options.start is None else options.start,
+        np.inf if options.stop is None else options.stop,
+    )
+    return from_stamps(table, column, unit, values, resample=options.resample, between=between)
 
 
 def _without_derived(

@@ -60,8 +60,8 @@ def held_readings(time: Array, values: Array) -> Held | None:
     new = np.concatenate([[True], np.any(values[:, 1:] != values[:, :-1], axis=0)])
     asked, changes = float(np.median(steps)), time[new]
     size = _steps_in_quanta(values)
-    period = _interval(time, size, new)
-    share = 1.0 - asked / period if period > 0.0 else 0.0
+    period, rows = _interval(time, size, new)
+    share = 1.0 - 1.0 / rows
     if not REPEATED[0] <= share <= REPEATED[1] or len(changes) < FEWEST_CHANGES:
         return None
     shortest = asked / (1.0 - 0.5 * REPEATED[0])
@@ -115,14 +115,20 @@ def _steps_in_quanta(values: Array) -> Array:
     return size
 
 
-def _interval(time: Array, size: Array, new: Mask) -> float:
-    """Return the mean time (s) between two new readings that both are large steps; 0 where there are too few."""
+def _interval(time: Array, size: Array, new: Mask) -> tuple[float, float]:
+    """Return the mean time (s) and the mean number of rows between two new readings that both are large steps; 0 s and
+    one row where there are too few.
+
+    Rows are counted, for their stamps may be rounded: 0.03 s is written for most frames of a film at 30 Hz.
+    """
     at = np.flatnonzero(new)
     large = size[at] > LARGE_STEP
-    between = np.diff(time[at])[large[1:] & large[:-1]]
+    both = large[1:] & large[:-1]
+    between = np.diff(time[at])[both]
     if len(between) < FEWEST_INTERVALS:
-        return 0.0
-    return float(np.mean(between[between < 3.0 * np.median(between)]))
+        return 0.0, 1.0
+    near = between < 3.0 * np.median(between)
+    return float(np.mean(between[near])), float(np.mean(np.diff(at)[both][near]))
 
 
 def _surely_held(size: Array, new: Mask) -> Mask:

@@ -7,8 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.importing.block_stamps import Blocks, clock_of_blocks
+from daq.importing.early_seconds import with_whole_seconds
 from daq.importing.errors import problem
 from daq.importing.held_readings import Held, held_readings, repeated_readings
+from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, milli, no_clock
 from daq.importing.quantisation import quantum, rounding
 from daq.importing.rounded_stamps import nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
@@ -22,7 +24,6 @@ SHORTEST_PERIOD = 1e-100  # s; below it the squares of the steps are lost
 MAX_GROWTH = 20
 MAX_SAMPLES = 50_000_000
 DAY = 86400.0
-USE_RATE = "leave the stamps out by giving the rate with --rate"
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,18 +75,26 @@ def guess_time_unit(column: SourceColumn) -> tuple[Unit, str]:
     return SECOND, "seconds were assumed"
 
 
-def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *, resample: bool) -> Timebase:
-    """Return the even clock that fits the stamps of `column`; `values` (channels, n)
+def from_stamps(
+    table: Table,
+    column: SourceColumn,
+    unit: Unit,
+    values: Array,
+    *,
+    resample: bool,
+    between: tuple[float, float] = (-math.inf, math.inf),
+) -> Timebase:
+    """Return the even clock that fits the stamps of `column` `between` two times of the file (s); `values` (channels, n)
     distinguish repeated rows from equal stamps.
 
     Raises ImportProblem when the stamps make no clock.
     """
     notes: list[str] = []
-    time, rows = _stamps(table, column, unit, notes)
+    time, rows, first = _stamps(table, column, unit, notes, between)
     time, rows = _in_order(table, column, time, rows, values, notes)
     held = held_readings(time, values[:, rows])
     if held is not None:
-        return _of_held(column, unit, rows, held)
+        return _of_held(rows, held, first, notes)
     notes.extend(_repeated(time, values[:, rows]))
     period = float(np.median(np.diff(time)))
     if not period > 0.0:
@@ -102,24 +111,19 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
     uneven = stray > EVEN * slope
     blocks = clock_of_blocks(time) if stray > TOO_IRREGULAR * slope and not coarse else None
     if blocks is not None:
-        return _of_blocks(column, unit, rows, blocks)
-    if stray > TOO_IRREGULAR * slope and not resample and not coarse:
-        worst = int(np.argmax(np.abs(time - start - slope * index)))
-        raise problem(
-            table.path,
-            f"the time stamps stray by {_milli(stray)} rms from an even clock of {1 / slope:.6g} Hz, "
-            f"{100 * stray / slope:.0f} % of a sampling interval",
-            f"put the samples on an even clock with --resample; or {USE_RATE}", options=("--resample",),
-            line=table.line(int(rows[worst])), column=column.number,
-        )  # fmt: skip
+        return _of_blocks(rows, blocks, first, notes)
+    spline = resample and np.mean(np.diff(time) == 0.0) < OFTEN_EQUAL
+    if stray > TOO_IRREGULAR * slope and not spline and not coarse:
+        worst = int(rows[np.argmax(np.abs(time - start - slope * index))])
+        raise no_clock(table, column, (time, rows, first), worst, (slope, stray))
     if coarse and uneven and not column.clock:
         steps = rounding(column.values)[rows] * unit.scale
         slope, start, rate_std = _within_rounding(index, time, steps, (slope, start, stray, rate_std))
     notes.extend(_holes(table, index, time, rows))
     if coarse and uneven:
         notes.append(
-            f"the time stamps stray by {_milli(stray)} rms from an even clock, that is no more than the rounding of the "
-            f"stamps to {_milli(quantum(time))}: even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
+            f"the time stamps stray by {milli(stray)} rms from an even clock, that is no more than the rounding of the "
+            f"stamps to {milli(quantum(time))}: even times were rebuilt at {_rate(1.0 / slope, rate_std)}"
         )
     else:
         notes.extend(_evenness(slope, stray, resample))
@@ -132,7 +136,7 @@ def from_stamps(table: Table, column: SourceColumn, unit: Unit, values: Array, *
         stamps=None if coarse and uneven else time - start,
         stray_rms=stray,
         notes=tuple(notes),
-        origin=float(column.values[np.isfinite(column.values)][0]) * unit.scale + start,
+        origin=first + start,
         coarse=coarse and uneven,
     )
 
@@ -151,7 +155,7 @@ def _within_rounding(
     return slope, start, rate_std
 
 
-def _of_blocks(column: SourceColumn, unit: Unit, rows: Index, blocks: Blocks) -> Timebase:
+def _of_blocks(rows: Index, blocks: Blocks, first: float, notes: list[str]) -> Timebase:
     """Return the even clock of rows that were stamped in blocks."""
     rate, rate_std = 1.0 / blocks.period, blocks.period_std / blocks.period**2
     note = (
@@ -164,8 +168,8 @@ def _of_blocks(column: SourceColumn, unit: Unit, rows: Index, blocks: Blocks) ->
         rows=rows,
         index=np.arange(len(rows)),
         count=len(rows),
-        notes=(note,),
-        origin=float(column.values[np.isfinite(column.values)][0]) * unit.scale + blocks.start,
+        notes=(*notes, note),
+        origin=first + blocks.start,
         coarse=True,
     )
 
@@ -177,12 +181,12 @@ def _repeated(time: Array, values: Array) -> tuple[str, ...]:
         return ()
     return (
         f"{100.0 * found.share:.0f} % of the rows repeat the one before while the mass moves, by no clock, for up to "
-        f"{_milli(found.longest)}: when the sensor was read is not known, and what such steps leave of the motion is no "
+        f"{milli(found.longest)}: when the sensor was read is not known, and what such steps leave of the motion is no "
         "force. Write a row only where there is a new reading",
     )
 
 
-def _of_held(column: SourceColumn, unit: Unit, rows: Index, held: Held) -> Timebase:
+def _of_held(rows: Index, held: Held, first: float, notes: list[str]) -> Timebase:
     """Return the sensor's own clock where rows repeat its readings."""
     rate, rate_std = 1.0 / held.period, held.period_std / held.period**2
     note = (
@@ -195,14 +199,16 @@ def _of_held(column: SourceColumn, unit: Unit, rows: Index, held: Held) -> Timeb
         rows=rows[held.rows],
         index=held.index,
         count=int(held.index[-1]) + 1,
-        notes=(note,),
-        origin=float(column.values[np.isfinite(column.values)][0]) * unit.scale + held.start,
+        notes=(*notes, note),
+        origin=first + held.start,
         coarse=True,
     )
 
 
-def _stamps(table: Table, column: SourceColumn, unit: Unit, notes: list[str]) -> tuple[Array, Index]:
-    """Return the stamps in s from the first one, and the rows that have one."""
+def _stamps(
+    table: Table, column: SourceColumn, unit: Unit, notes: list[str], between: tuple[float, float]
+) -> tuple[Array, Index, float]:
+    """Return the stamps in s from the first one, the rows that have one, and the file's own time of the first (s)."""
     rows = np.flatnonzero(np.isfinite(column.values))
     start = float(column.values[rows[0]]) if len(rows) else 0.0
     stamps = (column.values - start) * unit.scale
@@ -217,7 +223,17 @@ def _stamps(table: Table, column: SourceColumn, unit: Unit, notes: list[str]) ->
         notes.append(f"{len(stamps) - len(rows)} rows without a time stamp were left out")
     if len(rows) < 2:
         raise problem(table.path, "has fewer than two samples", "record again or name another file")
-    return (_over_midnight(stamps[rows], notes) if column.clock else stamps[rows]), rows
+    time = _over_midnight(stamps[rows], notes) if column.clock else stamps[rows]
+    own = start * unit.scale
+    part = (own + time >= between[0]) & (own + time <= between[1])
+    if np.count_nonzero(part) < 2:
+        raise problem(
+            table.path,
+            "holds nothing between these times",
+            f"its own go from {own:.6g} s to {own + time[-1]:.6g} s",
+        )
+    begin = float(time[part][0])
+    return time[part] - begin, rows[part], own + begin
 
 
 def _holes(table: Table, index: Index, time: Array, rows: Index) -> tuple[str, ...]:
@@ -238,7 +254,7 @@ def _evenness(slope: float, stray: float, resample: bool) -> tuple[str, ...]:
     if stray <= EVEN * slope:
         return (f"rate {1 / slope:.6g} Hz from the time stamps, which are even",)
     text = (
-        f"the time stamps stray by {_milli(stray)} rms from an even clock of {1 / slope:.6g} Hz "
+        f"the time stamps stray by {milli(stray)} rms from an even clock of {1 / slope:.6g} Hz "
         f"({100 * stray / slope:.2g} % of a sampling interval)"
     )
     if resample:
@@ -256,11 +272,12 @@ def _rate(rate: float, std: float) -> str:
     return f"{rate:.{decimals}f} ± {std:.{decimals}f} Hz"
 
 
-def _milli(seconds: float) -> str:
-    return f"{seconds * 1e3:.3g} ms"
-
-
 def _over_midnight(time: Array, notes: list[str]) -> Array:
+    time, early = with_whole_seconds(time)
+    if early:
+        notes.append(
+            f"{early} times of day lie a second too early, where the fraction rolls over; a second was added there"
+        )
     days = np.cumsum(np.diff(time, prepend=time[0]) < -DAY / 2)
     if days[-1]:
         notes.append("the time of day passes midnight; a day was added from there on")

@@ -200,3 +200,56 @@ def test_blocks_that_follow_no_clock_are_refused(tmp_path: Path) -> None:
     stamps, at = in_blocks(600, 250.0)
     stopped = stamps + 3.0 * (at > 1.2)  # the logger stood still for 3 s
     assert "stray" in refusal(tmp_path, table(HEADER, stopped, moved(at)))
+
+
+def changing(after: float, coarse: float = 0.0) -> str:
+    """Return 300 rows at 50 Hz and then 60 at another rate, stamped to a step of `coarse` s: a logger that saves room."""
+    times = 7.3 + np.concatenate([np.arange(300) / 50.0, 6.0 + np.arange(60) / after])
+    if coarse:
+        times = np.round(np.floor((times + 1e-9) / coarse) * coarse, 6)
+    return table(HEADER, times, np.exp(-0.3 * times) * np.cos(6.0 * times))
+
+
+@pytest.mark.parametrize(("after", "coarse"), [(7.5, 0.0), (10.0, 0.1)])
+def test_a_logger_that_changes_its_rate_is_told_where_and_one_part_is_read(
+    tmp_path: Path, after: float, coarse: float
+) -> None:
+    text = changing(after, coarse)
+    said_so = refusal(tmp_path, text)
+    assert (
+        "line 30" in said_so
+    )  # row 301 below a line of names; the rounding of stamps leaves it a row or two
+    assert f"changes here from 50 to {after:g} Hz" in said_so
+    assert "--to 13.2" in said_so
+    recording = load(tmp_path, text, stop=13.2)
+    assert recording.rate == pytest.approx(50.0, rel=2e-3)
+    assert 290 <= recording.samples.shape[1] <= 301
+
+
+def test_seconds_that_were_read_before_the_fraction_rolled_over_are_put_right(tmp_path: Path) -> None:
+    times = np.arange(1200) / 190.0
+    rows = []
+    for time, place in zip(times, np.exp(-0.1 * times) * np.cos(6.0 * times), strict=True):
+        whole = int(time - 0.006) if time > 0.006 else 0  # read 6 ms before the fraction
+        fraction = round(1e3 * (time % 1.0)) % 1000
+        rows.append(f"14:43:{24 + whole:02d}.{fraction:03d},{place:.5f}")
+    recording = load(tmp_path, "\n".join(["time,x_m", *rows]))
+    assert recording.rate == pytest.approx(190.0, rel=1e-4)
+    assert "a second too early" in said(recording)
+    assert recording.valid.all()
+
+
+def test_no_spline_is_drawn_through_stamps_that_are_mostly_equal(tmp_path: Path) -> None:
+    """Five rows at each stamp, and the interval between stamps wanders: what was read when is not in the file."""
+    steps = np.random.default_rng(5).uniform(0.05, 0.4, 60)
+    times = np.repeat(np.cumsum(steps), 5)
+    text = table(HEADER, times, np.cos(np.arange(300) / 9.0))
+    for resample in (False, True):
+        said_so = refusal(tmp_path, text, resample=resample)
+        assert "equal to the one before" in said_so
+        assert "--rate" in said_so
+        assert "--resample" not in said_so
+
+
+def test_a_part_without_rows_is_refused_with_the_times_there_are(tmp_path: Path) -> None:
+    assert "go from 7.3 s to 19.2 s" in refusal(tmp_path, changing(10.0, 0.1), stop=3.0)
