@@ -6,6 +6,7 @@ from pathlib import Path
 from daq.importing.accelerometer import with_moving_axis
 from daq.importing.assemble import assemble
 from daq.importing.bob import with_angle
+from daq.importing.counted_on import counted_on
 from daq.importing.csv_text import read_csv
 from daq.importing.degrees import agreed
 from daq.importing.errors import ImportProblem, problem
@@ -58,8 +59,8 @@ def read_runs(
     refused: list[ImportProblem] = []
     for table in agreed(tables, options):
         try:
-            ready = with_angle(with_moving_axis(with_stamps(table, options), options), options)
-            made.append(assemble(ready, options))
+            whole = with_stamps(counted_on(table, options), options)
+            made.append(assemble(with_angle(with_moving_axis(whole, options), options), options))
         except ImportProblem as refusal:
             refused.append(refusal)
     if not made:
