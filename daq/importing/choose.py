@@ -252,7 +252,9 @@ def _or_runs(columns: Sequence[SourceColumn]) -> str:
 
 def _or_angle(columns: Sequence[SourceColumn]) -> str:
     pair = _pair(columns)
-    if pair is None or any(oscillation(c.values) < SWINGS for c in pair):
+    if pair is None:
+        return ""
+    if any(oscillation(c.values) < SWINGS for c in pair) and not _angle_of(columns):
         return ""
     return f"; if they are a pendulum's bob, its angle is {_angle_from(pair)}"
 

@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from identify.arrays import Array
 from identify.diagnosis.suspect import Suspect
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.problem import Problem
 from identify.formatting import plain_name
+from identify.model.parameter_id import nuisance
 from identify.preprocessing.fit_window import FitWindow
 
 _RELEASES = (
@@ -79,6 +81,15 @@ def _amplitude(baseline: Baseline) -> tuple[float, str]:
     return scale * side * prepared.amplitude, name
 
 
+def _comes_back(predicted: dict[str, Array], first: Fit) -> bool:
+    """Whether a displacement swings to the other side of rest: a pendulum that is let go above its axis does not."""
+    if "displacement" not in predicted:
+        return True
+    zero = first.values.get(str(nuisance("displacement_offset")))
+    swing = predicted["displacement"] - (0.0 if zero is None else zero.value)
+    return bool(np.min(swing) < 0.0 < np.max(swing))
+
+
 def _apart(first: Fit, second: Fit, factor: float) -> float:
     """Return by how much chi-square would favour `first`, were it true, over `second` on one more release."""
     window = first.windows[0]
@@ -91,6 +102,8 @@ def _apart(first: Fit, second: Fit, factor: float) -> float:
     problem = Problem(first.model, (window,), first.frequency)
     predicted = problem.read(moved, 0, problem.respond(moved, 0))
     if not all(np.isfinite(values).all() for values in predicted.values()):
+        return 0.0
+    if window.force is None and not _comes_back(predicted, first):
         return 0.0
     record: FitWindow = replace(window, readings=predicted)
     beginning = second.point

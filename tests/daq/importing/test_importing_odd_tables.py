@@ -433,3 +433,19 @@ def test_a_column_called_ts_is_the_time(tmp_path: Path) -> None:
     rows = [{"ts": 1690000000000 + round(1000.0 * x), "acc": y} for x, y in zip(t, a, strict=True)]
     recording = load(tmp_path, "".join(json.dumps(row) + "\n" for row in rows), "a.jsonl")
     assert recording.rate == pytest.approx(RATE, rel=1e-3)
+
+
+@pytest.mark.parametrize(("loss", "rest"), [(2.0, 0.0), (2.0, 0.5), (2.5, 0.2), (3.0, 0.2)])
+def test_a_command_that_takes_the_angle_is_explained_in_the_sentence(
+    tmp_path: Path, loss: float, rest: float
+) -> None:
+    """Cardboard that bends and stops soon; its first two frames are those of the hand."""
+    t = np.arange(130) / 30.0
+    phi = 1.2 * np.exp(-loss * t) * np.cos(15.0 * t) + rest
+    radius = 0.09 * (1.0 + 0.06 * np.cos(31.0 * t) * np.exp(-loss * t))
+    x, y = radius * np.sin(phi), -radius * np.cos(phi)
+    x[:2], y[:2] = (0.164, 0.165), (-0.016, -0.009)
+    with pytest.raises(ImportProblem) as refused:
+        load(tmp_path, table("t,x,y", t, x, y))
+    offered = any("--angle-from" in option for option in refused.value.options)
+    assert not offered or "if they are a pendulum's bob" in str(refused.value)
