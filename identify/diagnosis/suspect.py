@@ -15,8 +15,9 @@ from identify.model.model import Term
 class Suspect:
     """One effect that the model may lack.
 
-    `fit` is the model refitted with it, judged against the `baseline`, and `error_after` its reduced chi-square. Its
-    parameters are those of `last`: of the fit of all that is named where it is among them, else of its own; `corrected`
+    `fit` is the model refitted with it, judged against the `baseline`. What the model leaves with it, as it stands in the
+    end, is `error_after`, reduced chi-square, and `motion_after`, % of the motion, None of a fault that every fit corrects.
+    Its parameters are those of `last`: of the fit of all that is named where it is among them, else of its own; `corrected`
     are those of a fault that every fit corrects, None of all else.
     `evidence` is in nats: how much better than by chance the refit explains the readings. `p_value` is the probability
     that chance gives any suspect of the library as good a reason, nan where no chance was drawn; `claimed` says that the
@@ -29,6 +30,7 @@ class Suspect:
     effect: Effect
     term: Term
     error_after: float
+    motion_after: float | None
     evidence: float
     p_value: float
     claimed: bool

@@ -148,10 +148,9 @@ def _shares(document: DiagnosisDocument) -> list[Part]:
         (
             at_amplitude(which, at),
             one.effect,
-            typeset_with_unit(one.force),
             *(
                 DASH if share.value is None else "0" if share.value == 0.0 else typeset_with_unit(share)
-                for share in (one.force_percent, one.loss_percent, one.frequency_percent)
+                for share in (one.force, one.force_percent, one.loss_percent, one.frequency_percent)
             ),
         )
         for which, at in zip(WHICH, document.shares, strict=False)

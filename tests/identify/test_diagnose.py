@@ -10,6 +10,7 @@ from identify.effects.user import own_effect, parse_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.initial_values import initial_values
+from identify.fitting.model_error import motion_percent
 from identify.model.model import base_model
 
 BASE = 3
@@ -22,6 +23,7 @@ def test_another_programs_release_is_diagnosed_rightly_and_reaches_the_floor():
     found = diagnose((prepared,))
     assert set(found.named) == {"stribeck_friction", "cubic_stiffness"}
     assert 0.8 < found.final.reduced < 1.2  # the floor of a single record is known to some 6 %
+    assert found.suspects[0].motion_after == motion_percent(found.final)  # as the sentence says
     assert found.final.values["linear_stiffness.k"].value == pytest.approx(
         truth["stiffness_per_mass"], rel=3e-4
     )
