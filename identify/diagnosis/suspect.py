@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from identify.curves.confirmation import ConfirmedEffect
 from identify.effects.effect import Effect, Kind
 from identify.estimate import Estimate
@@ -55,6 +57,14 @@ class Suspect:
             return self.corrected
         last = self.stated if self.last is self.fit else self.baseline.stated(self.last)
         return last.of(self.term)
+
+    @property
+    def strength_known(self) -> bool:
+        """Whether its parameters mean anything: at a strength below its error those beside the strength are anyhow."""
+        strength = self.parameters.get(self.effect.strength.name)
+        if strength is None or len(self.effect.parameters) == 1 or not np.isfinite(strength.std):
+            return True
+        return strength.std <= abs(strength.value)
 
     @property
     def kind(self) -> Kind:

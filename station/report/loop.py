@@ -7,6 +7,7 @@ from station.results.diagnosis_document import DiagnosisDocument, FindingDocumen
 from station.story.suspect_words import would_explain
 from station.text.curves_text import curves_caption
 from station.text.diagnosis_text import (
+    STRENGTH_UNKNOWN,
     confirmed_by,
     foretells,
     found_in_sensor,
@@ -123,6 +124,8 @@ def _foretold(document: DiagnosisDocument) -> list[Part]:
 
 
 def _parameters(suspect: SuspectDocument | FindingDocument) -> str:
+    if isinstance(suspect, SuspectDocument) and not suspect.strength_known:
+        return STRENGTH_UNKNOWN
     values = [
         f"{typeset_symbol(name)} = {typeset_with_unit(value)}" for name, value in suspect.parameters.items()
     ]

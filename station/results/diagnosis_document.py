@@ -107,6 +107,7 @@ class SuspectDocument(Part):
     confirmed: bool | None = None
     rivals: list[str] = Field(default_factory=list)
     motion_percent: Number = None
+    strength_known: bool = True
 
 
 class FindingDocument(Part):
@@ -358,6 +359,7 @@ def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -
         "confirmed": suspect.confirmed is not None if asked else None,
         "rivals": suspect.rivals,
         "motion_percent": suspect.motion_after,
+        "strength_known": suspect.strength_known,
     }
 
 

@@ -96,6 +96,18 @@ def test_the_verdict_fits_a_terminal_and_comes_first(diagnosis):
     assert "m^2" in text
 
 
+def test_of_a_suspect_whose_strength_is_not_determined_no_values_are_listed(diagnosis):
+    first, *others = diagnosis["suspects"]
+    document = DiagnosisDocument.model_validate(
+        diagnosis | {"suspects": [first | {"strength_known": False}, *others]}
+    )
+    line = next(
+        line for line in printed(show_diagnosis, document).splitlines() if line.startswith(" cubic_stiff")
+    )
+    assert line.rstrip().endswith("strength not determined")
+    assert first["strength_known"]
+
+
 def printed(show, *arguments):
     stream = io.StringIO()
     show(Console(file=stream, width=80, highlight=False), *arguments)
