@@ -156,8 +156,7 @@ def _line_in_words(line: Suspect) -> str:
 def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:
     cause = "Missing is" if top.kind == "physics" else "A sensor is at fault:"
     numbers = ", ".join(quantities(top.parameters))
-    strength = top.parameters.get(top.effect.strength.name)
-    if strength is not None and np.isfinite(strength.std) and strength.std > abs(strength.value):
+    if not top.strength_known:
         numbers = "how strong, this record does not tell"
     what = f"{cause} {plain_name(top.effect.name)}{_where(top)} ({numbers})"
     before = three_figures(baseline.reduced(baseline.fit))

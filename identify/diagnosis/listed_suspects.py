@@ -12,6 +12,7 @@ from identify.diagnosis.verdict import Judgement
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.fit import Fit, fit
+from identify.fitting.model_error import motion_percent
 from identify.preprocessing.fit_window import FitWindow
 
 _HELD_OUT = 3
@@ -52,6 +53,7 @@ def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: B
         effect=candidate.term.effect,
         term=candidate.term,
         error_after=settled.reduced(settled.fit) if is_final else baseline.reduced(candidate.fit),
+        motion_after=motion_percent(settled.fit if is_final else candidate.fit),
         evidence=entry.evidence,
         p_value=entry.p_value,
         claimed=entry.claimed,
@@ -76,6 +78,7 @@ def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[Correcte
         effect=fault.term.effect,
         term=fault.term,
         error_after=chi_square / max(baseline.fit.degrees + sum(f.readings for f in others), 1),
+        motion_after=None,
         evidence=0.5 * fault.surplus,
         p_value=fault.p_value,
         claimed=fault.p_value < baseline.alpha,

@@ -25,6 +25,9 @@ _COLUMNS = 5
 _STEP = 0.1
 """Step of a derivative in standard errors of the parameter, and at most as a share of its value."""
 
+_WHOLE = 100.0
+"""Standard error, in % of all forces or of the whole loss, beyond which a record does not determine a share."""
+
 _NOTHING = 1e-12
 """Share of all loss, or of the squared frequency, below which an effect has none: what rounding leaves."""
 
@@ -62,8 +65,8 @@ def shares(decays: tuple[PreparedDecay, ...], found: Fit) -> tuple[AmplitudeShar
 
     `found` has the standard errors that are to be stated. A parameter at a bound, or not determined, is held for the
     errors of the other effects; the effect's own are then infinite. A line, which does not follow the motion, takes no
-    part in loss and frequency: nan. Empty where a driven motion has no amplitude of its own, and where nothing but a
-    spring acts.
+    part in loss and frequency: nan. So is what the record leaves uncertain by more than the whole. Empty where a driven
+    motion has no amplitude of its own, where nothing but a spring acts, and where no share is determined.
     """
     if any(decay.window.force is not None for decay in decays):
         return ()
@@ -71,7 +74,8 @@ def shares(decays: tuple[PreparedDecay, ...], found: Fit) -> tuple[AmplitudeShar
     mass = masses.pop() if len(masses) == 1 else None
     unit = decays[0].window.unit
     ends = [_at(found, amplitude, time, unit, mass) for amplitude, time in _ends(decays)]
-    return tuple(end for end in ends if end is not None)
+    known = tuple(end for end in ends if end is not None)
+    return known if any(np.isfinite(one.force.value) for end in known for one in end.effects) else ()
 
 
 def shares_summary(found: tuple[AmplitudeShares, ...]) -> Summary | None:
@@ -82,10 +86,9 @@ def shares_summary(found: tuple[AmplitudeShares, ...]) -> Summary | None:
         (
             one.effect,
             scaled(at.amplitude, at.unit),
-            quantity(one.force),
             *(
                 "-" if np.isnan(share.value) else quantity(share)
-                for share in (one.force_percent, one.loss_percent, one.frequency_percent)
+                for share in (one.force, one.force_percent, one.loss_percent, one.frequency_percent)
             ),
         )
         for at in found
@@ -213,6 +216,9 @@ def _at(found: Fit, amplitude: float, time: float, unit: str, mass: float | None
     scale, force = _force_unit(unit, mass)
     columns[:, 0] *= scale
     std[:, 0] *= scale
+    unknown = np.isfinite(std[:, 1:3]) & (std[:, 1:3] > _WHOLE)  # share of all forces, and of the loss
+    columns[unknown[:, 0]] = np.nan
+    columns[unknown[:, 1], 2] = np.nan
     units = (force, "%", "%", "Hz", "%")
     effects = tuple(
         EffectShare(

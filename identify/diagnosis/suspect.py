@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from identify.curves.confirmation import ConfirmedEffect
 from identify.effects.effect import Effect, Kind
 from identify.estimate import Estimate
@@ -15,8 +17,9 @@ from identify.model.model import Term
 class Suspect:
     """One effect that the model may lack.
 
-    `fit` is the model refitted with it, judged against the `baseline`, and `error_after` its reduced chi-square. Its
-    parameters are those of `last`: of the fit of all that is named where it is among them, else of its own; `corrected`
+    `fit` is the model refitted with it, judged against the `baseline`. What the model leaves with it, as it stands in the
+    end, is `error_after`, reduced chi-square, and `motion_after`, % of the motion, None of a fault that every fit corrects.
+    Its parameters are those of `last`: of the fit of all that is named where it is among them, else of its own; `corrected`
     are those of a fault that every fit corrects, None of all else.
     `evidence` is in nats: how much better than by chance the refit explains the readings. `p_value` is the probability
     that chance gives any suspect of the library as good a reason, nan where no chance was drawn; `claimed` says that the
@@ -29,6 +32,7 @@ class Suspect:
     effect: Effect
     term: Term
     error_after: float
+    motion_after: float | None
     evidence: float
     p_value: float
     claimed: bool
@@ -53,6 +57,14 @@ class Suspect:
             return self.corrected
         last = self.stated if self.last is self.fit else self.baseline.stated(self.last)
         return last.of(self.term)
+
+    @property
+    def strength_known(self) -> bool:
+        """Whether its parameters mean anything: at a strength below its error those beside the strength are anyhow."""
+        strength = self.parameters.get(self.effect.strength.name)
+        if strength is None or len(self.effect.parameters) == 1 or not np.isfinite(strength.std):
+            return True
+        return strength.std <= abs(strength.value)
 
     @property
     def kind(self) -> Kind:

@@ -13,8 +13,8 @@ MOST_STEPS = 40
 _TRIALS = 12
 _CONFIRMATIONS = 3
 _CREEPS = 0.02
-_STILL = 0.002
-"""Share of a misfit far above the noise below which the gains of three steps on end are none."""
+_LITTLE = 0.002
+"""Share of a misfit far above the noise: a fit that gains less in each of three steps ends."""
 
 _UNDAMPED = 1e-3
 _SINGULAR = 1e-12
@@ -69,7 +69,7 @@ def minimise(
     goal: float = 0.0,
     damping: float = _UNDAMPED,
 ) -> Minimum:
-    """Lower chi-square from `theta`, until a step gains less than `tolerance`.
+    """Lower chi-square from `theta`, until a step gains less than `tolerance`, or three hardly anything far from the noise.
 
     Given up where two steps on end gain less than 2 % of what is missing to a `goal` above 0, which is then not reached
     in as many steps as there are. Unknowns that are `held` stay where they are. `begun` is the misfit at `theta` with a
@@ -80,7 +80,7 @@ def minimise(
     never = np.zeros(len(theta), dtype=bool) if held is None else held
     residual, jacobian = linearise(problem, theta, skip=held) if begun is None else begun
     cost = _sum_of_squares(residual)
-    exact, settled, slow, still = begun is None, False, 0, 0
+    exact, settled, slow, small = begun is None, False, 0, 0
     for _ in range(steps):
         if not np.isfinite(cost):
             break
@@ -88,8 +88,8 @@ def minimise(
         if step is None:
             settled = True
             break
-        still = still + 1 if problem.longer > 1.0 and step.gained < _STILL * cost else 0
-        settled = still > 2 or step.gained < _least(tolerance, step.cost, problem, len(residual))
+        small = small + 1 if problem.longer > 1.0 and step.gained < _LITTLE * cost else 0
+        settled = small > 2 or step.gained < _least(tolerance, step.cost, problem, len(residual))
         before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
         slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
         if (

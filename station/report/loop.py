@@ -7,6 +7,7 @@ from station.results.diagnosis_document import DiagnosisDocument, FindingDocumen
 from station.story.suspect_words import would_explain
 from station.text.curves_text import curves_caption
 from station.text.diagnosis_text import (
+    STRENGTH_UNKNOWN,
     confirmed_by,
     foretells,
     found_in_sensor,
@@ -123,6 +124,8 @@ def _foretold(document: DiagnosisDocument) -> list[Part]:
 
 
 def _parameters(suspect: SuspectDocument | FindingDocument) -> str:
+    if isinstance(suspect, SuspectDocument) and not suspect.strength_known:
+        return STRENGTH_UNKNOWN
     values = [
         f"{typeset_symbol(name)} = {typeset_with_unit(value)}" for name, value in suspect.parameters.items()
     ]
@@ -148,10 +151,9 @@ def _shares(document: DiagnosisDocument) -> list[Part]:
         (
             at_amplitude(which, at),
             one.effect,
-            typeset_with_unit(one.force),
             *(
                 DASH if share.value is None else "0" if share.value == 0.0 else typeset_with_unit(share)
-                for share in (one.force_percent, one.loss_percent, one.frequency_percent)
+                for share in (one.force, one.force_percent, one.loss_percent, one.frequency_percent)
             ),
         )
         for which, at in zip(WHICH, document.shares, strict=False)

@@ -15,7 +15,7 @@ from identify.effects.effect import Kind
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.leave_one_out import LeftOut
-from identify.fitting.model_error import errors_of, motion_percent
+from identify.fitting.model_error import errors_of
 from identify.model.model import Model
 from identify.preprocessing.record_use import End
 from station.results.confirmation_document import ConfirmationDocument, confirmation_document
@@ -107,6 +107,7 @@ class SuspectDocument(Part):
     confirmed: bool | None = None
     rivals: list[str] = Field(default_factory=list)
     motion_percent: Number = None
+    strength_known: bool = True
 
 
 class FindingDocument(Part):
@@ -357,7 +358,8 @@ def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -
         "model": model_file(suspect.stated, expressions) if is_fitted else None,
         "confirmed": suspect.confirmed is not None if asked else None,
         "rivals": suspect.rivals,
-        "motion_percent": motion_percent(suspect.fit) if is_fitted else None,
+        "motion_percent": suspect.motion_after,
+        "strength_known": suspect.strength_known,
     }
 
 

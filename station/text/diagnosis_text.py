@@ -25,6 +25,7 @@ from station.text.shares_text import shares_table
 
 STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
 MOST_SUSPECTS = 6
+STRENGTH_UNKNOWN = "strength not determined"
 LABEL_WIDTH = 12
 
 
@@ -180,7 +181,7 @@ def _reached(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
 
 
 def _parameters(suspect: SuspectDocument, most: int | None) -> str:
-    parts = with_names(suspect.parameters)[:most]
+    parts = (with_names(suspect.parameters) if suspect.strength_known else [STRENGTH_UNKNOWN])[:most]
     where = f"in the {suspect.channel}" if suspect.channel else ""
     return "; ".join([*([where] if where else []), *parts])
 

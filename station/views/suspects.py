@@ -13,7 +13,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.diagnosis_document import DiagnosisDocument, ShapeDocument, SuspectDocument
 from station.results.diagnosis_fits import DiagnosisFits
 from station.story.suspect_words import would_explain
-from station.text.diagnosis_text import found_in_sensor, headline, in_order, not_told_apart
+from station.text.diagnosis_text import STRENGTH_UNKNOWN, found_in_sensor, headline, in_order, not_told_apart
 from station.text.layout import sentence
 from station.text.numbers import scale, three_figures, with_unit
 from station.views import log, palette, plots
@@ -129,7 +129,8 @@ def summary(document: DiagnosisDocument) -> str:
     if document.suspects:
         first = document.suspects[0]
         lines += ["", f"## {plain_name(first.effect)} (`{first.effect}`)", "", first.title, ""]
-        lines += [f"- {name} = {with_unit(value)}" for name, value in first.parameters.items()]
+        values = [f"{name} = {with_unit(value)}" for name, value in first.parameters.items()]
+        lines += [f"- {line}" for line in (values if first.strength_known else [STRENGTH_UNKNOWN])]
     for finding in document.findings:
         lines += ["", f"**Sensor**: {found_in_sensor(finding)}; {finding.what_to_do}."]
     lines += ["", "## Record next", "", document.next_experiment]

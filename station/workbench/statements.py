@@ -5,6 +5,7 @@ from typing import Any
 
 from station.results.diagnosis_document import SuspectDocument
 from station.results.ladder import KeptRung
+from station.text.diagnosis_text import STRENGTH_UNKNOWN
 from station.text.numbers import three_figures, typeset, with_unit
 from station.workbench import view_models
 from station.workbench.explained import explained_words
@@ -58,6 +59,7 @@ def _shares(motion: float | None, force: float | None) -> str:
 def _suspect(view: view_models.View, suspect: SuspectDocument) -> dict[str, Any]:
     before, after = view.ladder.top.error.chi2, suspect.error_after
     values = ", ".join(f"{name} = {typeset(with_unit(value))}" for name, value in suspect.parameters.items())
+    values = values if suspect.strength_known else f"{STRENGTH_UNKNOWN.capitalize()}."
     filled, _ = share(after, view.ladder)
     return {
         "big": f"{three_figures(after)} ×",

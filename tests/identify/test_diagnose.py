@@ -10,6 +10,7 @@ from identify.effects.user import own_effect, parse_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.initial_values import initial_values
+from identify.fitting.model_error import motion_percent
 from identify.model.model import base_model
 
 BASE = 3
@@ -38,6 +39,9 @@ def test_an_effect_hidden_in_the_double_is_named_first(effect):
     strength = found.suspects[0].effect.strength.name
     estimate, true = found.suspects[0].parameters[strength], truth["parameters"][strength]
     assert abs(estimate.value - true) < 4.5 * estimate.std
+    assert found.suspects[0].motion_after == motion_percent(
+        found.final
+    )  # that of the list is that of the verdict
 
 
 @pytest.mark.parametrize(

@@ -208,3 +208,6 @@ def test_of_a_name_whose_strength_is_unknown_no_numbers_are_stated():
     )
     assert found.named == ("second_mass",)
     assert "second mass (how strong, this record does not tell)" in found.explanation
+    known = {suspect.effect.name: suspect.strength_known for suspect in found.suspects}
+    assert not known["second_mass"]
+    assert known["cubic_stiffness"]  # of a strength alone the error says all

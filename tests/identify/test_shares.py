@@ -120,3 +120,14 @@ def test_a_line_takes_no_part_in_loss_and_frequency(stiffening):
     line = shares((prepared,), shaken)[1].effects[-1]
     assert line.force.value == shaken.values["harmonic_forcing.amp"].value
     assert np.isnan([line.loss_percent.value, line.frequency_hz.value]).all()
+
+
+def test_what_a_record_leaves_uncertain_by_more_than_the_whole_is_not_stated(stiffening):
+    prepared, found, _ = stiffening
+    place, spread = found.names.index("viscous_damping.mu_1"), np.ones(len(found.names))
+    spread[place] = 5.0 * found.theta[place] / np.sqrt(found.covariance[place, place])
+    large, _ = shares((prepared,), replace(found, covariance=found.covariance * np.outer(spread, spread)))
+    dry, wet, spring = large.effects
+    assert np.isnan([dry.loss_percent.value, wet.loss_percent.value]).all()
+    assert np.isfinite([dry.force.value, spring.force.value, spring.frequency_hz.value]).all()
+    assert shares((prepared,), replace(found, covariance=1e20 * found.covariance)) == ()

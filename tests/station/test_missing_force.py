@@ -96,6 +96,17 @@ def test_the_verdict_fits_a_terminal_and_comes_first(diagnosis):
     assert "m^2" in text
 
 
+def test_of_a_suspect_whose_strength_is_not_determined_no_values_are_listed(diagnosis):
+    first, *others = diagnosis["suspects"]
+    document = DiagnosisDocument.model_validate(
+        diagnosis | {"suspects": [first | {"strength_known": False}, *others]}
+    )
+    table = printed(show_diagnosis, document).partition("reaches")[2].partition("what each effect")[0]
+    assert "strength not" in table
+    assert "k3" not in table
+    assert first["strength_known"]
+
+
 def printed(show, *arguments):
     stream = io.StringIO()
     show(Console(file=stream, width=80, highlight=False), *arguments)
