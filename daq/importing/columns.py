@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -90,6 +91,27 @@ _LETTERS = {
     "f": "force",
 }
 _LETTER = re.compile(r"(?:([va])[xyz]|([tuaxyz]|phi|theta|psi|alpha)\d{1,2}|([xyz])dd|([xyz])d)")
+KINDS = frozenset(
+    {
+        *(
+            "raw",
+            "filt",
+            "filtered",
+            "smooth",
+            "smoothed",
+            "lp",
+            "corr",
+            "corrected",
+            "cal",
+            "calibrated",
+            "mean",
+            "avg",
+        ),
+        *("x", "y", "z", "left", "right"),
+    }
+)
+"""Words behind a unit that say which reading it is."""
+
 _UNIT_FORMS = (
     re.compile(r"(.*)\[([^\[\]]{0,24})\]\s*$", re.S),
     re.compile(r"(.*)\(([^()]{0,20}(?:\([^()]{0,10}\))?)\)\s*$", re.S),
@@ -126,8 +148,24 @@ def split_unit(header: str) -> tuple[str, str, Unit | None]:
     for size in (3, 2, 1):  # acceleration_m_s_2, acceleration_m_s2, time_s
         if len(parts) > size and (unit := parse_unit("_".join(parts[-size:]))):
             return "_".join(parts[:-size]), "_".join(parts[-size:]), unit
+    if (inside := _unit_inside(parts)) is not None:
+        return inside
     unit = parse_unit(header) if len(header) > 1 or header in ("m", "g", "N", "°") else None
     return ("", header, unit) if unit else (header, "", None)
+
+
+def _unit_inside(parts: Sequence[str]) -> tuple[str, str, Unit] | None:
+    """Return name, unit's text and unit where the unit stands before words of which kind the reading is: `x_mm_raw`."""
+    after = len(parts)
+    while after > 1 and (parts[after - 1].casefold() in KINDS or parts[after - 1].isdigit()):
+        after -= 1
+    if after == len(parts):
+        return None
+    for size in (3, 2, 1):
+        text = "_".join(parts[after - size : after])
+        if after > size and (len(text) > 1 or text in ("g", "V")) and (unit := parse_unit(text)):
+            return "_".join((*parts[: after - size], *parts[after:])), text, unit
+    return None
 
 
 def words(name: str) -> tuple[str, ...]:

@@ -74,14 +74,16 @@ def _says(cells: Sequence[str], units: Sequence[str]) -> int:
 
 
 def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
-    """Cut a header line; between blanks `Time (s)` is one cell."""
-    if delimiter != BLANK or len(split(line, delimiter)) == width:
-        return split(line, delimiter)
+    """Cut a header line; between blanks `Time (s)` is one cell. Above a table of tabs, too, names may lie between blanks."""
+    plain = split(line, delimiter)
+    blanks = delimiter == BLANK or (delimiter == "\t" and delimiter not in line)
+    if not blanks or len(plain) == width:
+        return plain
     for form in (r"\s{2,}|\t", r"\s+(?![\[(/])"):
         cells = re.split(form, line.strip())
-        if len(cells) == width:
+        if len(cells) == width and (delimiter == BLANK or _says(cells, [""] * width)):
             return cells
-    return split(line, delimiter)
+    return plain
 
 
 def _fits(cells: Sequence[str], width: int) -> bool:

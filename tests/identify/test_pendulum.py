@@ -175,9 +175,7 @@ def test_gravity_is_named_on_a_pendulum_that_swings_through_more_than_half_a_tur
     found = diagnose((prepare(FreeDecay(100.0, displacement=angle, unit="rad")),))
     assert found.named == ("pendulum_stiffness",)
     assert "one and a half" not in found.next_experiment  # 195 degrees: it would not come back
-    assert (
-        found.suspects[0].error_after < 1.3
-    )  # the noise is drawn: a reduced chi-square of 1, five errors of 0.05
+    assert found.suspects[0].error_after < 1.3  # the noise is drawn: 1, and six errors of 0.05
 
 
 @pytest.mark.skipif(not DATA.exists(), reason=f"no recordings in {DATA}")

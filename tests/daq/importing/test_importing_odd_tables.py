@@ -449,3 +449,35 @@ def test_a_command_that_takes_the_angle_is_explained_in_the_sentence(
         load(tmp_path, table("t,x,y", t, x, y))
     offered = any("--angle-from" in option for option in refused.value.options)
     assert not offered or "if they are a pendulum's bob" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [
+        ("displacement_mm_raw", "mm"),
+        ("displacement_mm_filt_2", "mm"),
+        ("position_um_x", "um"),
+        ("angle_deg_filtered", "deg"),
+        ("displacement_raw", "m"),
+    ],
+)
+def test_a_unit_stands_before_words_that_say_which_reading_it_is(
+    tmp_path: Path, header: str, unit: str
+) -> None:
+    t, phi = angle()
+    recording = load(tmp_path, table(f"time_s,{header}", t, phi))
+    scale = {"mm": 1e-3, "um": 1e-6, "deg": np.pi / 180.0, "m": 1.0}[unit]
+    np.testing.assert_allclose(recording.samples[0], scale * phi, atol=1e-6 * scale)
+
+
+def test_names_between_blanks_stand_above_a_table_of_tabs(tmp_path: Path) -> None:
+    t, phi = angle()
+    above = (
+        "# run : 2017-Mar-30-run-07\n#  micrometer = not recorded\n#  Time (S)   sum_Signal  LR_Signal\n# \n"
+    )
+    rows = "\n".join(f"  {a:.6f}\t {b: .6f}\t {c: .6f}" for a, b, c in zip(t, 0.1 * phi, phi, strict=True))
+    recording = load(
+        tmp_path, above + rows, columns={"displacement": "LR_Signal"}, units={"displacement": "V"}
+    )
+    np.testing.assert_allclose(recording.samples[0], phi, atol=1e-6)
+    assert "'Time (S)' read as time" in said(recording)
