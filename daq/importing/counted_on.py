@@ -18,6 +18,9 @@ WORDS = tuple(2.0**bits for bits in (10, 12, 14, 16, 32))
 TURNS = (2.0 * float(np.pi), 360.0)
 FEWEST_JUMPS = 2
 FEWEST_VALUES = 10
+FEWEST_BEYOND = 3
+"""Different numbers behind the jumps: a reading that was lost is written as one and the same, 0 or a full word."""
+
 SMOOTH = 0.25
 """Share of the range by which a column counted on may change between two rows: more, and it is not known which way."""
 
@@ -59,7 +62,11 @@ def _without_jumps(column: SourceColumn, asked_angle: bool) -> tuple[Array, floa
         left = change - step * np.rint(change / step)
         if jumps < FEWEST_JUMPS or float(np.max(np.abs(left))) > SMOOTH * step:
             continue
-        on = values - step * np.concatenate([[0.0], np.cumsum(np.rint(change / step))])
+        turns = np.concatenate([[0.0], np.cumsum(np.rint(change / step))])
+        usual, counts = np.unique(turns, return_counts=True)
+        if len(np.unique(values[turns != usual[np.argmax(counts)]])) < FEWEST_BEYOND:
+            continue
+        on = values - step * turns
         made = column.values.copy()
         made[there] = on - step * np.rint(np.median(on) / step)
         return made, step, jumps

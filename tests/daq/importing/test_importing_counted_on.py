@@ -65,3 +65,13 @@ def test_drop_outs_and_clipped_readings_are_left_as_they_are(tmp_path: Path) -> 
             units={"displacement": "counts"},
         )
         np.testing.assert_array_equal(recording.samples[0], numbers)
+
+
+def test_lost_readings_near_the_end_of_a_word_are_no_jump(tmp_path: Path) -> None:
+    """Ten bits near full scale, and 0 where the converter did not answer: counted on, 0 would read as 1024."""
+    counts = np.rint(900.0 + 2.0 * SWING)
+    counts[[300, 301, 700, 1100]] = 0.0
+    recording = load(tmp_path, table("time_s,accel_g", T, counts))
+    assert "counted on" not in said(recording)
+    counts[[310, 710]] = 1023.0
+    assert "counted on" not in said(load(tmp_path, table("time_s,accel_g", T, counts)))
