@@ -18,6 +18,7 @@ SECTIONS = (
     "lies",
     "alignment",
     "identification",
+    "invariance",
     "diagnosis",
     "waiting",
     "regimes",

@@ -9,7 +9,6 @@ all releases; a sensor's fault has parameters in each, whose drops add up.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from zlib import crc32
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.fitting.tangent import Tangent
 from identify.model.model import Term
+from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _DRAWS = 400
@@ -72,29 +72,32 @@ def null_distribution(
     terms: tuple[Term, ...],
     *,
     unsure: tuple[dict[str, float], ...] = (),
-    seed: int | None = None,
+    seed: int = 0,
     draws: int = _DRAWS,
 ) -> NullDistribution:
-    """Draw what each suspect would gain by chance; the same seed gives the same draws, and so do the same readings.
+    """Draw what each suspect would gain by chance; the same seed and the same releases give the same draws.
 
-    Other readings are given other draws: what 400 draws happen to be off would otherwise be off alike on all records.
+    The draws are the same in whatever order the releases come, mirrored where a release is mirrored, and the same where
+    readings differ by rounding alone. Other releases get other draws: what 400 draws happen to be off would otherwise
+    be off alike on all records.
 
     `unsure` is the relative standard error of each channel's noise in each window: it may be so much stronger or weaker
     than the floor that gains are measured in. None where the noise is known.
     """
     readings = sum(int(mask.sum()) for window in base.windows for mask in window.used.values())
     draws = min(draws, max(_FEWEST_DRAWS, _MOST_NUMBERS // max(readings, 1)))
-    random = np.random.default_rng(_seed_of(base) if seed is None else seed)
     theta = base.theta
     problem = Problem(base.model, base.windows, base.frequency)
     residual, jacobian = linearise(problem, theta)
+    seeds = [(seed, *_seed_of(window)) for window in base.windows]
     noise = np.concatenate(
-        [window.draw_noise(channel, random, draws) for window in base.windows for channel in window.channels]
+        [_noise_of(window, own, draws) for window, own in zip(base.windows, seeds, strict=True)]
     )
     if unsure:
-        noise *= _strengths(base, unsure, random, draws)
-    if problem.expected:  # what each release has of its own, where it is expected
-        noise = np.concatenate([noise, random.standard_normal((len(problem.expected), draws))])
+        noise *= _strengths(base, unsure, np.random.default_rng(sorted(seeds)), draws)
+    for one in problem.expected:  # what each release has of its own, where it is expected
+        random = np.random.default_rng((*seeds[one.windows[0]], one.shared))
+        noise = np.concatenate([noise, random.standard_normal((1, draws))])
     low, high = theta <= problem.low, theta >= problem.high
     tangent = jacobian.tangent(~(low | high))
     for at, side in [
@@ -131,13 +134,18 @@ def null_distribution(
     return NullDistribution(drawn, np.sort(search), likeliest)
 
 
-def _seed_of(base: Fit) -> int:
-    """Return a number that the readings decide."""
-    found = 0
-    for window in base.windows:
-        for readings in window.readings.values():
-            found = crc32(np.ascontiguousarray(readings).tobytes(), found)
-    return found
+def _noise_of(window: FitWindow, seed: tuple[int, ...], draws: int) -> Array:
+    """Return drawn noise of one release, (readings, draws), on the side to which it was released."""
+    random = np.random.default_rng(seed)
+    first = window.readings[window.channels[0]]
+    side = float(np.sign(first[np.argmax(np.abs(first))])) or 1.0
+    return side * np.concatenate([window.draw_noise(channel, random, draws) for channel in window.channels])
+
+
+def _seed_of(window: FitWindow) -> tuple[int, ...]:
+    """Return numbers that tell one release from another, from the rms of its readings to four figures."""
+    rms = (float(np.sqrt(np.mean(window.readings[channel] ** 2))) for channel in window.channels)
+    return tuple(round(1e4 * np.log(max(size, 1e-300))) & 0xFFFFFFFF for size in rms)
 
 
 def _strengths(
