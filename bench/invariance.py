@@ -8,6 +8,7 @@ again with another number of threads, under other kernels of linear algebra, and
 import argparse
 import io
 import json
+import math
 import os
 import platform
 import re
@@ -122,7 +123,9 @@ def jittered(table: Table) -> Table:
             column,
             numbers=tuple(
                 None if x is None else x * (1.0 + JITTER * n)
-                for x, n in zip(column.numbers, random.standard_normal(len(column.numbers)).tolist(), strict=True)
+                for x, n in zip(
+                    column.numbers, random.standard_normal(len(column.numbers)).tolist(), strict=True
+                )
             ),
         )
         for column in table
@@ -203,9 +206,7 @@ def tables_of(record: Record) -> list[Table]:
     with tempfile.TemporaryDirectory() as made:
         for file in record.files:
             path = record.folder / file
-            imported = import_file(
-                path, None, Path(made), ImportOptions(**record.options), SessionInfo()
-            )
+            imported = import_file(path, None, Path(made), ImportOptions(**record.options), SessionInfo())
             tables += [_table(recording) for recording in imported.recordings]
     return tables
 
@@ -229,11 +230,12 @@ def written(table: Table, file: Path) -> None:
 
 @dataclass(frozen=True)
 class Said:
-    """What was printed of a record: its verdict, its names, its suspects in order, and every line."""
+    """What was printed of a record: its verdict, its names, its suspects in order with their nats, and every line."""
 
     verdict: str
     named: tuple[str, ...]
     suspects: tuple[str, ...]
+    evidence: tuple[float, ...]
     lines: tuple[str, ...]
 
     def differs(self, other: "Said", *, turned: bool = False, reordered: bool = False) -> tuple[str, str]:
@@ -248,6 +250,12 @@ class Said:
                 return "digits", f"{one} | {two}"
         return ("digits", "more lines") if len(mine) != len(others) else ("", "")
 
+    def moved(self, other: "Said") -> float:
+        """Return the largest change of the evidence of a suspect that both print, nats."""
+        others = dict(zip(other.suspects, other.evidence, strict=True))
+        both = [abs(e - others[s]) for s, e in zip(self.suspects, self.evidence, strict=True) if s in others]
+        return max(both, default=0.0)
+
     def _compared(self, turned: bool, reordered: bool) -> list[str]:
         lines = [line.strip() for line in self.lines if line.strip()]
         if reordered:
@@ -256,9 +264,15 @@ class Said:
 
 
 def unsigned(line: str) -> str:
-    """Return a line without signs and sides: of a motion turned over they are the other ones."""
+    """Return a line without signs and sides: of a motion turned over they are the other ones, and phases half a turn off."""
     sides = re.sub(r"\b(?:positive|negative)\b", "either", line)
-    return re.sub(r"(?<![\w)])[-+−](?=[\d.])", "", sides)
+    plain = re.sub(r"(?<![\w)])[-+−](?=[\d.])", "", sides)
+    return re.sub(r"phase (?:= )?([\d.]+)", lambda found: f"phase {_off_a_half_turn(float(found[1])):.2f}", plain)
+
+
+def _off_a_half_turn(phase: float) -> float:
+    beyond = phase % math.pi
+    return min(beyond, math.pi - beyond)
 
 
 def judged(tables: list[Table], *, reordered: bool = False) -> Said:
@@ -269,7 +283,7 @@ def judged(tables: list[Table], *, reordered: bool = False) -> Said:
     from station.operations.diagnosing import diagnose_sessions
     from station.operations.session_set import open_sessions
     from station.settings import Settings
-    from station.text.diagnosis_text import show_diagnosis
+    from station.text.diagnosis_text import show_diagnosis, shown_suspects
 
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
@@ -285,14 +299,20 @@ def judged(tables: list[Table], *, reordered: bool = False) -> Said:
             with redirect_stderr(io.StringIO()):  # what the importer understood
                 _, document = diagnose_sessions(open_sessions(tuple(files), settings))
         except NotIdentifiable as refusal:
-            return Said("refused", (), (), (str(refusal),))
+            return Said("refused", (), (), (), (str(refusal),))
         text = io.StringIO()
         show_diagnosis(Console(file=text, width=2000, no_color=True), document)
-    suspects = tuple(suspect.effect for suspect in document.suspects)
-    return Said(document.verdict, tuple(document.named), suspects, tuple(text.getvalue().splitlines()))
+    shown = shown_suspects(document)
+    return Said(
+        document.verdict,
+        tuple(document.named),
+        tuple(suspect.effect for suspect in shown),
+        tuple(float(suspect.evidence or 0.0) for suspect in shown),
+        tuple(text.getvalue().splitlines()),
+    )
 
 
-def differences(quick: bool, said: dict[str, dict[str, Said]]) -> Iterator[tuple[str, str, str, str]]:
+def differences(said: dict[str, dict[str, Said]]) -> Iterator[tuple[str, str, str, str]]:
     """Yield (record, change, kind, where) for every change that altered what was said of a record."""
     for title, told in said.items():
         base = told["as it is"]
@@ -341,27 +361,36 @@ def _elsewhere(quick: bool, only: str, environment: dict[str, str]) -> Iterator[
         raise RuntimeError(f"judging with {environment} failed: {result.stderr[-2000:]}")
     for line in result.stdout.splitlines():
         told = json.loads(line)
-        yield told["title"], Said(
-            told["verdict"], tuple(told["named"]), tuple(told["suspects"]), tuple(told["lines"])
+        yield (
+            told["title"],
+            Said(told["verdict"], tuple(told["named"]), tuple(told["suspects"]), tuple(told["lines"])),
         )
 
 
 def run(quick: bool) -> str:
     """Return the table as markdown."""
     said = all_said(quick)
-    found = list(differences(quick, said))
+    found = list(differences(said))
     for row in found:
         print(*row, sep="\n    ", file=sys.stderr)
     changes = list(next(iter(said.values())))[1:]
     rows = []
     for change in changes:
-        counts = [sum(kind == k and c == change for _, c, k, _ in found) for kind in ("verdict", "suspects", "digits")]
-        rows.append(f"| {change} | {len(said)} | {' | '.join(str(n) for n in counts)} |")
-    table = "| what is changed | records | other verdict or names | other order of suspects | other digits |\n|---|---|---|---|---|\n"
+        counts = [
+            sum(kind == k and c == change for _, c, k, _ in found)
+            for kind in ("verdict", "suspects", "digits")
+        ]
+        moved = max(told["as it is"].moved(told[change]) for told in said.values())
+        rows.append(f"| {change} | {len(said)} | {' | '.join(str(n) for n in counts)} | {moved:.1g} |")
+    table = (
+        "| what is changed | records | other verdict or names | other order of suspects | other digits | evidence moves, nats |\n"
+        "|---|---|---|---|---|---|\n"
+    )
     rest = "".join(f"\n- {title}, {change}: {kind}: {where[:200]}" for title, change, kind, where in found)
     return (
         f"{table}{chr(10).join(rows)}\n\nThe {len(said)} records: the hidden releases, the examples, and a rig of each kind. Compared is all that "
-        f"`station diagnose` prints of each; of turned signs the numbers without their signs.{rest}"
+        f"`station diagnose` prints of each; of turned signs the numbers without their signs. The last column is the largest change "
+        f"of the evidence of a printed suspect.{rest}"
     )
 
 

@@ -89,9 +89,9 @@ def null_distribution(
     theta = base.theta
     problem = Problem(base.model, base.windows, base.frequency)
     residual, jacobian = linearise(problem, theta)
-    seeds = [(seed, *_seed_of(window)) for window in base.windows]
+    seeds = [seed_of(window, seed) for window in base.windows]
     noise = np.concatenate(
-        [_noise_of(window, own, draws) for window, own in zip(base.windows, seeds, strict=True)]
+        [drawn_noise(window, own, draws) for window, own in zip(base.windows, seeds, strict=True)]
     )
     if unsure:
         noise *= _strengths(base, unsure, np.random.default_rng(sorted(seeds)), draws)
@@ -134,18 +134,18 @@ def null_distribution(
     return NullDistribution(drawn, np.sort(search), likeliest)
 
 
-def _noise_of(window: FitWindow, seed: tuple[int, ...], draws: int) -> Array:
-    """Return drawn noise of one release, (readings, draws), on the side to which it was released."""
+def drawn_noise(window: FitWindow, seed: tuple[int, ...], draws: int) -> Array:
+    """Draw the noise of one release, (readings, draws), on the side to which it was released."""
     random = np.random.default_rng(seed)
     first = window.readings[window.channels[0]]
     side = float(np.sign(first[np.argmax(np.abs(first))])) or 1.0
     return side * np.concatenate([window.draw_noise(channel, random, draws) for channel in window.channels])
 
 
-def _seed_of(window: FitWindow) -> tuple[int, ...]:
-    """Return numbers that tell one release from another, from the rms of its readings to four figures."""
+def seed_of(window: FitWindow, seed: int = 0) -> tuple[int, ...]:
+    """Return numbers that tell one release from another: a seed, and the rms of its readings to four figures."""
     rms = (float(np.sqrt(np.mean(window.readings[channel] ** 2))) for channel in window.channels)
-    return tuple(round(1e4 * np.log(max(size, 1e-300))) & 0xFFFFFFFF for size in rms)
+    return seed, *(round(1e4 * np.log(max(size, 1e-300))) & 0xFFFFFFFF for size in rms)
 
 
 def _strengths(

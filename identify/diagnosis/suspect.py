@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
 from identify.curves.confirmation import ConfirmedEffect
 from identify.effects.effect import Effect, Kind
 from identify.estimate import Estimate
@@ -62,7 +60,7 @@ class Suspect:
     def strength_known(self) -> bool:
         """Whether its parameters mean anything: at a strength below its error those beside the strength are anyhow."""
         strength = self.parameters.get(self.effect.strength.name)
-        if strength is None or len(self.effect.parameters) == 1 or not np.isfinite(strength.std):
+        if strength is None or len(self.effect.parameters) == 1:
             return True
         return strength.std <= abs(strength.value)
 

@@ -143,7 +143,7 @@ _MOST_BEND = 0.1
 
 def _bend_starts(scales: Scales, channel: str) -> tuple[tuple[float, ...], ...]:
     peak = scales.peaks[channel]
-    return (_BEND / peak, 0.0), (0.0, _BEND / peak**2)
+    return (_BEND / peak, 0.0), (-_BEND / peak, 0.0), (0.0, _BEND / peak**2)
 
 
 def _bends_little(values: dict[str, float], scales: Scales) -> bool:

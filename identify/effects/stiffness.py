@@ -171,14 +171,16 @@ FREEPLAY = ForceEffect(
 
 @force_function
 def _bilinear(t, u, v, z, p):  # type: ignore[no-untyped-def]
-    return p[0] * max(u, 0.0)
+    return 0.5 * p[0] * abs(u)
 
 
 BILINEAR_STIFFNESS = ForceEffect(
     name="bilinear_stiffness",
     title="spring stiffer on one side",
-    equation="kb max(u, 0)",
-    parameters=(Parameter("kb", "1/s^2", "extra stiffness on the positive side, per unit mass"),),
+    equation="kb |u| / 2",
+    parameters=(
+        Parameter("kb", "1/s^2", "stiffness on the positive side less that on the other, per unit mass"),
+    ),
     force=_bilinear,
     symptom="one half-cycle shorter than the other at every amplitude; even harmonics",
     confirming_test="the half-cycles keep their difference at small amplitude",

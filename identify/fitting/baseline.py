@@ -13,8 +13,8 @@ from identify.fitting.initial_values import initial_values, regress_model
 from identify.fitting.misfit_errors import misfit_density, with_misfit_errors
 from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.model.model import Model
-from identify.preprocessing.lost_readings import stale
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.signal.levels import stale
 
 ADEQUATE = 3.0
 """Standard errors by which a reduced chi-square may exceed 1 and still count as at the floor."""

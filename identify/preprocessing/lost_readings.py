@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from identify.arrays import Array, Mask
+from identify.signal.levels import stale, steps_between
 
 _STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0
 _STENCIL_SPREAD = np.sqrt(70.0) / 6.0
@@ -43,13 +44,6 @@ def find_lost_readings(readings: Array, sigma: float) -> Mask:
         if _off_cubic(readings[first - 2 : stop + 2], length)[0] > limit:
             lost[first:stop] = True
     return lost | _spikes(readings, sigma, lost)
-
-
-def stale(readings: Array) -> Mask:
-    """Return which readings repeat the one before exactly, or are exactly zero, shape (n,)."""
-    mask = np.asarray(readings == 0.0)
-    mask[1:] |= readings[1:] == readings[:-1]
-    return mask
 
 
 def _off_cubic(readings: Array, length: int) -> Array:
@@ -111,15 +105,11 @@ def find_spikes(samples: Array, valid: Mask, rate: float) -> Mask:
     edges = np.linspace(0, len(size), blocks + 1).astype(int)
     typical = np.array([np.median(size[a:b]) for a, b in pairwise(edges)])
     level = np.maximum(typical, np.median(typical)) / 0.6745
-    floor = _resolution(samples[valid]) * _STENCIL_SPREAD / np.sqrt(12.0)
+    steps = steps_between(samples[valid])
+    step = float(np.median(steps)) if len(steps) else 0.0
+    floor = step * _STENCIL_SPREAD / np.sqrt(12.0)
     limit = _FAR * np.maximum(np.interp(np.arange(len(size)), 0.5 * (edges[1:] + edges[:-1]), level), floor)
     out = np.flatnonzero(size > limit)
     for shift in range(5):
         spikes[out + shift] = True
     return spikes if np.mean(spikes) < 0.2 else np.zeros(n, dtype=np.bool_)
-
-
-def _resolution(samples: Array) -> float:
-    steps = np.diff(np.unique(samples))
-    steps = steps[steps > 1e-9 * np.ptp(samples)] if len(steps) else steps
-    return float(np.median(steps)) if len(steps) else 0.0

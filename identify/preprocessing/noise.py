@@ -7,6 +7,7 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.free_decay import FreeDecay
+from identify.signal.levels import SAME, steps_between
 
 DIFFERENCE_ORDER = 6
 SHORTEST_REST = 24
@@ -15,9 +16,6 @@ DITHERED = 0.5
 
 _STILL, _UNSURE_STILL, _UNSURE = 0.1, 0.1, 0.2
 """A rest that moves by less than so many steps stands still; relative errors of the noise by such a rest and by others."""
-
-LEAST = 1e-9
-"""Least noise, as a share of the range of the readings: no converter or simulation is better."""
 
 CLIP, LEFT_INSIDE = 3.0, 0.97334
 """Outliers lie beyond so many standard deviations; the share of a normal variable's variance that lies within."""
@@ -56,7 +54,7 @@ def noise_of(decay: FreeDecay) -> dict[str, Noise]:
             found = with_steps(floor_at_rest(rest), converter_step(values[valid]))
         else:
             found = floor_above_motion(values[decay.start :], valid[decay.start :])
-        least = LEAST * float(np.ptp(values[valid])) if valid.any() else 0.0
+        least = SAME * float(np.ptp(values[valid])) if valid.any() else 0.0
         result[name] = found if found.std >= least else replace(found, std=least, uncertainty=0.5 * least)
     return result
 
@@ -109,6 +107,5 @@ def floor_above_motion(values: Array, valid: Mask | None = None) -> Noise:
 
 def converter_step(values: Array) -> float:
     """Return the smallest difference between two readings that is not rounding: a converter's step; 0 where none differ."""
-    steps = np.diff(np.unique(values))
-    steps = steps[steps > 1e-9 * np.ptp(values)] if len(steps) else steps
+    steps = steps_between(values)
     return float(steps.min()) if len(steps) else 0.0

@@ -12,6 +12,7 @@ import numpy as np
 
 from identify.arrays import Array, frozen
 from identify.signal.coloured_noise import Component, autocovariance, spectrum
+from identify.signal.levels import steps_between
 
 SHORTEST = 32
 _LONGEST = 384
@@ -112,7 +113,7 @@ def colour_at_rest(rest: Array, rate: float) -> RestColour | None:
     """
     values = rest[-_LONGEST:]
     values = values[np.isfinite(values)]
-    if len(values) < SHORTEST or len(np.unique(values)) < _FEWEST_LEVELS:
+    if len(values) < SHORTEST or len(steps_between(values)) + 1 < _FEWEST_LEVELS:
         return None
     likelihood = _likelihood(values)
     lines, left = _without_lines(values, (), rate)

@@ -1,4 +1,3 @@
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,7 +7,7 @@ from scipy import stats
 from test_fit import fitted
 
 from identify.diagnosis import null_forces as module
-from identify.diagnosis.null_distribution import NullDistribution, null_distribution
+from identify.diagnosis.null_distribution import NullDistribution, drawn_noise, null_distribution, seed_of
 from identify.diagnosis.weak_presence import probes
 from identify.effects.effect import Scales
 from identify.effects.library import find_effect
@@ -65,19 +64,20 @@ def test_one_draw_in_twenty_passes_the_five_percent_level():
     assert passed == pytest.approx(0.05, abs=0.005)
 
 
-def test_the_same_seed_gives_the_same_draws():
-    prepared, _, found = fitted()
-    again = null_distribution((prepared,), found, TERMS[:1])
-    assert np.array_equal(again.drops["cubic_damping"], drawn_chance().drops["cubic_damping"])
+def noise_beside(factor):
+    """Return the noise that is drawn beside the readings of a fit times a factor."""
+    window = fitted()[2].windows[0]
+    changed = window.with_(readings={c: factor * r for c, r in window.readings.items()})
+    return drawn_noise(changed, seed_of(changed), 20)
 
 
-def test_other_readings_are_given_other_draws():
-    prepared, _, found = fitted()
-    window = found.windows[0]
-    moved = {channel: values + 1e-9 for channel, values in window.readings.items()}
-    other = replace(found, windows=(window.with_(readings=moved),))
-    drops = null_distribution((prepared,), other, TERMS[:1]).drops["cubic_damping"]
-    assert not np.array_equal(drops, drawn_chance().drops["cubic_damping"])
+def test_readings_that_differ_by_rounding_get_the_same_draws_and_other_readings_others():
+    assert np.array_equal(noise_beside(1.0 + 1e-12), noise_beside(1.0))
+    assert not np.allclose(noise_beside(1.001), noise_beside(1.0))
+
+
+def test_a_record_turned_over_gets_its_draws_turned_over():
+    assert np.array_equal(noise_beside(-1.0), -noise_beside(1.0))
 
 
 def test_a_presence_is_drawn_so_weak_that_it_is_in_proportion(monkeypatch):

@@ -84,9 +84,11 @@ def test_freeplay_softens_at_small_amplitude():
 
 def test_a_spring_stiffer_on_one_side_shifts_the_frequency_alike_at_every_amplitude():
     found = average(find_effect("bilinear_stiffness"), {"kb": 2.0}, W, A)
-    # Exact: half a period at w, half at sqrt(w^2 + kb); the mean of both periods, to second order in kb.
-    exact = (2 * W * np.sqrt(W**2 + 2.0) / (W + np.sqrt(W**2 + 2.0))) ** 2 - W**2
-    np.testing.assert_allclose(found.stiffening, exact, rtol=1e-3)
+    # Exact: half a period at sqrt(w^2 + kb/2), half at sqrt(w^2 - kb/2): slower by a share of order (kb/w^2)^2.
+    harder, softer = np.sqrt(W**2 + 1.0), np.sqrt(W**2 - 1.0)
+    exact = (2 * harder * softer / (harder + softer)) ** 2 - W**2
+    np.testing.assert_allclose(found.stiffening, exact, atol=1e-3 * 2.0)
+    assert np.ptp(found.stiffening) < 1e-3 * 2.0
 
 
 def test_hysteresis_loses_most_where_it_yields_and_softens_beyond():
