@@ -8,7 +8,6 @@ again with another number of threads, under other kernels of linear algebra, and
 import argparse
 import io
 import json
-import math
 import os
 import platform
 import re
@@ -264,15 +263,10 @@ class Said:
 
 
 def unsigned(line: str) -> str:
-    """Return a line without signs and sides: of a motion turned over they are the other ones, and phases half a turn off."""
+    """Return a line without signs and sides: of a motion turned over they are the other ones, and phases half a turn off, and left out."""
     sides = re.sub(r"\b(?:positive|negative)\b", "either", line)
     plain = re.sub(r"(?<![\w)])[-+−](?=[\d.])", "", sides)
-    return re.sub(r"phase (?:= )?([\d.]+)", lambda found: f"phase {_off_a_half_turn(float(found[1])):.2f}", plain)
-
-
-def _off_a_half_turn(phase: float) -> float:
-    beyond = phase % math.pi
-    return min(beyond, math.pi - beyond)
+    return re.sub(r"phase (?:= )?[\d.]+", "phase", plain)
 
 
 def judged(tables: list[Table], *, reordered: bool = False) -> Said:

@@ -64,7 +64,11 @@ def _forcing(t, u, v, z, p):  # type: ignore[no-untyped-def]
 
 
 def _line_starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    return tuple((line, phase) for line in scales.line_frequencies for phase in (0.8, 2.4, 3.9, 5.5))
+    """Return the lines of all channels with the phases that a force may have beside that of a displacement's line."""
+    lines = [line for found in scales.lines.values() for line in found]
+    return tuple(
+        (f, (phase + quarter * 0.5 * pi) % (2.0 * pi)) for f, _, phase in lines for quarter in range(4)
+    )
 
 
 _RESOLVED = 0.25
