@@ -72,12 +72,7 @@ RIGS = (
     Record("ship", ("ship_roll/model_test_21337.csv", "ship_roll/model_test_21338.csv"), ROLL),
     Record("disc", ("spring_disc/release_1.csv", "spring_disc/release_2.csv")),
 )
-QUICK = (
-    EXAMPLES[0],
-    EXAMPLES[1],
-    EXAMPLES[2],
-    Record("hidden 14", ("tests/data/hidden/release_14.csv",)),
-)
+QUICK = (EXAMPLES[1], EXAMPLES[2], Record("hidden 14", ("tests/data/hidden/release_14.csv",)))
 
 
 @dataclass(frozen=True)
@@ -173,7 +168,7 @@ def environments() -> dict[str, dict[str, str]]:
     kernels = ["Prescott"]
     kernels += ["Haswell"] if "avx2" in flags else []
     kernels += ["SkylakeX"] if "avx512f" in flags else []
-    found = {"one thread": {"OPENBLAS_NUM_THREADS": "1"}, "eight threads": {"OPENBLAS_NUM_THREADS": "8"}}
+    found = {"eight threads, not one": {"OPENBLAS_NUM_THREADS": "8"}}
     if platform.machine() in ("x86_64", "AMD64"):
         found |= {f"kernel {kernel}": {"OPENBLAS_CORETYPE": kernel} for kernel in kernels}
     return found | {"machine code, generic": {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}}
@@ -250,10 +245,10 @@ class Said:
         return ("digits", "more lines") if len(mine) != len(others) else ("", "")
 
     def moved(self, other: "Said") -> float:
-        """Return the largest change of the evidence of a suspect that both print, nats."""
+        """Return the largest change of the evidence of a suspect that both print, as a share of it or of one nat."""
         others = dict(zip(other.suspects, other.evidence, strict=True))
-        both = [abs(e - others[s]) for s, e in zip(self.suspects, self.evidence, strict=True) if s in others]
-        return max(both, default=0.0)
+        both = zip(self.suspects, self.evidence, strict=True)
+        return max((abs(e - others[s]) / max(abs(e), 1.0) for s, e in both if s in others), default=0.0)
 
     def _compared(self, turned: bool, reordered: bool) -> list[str]:
         lines = [line.strip() for line in self.lines if line.strip()]
@@ -267,6 +262,13 @@ def unsigned(line: str) -> str:
     sides = re.sub(r"\b(?:positive|negative)\b", "either", line)
     plain = re.sub(r"(?<![\w)])[-+−](?=[\d.])", "", sides)
     return re.sub(r"phase (?:= )?[\d.]+", "phase", plain)
+
+
+def all_at_once(table: Table) -> Table:
+    """Return a table changed in every way but its sign."""
+    for change in (jittered, in_other_units, begun_later, in_another_order):
+        table = change(table)
+    return table
 
 
 def judged(tables: list[Table], *, reordered: bool = False) -> Said:
@@ -325,7 +327,7 @@ def all_said(quick: bool, only: str = "") -> dict[str, dict[str, Said]]:
         said.setdefault(title, {})[change] = told
     for name, environment in environments().items():
         print(f"judging all in another environment: {name}", file=sys.stderr, flush=True)
-        for title, told in _elsewhere(quick, only, environment):
+        for title, told in said_elsewhere(quick, only, environment):
             said[title][name] = told
     return said
 
@@ -341,7 +343,7 @@ def _in_this_process(quick: bool, only: str, *, changed: bool) -> Iterator[tuple
             yield record.title, name, judged(told, reordered=change is in_another_order)
 
 
-def _elsewhere(quick: bool, only: str, environment: dict[str, str]) -> Iterator[tuple[str, Said]]:
+def said_elsewhere(quick: bool, only: str, environment: dict[str, str]) -> Iterator[tuple[str, Said]]:
     command = [sys.executable, "-m", "bench.invariance", "--only", only, *(["--quick"] if quick else [])]
     result = subprocess.run(
         command,
@@ -355,10 +357,8 @@ def _elsewhere(quick: bool, only: str, environment: dict[str, str]) -> Iterator[
         raise RuntimeError(f"judging with {environment} failed: {result.stderr[-2000:]}")
     for line in result.stdout.splitlines():
         told = json.loads(line)
-        yield (
-            told["title"],
-            Said(told["verdict"], tuple(told["named"]), tuple(told["suspects"]), tuple(told["lines"])),
-        )
+        title = told.pop("title")
+        yield title, Said(**{name: tuple(v) if isinstance(v, list) else v for name, v in told.items()})
 
 
 def run(quick: bool) -> str:
@@ -375,16 +375,18 @@ def run(quick: bool) -> str:
             for kind in ("verdict", "suspects", "digits")
         ]
         moved = max(told["as it is"].moved(told[change]) for told in said.values())
-        rows.append(f"| {change} | {len(said)} | {' | '.join(str(n) for n in counts)} | {moved:.1g} |")
+        rows.append(
+            f"| {change} | {len(said)} | {' | '.join(str(n) for n in counts)} | {100.0 * moved:.1g} |"
+        )
     table = (
-        "| what is changed | records | other verdict or names | other order of suspects | other digits | evidence moves, nats |\n"
+        "| what is changed | records | other verdict or names | other order of suspects | other digits | evidence moves by, % |\n"
         "|---|---|---|---|---|---|\n"
     )
     rest = "".join(f"\n- {title}, {change}: {kind}: {where[:200]}" for title, change, kind, where in found)
     return (
         f"{table}{chr(10).join(rows)}\n\nThe {len(said)} records: the hidden releases, the examples, and a rig of each kind. Compared is all that "
         f"`station diagnose` prints of each; of turned signs the numbers without their signs. The last column is the largest change "
-        f"of the evidence of a printed suspect.{rest}"
+        f"of the evidence of a printed suspect, in % of it or of one nat, whichever is more.{rest}"
     )
 
 
