@@ -60,7 +60,9 @@ def choose(
     """
     removed = {c: before - left[c] for c in left}
     best = max(removed[c] for c in good)
-    near = central([c for c in good if removed[c] >= NEARLY * best])
+    near = central(
+        [c for c in sorted(good) if removed[c] >= NEARLY * best]
+    )  # some laws are alike to the last bit
     drifts = _drifts(laws, good, left, before, DRIFT_LEAVES if one_record else DRIFT_LEAVES_RELEASES)
     if drifts:
         return Choice(None, _names(laws, (*near, *drifts)), _names(laws, drifts))
@@ -89,7 +91,7 @@ def _drifts(
     least = max(min(ofamplitude, default=before), WORTH)
     return [
         c
-        for c in left
+        for c in sorted(left)
         if laws[c].term.effect.of_time
         and before - left[c] >= DRIFT_NEARLY * most
         and left[c] <= leaves * least

@@ -38,7 +38,7 @@ from identify.fitting.fit import Fit
 from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
 from identify.fitting.release_values import ReleaseValue, release_values
-from identify.fitting.segments import prepared_of, segments_of, what_was_used
+from identify.fitting.segments import largest_first, prepared_of, segments_of, what_was_used
 from identify.fitting.wandering_spring import Wander
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
@@ -59,8 +59,8 @@ class Diagnosis(Summarised):
     names a second effect when it takes two to reach the floor. `findings` are sensors' faults that are corrected in
     every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
     shows. `shape` is the free form, when something is missing that has no name. `confirmation` is what the curves of
-    the decay foretell, None where they were not asked. `decays` are the whole releases, prepared. `shares` say what each
-    effect of the final model does at the largest and at the smallest amplitude; none where the model misses something
+    the decay foretell, None where they were not asked. `decays` are the whole releases, the largest first. `shares` say
+    what each effect of the final model does at the largest and at the smallest amplitude; none where the model misses something
     without a name. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
     None where the floor itself decides. `modes` are other modes of the structure that what is left shows. Forces that
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
@@ -195,7 +195,8 @@ def diagnose(
     a guess half a percent is asked in any case. `progress` is told each step in words, counted where it has a known number
     of fits. Raises NotIdentifiable when a release holds too little to fit anything.
     """
-    whole = prepared_of(decays)
+    given = prepared_of(decays)
+    whole = tuple(given[i] for i in largest_first(given))
     first = fit_baseline(segments_of(whole), model or base_model(), known)
     whole = tuple(with_floor(prepared, first.spread) for prepared in whole)
     baseline, judgement = _searched(first, whole, library, progress)

@@ -32,6 +32,9 @@ ALPHA = 0.02
 ALPHA_GUESSED = 2e-4
 """The same where the floor could only be guessed: on such records nothing weak is claimed."""
 
+_SETTLED = 1e-4
+"""Gain of chi-square that ends a fit whose numbers are stated: where it began does not show in their digits."""
+
 _LOUD = 2.0
 """Density of a residual at the motion's frequency, over the noise's, from which on a guessed floor does not excuse it."""
 
@@ -162,7 +165,8 @@ def refit_at_floor(decays: tuple[PreparedDecay, ...], found: Fit) -> Baseline:
     known = tuple(prepared.noise for prepared in decays)
     floors = refine_floor(found, known, noise_colours(decays, found))
     windows = tuple(floor.on(window) for floor, window in zip(floors, found.windows, strict=True))
-    return Baseline(decays, fit(found.model, windows, found.point, found.frequency, near=True), floors)
+    settled = fit(found.model, windows, found.point, found.frequency, near=True, tolerance=_SETTLED)
+    return Baseline(decays, settled, floors)
 
 
 def with_noise_beside(baseline: Baseline, found: Fit) -> Baseline:

@@ -13,8 +13,8 @@ MOST_STEPS = 40
 _TRIALS = 12
 _CONFIRMATIONS = 3
 _CREEPS = 0.02
-_LITTLE = 0.002
-"""Share of a misfit far above the noise: a fit that gains less in each of three steps ends."""
+_LITTLE = 0.1
+"""Share of a misfit far above the noise, times the tolerance: a fit that gains less in each of three steps ends."""
 
 _UNDAMPED = 1e-3
 _SINGULAR = 1e-12
@@ -88,7 +88,7 @@ def minimise(
         if step is None:
             settled = True
             break
-        small = small + 1 if problem.longer > 1.0 and step.gained < _LITTLE * cost else 0
+        small = small + 1 if problem.longer > 1.0 and step.gained < _LITTLE * tolerance * cost else 0
         settled = small > 2 or step.gained < _least(tolerance, step.cost, problem, len(residual))
         before, theta, residual, cost = (theta, residual), step.theta, step.residual, step.cost
         slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0

@@ -45,6 +45,11 @@ def prepared_of(
     return tuple(prepare(decay) if isinstance(decay, FreeDecay) else decay for decay in given)
 
 
+def largest_first(decays: Sequence[PreparedDecay]) -> tuple[int, ...]:
+    """Return the places of releases by falling amplitude: what is said of them does not hang on how they were given."""
+    return tuple(sorted(range(len(decays)), key=lambda i: -decays[i].amplitude))
+
+
 def segments_by_release(decays: Sequence[PreparedDecay]) -> tuple[tuple[int, ...], ...]:
     """Return, for each release, the places that its segments have in `segments_of`."""
     found: list[tuple[int, ...]] = []

@@ -6,6 +6,7 @@ from pathlib import Path
 from daq.session import Session
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
+from identify.fitting.segments import largest_first
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.record_floor import prepare_with_floor
@@ -17,7 +18,7 @@ MOST_SESSIONS = 12
 
 @dataclass(frozen=True, eq=False)
 class SessionSet:
-    """The sessions that the operator named, and the release of each, ready to be fitted."""
+    """The sessions that the operator named, and the release of each, ready to be fitted, the largest first."""
 
     sessions: tuple[Session, ...]
     decays: tuple[PreparedDecay, ...]
@@ -31,7 +32,7 @@ class SessionSet:
 def open_sessions(
     arguments: tuple[str, ...], settings: Settings, gain_percent: float | None = None
 ) -> SessionSet:
-    """Open sessions (or data files, which are imported) and prepare their releases.
+    """Open sessions (or data files, which are imported) and prepare their releases, the largest first.
 
     `gain_percent` replaces what the sensors' certificates say. Raises UsageProblem when the sessions do not
     belong together, NotIdentifiable when one holds too little.
@@ -44,7 +45,8 @@ def open_sessions(
         raise UsageProblem("one session was given twice; each release counts once")
     decays = tuple(prepare_with_floor(session, settings, gain_percent) for session in sessions)
     _check_alike(sessions, decays)
-    return SessionSet(sessions, decays)
+    order = largest_first(decays)
+    return SessionSet(tuple(sessions[i] for i in order), tuple(decays[i] for i in order))
 
 
 def _check_alike(sessions: tuple[Session, ...], decays: tuple[PreparedDecay, ...]) -> None:
