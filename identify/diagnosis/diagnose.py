@@ -60,8 +60,8 @@ class Diagnosis(Summarised):
     every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
     shows. `shape` is the free form, when something is missing that has no name. `confirmation` is what the curves of
     the decay foretell, None where they were not asked. `decays` are the whole releases, the largest first. `shares` say
-    what each effect of the final model does at the largest and at the smallest amplitude; none where the model misses something
-    without a name. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
+    what each effect of the final model does at the largest and at the smallest amplitude; none where something without a
+    name is missing. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
     None where the floor itself decides. `modes` are other modes of the structure that what is left shows. Forces that
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
     `wander` is a slow walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.

@@ -118,9 +118,12 @@ def _difference(
 
     With each comes its largest value; what is not finite counts as no change.
     """
-    unknown, size = problem.unknowns[j], problem.steps[j]
+    unknown, here = problem.unknowns[j], start.theta[j]
+    away = (
+        -problem.steps[j] if here < 0.0 else problem.steps[j]
+    )  # from zero: alike where a motion is turned over
     moved = start.theta.copy()
-    moved[j] += -size if start.theta[j] + size > problem.high[j] else size
+    moved[j] += away if problem.low[j] <= here + away <= problem.high[j] else -away
     step = float(moved[j] - start.theta[j])
     changes = []
     for i in windows:

@@ -8,6 +8,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.compiled import PARAMETERS
+from identify.effects.effect import Parameter
 from identify.effects.force_effect import LinearPart
 from identify.effects.sensor_fault import SensorFault
 from identify.model.model import Model, Term
@@ -184,7 +185,7 @@ class _Builder:
                 at = self.add(
                     term.parameter(parameter.name),
                     in_unit(parameter.unit, self.unit),
-                    size=0.0 if part is None else sizes[part],
+                    size=_size_of(parameter) if part is None else sizes[part],
                     low=parameter.low,
                     high=parameter.high,
                 )
@@ -273,6 +274,7 @@ class _Builder:
                 self.add(
                     term.parameter(parameter.name).of_release(i, self.count),
                     parameter.unit.replace("reading", reading),
+                    size=_size_of(parameter),
                     low=parameter.low,
                     high=parameter.high,
                     window=i,
@@ -282,6 +284,11 @@ class _Builder:
             ]
             found.append(FaultPlaces(term.fault, term.channel, places))
         return tuple(found)
+
+
+def _size_of(parameter: Parameter) -> float:
+    """Return the natural size of a parameter: 1 rad for a phase, 0 for what is as large as its value itself."""
+    return 1.0 if parameter.unit == "rad" else 0.0
 
 
 def amplitude_of(window: FitWindow, w: float) -> float:
