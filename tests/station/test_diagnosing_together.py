@@ -17,11 +17,12 @@ STIFFNESS = 613.6
 
 @pytest.fixture(scope="module")
 def sessions(tmp_path_factory):
-    """Sessions of one bench ("a", "b"), of a softer spring ("soft") and of quite another ("stiff")."""
+    """Sessions of one bench ("a", "b"), of a softer spring ("soft") and of quite another ("stiff"); "a" is the largest."""
     folder = tmp_path_factory.mktemp("together")
     benches = {"a": 1.0, "b": 1.0, "soft": 0.969, "stiff": 3.0}
     for seed, (name, factor) in enumerate(benches.items()):
-        made = draw(None, 0.0, seed, stiffness=factor * STIFFNESS, mu_0=0.13, mu_1=0.29, seconds=3.0)
+        rig = {"stiffness": factor * STIFFNESS, "mu_0": 0.13, "mu_1": 0.29, "seconds": 3.0}
+        made = draw(None, 0.0, seed, amplitude=0.025 if name == "a" else 0.02, **rig)
         make_session(folder / name, made.rate, np.array([made.displacement, made.acceleration]))
     return folder
 
@@ -34,6 +35,10 @@ def test_sessions_of_one_bench_are_said_to_share_it(sessions):
     said = []
     assert physics_shared(opened(sessions, "a", "b"), False, said.append).differences == ()
     assert said == ["the 2 sessions share stiffness and friction, as far as each alone can say"]
+
+
+def test_the_largest_release_comes_first_in_whatever_order_they_are_given(sessions):
+    assert opened(sessions, "soft", "a").names == opened(sessions, "a", "soft").names == ("a", "soft")
 
 
 def test_a_single_session_is_not_looked_at(sessions):
