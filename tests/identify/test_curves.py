@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from identify.curves import confirm
 from identify.curves.averaged_law import law_of
 from identify.curves.curve_regression import CurveRegression
 from identify.curves.decay_curve import DecayCurve
@@ -158,17 +157,6 @@ def test_what_three_releases_share_foretells_the_one_left_out():
     assert (
         found.effects[0].leads >= 0.9 * found.effects[0].resamplings
     )  # nothing else moves three releases alike
-
-
-@pytest.mark.slow
-def test_an_effect_that_leads_in_fewer_than_half_of_the_drawings_is_not_named(monkeypatch):
-    monkeypatch.setattr(
-        confirm, "leaders", lambda search, contenders, *given: (contenders[0].column, None, None)
-    )
-    found = confirmed((displacement_only("quadratic_damping", 0.03, 11, amplitude=0.02, mu_0=0.01),))
-    assert found.names == ()
-    assert found.unstable["loss"][""] == 2
-    assert len(found.undecided["loss"]) == 1
 
 
 def test_strengths_keep_their_bounds():
