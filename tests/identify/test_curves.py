@@ -229,7 +229,7 @@ def test_a_stiffness_that_settles_is_followed_along_the_record(tau):
     assert np.abs(centre).max() < 1e-9
 
 
-@pytest.mark.parametrize("unit", [1.0, 3e4])
+@pytest.mark.parametrize("unit", [pytest.param(1.0, marks=pytest.mark.slow), 3e4])
 def test_a_one_sided_spring_is_known_by_its_centre_and_not_taken_for_a_cubic_one(unit):
     sample = draw("quadratic_stiffness", 0.15, 4, amplitude=0.02, mu_0=0.01)
     found = confirmed((prepare(FreeDecay(sample.rate, displacement=unit * sample.displacement)),))

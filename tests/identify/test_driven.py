@@ -67,7 +67,7 @@ def test_a_driven_duffing_oscillator_asks_for_its_cubic_spring_and_for_no_fricti
 
 
 def test_a_driven_linear_oscillator_lacks_nothing():
-    assert diagnose((linear(4, mass=MASS),)).verdict == "nothing_missing"
+    assert diagnose((linear(4, seconds=4.0, mass=MASS),)).verdict == "nothing_missing"
 
 
 def test_the_mass_behind_a_force_is_found():

@@ -35,7 +35,7 @@ def test_a_decay_in_a_tenth_of_noise_is_followed_far_down(channel: str) -> None:
     assert cycles > 8.0
 
 
-@pytest.mark.parametrize("channel", list(SIZES))
+@pytest.mark.parametrize("channel", ["displacement", pytest.param("acceleration", marks=pytest.mark.slow)])
 def test_in_a_decay_with_a_tenth_of_noise_nothing_is_missing(channel: str) -> None:
     found = diagnose(decay(channel, 0.1))
     assert found.verdict == "nothing_missing"

@@ -65,8 +65,13 @@ def test_every_effect_and_every_sensor_fault_of_the_table_can_be_hidden():
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", [*LIBRARY, *OUTSIDE_THE_LIBRARY, *BETWEEN_THE_NAMES])
-@pytest.mark.parametrize("strength", [0.0003, 0.01])
+@pytest.mark.parametrize(
+    ("name", "strength"),
+    [
+        *((name, 0.01) for name in (*LIBRARY, *OUTSIDE_THE_LIBRARY, *BETWEEN_THE_NAMES)),
+        *((name, 0.0003) for name in ("cubic_stiffness", "freeplay", "coulomb_friction")),
+    ],
+)
 def test_a_hidden_force_has_the_strength_asked_for(name, strength):
     truth = draw(name, strength, 11).truth
     effect = Effect(name, truth["parameters"])
