@@ -1,12 +1,17 @@
 """Names off the floor: where the noise is not known, or small forces hide it, a right name and no wrong one."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 
 from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import find_effect
 from identify.free_decay import FreeDecay
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
 @pytest.mark.parametrize("name", ["pendulum_stiffness", "cubic_stiffness"])
@@ -25,6 +30,14 @@ def test_a_spring_leads_though_the_noise_is_unknown_and_small_forces_are_beside_
     assert found.suspects[0].effect.name == name
     # Gravity's strength is foretold by the spring; a cubic's is not, and a record alone need not vouch for it.
     assert found.named in (((name,),) if name == "pendulum_stiffness" else ((name,), ()))
+
+
+def test_drag_that_large_amplitudes_predict_for_small_ones_is_named_on_a_recorded_disc():
+    position = np.loadtxt(EXAMPLES / "spring_disc.csv", delimiter=";", skiprows=1)[:, 1]
+    names = ("quadratic_damping", "cubic_damping", "cubic_stiffness", "settling_stiffness")
+    found = diagnose(FreeDecay(100.0, position), library=tuple(find_effect(name) for name in names))
+    assert found.named == ("quadratic_damping",)
+    assert "the error of its prediction falls" in found.explanation
 
 
 def test_a_misfit_that_is_next_to_nothing_is_not_something_missing():
@@ -79,3 +92,24 @@ def test_of_a_name_whose_strength_is_unknown_no_numbers_are_stated():
     known = {suspect.effect.name: suspect.strength_known for suspect in found.suspects}
     assert not known["second_mass"]
     assert known["cubic_stiffness"]  # of a strength alone the error says all
+
+
+def test_noise_that_swings_by_itself_is_no_decay_and_what_to_look_at_is_said():
+    """White noise through a resonance damped to a tenth in eleven readings; a floor that is guessed as large excuses all."""
+    springs = tuple(find_effect(n) for n in ("cubic_stiffness", "quadratic_damping", "harmonic_forcing"))
+    found = []
+    for seed in (1, 3, 4):
+        noise = np.random.default_rng(seed).standard_normal(1500)
+        swinging = lfilter([1.0], [1.0, -np.exp(-0.2 + 0.3j)], noise).real
+        found.append(diagnose(FreeDecay(50.0, swinging), library=springs))
+    assert {one.named for one in found} == {()}
+    drowned = [one for one in found if one.verdict == "not_enough_data"]
+    assert any("is this the column and the part that swings freely?" in one.explanation for one in drowned)
+
+
+def test_fewer_than_five_cycles_tell_no_effects_apart():
+    time = np.arange(230) / 50.0  # 4.6 cycles, where 5 are asked for
+    u = np.exp(-0.05 * time) * np.cos(2.0 * np.pi * time)
+    found = diagnose(FreeDecay(50.0, u + 1e-3 * np.random.default_rng(1).standard_normal(len(time))))
+    assert (found.verdict, found.named) == ("not_enough_data", ())
+    assert found.explanation.startswith("Fewer than five cycles")
