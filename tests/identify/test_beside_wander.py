@@ -40,9 +40,10 @@ def test_white_noise_shows_no_wander():
     assert wander.evidence < 0.0  # the odds are against one
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "seed"),
-    [pytest.param("wandering_stiffness", 3, marks=pytest.mark.slow), ("wandering_damping", 1)],
+    [("wandering_stiffness", 3), ("wandering_damping", 1)],
 )
 def test_no_law_is_named_that_follows_a_walk(name, seed):
     prepared, _ = release(name, 0.0003, seed)

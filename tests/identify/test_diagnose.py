@@ -28,9 +28,10 @@ def test_another_programs_release_is_diagnosed_rightly_and_reaches_the_floor():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "effect",
-    ["end_stop", *(pytest.param(name, marks=pytest.mark.slow) for name in ("hysteresis", "second_mass"))],
+    ["end_stop", "hysteresis", "second_mass"],
 )
 def test_an_effect_hidden_in_the_double_is_named_first(effect):
     prepared, truth = drawn(effect, 0.01, seed=41)
