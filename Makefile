@@ -7,7 +7,10 @@ TOOLS := $(VENV)/.installed-dev
 WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 INSTALL := STATION_VENV=$(VENV) $(PYTHON) install.py
 
-.PHONY: help install launcher demo test slow check bench docs clean
+DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, diagnose explanation few_releases judgement \
+  line_beside off_the_floor own_linear places release_by_release shares user_effects))
+
+.PHONY: help install launcher demo test slow check kernel bench docs clean
 
 help:  ## what can be made
 	@grep -hE '^[a-z]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -40,6 +43,10 @@ test: $(TOOLS)  ## all tests
 
 slow: $(TOOLS)  ## the tests that take long
 	$(BIN)/pytest $(WORKERS) -m slow
+
+kernel: $(TOOLS)  ## diagnoses on other arithmetic: linear algebra without AVX, compiled code for any x86-64
+	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic NUMBA_CACHE_DIR=$(CURDIR)/build/kernel \
+	  $(BIN)/pytest $(WORKERS) $(DIAGNOSES)
 
 bench: $(TOOLS)  ## the long proofs; results go to docs/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'

@@ -92,6 +92,28 @@ def _hidden(folder: Path) -> str:
     )
 
 
+def _readings() -> str:
+    """Return how each file is read, of those that need no options; what changes here was read otherwise before."""
+    from daq.importing import ImportProblem, read_runs
+
+    lines = ["| file | read as | rate, Hz | readings |", "|---|---|---|---|"]
+    for file in sorted(
+        path for path in DATA.rglob("*.*") if path.suffix not in (".md", "") and path.name != "truth.json"
+    ):
+        name = file.relative_to(DATA).as_posix()
+        try:
+            runs = read_runs(file)
+        except ImportProblem as problem:
+            lines.append(
+                f"| {name} | asks for: {' '.join(problem.options) or str(problem).split(': ', 1)[-1]} | | |"
+            )
+            continue
+        channels = ", ".join(f"{channel.quantity} in {channel.unit}" for channel in runs[0].channels)
+        lengths = ", ".join(str(run.samples.shape[1]) for run in runs)
+        lines.append(f"| {name} | {channels} | {runs[0].rate:.6g} | {lengths} |")
+    return "\n".join(lines)
+
+
 def _right(hidden: str | None, verdict: str, named: set[str]) -> bool:
     from identify.effects.library import LIBRARY
 
@@ -121,4 +143,6 @@ def run(quick: bool) -> str:
         + "\n\nMotion error: free run of a dozen cycles or of the whole decay, rms of the misfit over that of the reading. Floors of real "
         "records are what the rest or the band above the motion shows; slow errors of a sensor lie above it, so that chi-square does not reach 1."
         + hidden
+        + "\n\nHow each file is read without options:\n\n"
+        + _readings()
     )

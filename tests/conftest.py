@@ -1,14 +1,17 @@
 """What all tests share: compiled code is made once, and tests that share what is slow to make stay together."""
 
+import base64
 import os
 import subprocess
 import sys
+from io import BytesIO
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: there is a worker a core
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # each of the hundred programs would read all sources again
 
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")  # the same draws in every run; `python -m bench fuzz` looks for new ones
@@ -48,3 +51,18 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def _place(folder: str) -> int:
     return SLOWEST_FIRST.index(folder) if folder in SLOWEST_FIRST else len(SLOWEST_FIRST)
+
+
+DOT = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
+)
+
+
+@pytest.fixture
+def unrendered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a figure be saved as one dot where no test looks at it: rendering takes nine tenths of a capture."""
+
+    def save(figure: object, buffer: BytesIO, **_: object) -> None:
+        buffer.write(DOT)
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", save)

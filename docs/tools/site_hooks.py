@@ -48,8 +48,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Write tables as Python-Markdown reads them."""
-    return with_bars_in_code(markdown)
+    """Lead links to notebooks to their pages, and write tables as Python-Markdown reads them."""
+    return with_bars_in_code(with_pages_of_notebooks(markdown))
 
 
 def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
@@ -77,6 +77,11 @@ def with_links_of_the_site(text: str) -> str:
     for source, page in ROOT_PAGES.items():
         text = text.replace(f"]({source}", f"]({page}")
     return text.replace("](docs/", "](")
+
+
+def with_pages_of_notebooks(markdown: str) -> str:
+    """Return a page whose links to notebooks of the repository lead to the pages that are made of them."""
+    return re.sub(r"(\]\([^)\s:]+)\.ipynb(?=[)#])", r"\1.md", markdown)
 
 
 def with_bars_in_code(markdown: str) -> str:

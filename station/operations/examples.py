@@ -1,6 +1,5 @@
 """The examples: recordings that come with the station, for whoever has no board."""
 
-import sysconfig
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,8 +9,8 @@ from daq.session_info import SessionInfo
 from station.exits import UsageProblem
 from station.suggestions import did_you_mean
 
-IN_A_CLONE = Path(__file__).resolve().parents[2] / "examples"
-INSTALLED = Path(sysconfig.get_path("data")) / "share" / "free-decay-station" / "examples"
+PLACES = ("examples", "share/free-decay-station/examples")
+"""Where the recordings lie, from a folder above this file: in a clone, and where a wheel puts them."""
 
 
 @dataclass(frozen=True)
@@ -50,11 +49,16 @@ def example(name: str) -> Example:
 
 
 def examples_folder() -> Path:
-    """Return the folder that holds the recordings: that of the clone, else the one that was installed."""
-    for folder in (IN_A_CLONE, INSTALLED):
+    """Return the folder that holds the recordings: that of the clone, else the one that was installed.
+
+    It is looked for upwards from here, so that it is found in an environment, in a user's folder (`pip install --user`)
+    and in any other (`--target`).
+    """
+    above = Path(__file__).resolve().parents
+    for folder in (parent / place for parent in above for place in PLACES):
         if (folder / EXAMPLES[0].file).is_file():
             return folder
-    raise UsageProblem(f"the examples are not here (looked in {IN_A_CLONE} and {INSTALLED})")
+    raise UsageProblem(f"the examples were not installed (looked in {' and '.join(PLACES)} above {above[0]})")
 
 
 def open_example(name: str, sessions: Path) -> Session:

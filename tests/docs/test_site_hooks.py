@@ -62,6 +62,12 @@ def test_links_of_root_pages_are_those_among_the_pages_of_the_site(tools):
     assert tools["site_hooks"].with_links_of_the_site(text) == expected
 
 
+def test_a_link_to_a_notebook_leads_to_its_page(tools):
+    text = "[the\ntutorial](tutorial.ipynb), [a part](tutorial.ipynb#part), [theirs](https://x.example/a.ipynb), `b.ipynb`"
+    shown = "[the\ntutorial](tutorial.md), [a part](tutorial.md#part), [theirs](https://x.example/a.ipynb), `b.ipynb`"
+    assert tools["site_hooks"].on_page_markdown(text, None, None, None) == shown
+
+
 def test_an_escaped_bar_in_the_code_of_a_table_is_shown_as_a_bar(tools):
     text = "| `v \\|v\\|` | a \\| b |\nno row: `\\|`"
     assert tools["site_hooks"].with_bars_in_code(text) == "| `v |v|` | a \\| b |\nno row: `\\|`"

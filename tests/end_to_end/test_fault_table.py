@@ -13,6 +13,14 @@ ROWS = promises()
 # Each row on one line, in turn; on both where the line itself is at fault. `python -m bench trust` injects every
 # row on each of its lines, in real time and with several seeds.
 ON_BOTH = ("unplug", "unplug and replug")
+OF_THE_SAME_KIND = (  # as flipped bits, lost frames and a bumped table, which are injected here
+    "lost bytes",
+    "inserted bytes",
+    "duplicated bytes",
+    "reordered bytes",
+    "a frame cut",
+    "a frame twice",
+)
 LONG = (
     "a slow line",
     "a second program on the socket",
@@ -22,7 +30,10 @@ LONG = (
 )
 CASES = [
     pytest.param(
-        row, line, id=f"{row.fault} on {line}", marks=[pytest.mark.slow] if row.fault in LONG else []
+        row,
+        line,
+        id=f"{row.fault} on {line}",
+        marks=[pytest.mark.slow] if row.fault in (*LONG, *OF_THE_SAME_KIND) else [],
     )
     for number, row in enumerate(ROWS)
     for line in (row.lines if row.fault in ON_BOTH else (row.lines[number % len(row.lines)],))

@@ -86,11 +86,11 @@ def test_damaged_bytes_never_give_a_message_that_was_not_sent(
     assert {repr(frame) for frame in got} <= honest
 
 
-def test_a_hundred_thousand_damaged_frames_give_none_that_was_not_sent() -> None:
+def test_twenty_thousand_damaged_frames_give_none_that_was_not_sent() -> None:
     # Hypothesis looks for odd cases; this looks for rare ones. One in 2**32 would be chance.
     rng = random.Random(1)
     decoder, wrong, passed = Decoder(), 0, 0
-    for i in range(100_000):
+    for i in range(20_000):
         message = Data(i * 8, i, 0, 8, 2, SampleFormat.I16, rng.randbytes(32))
         wire = bytearray(encode(message, i))
         for _ in range(rng.randint(1, 3)):
@@ -103,8 +103,8 @@ def test_a_hundred_thousand_damaged_frames_give_none_that_was_not_sent() -> None
             passed += 1
             wrong += frame != Frame(i, 0, message)
     assert wrong == 0
-    assert decoder.statistics.damaged > 99_000
-    assert passed < 100
+    assert decoder.statistics.damaged > 19_800
+    assert passed < 20
 
 
 @given(sent, st.integers(0, 100_000))

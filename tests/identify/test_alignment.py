@@ -57,7 +57,7 @@ def test_from_rest_to_rest_the_lag_is_known_within_four_microseconds() -> None:
     assert 0.75 < rms(gain[:, 0] / gain[:, 1]) < 1.3
 
 
-@pytest.mark.parametrize(("start", "stop"), [(256, 768), (256, None), (256, 384), (0, 500)])
+@pytest.mark.parametrize(("start", "stop"), [(256, None), (256, 384)])
 def test_in_mid_decay_the_lag_is_known_within_twenty_microseconds(start: int, stop: int | None) -> None:
     lag, _ = errors([drawn(seed) for seed in range(100, 112)], start, stop)
     assert rms(lag[:, 0]) < 20e-6

@@ -1,6 +1,5 @@
 """A spring and damper that wander: how strong a walk is found, and that no law is named that only follows one."""
 
-import numpy as np
 import pytest
 from releases import ready
 
@@ -27,15 +26,12 @@ def walk(truth, name):
     ("name", "found"), [("wandering_stiffness", "stiffness"), ("wandering_damping", "damping")]
 )
 def test_the_strength_of_a_walk_is_found(name, found):
-    ratios = []
-    for seed in (1, 3):
-        prepared, truth = release(name, 0.0003, seed)
-        wander = wander_beside(fit_baseline((prepared,), base_model()).fit)
-        assert wander.evidence > 10.0
-        assert wander.reduced < 1.1
-        ratios.append(getattr(wander, found) / walk(truth, name))
-    # One walk of eight seconds tells its strength to about a factor of two, and so the mean of two.
-    assert 0.5 < np.exp(np.mean(np.log(ratios))) < 2.0
+    prepared, truth = release(name, 0.0003, 1)
+    wander = wander_beside(fit_baseline((prepared,), base_model()).fit)
+    assert wander.evidence > 10.0
+    assert wander.reduced < 1.1
+    # One walk of eight seconds tells its strength to about a factor of two.
+    assert 1.0 / 3.0 < getattr(wander, found) / walk(truth, name) < 3.0
 
 
 def test_white_noise_shows_no_wander():
@@ -44,7 +40,11 @@ def test_white_noise_shows_no_wander():
     assert wander.evidence < 0.0  # the odds are against one
 
 
-@pytest.mark.parametrize(("name", "seed"), [("wandering_stiffness", 3), ("wandering_damping", 1)])
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [("wandering_stiffness", 3), ("wandering_damping", 1)],
+)
 def test_no_law_is_named_that_follows_a_walk(name, seed):
     prepared, _ = release(name, 0.0003, seed)
     found = diagnose((prepared,))
@@ -64,6 +64,7 @@ def test_a_line_does_not_vouch_for_a_law_that_follows_a_walk_beside_it(seed):
 def test_what_is_not_told_from_a_wander_is_said_with_its_size():
     prepared, _ = release("wandering_stiffness", 0.0003, 1)
     found = diagnose((prepared,))
+    assert (found.verdict, found.named) == ("unknown_effect", ())
     assert found.wander is not None
     assert found.wander.stiffness > 0.0
     assert (
@@ -72,7 +73,7 @@ def test_what_is_not_told_from_a_wander_is_said_with_its_size():
     assert "together" in found.next_experiment
 
 
-@pytest.mark.parametrize("name", ["cubic_stiffness", "freeplay"])
+@pytest.mark.parametrize("name", [pytest.param("cubic_stiffness", marks=pytest.mark.slow), "freeplay"])
 def test_a_law_that_is_there_is_named_beside_a_wander_and_nothing_with_it(name):
     prepared, truth = release(f"{name}+wandering_stiffness", (0.01, 0.0003), 8)
     found = diagnose((prepared,))

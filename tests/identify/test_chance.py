@@ -80,16 +80,6 @@ def test_a_record_turned_over_gets_its_draws_turned_over():
     assert np.array_equal(noise_beside(-1.0), -noise_beside(1.0))
 
 
-def test_a_presence_is_drawn_so_weak_that_it_is_in_proportion(monkeypatch):
-    """A cubic spring moves the phase of 30 cycles: a thousandth of the force leaves mostly what is of second order."""
-    prepared, _, found = fitted()
-    stiffness = (Term(find_effect("cubic_stiffness")),)
-    usual = null_distribution((prepared,), found, stiffness, seed=1).drops["cubic_stiffness"]
-    monkeypatch.setattr(module, "_PROBE", 0.1 * module._PROBE)
-    weaker = null_distribution((prepared,), found, stiffness, seed=1).drops["cubic_stiffness"]
-    np.testing.assert_allclose(usual, weaker, atol=0.05)
-
-
 def test_a_stop_is_drawn_on_either_side_where_a_cycle_has_many_readings():
     """Of 0.5 Hz at 400 Hz, let go at one side, two hundred readings do not reach the other."""
     time = np.arange(3200) / 400.0

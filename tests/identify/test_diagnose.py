@@ -28,8 +28,10 @@ def test_another_programs_release_is_diagnosed_rightly_and_reaches_the_floor():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    "effect", ["end_stop", pytest.param("hysteresis", marks=pytest.mark.slow), "second_mass"]
+    "effect",
+    ["end_stop", "hysteresis", "second_mass"],
 )
 def test_an_effect_hidden_in_the_double_is_named_first(effect):
     prepared, truth = drawn(effect, 0.01, seed=41)
@@ -48,9 +50,7 @@ def test_an_effect_hidden_in_the_double_is_named_first(effect):
     "fault",
     [
         "clipping",
-        pytest.param("mains_hum", marks=pytest.mark.slow),
-        pytest.param("dropouts", marks=pytest.mark.slow),
-        "channel_gain",
+        *(pytest.param(n, marks=pytest.mark.slow) for n in ("mains_hum", "dropouts", "channel_gain")),
     ],
 )
 def test_a_faulty_sensor_is_not_called_physics(fault):
@@ -69,9 +69,8 @@ def test_a_drift_that_a_creeping_force_would_explain_as_well_is_told_by_the_rest
 
 
 def test_nothing_is_claimed_where_nothing_is_hidden():
-    # At most 5 % false claims are promised: the bench counts them on 200 draws, here are two.
-    verdicts = [diagnose((drawn(None, 0.0, seed)[0],)).verdict for seed in (300, 301)]
-    assert verdicts == ["nothing_missing", "nothing_missing"]
+    # At most 5 % false claims are promised: the bench counts them on 200 draws, here is one.
+    assert diagnose((drawn(None, 0.0, 300)[0],)).verdict == "nothing_missing"
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 
 from identify.comparison.compare import compare_fitted
 from identify.diagnosis.diagnose import diagnose
+from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
@@ -67,7 +68,16 @@ def test_a_driven_duffing_oscillator_asks_for_its_cubic_spring_and_for_no_fricti
 
 
 def test_a_driven_linear_oscillator_lacks_nothing():
-    assert diagnose((linear(4, mass=MASS),)).verdict == "nothing_missing"
+    tried = (
+        "cubic_stiffness",
+        "quadratic_damping",
+        "stribeck_friction",
+        "second_mass",
+        "channel_lag",
+        "offset_drift",
+    )
+    library = tuple(find_effect(name) for name in tried)
+    assert diagnose((linear(4, mass=MASS),), library=library).verdict == "nothing_missing"
 
 
 def test_the_mass_behind_a_force_is_found():

@@ -21,6 +21,11 @@ def diagnosis(decay: identify.FreeDecay) -> identify.Diagnosis:
     return identify.diagnose(decay)
 
 
+@pytest.fixture(scope="module")
+def ladder(diagnosis: identify.Diagnosis) -> identify.Ladder:
+    return diagnosis.refine()
+
+
 def test_importing_the_package_imports_nothing_heavy():
     heavy = "[m for m in sys.modules if m.split('.')[0] in ('numpy', 'scipy', 'numba')]"
     run = subprocess.run(
@@ -39,9 +44,10 @@ def test_every_public_name_is_there_and_no_other():
         identify.read  # noqa: B018
 
 
-def test_two_arrays_lead_to_the_hidden_effect_and_to_the_floor(diagnosis: identify.Diagnosis):
+def test_two_arrays_lead_to_the_hidden_effect_and_to_the_floor(
+    diagnosis: identify.Diagnosis, ladder: identify.Ladder
+):
     assert diagnosis.named == ("cubic_stiffness",)
-    ladder = diagnosis.refine()
     assert [rung.at_floor for rung in ladder.rungs] == [False, True]
     assert ladder.rungs[1].added == "cubic_stiffness"
 
@@ -60,7 +66,7 @@ def test_both_methods_take_a_decay_whose_release_nobody_has_located(decay: ident
 
 
 def test_every_result_prints_itself_in_a_screenful_and_as_a_table(
-    decay: identify.FreeDecay, diagnosis: identify.Diagnosis
+    decay: identify.FreeDecay, diagnosis: identify.Diagnosis, ladder: identify.Ladder
 ):
     results = (
         decay,
@@ -70,7 +76,7 @@ def test_every_result_prints_itself_in_a_screenful_and_as_a_table(
         identify.identify_restoring_force(decay),
         identify.compare(decay),
         diagnosis,
-        diagnosis.refine(),
+        ladder,
     )
     for result in results:
         text = repr(result)

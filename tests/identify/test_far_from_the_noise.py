@@ -5,10 +5,8 @@ import pytest
 from releases import drawn
 
 from identify.effects.library import find_effect
-from identify.fitting import levenberg_marquardt
 from identify.fitting.fit import fit
 from identify.fitting.initial_values import initial_values
-from identify.fitting.levenberg_marquardt import _Step, minimise
 from identify.fitting.problem import Problem
 from identify.model.model import Term, base_model
 from identify.preprocessing.fit_window import FitWindow
@@ -94,19 +92,3 @@ def test_a_fit_that_stays_far_off_is_that_of_all_readings():
     assert found.windows[0] is prepared.window
     misfit = Problem(model, (prepared.window,), prepared.frequency).residuals(found.theta)
     assert found.chi_square == pytest.approx(misfit @ misfit, rel=1e-3)
-
-
-@pytest.mark.parametrize(("far", "taken"), [(True, 3), (False, 9)])
-def test_steps_that_gain_a_thousandth_are_gone_on_with_near_the_noise_only(monkeypatch, far, taken):
-    *both, theta, _, _ = problems("cubic_stiffness")
-    problem, steps = both[far], []
-
-    def creeping(problem, theta, residual, *rest):
-        steps.append(theta)
-        cost = float(residual @ residual)
-        return _Step(theta, residual * np.sqrt(0.999), 0.999 * cost, 0.001 * cost, 0.001 * cost, 1e-3)
-
-    monkeypatch.setattr(levenberg_marquardt, "_step", creeping)
-    monkeypatch.setattr(levenberg_marquardt, "_least", lambda *_: 0.0)
-    assert minimise(problem, theta, steps=9).settled is far
-    assert len(steps) == taken

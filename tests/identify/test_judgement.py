@@ -1,15 +1,11 @@
-"""The judgement: rivals are claimed and as good; a pair is named only where it is better than the best single effect."""
+"""The judgement: a weak fault needs a sure floor, and what is sure but small is named or not as was asked."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-import pytest
 from releases import drawn
 
-from identify.diagnosis import several_effects
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.judgement import judge
-from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, rank, rivals_of
-from identify.diagnosis.search import Pair, chances, singles
 from identify.effects.library import LIBRARY, find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.corrected_faults import CorrectedFault
@@ -17,40 +13,6 @@ from identify.fitting.model_error import motion_percent
 from identify.model.model import Term, base_model
 
 FORCES = tuple(find_effect(name) for name in ("cubic_stiffness", "quadratic_damping", "stribeck_friction"))
-
-
-@dataclass
-class Named:
-    name: str
-
-
-def entry(name: str, evidence: float, claimed: bool = True) -> Ranked:
-    return Ranked(Named(name), evidence, 0.0 if claimed else 1.0, claimed)  # type: ignore[arg-type]
-
-
-def test_rivals_are_claimed_and_their_evidence_is_as_good():
-    first = entry("a", 50.0)
-    near, far = entry("b", 50.0 - 0.9 * RIVALS_WITHIN), entry("c", 50.0 - 1.1 * RIVALS_WITHIN)
-    weak = entry("d", 49.0, claimed=False)
-    everything = (first, near, far, weak)
-    assert rivals_of(first, everything) == ("b",)
-    assert rivals_of(near, everything) == ("a", "c")
-    assert rivals_of(weak, everything) == ()
-
-
-@pytest.mark.parametrize("better", [False, True])
-def test_a_pair_counts_only_where_it_is_better_than_the_best_single_effect(better, monkeypatch):
-    prepared, _ = drawn("freeplay+cubic_damping", 0.02, seed=44)
-    baseline = fit_baseline((prepared,), base_model())
-    chance = chances(baseline, FORCES)
-    tried = singles(baseline, chance, FORCES)
-    ranked = rank(baseline, tried, chance)
-    best, other = ranked[0].candidate, tried[-1]
-    assert not baseline.adequate(best.fit)
-    pair = Pair(best, replace(other, plausible=True, score=best.score + (-100.0 if better else 100.0)))
-    monkeypatch.setattr(several_effects, "pairs", lambda *given: (replace(pair),))
-    judged = judge(baseline, ranked, (), LIBRARY, lambda: None)
-    assert judged.final is (other.fit if better else best.fit)
 
 
 def test_a_weak_fault_of_a_sensor_is_claimed_only_where_the_floor_is_sure():

@@ -1,10 +1,9 @@
 """Which law leads: the simple before those that bend, none where a drift leaves nearly as little, memory by both faces."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
+from identify.curves.averaged_law import AveragedLaw
 from identify.curves.confirm import both_faces
 from identify.curves.curve_regression import MotionError, Strengths
 from identify.curves.held_out import HeldOut
@@ -17,7 +16,8 @@ BEFORE = 100.0
 
 def led(left: dict[str, float], *, one_record: bool = True):
     """Return the choice among effects by the error that each leaves of 100 %."""
-    laws = [SimpleNamespace(name=name, term=Term(find_effect(name))) for name in left]
+    nothing = np.zeros(0)
+    laws = [AveragedLaw(Term(find_effect(name)), {}, nothing, nothing, (), nothing) for name in left]
     columns = list(range(len(laws)))
     errors = dict(enumerate(left.values()))
     return choose(laws, columns, lambda near: near, errors, BEFORE, one_record=one_record), list(left)

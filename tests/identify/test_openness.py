@@ -41,11 +41,14 @@ def imports_of_an_effect(source: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("file", MODULES, ids=lambda file: str(file.relative_to(ROOT)))
-def test_no_module_outside_the_effects_knows_one_of_them(file):
-    source = file.read_text(encoding="utf-8")
-    assert literals_that_name_an_effect(source) == []
-    assert imports_of_an_effect(source) == []
+def test_no_module_outside_the_effects_knows_one_of_them():
+    found = {}
+    for file in MODULES:
+        source = file.read_text(encoding="utf-8")
+        named = [*literals_that_name_an_effect(source), *imports_of_an_effect(source)]
+        if named:
+            found[str(file.relative_to(ROOT))] = named
+    assert found == {}
 
 
 @pytest.mark.parametrize(

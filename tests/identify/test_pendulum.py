@@ -1,8 +1,6 @@
 """The pendulum: an effect in a file of its own, found where it is and never offered where it has no meaning."""
 
-import os
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,7 +20,6 @@ from identify.model.equivalent_linearisation import average
 from identify.model.model import Term, base_model
 from identify.preprocessing.prepared_decay import prepare
 
-DATA = Path(os.environ.get("STATION_DATA", Path(__file__).parents[3] / "shared" / "data"))
 RATE, REST, SECONDS = 128.0, 2.0, 24.0
 K, MU_0, MU_1 = 31.0, 0.05, 0.06
 RELEASED_AT = 0.8  # rad
@@ -176,15 +173,3 @@ def test_gravity_is_named_on_a_pendulum_that_swings_through_more_than_half_a_tur
     assert found.named == ("pendulum_stiffness",)
     assert "one and a half" not in found.next_experiment  # 195 degrees: it would not come back
     assert found.suspects[0].error_after < 1.3  # the noise is drawn: 1, and six errors of 0.05
-
-
-@pytest.mark.skipif(not DATA.exists(), reason=f"no recordings in {DATA}")
-def test_a_real_pendulum_from_a_large_angle_is_fitted_from_where_the_fit_begins():
-    rows = np.genfromtxt(DATA / "labelled" / "pendulum_large_angle.csv", delimiter=",", skip_header=1)
-    decay = FreeDecay(100.0, displacement=rows[:, 1], unit="rad")
-    ground = first_rung(decay)
-    there = add_effect(ground, find_effect("pendulum_stiffness"))
-    # The floor is a thousandth of a radian; friction that is not in the model leaves 1 % of the motion.
-    assert there.fit.reduced < 1e-3 * ground.fit.reduced
-    g, k = there.fit.values["pendulum_stiffness.g"].value, there.fit.values["linear_stiffness.k"].value
-    assert g == pytest.approx(k, rel=0.01)  # no other spring

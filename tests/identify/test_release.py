@@ -1,5 +1,4 @@
 import itertools
-import os
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,6 @@ from mocks.generate import draw
 from mocks.testbed import Bench, Release, simulate
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-DATA = Path(os.environ.get("STATION_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
 CHANNELS = (("displacement", "acceleration"), ("displacement",), ("acceleration",))
 
 
@@ -196,16 +194,6 @@ def test_a_sonar_that_begins_in_motion_is_not_given_a_release() -> None:
     assert len(found) == 1
     assert found[0].kind == "in_motion"
     assert found[0].end > len(position) - 10
-
-
-@pytest.mark.skipif(not (DATA / "pohl_wheel").is_dir(), reason=f"no recordings in {DATA}")
-@pytest.mark.parametrize("current", ["000", "100", "200", "400", "700"])
-def test_a_wheel_at_ten_hertz_begins_in_motion(current: str) -> None:
-    text = (DATA / "pohl_wheel" / f"brake_{current}mA.csv").read_bytes().decode("latin-1").replace(",", ".")
-    angle = np.array([float(line.split(";")[3]) for line in text.splitlines()[1:] if line.count(";") > 3])
-    found = find_releases(10.0, displacement=angle)
-    assert len(found) == 1
-    assert found[0].kind == "in_motion"
 
 
 def let_go(hand: float, frequency: float = 40.0, rate: float = 1000.0) -> tuple[np.ndarray, float]:

@@ -68,7 +68,7 @@ def edited(seed: bytes, edits: list[Edit]) -> bytes:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(which=st.integers(0, 99), edits=EDITS)
 def test_an_edited_file_is_read_or_refused_in_a_sentence(
     name: str,

@@ -31,6 +31,7 @@ def test_the_simulated_ones_are_what_the_testbed_gives(name):
     assert np.mean(np.abs(kept - made) < 2e-6) > 0.999
 
 
+@pytest.mark.usefixtures("unrendered")
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_every_example_is_identified_by_one_command(example, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

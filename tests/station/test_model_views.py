@@ -129,6 +129,7 @@ def test_without_a_screen_and_a_viewer_nothing_is_shown(refinement, monkeypatch)
     assert not viewer_tabs.show_ladder(refinement)
 
 
+@pytest.mark.slow
 def test_a_viewer_that_is_open_is_sent_the_ladder(refinement, monkeypatch):
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))

@@ -55,6 +55,7 @@ def test_the_channels_are_shown_bit_for_bit_as_they_were_recorded(file, result):
     assert np.array_equal(column(file, "/capture/acceleration", "Scalars:scalars"), result.decay.acceleration)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_lost_samples_leave_a_hole_and_no_curve(result, tmp_path):
     valid = np.ones(len(result.decay), dtype=bool)
     valid[400:420] = False
@@ -172,6 +173,7 @@ def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
     assert "one channel" in text(path, "/alignment/text")
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_an_acceleration_alone_is_shown_without_a_displacement(result, tmp_path):
     alone = result.decay.with_(displacement=None, noise_displacement=None)
     one = Identification(

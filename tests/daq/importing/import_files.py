@@ -1,6 +1,5 @@
 """Small files for the importers' tests, from closed forms."""
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +10,6 @@ from daq.recording import Array, Recording
 
 RATE = 100.0
 OMEGA = 2 * np.pi * 1.3
-
-
-def data_folder() -> Path:
-    """Return the folder of real recordings, or skip the test."""
-    folder = Path(os.environ.get("STATION_DATA") or Path(__file__).parents[3].parent / "shared" / "data")
-    if not folder.is_dir():
-        pytest.skip(f"the real recordings are not at {folder} (set STATION_DATA)")
-    return folder
 
 
 def swing(n: int = 200, rate: float = RATE, damping: float = 0.1) -> tuple[Array, Array, Array, Array]:

@@ -25,11 +25,14 @@ def test_named_columns_with_units_need_no_options(tmp_path: Path) -> None:
     assert "column 2 'displacement_m' read as displacement in m" in said(recording)
 
 
-@pytest.mark.parametrize("delimiter", [",", ";", "\t", " ", "|", "   "])
-@pytest.mark.parametrize("comma", [False, True])
+@pytest.mark.parametrize(
+    ("delimiter", "comma"),
+    [
+        (",", False),
+        *((delimiter, comma) for delimiter in (";", "\t", " ", "|", "   ") for comma in (False, True)),
+    ],
+)
 def test_every_delimiter_goes_with_every_decimal_sign(tmp_path: Path, delimiter: str, comma: bool) -> None:
-    if delimiter == "," and comma:
-        pytest.skip("a comma cannot be both")
     header = delimiter.join(("Zeit[s]", "Weg[mm]", "Beschleunigung[g]"))
     text = table(header, T, U * 1e3, A / 9.80665, delimiter=delimiter, comma=comma)
     recording = load(tmp_path, text)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from import_files import OMEGA, data_folder, load, said
+from import_files import OMEGA, load, said
 
 from daq.importing import ImportOptions, read_file
 from daq.importing.derived import find_derivation
@@ -12,6 +12,7 @@ from daq.importing.quantisation import quantum
 from mocks import generate
 
 RATE = 200.0
+HIDDEN = Path(__file__).parents[2] / "data" / "hidden"
 
 
 def motion(n: int, noise: float, seed: int, step: float = 1e-5) -> np.ndarray:
@@ -60,7 +61,7 @@ def test_a_simulated_accelerometer_is_a_sensor_of_its_own(seed: int) -> None:
 
 
 def test_the_accelerometers_of_the_hidden_releases_are_sensors_of_their_own() -> None:
-    for path in sorted((data_folder() / "hidden").glob("*.csv")):
+    for path in sorted(HIDDEN.glob("*.csv")):
         recording = read_file(path, ImportOptions())
         assert [c.quantity for c in recording.channels] == ["displacement", "acceleration"], path.name
 
