@@ -80,7 +80,9 @@ def likeliest_line(base: Fit, term: Term, misfit: Array) -> Line:
     angle = 2.0 * np.pi * frequency * window.clock[used]
     waves = np.column_stack([np.sin(angle), np.cos(angle)])
     sine, cosine = np.linalg.lstsq(waves, base.residual(channel, 0)[used], rcond=None)[0]
-    return Line(channel, (frequency, float(np.hypot(sine, cosine)), float(np.arctan2(cosine, sine))))
+    return Line(
+        channel, (frequency, float(np.hypot(sine, cosine)), float(np.arctan2(cosine, sine) % (2.0 * np.pi)))
+    )
 
 
 def _top(power: Array, step: float) -> float:

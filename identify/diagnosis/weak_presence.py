@@ -47,7 +47,7 @@ def _line_of_release(base: Fit, term: Term, start: dict[str, float], i: int) -> 
     sine, cosine = np.linalg.lstsq(waves, base.residual(term.channel, i)[used], rcond=None)[0]
     own = {
         term.effect.strength.name: float(np.hypot(sine, cosine)),
-        units["rad"]: float(np.arctan2(cosine, sine)),
+        units["rad"]: float(np.arctan2(cosine, sine) % (2.0 * np.pi)),
     }
     return start | own
 
