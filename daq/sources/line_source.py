@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from daq.clock import fit_clock
+from daq.clock import fit_arrivals
 from daq.errors import BoardError, NoBoard, ProtocolError, Stalled
 from daq.port import Port
 from daq.recording import Array
@@ -165,7 +165,7 @@ class LineSource:
         if clock.column is not None:
             number = _unwrapped(sample.columns[clock.column])
         late = slice(len(number) // 8, None)  # what lay in a buffer came at once
-        found = fit_clock(number[late].astype(int).tolist(), sample.arrivals[late].tolist())
+        found = fit_arrivals(number[late].astype(int).tolist(), sample.arrivals[late].tolist())
         if found is None or not np.isfinite(found.std):
             raise ProtocolError(f"{self._port.name}: the lines come too unevenly to tell a rate; give --rate")
         return found.rate, found.std
