@@ -95,10 +95,11 @@ def unevenness(indices: Sequence[int], times_us: Sequence[int]) -> Unevenness | 
     period = float(np.median((time[far:] - time[:-far]) / (index[far:] - index[:-far])))
     away = time - period * (index - index[0])
     jumps = np.diff(away)
+    usual = np.sort(np.abs(jumps))[: -1 - len(jumps) // 50]  # without the few that a step or a late stamp makes
     grain = (
         1e-6 * float(np.gcd.reduce(np.abs(np.diff(whole)).astype(np.int64))) if np.ptp(whole) < 2**53 else 0.0
     )
-    rounding = max(1e-6, min(grain, COARSEST_STAMP_S, 4.0 * float(np.std(jumps))))
+    rounding = max(1e-6, min(grain, COARSEST_STAMP_S, 4.0 * float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0))
     bins = np.minimum((index - index[0]) * abs(period) / (0.5 * WINDOW_S), 2.0**60).astype(np.int64)
     starts = np.flatnonzero(np.diff(bins, prepend=bins[0] - 1))
     high, low = np.maximum.reduceat(away, starts), np.minimum.reduceat(away, starts)

@@ -143,9 +143,9 @@ class SampleStore:
         return len(self._stamps) > 1 and len(set(self._stamps.values())) == 1
 
     def unevenness(self, first: int, stop: int) -> Unevenness | None:
-        """How far the board's times of samples `first` to `stop - 1` part from even ones; None with too few."""
+        """How far the board's times about samples `first` to `stop - 1` part from even ones; None with too few."""
         known = sorted(self._stamps)
-        known = known[max(bisect_right(known, first) - 1, 0) : bisect_right(known, stop - 1)]
+        known = known[max(bisect_right(known, first) - 1, 0) : bisect_right(known, stop - 1) + 1]
         return unevenness(known, [self._stamps[index] for index in known])
 
     def host_clock(self) -> ClockFit | None:
