@@ -73,9 +73,13 @@ def lasting_step(indices: Sequence[int], times: Sequence[float]) -> Unevenness |
     """Return the largest step in the arrivals (s) that stays to the end, so that no late frame explains it; or None.
 
     It must exceed six standard errors of what is left beside it, and part the promptest arrivals before it from all
-    those after it by half its size.
+    those after it by half its size. Where most arrivals bring several frames, it must exceed a frame, which may have just
+    missed the burst before.
     """
-    found = [step for points in _envelopes(indices, times) if (step := _step(*points)) is not None]
+    least, arrivals = LEAST_STEP_S, len(set(times))
+    if 0 < 2 * arrivals < len(times):
+        least = max(least, (max(times) - min(times)) / len(times))
+    found = [step for points in _envelopes(indices, times) if (step := _step(*points, least)) is not None]
     return max(found, key=lambda step: step.share, default=None)
 
 
@@ -95,11 +99,15 @@ def unevenness(indices: Sequence[int], times_us: Sequence[int]) -> Unevenness | 
     period = float(np.median((time[far:] - time[:-far]) / (index[far:] - index[:-far])))
     away = time - period * (index - index[0])
     jumps = np.diff(away)
-    usual = np.sort(np.abs(jumps))[: -1 - len(jumps) // 50]  # without the few that a step or a late stamp makes
+    usual = np.sort(np.abs(jumps))[
+        : -1 - len(jumps) // 50
+    ]  # without the few that a step or a late stamp makes
     grain = (
         1e-6 * float(np.gcd.reduce(np.abs(np.diff(whole)).astype(np.int64))) if np.ptp(whole) < 2**53 else 0.0
     )
-    rounding = max(1e-6, min(grain, COARSEST_STAMP_S, 4.0 * float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0))
+    rounding = max(
+        1e-6, min(grain, COARSEST_STAMP_S, 4.0 * float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0)
+    )
     bins = np.minimum((index - index[0]) * abs(period) / (0.5 * WINDOW_S), 2.0**60).astype(np.int64)
     starts = np.flatnonzero(np.diff(bins, prepend=bins[0] - 1))
     high, low = np.maximum.reduceat(away, starts), np.minimum.reduceat(away, starts)
@@ -149,7 +157,7 @@ def _envelopes(indices: Sequence[int], times: Sequence[float]) -> list[tuple[Arr
     return found
 
 
-def _step(index: Array, time: Array) -> Unevenness | None:
+def _step(index: Array, time: Array, least: float) -> Unevenness | None:
     """Fit a line with one step at each place between the points of an envelope; return the best if it is certain."""
     best: tuple[float, Unevenness] | None = None
     for k in range(LEAST_SIDE, len(index) - LEAST_SIDE + 1):
@@ -161,10 +169,6 @@ def _step(index: Array, time: Array) -> Unevenness | None:
         step = float(found[2])
         apart = np.sign(step) * left + abs(step) * columns[:, 2]
         lasts = apart[k:].min() - apart[:k].max() > 0.5 * abs(step)
-        if (
-            lasts
-            and abs(step) > max(STEP_SIGMAS * error, LEAST_STEP_S)
-            and (best is None or variance < best[0])
-        ):
+        if lasts and abs(step) > max(STEP_SIGMAS * error, least) and (best is None or variance < best[0]):
             best = variance, Unevenness(abs(step) / WINDOW_S, step, int(index[k - 1]), int(index[k]))
     return None if best is None else best[1]
