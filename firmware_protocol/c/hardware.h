@@ -29,7 +29,7 @@ void hardware_begin(int count, char **arguments);
 /* Sleep until an interrupt: a byte came, a byte went, a sample was taken, 10 ms passed. May return at once. */
 void hardware_wait(void);
 
-/* Ticks since boot, also asked by the sampling interrupt. 64 bits: 32 would be over in 4 minutes of 16 MHz. */
+/* Ticks since boot. 64 bits: 32 would be over in 4 minutes of 16 MHz. */
 uint64_t hardware_ticks(void);
 
 /* Another number at each boot. */

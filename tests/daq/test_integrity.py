@@ -120,7 +120,13 @@ def test_two_ends_that_differ_are_a_reject() -> None:
 
 @pytest.mark.parametrize(
     ("late_us", "grade"),
-    [(30_000, Grade.REJECT), (-3e6, Grade.REJECT), (6000, Grade.REJECT), (1500, Grade.USABLE), (100, Grade.OK)],
+    [
+        (30_000, Grade.REJECT),
+        (-3e6, Grade.REJECT),
+        (6000, Grade.REJECT),
+        (1500, Grade.USABLE),
+        (100, Grade.OK),
+    ],
 )
 def test_a_step_of_the_boards_clock_is_judged_by_its_share_of_a_second(late_us: float, grade: Grade) -> None:
     """More than 5 ms within a second is more than 0.5 % of the rate, more than 0.25 ms more than 0.025 %."""

@@ -7,9 +7,9 @@
 
 #define RING_SAMPLE_BYTES (2 * BOARD_CHANNELS)
 
-/* The clock is kept for each block of samples: 4 bytes for 64 of them, or 8 where so few are kept that 64 are no block. */
-#define RING_BLOCK (BOARD_RING % 64 == 0 ? 64u : 8u)
-#define RING_TIMES (BOARD_RING / 8 / (BOARD_RING % 64 == 0 ? 8 : 1) + 1)
+/* The clock is kept for each block of samples: 4 bytes for 64 of them, or for fewer where so few are kept. */
+#define RING_BLOCK (BOARD_RING % 64 == 0 ? 64u : BOARD_RING % 16 == 0 ? 16u : 8u)
+#define RING_TIMES (BOARD_RING / RING_BLOCK + 1)
 
 typedef char ring_is_a_multiple_of_8[BOARD_RING % 8 == 0 ? 1 : -1];
 
