@@ -1,7 +1,7 @@
 """How fast the samples really come, and how evenly: lines through the times at which they were taken or arrived."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,9 @@ COARSEST_STAMP_S = 1e-3
 
 LEAST_SIDE = 4
 """Points of the envelope that a lasting step must have on both sides."""
+
+BURSTS = 0.8
+"""Bursts a frame below which a line is taken to hold frames back; in one burst less than a quarter of a frame passes."""
 
 STEP_SIGMAS = 6.0
 LEAST_STEP_S = 2e-3
@@ -39,14 +42,13 @@ class Unevenness:
     """How far the times of samples part from even ones: within a second, as a share of it, and where it is worst.
 
     `step` (s; +: time passed that the index did not count) is how far they part before the sample `index`, and `after`
-    the sample from which on it may have been. `rounding` (s) is what the stamps themselves were rounded to.
+    the sample from which on it may have been.
     """
 
     share: float
     step: float
     after: int
     index: int
-    rounding: float = 0.0
 
 
 def fit_clock(indices: Sequence[int], times: Sequence[float]) -> ClockFit | None:
@@ -63,23 +65,27 @@ def fit_arrivals(indices: Sequence[int], times: Sequence[float]) -> ClockFit | N
     """Return samples per second by when they arrived (s); None with fewer than 8 arrivals.
 
     Nothing arrives before it was taken, and a line that holds data back delivers the last of a burst promptly. So the
-    line goes through the promptest arrival of each part of the record, and its error is their scatter.
+    line goes through the promptest arrival of each part of the record, and its error is their scatter. Bursts that come
+    by a clock of their own may drift against the frames, by a frame at most: that is added.
     """
-    fits = [_line(*points) for points in _envelopes(indices, times)]
-    return min((fit for fit in fits if fit is not None), key=lambda fit: fit.std, default=None)
+    arrivals = _Arrivals.of(indices, times)
+    fits = [_line(*points) for points in arrivals.envelopes()]
+    best = min((fit for fit in fits if fit is not None), key=lambda fit: fit.std, default=None)
+    if best is None:
+        return None
+    drift = best.rate * arrivals.held_s / best.span / 12**0.5
+    return replace(best, std=float(np.hypot(best.std, drift)))
 
 
 def lasting_step(indices: Sequence[int], times: Sequence[float]) -> Unevenness | None:
     """Return the largest step in the arrivals (s) that stays to the end, so that no late frame explains it; or None.
 
     It must exceed six standard errors of what is left beside it, and part the promptest arrivals before it from all
-    those after it by half its size. Where most arrivals bring several frames, it must exceed a frame, which may have just
-    missed the burst before.
+    those after it by half its size. Where samples come in bursts, a frame that just missed one makes no step.
     """
-    least, arrivals = LEAST_STEP_S, len(set(times))
-    if 0 < 2 * arrivals < len(times):
-        least = max(least, (max(times) - min(times)) / len(times))
-    found = [step for points in _envelopes(indices, times) if (step := _step(*points, least)) is not None]
+    arrivals = _Arrivals.of(indices, times)
+    least = max(LEAST_STEP_S, 1.5 * arrivals.held_s)
+    found = [step for points in arrivals.envelopes() if (step := _step(*points, least)) is not None]
     return max(found, key=lambda step: step.share, default=None)
 
 
@@ -92,35 +98,36 @@ def unevenness(indices: Sequence[int], times_us: Sequence[int]) -> Unevenness | 
         return None
     index = np.asarray(indices, dtype=np.int64)
     whole = np.array([us - times_us[0] for us in times_us], dtype=np.float64)
-    time, far = (
-        1e-6 * whole,
-        max(len(index) // 8, 1),
-    )  # far enough for rounding, too near for one step to count
+    time = 1e-6 * whole
+    far = max(len(index) // 8, 1)  # far enough apart for rounding, near enough for one step to count seldom
     period = float(np.median((time[far:] - time[:-far]) / (index[far:] - index[:-far])))
     away = time - period * (index - index[0])
-    jumps = np.diff(away)
-    usual = np.sort(np.abs(jumps))[
-        : -1 - len(jumps) // 50
-    ]  # without the few that a step or a late stamp makes
-    grain = (
-        1e-6 * float(np.gcd.reduce(np.abs(np.diff(whole)).astype(np.int64))) if np.ptp(whole) < 2**53 else 0.0
-    )
-    rounding = max(
-        1e-6, min(grain, COARSEST_STAMP_S, 4.0 * float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0)
-    )
-    bins = np.minimum((index - index[0]) * abs(period) / (0.5 * WINDOW_S), 2.0**60).astype(np.int64)
-    starts = np.flatnonzero(np.diff(bins, prepend=bins[0] - 1))
+    jumps = np.abs(np.diff(away))
+    halves = np.minimum((index - index[0]) * abs(period) / (0.5 * WINDOW_S), 2.0**60).astype(np.int64)
+    starts = np.flatnonzero(np.diff(halves, prepend=-1))
     high, low = np.maximum.reduceat(away, starts), np.minimum.reduceat(away, starts)
     if len(starts) > 1:
         high, low = np.maximum(high[1:], high[:-1]), np.minimum(low[1:], low[:-1])
     worst = int(np.argmax(high - low))
-    first = int(starts[worst])
-    stop = int(starts[worst + 2]) if worst + 2 < len(starts) else len(index)
+    first, stop = int(starts[worst]), int([*starts, len(index), len(index)][worst + 2])
     here = away[first:stop]
-    at = first + int(np.argmax(np.abs(jumps[first : stop - 1])))  # two parts hold two stamps at least
     apart = float(np.ptp(here)) * (1.0 if np.argmax(here) >= np.argmin(here) else -1.0)
-    share = max(abs(apart) - 2.0 * rounding, 0.0) / WINDOW_S
-    return Unevenness(share, apart, int(index[at]), int(index[at + 1]), rounding)
+    at = first + int(np.argmax(jumps[first : stop - 1]))
+    share = max(abs(apart) - 2.0 * _rounding(whole, jumps), 0.0) / WINDOW_S
+    return Unevenness(share, apart, int(index[at]), int(index[at + 1]))
+
+
+def _rounding(times_us: Array, jumps: Array) -> float:
+    """Return what stamps (us) are rounded to, s: whole milliseconds, or what divides all as far as most jumps (s) show it."""
+    usual = np.sort(jumps)[
+        : len(jumps) - 1 - len(jumps) // 50
+    ]  # not the few that a step or a late stamp makes
+    if not len(usual) or np.ptp(times_us) > 2**53:
+        return 1e-6
+    grain = 1e-6 * int(np.gcd.reduce(np.abs(np.diff(times_us)).astype(np.int64)))
+    if abs(grain / COARSEST_STAMP_S - round(grain / COARSEST_STAMP_S)) < 1e-6:
+        return COARSEST_STAMP_S
+    return max(1e-6, min(grain, COARSEST_STAMP_S, 4.0 * float(np.sqrt(np.mean(usual**2)))))
 
 
 def _line(index: Array, time: Array) -> ClockFit | None:
@@ -136,39 +143,59 @@ def _line(index: Array, time: Array) -> ClockFit | None:
     return ClockFit(1 / period, std / period**2, span)
 
 
-def _envelopes(indices: Sequence[int], times: Sequence[float]) -> list[tuple[Array, Array]]:
-    """Return the promptest arrivals, (index, time) each, for each number of parts that the arrivals suffice for."""
-    index, time = np.asarray(indices, dtype=np.float64), np.asarray(times, dtype=np.float64)
-    most = len(np.unique(time))  # what came at once is one arrival
-    if most < LEAST_STAMPS:
-        return []
-    found = []
-    for blocks in BLOCKS:
-        if blocks > most:
-            break
-        edges = np.linspace(index.min(), index.max(), blocks + 1)[1:-1]
-        part = np.searchsorted(edges, index, side="left")
-        kept = np.arange(len(index))
-        for _ in range(3):  # the line decides which is promptest, and they decide the line
-            line = np.polynomial.Polynomial.fit(index[kept], time[kept], 1)
-            order = np.lexsort((time - line(index), part))
-            kept = order[np.flatnonzero(np.diff(part[order], prepend=-1))]
-        found.append((index[kept], time[kept]))
-    return found
+@dataclass(frozen=True, eq=False)
+class _Arrivals:
+    """The end of each burst: the sample after its last, and when it came (s). `held_s` is a frame where frames are held."""
+
+    index: Array
+    time: Array
+    held_s: float
+
+    @classmethod
+    def of(cls, indices: Sequence[int], times: Sequence[float]) -> "_Arrivals":
+        """Take for one burst what follows within a quarter of the time from frame to frame."""
+        index, time = np.asarray(indices, dtype=np.float64), np.asarray(times, dtype=np.float64)
+        order = np.argsort(time, kind="stable")
+        index, time = np.maximum.accumulate(index[order]), time[order]
+        frame = float(np.ptp(time)) / len(time) if len(time) else 0.0
+        last = np.diff(time, append=np.inf) > 0.25 * frame
+        return cls(index[last], time[last], frame if last.sum() < BURSTS * len(time) else 0.0)
+
+    def envelopes(self) -> list[tuple[Array, Array]]:
+        """Return the promptest arrivals, (index, time) each, for each number of parts that the bursts suffice for."""
+        index, time = self.index, self.time
+        found = []
+        for blocks in (n for n in BLOCKS if n <= len(index) and np.ptp(index) > 0):
+            edges = np.linspace(index.min(), index.max(), blocks + 1)[1:-1]
+            part = np.searchsorted(edges, index, side="left")
+            kept = np.arange(len(index))
+            for _ in range(3):  # the line decides which is promptest, and they decide the line
+                line = np.polynomial.Polynomial.fit(index[kept], time[kept], 1)
+                order = np.lexsort((time - line(index), part))
+                kept = order[np.flatnonzero(np.diff(part[order], prepend=-1))]
+            if len(kept) > blocks // 2:
+                found.append((index[kept], time[kept]))
+        return found
 
 
 def _step(index: Array, time: Array, least: float) -> Unevenness | None:
-    """Fit a line with one step at each place between the points of an envelope; return the best if it is certain."""
+    """Fit a line with one step at each place between the points of an envelope; return the best if it is certain.
+
+    What the line makes up for afterwards, as one that catches up after a stall, is no step that lasts.
+    """
     best: tuple[float, Unevenness] | None = None
     for k in range(LEAST_SIDE, len(index) - LEAST_SIDE + 1):
-        columns = np.stack([np.ones_like(index), index - index.mean(), np.arange(len(index)) >= k], axis=1)
+        after = np.arange(len(index)) >= k
+        columns = np.stack([np.ones_like(index), index - index.mean(), after], axis=1)
         found, *_ = np.linalg.lstsq(columns, time, rcond=None)
         left = time - columns @ found
         variance = float(left @ left) / (len(index) - 3)
         error = 2.0 * np.sqrt(variance * np.linalg.inv(columns.T @ columns)[2, 2])
         step = float(found[2])
-        apart = np.sign(step) * left + abs(step) * columns[:, 2]
+        apart = np.sign(step) * left + abs(step) * after
         lasts = apart[k:].min() - apart[:k].max() > 0.5 * abs(step)
+        before = np.polynomial.Polynomial.fit(index[:k], time[:k], 1)
+        lasts &= (time[k:] - before(index[k:])).min() * np.sign(step) > 0.5 * abs(step)
         if lasts and abs(step) > max(STEP_SIGMAS * error, least) and (best is None or variance < best[0]):
             best = variance, Unevenness(abs(step) / WINDOW_S, step, int(index[k - 1]), int(index[k]))
     return None if best is None else best[1]
