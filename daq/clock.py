@@ -118,10 +118,9 @@ def unevenness(indices: Sequence[int], times_us: Sequence[int]) -> Unevenness | 
 
 
 def _rounding(times_us: Array, jumps: Array) -> float:
-    """Return what stamps (us) are rounded to, s: whole milliseconds, or what divides all as far as most jumps (s) show it."""
-    usual = np.sort(jumps)[
-        : len(jumps) - 1 - len(jumps) // 50
-    ]  # not the few that a step or a late stamp makes
+    """Return what stamps (us) are rounded to, s: whole milliseconds, or what divides all as most jumps (s) show it."""
+    few = 1 + len(jumps) // 50  # that a step or late stamps make
+    usual = np.sort(jumps)[:-few]
     if not len(usual) or np.ptp(times_us) > 2**53:
         return 1e-6
     grain = 1e-6 * int(np.gcd.reduce(np.abs(np.diff(times_us)).astype(np.int64)))
