@@ -101,14 +101,16 @@ def _unchecked(host: ClockFit | None, rate: float) -> str:
 def _against(host: ClockFit, rate: float, stated_ppm: float | None) -> float:
     """Return the share by which the rate may be off, by this computer's clock and by what the board states of its own.
 
-    A statement counts where this computer's clock is sharp enough to refute a wrong rate, and does not refute it.
+    The smaller of the two errors counts, and at least what the two differ by. A statement counts where this computer's
+    clock is sharp enough to refute a wrong rate, and does not refute it.
     """
     off, std = abs(host.rate / rate - 1), host.std / rate
+    measured = max(std, HOST_SHARE)
     if stated_ppm is not None and SIGMAS * std <= CLOCK_LIMIT:
         stated = 1e-6 * stated_ppm
         if off <= stated + HOST_SHARE + 3.0 * std:
-            return max(stated, off)
-    return max(off, std, HOST_SHARE)
+            measured = min(stated, measured)
+    return max(off, measured)
 
 
 def _unevenness(assembly: Assembly, said: list[Suspicion]) -> float:

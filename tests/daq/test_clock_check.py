@@ -65,9 +65,11 @@ def test_a_sound_board_on_a_quiet_line_is_ok_within_what_this_computers_clock_is
     assert share(made) == HOST_SHARE
 
 
-def test_a_stated_error_takes_the_place_of_this_computers() -> None:
-    assert share(captured(stream(), ppm=150.0)) == pytest.approx(150e-6)
+def test_of_the_stated_error_and_this_computers_the_smaller_counts_and_at_least_their_difference() -> None:
+    assert share(captured(stream(), ppm=5000.0)) == HOST_SHARE
     assert share(captured(stream(), ppm=20.0)) < HOST_SHARE
+    assert share(captured(stream(), 1.002 * RATE, ppm=20.0)) == pytest.approx(2e-3, rel=0.05)
+    assert share(captured(stream(), 1.002 * RATE, ppm=5000.0)) == pytest.approx(2e-3, rel=0.05)
 
 
 @pytest.mark.parametrize("true", [0.7, 0.94, 0.985, 0.997, 1.004, 1.02, 1.5])
