@@ -8,8 +8,6 @@ import time
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from daq.budget import RESEND_FOR_S, Budget
 from daq.capture_settings import CaptureSettings
 from daq.capture_stream import CaptureStream
@@ -21,7 +19,7 @@ from daq.integrity import lost_outside
 from daq.link import Link
 from daq.observer import CaptureObserver
 from daq.port import Port, open_port
-from daq.quality import CLOCK_LIMIT, summary
+from daq.quality import summary
 from daq.raw_log import Kind, RawLog
 from daq.rest_detection import RestPeriod
 from daq.session import Session
@@ -247,7 +245,7 @@ class _Capture:
         return writer.finish(
             state,
             reason,
-            changes={"noise": self._noise, "rate_std_hz": _rate_std(self._link.assembly)},
+            changes={"noise": self._noise},
             resent=self._resent,
             damaged_frames=self._link.statistics.damaged,
             check_clock=self._settings.check_clock,
@@ -294,20 +292,3 @@ def _waited(seconds: float, began: float) -> str:
     if here > 0.8 * seconds:
         return f"{seconds:g} s"
     return f"{seconds:g} s by the board's samples, {here:.2g} s by this computer's clock"
-
-
-def _rate_std(assembly: Assembly) -> float | None:
-    """Return how far the board's rate is known (Hz): by what it states of its clock, and by this computer's clock.
-
-    The smaller of the two where they go together, else their difference; None when neither tells or they contradict.
-    """
-    stated = None if assembly.clock_ppm is None else 1e-6 * assembly.clock_ppm * assembly.rate
-    clock = assembly.samples.host_clock()
-    if clock is None or not np.isfinite(clock.std):
-        return stated
-    if abs(clock.rate / assembly.rate - 1) > CLOCK_LIMIT:
-        return None
-    difference = abs(clock.rate - assembly.rate)
-    if stated is None or difference > stated + 3 * clock.std:
-        return max(clock.std, difference)
-    return min(stated, max(clock.std, difference))

@@ -41,7 +41,10 @@ MAX_MISSING = (
 MAX_LISTED = 200
 BOARD, SOURCE, IMPORT = "board", "source", "import"  # who made the samples, as the station noted it
 ORIGINS = {"imported": IMPORT, "source": SOURCE}
-MOST_PPM = 1e5
+LEAST_PPM, MOST_PPM = (
+    0.01,
+    1e5,
+)  # an oven's crystal, and a tenth: no board has a better clock, nor states a worse
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +65,7 @@ class Assembly:
         self.end: End | None = None
         self.window: Window | None = None
         self.clock_ppm: float | None = None
+        self.clock_claim = ""  # what the board states of its clock that cannot be
         self.frames, self.rebooted, self.origin = 0, False, BOARD
         self.notes: list[str] = []
         self.events: list[Event] = []
@@ -90,7 +94,7 @@ class Assembly:
         if isinstance(message, Describe):
             self._take_description(message)
         elif isinstance(message, Clock):
-            self.clock_ppm = message.error_ppm if 0 < message.error_ppm < MOST_PPM else None
+            self._take_clock(message.error_ppm)
         elif isinstance(message, End):
             self._take_end(message)
         elif isinstance(message, Event):
@@ -205,6 +209,13 @@ class Assembly:
         else:
             self.description = description
 
+    def _take_clock(self, ppm: float) -> None:
+        """Believe what a clock can be; 0 says that the board does not know."""
+        believed = LEAST_PPM <= ppm <= MOST_PPM
+        self.clock_ppm = ppm if believed else None
+        claim = f"the board states that its clock is off by at most {ppm:.3g} ppm, which is not believed"
+        self.clock_claim = "" if believed or ppm == 0 else claim
+
     def _take_end(self, end: End) -> None:
         if self.end is not None and self.samples and end != self.end:
             _list(self.contradictions, "the board said END twice, with other numbers")
@@ -272,6 +283,11 @@ def _objection(assembly: Assembly, data: Data) -> str | None:
     ahead = data.first_index - expected
     if ahead + assembly.jumped > assembly.most_missing:
         return f"the sample index jumped by {ahead} samples to {data.first_index}"
+    if end is None and data.dropped_before > ahead >= 0:
+        return (
+            f"DATA says that {data.dropped_before} samples were dropped before sample {data.first_index}, but only"
+            f" {ahead} are missing there"
+        )
     if end is not None and data.first_index + data.n > max(assembly.total, expected):
         return f"sample {data.first_index + data.n - 1} came after the board had said END"
     return None

@@ -11,19 +11,18 @@ from enum import StrEnum
 import numpy as np
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 
-from daq.decode import BOARD, IMPORT, Assembly
+from daq.clock_check import checked_rate
+from daq.decode import IMPORT, Assembly
 from daq.description_checks import foreign_unit
 from daq.integrity import Outcome
 from daq.recording import Array, Channel, Gap, Mask, Recording
-from daq.wiring_check import suspicions
+from daq.wiring_check import Suspicion, suspicions
 from firmware_protocol import NO_CHANNEL, EventKind
 
 LOST_LIMIT = 0.02
 LONGEST_GAP_S = 0.25
 SATURATED_LIMIT = 3
 BLOW_S = 0.05
-CLOCK_LIMIT = 0.005
-SHORTEST_CLOCK_S = 2.0
 MOTION_TO_NOISE = 20.0
 NOISIER_LIMIT = 3.0
 EARLY_SHARE = 0.1
@@ -66,6 +65,10 @@ class _Findings:
     def usable(self, reason: str, advice: str = "") -> None:
         self.found.append((Grade.USABLE, reason, advice))
 
+    def suspect(self, *suspicions: Suspicion) -> None:
+        for found in suspicions:
+            (self.reject if found.certain else self.usable)(found.reason, found.advice)
+
     def verdict(self) -> Verdict:
         for grade in (Grade.REJECT, Grade.USABLE):
             if any(found[0] is grade for found in self.found):
@@ -104,9 +107,7 @@ def judge(
         _board_reports(findings, assembly)
         if assembly.origin != IMPORT:
             _integrity(findings, assembly)
-            if assembly.origin == BOARD:
-                _clock_steps(findings, recording, assembly)
-        _clocks(findings, assembly, check_clock)
+            findings.suspect(*checked_rate(assembly, check_clock).suspicions)
     return findings.verdict()
 
 
@@ -246,9 +247,7 @@ def _kinematics(findings: _Findings, recording: Recording) -> None:
         return
     good = np.flatnonzero(recording.valid)
     good = good[good >= (recording.trigger or 0)]
-    for suspicion in suspicions(displacement[good], acceleration[good], recording.rate):
-        say = findings.reject if suspicion.certain else findings.usable
-        say(suspicion.reason, suspicion.advice)
+    findings.suspect(*suspicions(displacement[good], acceleration[good], recording.rate))
 
 
 def _board_reports(findings: _Findings, assembly: Assembly) -> None:
@@ -284,41 +283,3 @@ def _integrity(findings: _Findings, assembly: Assembly) -> None:
         findings.reject("the board's checksum of all samples does not agree", "take it again")
     else:
         findings.usable(f"the board's checksum could not be checked: {found.why}")
-
-
-def _clock_steps(findings: _Findings, recording: Recording, assembly: Assembly) -> None:
-    """Hold the board's time of every DATA against its index: a hole in the sampling that the board did not count."""
-    steps = assembly.samples.board_steps(recording.rate)
-    if steps is None:
-        findings.usable(
-            "the board's clock stands still, so that a hole in its sampling could not have been seen",
-            "send the time of the first sample in board_time_us",
-        )
-        return
-    inside = [step for step in steps if assembly.start < step.index and step.after < assembly.stop]
-    for step in inside[:1] or steps[:1]:
-        at = (step.index - assembly.start) / recording.rate
-        text = (
-            f"the board's clock and its sample index part by {step.samples:.3g} samples"
-            f" ({step.samples / recording.rate:.3g} s) {'at' if inside else 'outside the recording, at'} {at:.3f} s"
-        )
-        say = findings.reject if inside else findings.usable
-        say(f"{text}: samples were not taken at even times", "correct the firmware's timer")
-
-
-def _clocks(findings: _Findings, assembly: Assembly, check_host: bool) -> None:
-    board, rate = assembly.samples.board_clock(), assembly.rate
-    if board is not None and abs(board.rate / rate - 1) > max(CLOCK_LIMIT, 5 * board.std / rate):
-        findings.reject(
-            f"the board says {rate:g} Hz, but its own clock says {board.rate:.6g} Hz", "correct the firmware"
-        )
-        return
-    host = assembly.samples.host_clock()
-    if not check_host or host is None or host.span < SHORTEST_CLOCK_S:
-        return
-    if abs(host.rate / rate - 1) > max(CLOCK_LIMIT, 5 * host.std / rate):
-        findings.reject(
-            f"the board says {rate:g} Hz, but {host.rate:.4g} samples came per second of this computer's"
-            " clock: every frequency would be wrong by that factor",
-            "correct the rate in the firmware",
-        )

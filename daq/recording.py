@@ -54,7 +54,7 @@ class Gap:
 class Recording:
     """Samples in SI units, shape (channels, n), at `rate` Hz; `valid` (n,) is False where they were lost.
 
-    `rate_std` is the standard error of the rate in Hz (None when unknown), `trigger` the sample at which
+    `rate_std` is the standard error of the rate in Hz (None where the rate was given), `trigger` the sample at which
     the station saw the release during the capture (None for imports), `notes` what was understood or
     guessed on the way in, a sentence each, `run` the name of the run in a file that holds several.
     """

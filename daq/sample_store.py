@@ -7,7 +7,7 @@ from zlib import crc32
 
 import numpy as np
 
-from daq.clock import ClockFit, ClockStep, clock_steps, fit_clock
+from daq.clock import ClockFit, Unevenness, fit_arrivals, fit_clock, lasting_step, unevenness
 from daq.recording import Mask
 from firmware_protocol import Data
 
@@ -138,13 +138,29 @@ class SampleStore:
         """The rate by the board's own times of its samples; None with too few."""
         return fit_clock(list(self._stamps), [us * 1e-6 for us in self._stamps.values()])
 
-    def board_steps(self, rate: float) -> tuple[ClockStep, ...] | None:
-        """Where the board's times contradict the indices at `rate` Hz, in order; None when its clock stands still."""
-        if len(self._stamps) > 1 and len(set(self._stamps.values())) == 1:
-            return None
-        return clock_steps(list(self._stamps), list(self._stamps.values()), rate)
+    def clock_stands_still(self) -> bool:
+        """Whether the board gave all its samples one time."""
+        return len(self._stamps) > 1 and len(set(self._stamps.values())) == 1
+
+    def unevenness(self, first: int, stop: int) -> Unevenness | None:
+        """How far the board's times about samples `first` to `stop - 1` part from even ones; None with too few."""
+        known = sorted(self._stamps)
+        known = known[max(bisect_right(known, first) - 1, 0) : bisect_right(known, stop - 1) + 1]
+        return unevenness(known, [self._stamps[index] for index in known])
 
     def host_clock(self) -> ClockFit | None:
         """The rate by the times at which samples reached the host before END; None with too few."""
+        return fit_arrivals(*self._arrivals())
+
+    def lasting_step(self) -> Unevenness | None:
+        """Where samples begin to reach the host later, or earlier, for good; None where they do not."""
+        return lasting_step(*self._arrivals())
+
+    def usual_length(self) -> float:
+        """How many samples a DATA message holds, the median; 0 without any."""
+        held = [p.data.n for p in self._pieces if isfinite(p.time)]
+        return float(np.median(held)) if held else 0.0
+
+    def _arrivals(self) -> tuple[list[int], list[float]]:
         pieces = [p for p in self._pieces if isfinite(p.time)]
-        return fit_clock([p.stop for p in pieces], [p.time for p in pieces])
+        return [p.stop for p in pieces], [p.time for p in pieces]

@@ -7,7 +7,8 @@ from typing import Any, Self
 
 from pydantic import ValidationError
 
-from daq.decode import Assembly
+from daq.clock_check import checked_rate
+from daq.decode import IMPORT, Assembly
 from daq.errors import DataLost, NotASession, SessionChanged, SettingsError, StorageError
 from daq.import_log import import_log
 from daq.manifest import (
@@ -155,11 +156,15 @@ class Session(SessionReader):
             if known is not None and self.info.state is not State.RECORDING and state is State.SEALED:
                 write_manifest(self.folder, known.model_copy(update={"files": self._entries(known.files)}))
                 return known.verdict
-            verdict, gaps, counts = _judge(self.folder, self.info, self.assembly(), check_clock)
+            assembly = self.assembly()
+            verdict, gaps, counts = _judge(self.folder, self.info, assembly, check_clock)
             counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
             self.info = self.info.model_copy(
                 update={"state": state, "reason": reason[:2000], "verdict": verdict.grade.value}
             )
+            if assembly.origin != IMPORT:
+                rate_std = checked_rate(assembly, check_clock).std
+                self.info = self.info.model_copy(update={"rate_std_hz": rate_std or None})
             files = self._entries(known.files if known else {})
             sealed = Manifest(state=state, files=files, counts=counts, gaps=gaps, verdict=verdict)
             changed = {INFO: _to_bytes(self.info)}

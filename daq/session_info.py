@@ -46,7 +46,7 @@ class SessionInfo(BaseModel):
     """The metadata of a session; SI units, the mass in kg (kg m^2 for angles).
 
     `source` is the port or the file, `noise` the standard deviation of each channel at rest in its unit,
-    `rate_std_hz` the standard error of the rate as far as it was measured, `reason` why a session was
+    `rate_std_hz` the standard error of the rate (None where an import was given the rate), `reason` why a session was
     aborted or recovered. `conditions` are numbers known of the test, by name with their unit, as "temperature [degC]".
     """
 

@@ -42,6 +42,7 @@ class Acquisition:
         faults: Mapping[str, Mapping[str, Any]],
         random: np.random.Generator,
         released: Callable[[Episode, float], None],
+        late_s: Callable[[np.ndarray, float], np.ndarray],
     ) -> None:
         self._bench = bench
         self._episodes = episodes
@@ -51,6 +52,7 @@ class Acquisition:
         self._faults = faults
         self._random = random
         self._released = released
+        self._late_s = late_s
         self._ready = [np.empty(0, dtype=np.int32), np.empty(0, dtype=np.int32)]
         self._made = [0, 0]
         self._taken = 0
@@ -75,8 +77,9 @@ class Acquisition:
         for channel, sensor in enumerate(self._sensors):
             end = int(np.ceil((episode.end + sensor.lag) * self._rate))
             index = np.arange(self._made[channel], max(end, self._made[channel]))
-            self._made[channel] += len(index)
-            times.append(index / self._rate)
+            time = index / self._rate + self._late_s(index, self._rate)
+            times.append(time[: np.searchsorted(time, episode.end + sensor.lag)])
+            self._made[channel] += len(times[-1])
         lags = [sensor.lag for sensor in self._sensors]
         seen = episode.observe(self._bench, times[0] - lags[0], times[1] - lags[1])
         for channel in (0, 1):

@@ -16,6 +16,7 @@ from firmware_protocol import (
     TYPE_OF,
     Ack,
     ChannelDescription,
+    Clock,
     Config,
     Data,
     Decoder,
@@ -143,7 +144,7 @@ class Board:
         elif isinstance(message, HelloRequest):
             self._say(_hello(self._boot_id, self._cause, self._misconfiguration.wrong_version))
             if not self._misconfiguration.silent:
-                self._say(self._describe())
+                self._say_description()
             if self._misconfiguration.forged:
                 self._say(Log("good\nverdict: OK"))
         elif isinstance(message, TimeSync):
@@ -174,6 +175,11 @@ class Board:
         assert not isinstance(frame.message, OtherVersion)
         self._say(Nack(frame.sequence, TYPE_OF[type(frame.message)], code, text))
 
+    def _say_description(self) -> None:
+        self._say(self._describe())
+        if self._misconfiguration.clock_says is not None:
+            self._say(Clock(self._misconfiguration.clock_says))
+
     def _describe(self) -> Describe:
         channels = _described(self._channels, self._settings)
         return self._misconfiguration.description(Describe(self._settings.format, channels))
@@ -182,7 +188,8 @@ class Board:
         rate = wanted.rate_hz or self._settings.rate
         form = wanted.format or self._settings.format
         most = ROOM_FOR_SAMPLES // (len(self._channels) * form.size)
-        n = wanted.samples_per_frame or max(1, min(most, int(rate / 16.0)))
+        frame_s = self._misconfiguration.frame_s or 1.0 / 16.0
+        n = wanted.samples_per_frame or max(1, min(most, int(rate * frame_s)))
         if not RATES_HZ[0] <= rate <= RATES_HZ[1]:
             text = f"{rate:g} Hz asked for; this board samples at {RATES_HZ[0]:g} to {RATES_HZ[1]:g} Hz"
             return self._nack(frame, NackCode.UNSUPPORTED, text)
@@ -191,7 +198,7 @@ class Board:
             return self._nack(frame, NackCode.UNSUPPORTED, text)
         self._settings = Settings(rate, n, form)
         self._ack(frame)
-        return self._say(self._describe())
+        return self._say_description()
 
     def _start(self, message: Start, now: float) -> None:
         source = self._source(self._settings.rate * self._misconfiguration.rate)
@@ -211,9 +218,10 @@ class Board:
     def _sample(self, capture: Capture, now: float, room: bool) -> None:
         """Take the samples that are due; send them while there is room on the way out."""
         if self._speed:
-            pace = self._speed * self._settings.rate * self._misconfiguration.rate
+            rate = self._settings.rate * self._misconfiguration.rate
             most = int(self._settings.rate * max(MOST_AT_ONCE_S, CATCHES_UP_S * self._speed)) + 1
-            due = min(int((now - self._started) * pace) - capture.sampled, most)
+            taken = self._misconfiguration.taken((now - self._started) * self._speed, rate)
+            due = min(taken - capture.sampled, most)
         else:
             due = self._settings.samples_per_frame - capture.unsent if room else 0
         before = (capture.sampled, capture.dropped)

@@ -64,7 +64,8 @@ class Capture:
         self._started_us = started_us
         self._memory = int(memory_s * settings.rate)
         self._capacity = max(64, int(BUFFER_S * settings.rate * max(1.0, pace)))
-        self._least = min(settings.samples_per_frame, max(1, int(LONGEST_WAIT_S * settings.rate)))
+        longest = max(LONGEST_WAIT_S, misconfiguration.frame_s)
+        self._least = min(settings.samples_per_frame, max(1, int(longest * settings.rate)))
         self._unsaid = 0
         self._checksum = 0
         self._warned = -(10**9)
@@ -92,8 +93,7 @@ class Capture:
             due = min(due, self.count - self.sampled)
         if due <= 0:
             return []
-        skipped = self._misconfiguration.skipped(self.sampled, due, self.settings.rate)
-        codes = self._misconfiguration.codes(self._source.take(due + skipped)[skipped:])
+        codes = self._misconfiguration.codes(self._source.take(due))
         events = self._saturation(codes)
         first = self._misconfiguration.index(self.sampled)
         self.sampled += due
@@ -129,6 +129,7 @@ class Capture:
             if len(more) > size - have:
                 self._waiting.appendleft((follows + size - have, 0, more[size - have :]))
             have += len(parts[-1])
+        dropped += self._misconfiguration.dropped(first, have, self.settings.rate)
         data = self._data(first, dropped, np.concatenate(parts))
         self._checksum = crc32(data.samples, self._checksum)
         return data

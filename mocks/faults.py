@@ -6,6 +6,7 @@ speed; the seconds count samples since START, so that a seed repeats a fault exa
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
 
@@ -27,6 +28,7 @@ PER_FRAME = {
 }
 LASTING = {
     "slow": (600.0, "bytes a second that the line carries"),
+    "held": (0.5, "seconds for which the line holds what came, and then delivers it at once"),
     "noise": (2e7, "bytes a second of noise, from a wrong baud rate or an open input"),
 }
 ONCE = {
@@ -69,6 +71,7 @@ class Line:
         self._random = random
         self._odds = {f.name: f.amount for f in faults if f.name in PER_BYTE or f.name in PER_FRAME}
         self._rate = next((f.amount for f in faults if f.name == "slow"), None)
+        self._held = next((f.amount for f in faults if f.name == "held"), 0.0)
         self._noise = next((f.amount for f in faults if f.name == "noise"), 0.0)
         self._heard = 0.0
         self._once = [f for f in faults if f.name in ONCE]
@@ -109,6 +112,8 @@ class Line:
             return
         if self._hit("delayed"):
             due += DELAY_S
+        if self._held:
+            due = math.ceil(due / self._held) * self._held
         if self._queue:
             due = max(due, self._queue[-1][0])  # A serial line keeps the order.
         data = frame[: int(self._random.integers(1, len(frame)))] if self._hit("cut") else frame

@@ -25,6 +25,12 @@ MISCONFIGURATIONS = {
     "wrong-end": "END counts 2^63 samples",
     "pause": "no sample is taken for 0.03 s (or AMOUNT), 5 s after START, and none is counted",
     "clock-jump": "the board's clock jumps back by 3 s (or AMOUNT), 5 s after START",
+    "index-stamps": "its time stamps are computed from the index, so that they know of no pause",
+    "wander": "samples wander by 0.5 (or AMOUNT) of their spacing about even times, once in 4 s, and are stamped so",
+    "jitter": "each sample is taken up to 0.45 (or AMOUNT) of its spacing early or late, and is stamped so",
+    "long-frames": "sends DATA of 0.5 s (or AMOUNT)",
+    "false-drop": "DATA says once that 1000 (or AMOUNT) samples were dropped where none is missing",
+    "clock-says": "CLOCK states an error of 1e-300 ppm (or AMOUNT)",
     "second-stream": "sends a second stream, of the same indices and twice the scale",
     "same-names": "both channels have the same name",
     "forged-text": "names and LOG hold line breaks and words of the station",
@@ -32,6 +38,7 @@ MISCONFIGURATIONS = {
 }
 OVERLAP = 8
 STRIKES_S = 5.0
+WANDER_S = 4.0
 
 
 @dataclass
@@ -56,6 +63,12 @@ class Misconfiguration:
     wrong_end: bool = False
     pause_s: float = 0.0
     jump_s: float = 0.0
+    index_stamps: bool = False
+    wander: float = 0.0
+    jitter: float = 0.0
+    frame_s: float = 0.0
+    false_drop: int = 0
+    clock_says: float | None = None
     second_stream: bool = False
     same_names: bool = False
     forged: bool = False
@@ -82,16 +95,25 @@ class Misconfiguration:
             end = replace(end, total_samples=end.total_samples | 1 << 63)
         return replace(end, checksum=end.checksum ^ 1) if self.counter else end
 
-    def skipped(self, sampled: int, due: int, rate: float) -> int:
-        """Return how many instants of sampling pass unused before the next `due` samples."""
-        strikes = self.pause_s > 0 and sampled <= STRIKES_S * rate < sampled + due
-        return round(self.pause_s * rate) if strikes else 0
+    def late_s(self, index: np.ndarray, rate: float) -> np.ndarray:
+        """Return how much later than at even times samples are really taken, s."""
+        noise = np.modf(np.abs(np.sin(index * 12.9898) * 43758.5453))[0] - 0.5
+        swing = self.wander * np.sin(2.0 * np.pi * index / (rate * WANDER_S)) + 2.0 * self.jitter * noise
+        return np.asarray(swing / rate + np.where(index > STRIKES_S * rate, self.pause_s, 0.0))
+
+    def taken(self, elapsed: float, rate: float) -> int:
+        """Return how many samples have been taken some seconds after START: none in a pause."""
+        before = min(elapsed, STRIKES_S)
+        return int((before + max(elapsed - STRIKES_S - self.pause_s, 0.0)) * rate)
 
     def time_us(self, first: int, rate: float) -> int:
-        """Return what the board's clock is off by at a sample, beside its rate, us."""
-        if first <= STRIKES_S * rate:
-            return 0
-        return round((self.pause_s - self.jump_s) * 1e6)
+        """Return what the board's stamp of a sample is off by from even times, us."""
+        late = 0.0 if self.index_stamps else float(self.late_s(np.array([first]), rate)[0])
+        return round((late - (self.jump_s if first > STRIKES_S * rate else 0.0)) * 1e6)
+
+    def dropped(self, first: int, count: int, rate: float) -> int:
+        """Return how many samples DATA says were dropped before it beside those that were."""
+        return self.false_drop if first <= STRIKES_S * rate < first + count else 0
 
     def before_hole(self, first: int) -> int:
         """Return how many samples before those asked for a RESEND brings too."""

@@ -135,6 +135,7 @@ class SimulatedBoard:
             self.faults,
             self._random,
             released,
+            self.misconfiguration.late_s,
         )
 
     def _channels(self) -> tuple[ChannelDescription, ...]:
@@ -219,6 +220,16 @@ def _sort_faults(
             misconfiguration.pause_s = float(amount or 0.03)
         elif name == "clock-jump":
             misconfiguration.jump_s = float(amount or 3.0)
+        elif name == "wander":
+            misconfiguration.wander = float(amount or 0.5)
+        elif name == "jitter":
+            misconfiguration.jitter = float(amount or 0.45)
+        elif name == "long-frames":
+            misconfiguration.frame_s = float(amount or 0.5)
+        elif name == "false-drop":
+            misconfiguration.false_drop = int(amount or 1000)
+        elif name == "clock-says":
+            misconfiguration.clock_says = float(amount or 1e-300)
         bumped |= name == "bump"
         misconfiguration.wrong_version |= name == "wrong-version"
         misconfiguration.describe |= name == "wrong-description"
@@ -232,4 +243,5 @@ def _sort_faults(
         misconfiguration.same_names |= name == "same-names"
         misconfiguration.forged |= name == "forged-text"
         misconfiguration.silent |= name == "no-description"
+        misconfiguration.index_stamps |= name == "index-stamps"
     return misconfiguration, bumped, tuple(line), fixed

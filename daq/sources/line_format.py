@@ -13,6 +13,7 @@ from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
 from daq.recording import Array, Channel
 
 COUNTER = "counter"
+UNUSED = "unused"
 NONE = "none"
 CLOCKS = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 ALIKE = 0.25
@@ -73,13 +74,14 @@ class LineFormat(BaseModel):
 
 
 class Sample(BaseModel):
-    """Lines that were listened to: columns by name, each (n,), and when each line arrived (n,), s."""
+    """Lines that were listened to: columns by name, each (n,), when each line arrived (n,), s, and the last as it came."""
 
     model_config = ConfigDict(frozen=True, arbitrary_types_allowed=True)
 
     columns: dict[str, Array]
     arrivals: Array
     header: tuple[str, ...] = ()
+    text: str = ""
 
 
 def find_format(
@@ -91,21 +93,27 @@ def find_format(
     """Return what the lines mean.
 
     `columns` maps time, counter, displacement, velocity, acceleration, force to a column's name or number ("none"
-    leaves it out), `units` a quantity to its unit or its scale with a unit ("0.0049 mm"). Raises SettingsError where
-    no column is a motion, or a unit is not known; the message lists what comes.
+    leaves it out), and "unused" to one that is none of them, `units` a quantity to its unit or its scale with a unit
+    ("0.0049 mm"). Raises SettingsError where no column is a motion, a unit is not known, or a comma may be a column's end or
+    a decimal comma; the message lists what comes.
     """
     wanted = {quantity: str(column) for quantity, column in (columns or {}).items()}
     for name in (*wanted, *(units or {})):
-        if name not in (*QUANTITIES, COUNTER):
-            raise SettingsError(f"'{name}' is no quantity; there are {', '.join((*QUANTITIES, COUNTER))}")
+        if name not in (*QUANTITIES, COUNTER, UNUSED):
+            raise SettingsError(
+                f"'{name}' is no quantity; there are {', '.join((*QUANTITIES, COUNTER, UNUSED))}"
+            )
     names = sample.header if len(sample.header) == len(sample.columns) else ()
     at = dict(zip(names, sample.columns, strict=False)) | {name: name for name in sample.columns}
     label = {column: name for name, column in zip(names, sample.columns, strict=False)}
     chosen = {q: _column(q, name, at, sample) for q, name in wanted.items() if name.lower() != NONE}
     left_out = {q for q, name in wanted.items() if name.lower() == NONE}
+    unused = chosen.pop(UNUSED, None)
     motions = _motions(sample, label, chosen, left_out, dict(units or {}))
     free = [c for c in sample.columns if c not in {m.column for m in motions}]
     clock = _clock(sample, label, free, chosen, left_out, dict(units or {}))
+    if unused is None:
+        _refuse_decimal_commas(sample, clock.column, [m.column for m in motions])
     return LineFormat(channels=motions, names=names, rate_hz=rate_hz, clock=clock)
 
 
@@ -118,6 +126,26 @@ def describe_columns(sample: Sample) -> str:
         if np.isfinite(values).any()
     ]
     return ", ".join(said) or "none with numbers"
+
+
+def _refuse_decimal_commas(sample: Sample, clock: str | None, used: Sequence[str]) -> None:
+    """Raise SettingsError where each second column may be the decimals of the one before it: nothing else reads it."""
+    fields = dict(zip(sample.columns, sample.text.split(","), strict=False))
+    fields.pop(clock or "", None)
+    whole, decimals = list(fields.values())[::2], list(fields)[1::2]
+    if (
+        len(sample.text.split(",")) != len(sample.columns)
+        or len(whole) != len(decimals)
+        or set(decimals) & set(used)
+    ):
+        return
+    if all(text.strip().lstrip("+-").isdecimal() for text in whole) and all(
+        fields[c].isdecimal() for c in decimals
+    ):
+        raise SettingsError(
+            f"'{sample.text[:40]}' may be {len(decimals)} with a decimal comma or {len(fields)} columns, each second one"
+            f" unused; print a decimal point, or say that they are columns, as --column {UNUSED}={decimals[0]}"
+        )
 
 
 def _column(quantity: str, name: str, at: Mapping[str, str], sample: Sample) -> str:

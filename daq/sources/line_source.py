@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from daq.clock import fit_clock
+from daq.clock import fit_arrivals
 from daq.errors import BoardError, NoBoard, ProtocolError, Stalled
 from daq.port import Port
 from daq.recording import Array
@@ -17,10 +17,13 @@ from daq.sources.text_lines import Line, LineCutter, header_of, parse_line
 
 LISTEN_S = 3.0
 LEAST_LINES = 24
+LEAST_BURSTS = 10  # a line that delivers seldom is listened to for three times as long
 MOST_LINES = 20_000
 QUIET_S = 5.0
 MOST_UNREAD = 200
 COUNTER_BITS = 32
+NUMBERED = 0.9
+"""Share of lines from which on another stamp or number than the line's before is the rule, so that one line is known."""
 
 
 class LineSource:
@@ -32,8 +35,11 @@ class LineSource:
         self._port = port
         self._cutter = LineCutter()
         self._unread = 0
+        self._last: dict[str, float] = {}
         self.sample = self._listen(listen_s)
         self.form = decide(self.sample)
+        numbers = self.sample.columns.get(self.form.clock.column or "", np.zeros(2))
+        self._numbered = bool(np.mean(np.diff(numbers) != 0) > NUMBERED)
         self._rate, self._rate_std = self._found_rate()
         self._begin()
 
@@ -58,8 +64,9 @@ class LineSource:
         runs: list[list[tuple[int, float, list[float]]]] = []
         for text in self._cutter.feed(data):
             line = self._understood(text)
-            if line is None:
-                continue
+            if line is None or (self._numbered and line == self._last):
+                continue  # the same line again, its number and all, is no other sample
+            self._last = line
             index, stamp = self._placed(line)
             row = (index, stamp, [c.scale * line[c.column] for c in self.form.channels])
             if runs and runs[-1][-1][0] == index - 1:
@@ -86,6 +93,7 @@ class LineSource:
         wrap = self.form.clock.scale * 2.0**COUNTER_BITS
         self._stamped = StampedIndex(self._rate, wrap)
         self._next = 0
+        self._last = {}
 
     def _placed(self, line: dict[str, float]) -> tuple[int, float]:
         clock = self.form.clock
@@ -120,16 +128,21 @@ class LineSource:
         last = began
         lines: list[tuple[float, Line]] = []
         header: tuple[str, ...] = ()
-        odd = ""
-        while (now := time.monotonic()) - began < seconds or (
-            len(lines) < LEAST_LINES and now - last < QUIET_S
+        odd = last_text = ""
+        bursts = 0
+        while (
+            (now := time.monotonic()) - began < seconds
+            or (bursts < LEAST_BURSTS and now - began < 3 * seconds)
+            or (len(lines) < LEAST_LINES and now - last < QUIET_S)
         ):
             data = self._port.read()
+            bursts += bool(data)
             last = now if data else last
             for text in self._cutter.feed(data):
                 line = parse_line(text) if text else None
                 if line is not None:
                     lines.append((now, line))
+                    last_text = text
                 elif text:
                     header, odd = header_of(text) or header, text
             if now - last > QUIET_S or len(lines) >= MOST_LINES or now - began > 3 * (seconds + QUIET_S):
@@ -139,7 +152,8 @@ class LineSource:
         names = list(lines[-1][1].values)
         kept = [(when, line.values) for when, line in lines if all(n in line.values for n in names)]
         columns = {name: np.array([values[name] for _, values in kept]) for name in names}
-        return Sample(columns=columns, arrivals=np.array([when for when, _ in kept]), header=header)
+        arrivals = np.array([when for when, _ in kept])
+        return Sample(columns=columns, arrivals=arrivals, header=header, text=last_text)
 
     def _nothing(self, count: int, odd: str) -> Exception:
         name = self._port.name
@@ -157,15 +171,20 @@ class LineSource:
     def _found_rate(self) -> tuple[float, float]:
         """Return the rate and its standard error, Hz: from stamps, as given, or by the arrival of lines."""
         form, clock, sample = self.form, self.form.clock, self.sample
-        number = np.arange(len(sample.arrivals), dtype=np.float64)
-        if clock.column is not None and clock.kind == "stamps":
-            return _rate_of(clock.scale * sample.columns[clock.column])
+        once = np.ones(len(sample.arrivals), dtype=np.bool_)
+        number, arrivals = np.cumsum(once, dtype=np.float64), sample.arrivals
+        if clock.column is not None:
+            number = sample.columns[clock.column]
+            once[1:] = (np.diff(number) != 0) | (not self._numbered)
+            number, arrivals = number[once], arrivals[once]
+        if clock.kind == "stamps":
+            return _rate_of(clock.scale * number)
         if form.rate_hz is not None:
             return form.rate_hz, 0.0
-        if clock.column is not None:
-            number = _unwrapped(sample.columns[clock.column])
+        if clock.kind == "counter":
+            number = _unwrapped(number)
         late = slice(len(number) // 8, None)  # what lay in a buffer came at once
-        found = fit_clock(number[late].astype(int).tolist(), sample.arrivals[late].tolist())
+        found = fit_arrivals(number[late].astype(int).tolist(), arrivals[late].tolist())
         if found is None or not np.isfinite(found.std):
             raise ProtocolError(f"{self._port.name}: the lines come too unevenly to tell a rate; give --rate")
         return found.rate, found.std

@@ -12,6 +12,7 @@ from zlib import crc32
 
 import numpy as np
 
+from daq.recording import Array
 from daq.sources.source import Reading, Source, SourceDescription
 from firmware_protocol import (
     TYPE_OF,
@@ -41,6 +42,9 @@ from firmware_protocol import (
 
 ROOM = 900
 """Bytes of samples in a frame."""
+
+EVEN_SAMPLES = 0.1
+"""How far a sample's own time may be from that of its place in a frame, which carries the first's only, in samples."""
 
 HEARTBEAT_S = 0.4
 IDLE_S = 0.02
@@ -193,13 +197,14 @@ class SourceBoard:
         skipped = reading.first - run.total
         run.dropped += skipped
         size = max(1, ROOM // (8 * samples.shape[1]))
-        for at in range(0, len(samples), size):
-            part = samples[at : at + size]
-            first = reading.first + at
+        rate = self._description.rate_hz
+        times: Array = (reading.first + np.arange(len(samples), dtype=np.float64)) * 1e6 / rate
+        if reading.times_us is not None:
             times = reading.times_us
-            stamp = (
-                round(first * 1e6 / self._description.rate_hz) if times is None else round(float(times[at]))
-            )
+        at = 0
+        while at < len(samples):
+            part = samples[at : at + _even(times[at : at + size], rate)]
+            first, stamp = reading.first + at, round(float(times[at]))
             content = part.tobytes()
             run.checksum = crc32(content, run.checksum)
             self._out.say(
@@ -213,6 +218,14 @@ class SourceBoard:
                     content,
                 )
             )
+            at += len(part)
         run.total = reading.first + len(samples)
         if run.count and run.total >= run.count:
             self._end()
+
+
+def _even(times_us: Array, rate: float) -> int:
+    """Return how many of these samples one time stands for: those whose own, shape (n,), follow the first's evenly."""
+    late = (times_us - times_us[0]) * 1e-6 * rate - np.arange(len(times_us))
+    odd = np.flatnonzero(~(np.abs(late) <= EVEN_SAMPLES))
+    return max(int(odd[0]), 1) if len(odd) else len(times_us)

@@ -68,6 +68,7 @@ static struct {
 static uint16_t first_part(void) { return plan.parts == 1 ? plan.last_part : plan.part; }
 
 static volatile bool converting;
+static uint32_t taken_at; /* by the clock, less what the interrupt was late: a tick that was missed shows */
 static uint8_t reading;
 static uint16_t sum[2];
 #if ACCELERATION != ADXL335
@@ -81,11 +82,12 @@ static void begin_reading(void) {
     ADCSRA |= _BV(ADSC);
 }
 
-static void begin_sample(void) {
-    if (converting) board_sample(0);
+static void begin_sample(uint32_t now) {
+    if (converting) board_sample(0, taken_at);
     reading = 0;
     sum[0] = sum[1] = 0;
     converting = true;
+    taken_at = now;
     begin_reading();
 #if ACCELERATION != ADXL335
     digital_answers = acceleration_read(&digital);
@@ -98,10 +100,10 @@ static void end_sample(void) {
     numbers[0] = (int16_t)((sum[0] << plan.shift) - 8192u);
 #if ACCELERATION == ADXL335
     numbers[1] = (int16_t)((sum[1] << plan.shift) - 8192u);
-    board_sample(numbers);
+    board_sample(numbers, taken_at);
 #else
     numbers[1] = digital;
-    board_sample(digital_answers ? numbers : 0);
+    board_sample(digital_answers ? numbers : 0, taken_at);
 #endif
 }
 
@@ -113,7 +115,7 @@ ISR(TIMER1_COMPA_vect) {
     }
     plan.parts_left = plan.parts;
     OCR1A += first_part();
-    begin_sample();
+    begin_sample((uint32_t)hardware_ticks() - late);
     board_late(late);
 }
 

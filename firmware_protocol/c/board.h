@@ -17,8 +17,9 @@ extern "C" {
 #endif
 
 /* Called once for each tick of the sampling timer, from an interrupt: one number of each channel, or NULL when
- * the sensors could not be read in time. */
-void board_sample(const int16_t *numbers);
+ * the sensors could not be read in time; and when the sample was taken, the lower 32 bits of hardware_ticks(). That is
+ * read from the clock, never counted from the samples: it shows the station a pause that nobody counted. */
+void board_sample(const int16_t *numbers, uint32_t ticks);
 
 /* Called by the same interrupt, if it can tell: how many ticks of the board's clock after its instant it ran.
  * After each capture the board reports the spread of these as an EVENT. */

@@ -5,7 +5,7 @@
  * turning points the sign of the velocity does not change, so the motion is a damped cosine about a centre
  * that friction shifts by mu_0 / w0^2: no integration is needed.
  *
- *   hardware_host [--speed X] [--rest SECONDS] [--sensor-fault FIRST COUNT]
+ *   hardware_host [--speed X] [--rest SECONDS] [--sensor-fault FIRST COUNT] [--pause FIRST SECONDS]
  *
  * prints `port: PATH` and runs until its standard input is closed.
  */
@@ -30,6 +30,8 @@ static const double displacement_noise = 5e-6, acceleration_noise = 0.01;
 
 static double speed = 1, rest_s = 3;
 static uint32_t fault_first, fault_count;
+static uint32_t pause_first = UINT32_MAX;
+static double pause_s; /* no sample is taken for so long, and none is counted */
 
 const char hardware_firmware[] = "example firmware 1.0";
 const char hardware_board[] = "hardware_host";
@@ -95,17 +97,17 @@ static int16_t converted(double value, const struct wire_channel *channel) {
     return (int16_t)(number > 32767 ? 32767 : number < -32768 ? -32768 : number);
 }
 
-static void take_sample(double t, uint32_t index) {
+static void take_sample(double t, uint32_t index, uint64_t now) {
     int16_t numbers[BOARD_CHANNELS];
     double x = motion_at(t - rest_s - displacement_lag_s).x, a = motion_at(t - rest_s).a;
     numbers[0] = converted(x + displacement_noise * normal(), &hardware_channels[0]);
     numbers[1] = converted(a + acceleration_noise * normal(), &hardware_channels[1]);
-    board_sample(index - fault_first < fault_count ? NULL : numbers);
+    board_sample(index - fault_first < fault_count ? NULL : numbers, (uint32_t)now);
 }
 
 static bool sampling;
 static uint32_t sampling_period;
-static uint64_t sampling_since;
+static uint64_t sampling_since, paused;
 static uint32_t ticks;
 
 uint32_t hardware_period(wire_real asked_hz) {
@@ -117,6 +119,7 @@ bool hardware_start_sampling(uint32_t period, uint64_t *first) {
     sampling = true;
     sampling_period = period;
     ticks = 0;
+    paused = 0;
     *first = sampling_since = hardware_ticks();
     return true;
 }
@@ -160,8 +163,11 @@ void hardware_wait(void) {
     char byte;
     poll(&input, 1, 1);
     if (input.revents && read(STDIN_FILENO, &byte, 1) <= 0) exit(0);
-    while (sampling && hardware_ticks() - sampling_since >= (uint64_t)ticks * sampling_period) {
-        take_sample((double)ticks * sampling_period / hardware_clock_hz, ticks);
+    while (sampling) {
+        uint64_t due = (uint64_t)ticks * sampling_period + paused;
+        if (ticks == pause_first && paused == 0) due += paused = (uint64_t)(pause_s * hardware_clock_hz);
+        if (hardware_ticks() - sampling_since < due) break;
+        take_sample((double)due / hardware_clock_hz, ticks, sampling_since + due);
         ticks++;
     }
 }
@@ -193,8 +199,12 @@ void hardware_begin(int count, char **arguments) {
         else if (!strcmp(arguments[i], "--sensor-fault") && i + 2 < count) {
             fault_first = (uint32_t)atol(arguments[++i]);
             fault_count = (uint32_t)atol(arguments[++i]);
+        } else if (!strcmp(arguments[i], "--pause") && i + 2 < count) {
+            pause_first = (uint32_t)atol(arguments[++i]);
+            pause_s = atof(arguments[++i]);
         } else {
-            fprintf(stderr, "hardware_host [--speed X] [--rest SECONDS] [--sensor-fault FIRST COUNT]\n");
+            fprintf(stderr, "hardware_host [--speed X] [--rest SECONDS] [--sensor-fault FIRST COUNT]"
+                            " [--pause FIRST SECONDS]\n");
             exit(2);
         }
     }

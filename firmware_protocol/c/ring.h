@@ -7,6 +7,10 @@
 
 #define RING_SAMPLE_BYTES (2 * BOARD_CHANNELS)
 
+/* The clock is kept for each block of samples: 4 bytes for 64 of them, or for fewer where so few are kept. */
+#define RING_BLOCK (BOARD_RING % 64 == 0 ? 64u : BOARD_RING % 16 == 0 ? 16u : 8u)
+#define RING_TIMES (BOARD_RING / RING_BLOCK + 1)
+
 typedef char ring_is_a_multiple_of_8[BOARD_RING % 8 == 0 ? 1 : -1];
 
 struct ring {
@@ -15,6 +19,8 @@ struct ring {
     volatile uint16_t slot;  /* where the next one goes: taken % BOARD_RING, without a division */
     volatile int16_t numbers[BOARD_RING][BOARD_CHANNELS];
     volatile uint8_t missing[BOARD_RING / 8]; /* one bit: the sensors could not be read */
+    volatile uint8_t block;                   /* where the clock of the newest block is: taken / RING_BLOCK % RING_TIMES */
+    volatile uint32_t times[RING_TIMES];      /* when the first sample of each block was taken */
 };
 
 /* A piece of the capture without a hole, and how many samples in front of it are not held. */
@@ -29,17 +35,22 @@ struct ring_run {
 static inline void ring_clear(struct ring *ring, uint32_t limit) {
     ring->taken = 0;
     ring->slot = 0;
+    ring->block = RING_TIMES - 1;
     ring->limit = limit;
 }
 
 static inline uint16_t ring_next_slot(uint16_t slot) { return slot + 1u < BOARD_RING ? (uint16_t)(slot + 1u) : 0; }
 
-/* From the interrupt. */
-static inline void ring_put(struct ring *ring, const int16_t *numbers) {
+/* From the interrupt; `ticks` is when the sample was taken. */
+static inline void ring_put(struct ring *ring, const int16_t *numbers, uint32_t ticks) {
     uint32_t at = ring->taken;
     uint16_t slot = ring->slot;
     uint8_t bit = (uint8_t)(1u << (slot % 8));
     if (at >= ring->limit) return;
+    if (at % RING_BLOCK == 0) {
+        ring->block = ring->block + 1u < RING_TIMES ? (uint8_t)(ring->block + 1u) : 0;
+        ring->times[ring->block] = ticks;
+    }
     if (numbers) {
         int channel;
         for (channel = 0; channel < BOARD_CHANNELS; channel++) ring->numbers[slot][channel] = numbers[channel];
@@ -60,6 +71,11 @@ static inline uint32_t ring_taken(const struct ring *ring) {
         twice = ring->taken;
     } while (once != twice);
     return once;
+}
+
+/* When a sample that is held was taken, by the clock of its block and `period` ticks a sample from there. */
+static inline uint32_t ring_time(const struct ring *ring, uint32_t index, uint32_t period) {
+    return ring->times[index / RING_BLOCK % RING_TIMES] + index % RING_BLOCK * period;
 }
 
 static inline bool ring_is_missing(const struct ring *ring, uint16_t slot) {

@@ -102,7 +102,8 @@ static bool read_converter(uint16_t readings[READINGS]) {
 }
 #endif
 
-static void take_sample(void) {
+/* The timer triggered it at `at`, and samples that the converter lost are counted by the clock. */
+static void take_sample(uint64_t at) {
     uint16_t readings[READINGS];
     int16_t numbers[BOARD_CHANNELS];
     bool complete = read_converter(readings);
@@ -112,7 +113,7 @@ static void take_sample(void) {
 #else
     complete &= acceleration_read(&numbers[1]);
 #endif
-    board_sample(complete ? numbers : 0);
+    board_sample(complete ? numbers : 0, (uint32_t)at);
 }
 
 /* A trigger leaves its readings in the converter's FIFO; half a period later they are all there, or found it full. */
@@ -121,13 +122,13 @@ void converter_interrupt(void) {
     while (converter_has_readings()) {
         int64_t late = ticks_since_due();
         board_late((uint16_t)(late < 0 ? 0 : late < 0xFFFF ? late : 0xFFFF));
+        take_sample(due);
         due += period;
-        take_sample();
     }
 #ifndef EMULATED
     while (ticks_since_due() > (int64_t)(period / 2)) {
+        board_sample(0, (uint32_t)due);
         due += period;
-        board_sample(0);
     }
 #endif
 }

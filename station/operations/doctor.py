@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from daq.board_sample import BoardSample
+from daq.clock_check import CLOCK_LIMIT, SIGMAS
 from daq.port_facts import PortFacts
 from daq.wiring_check import large_motion, suspicions
 
@@ -20,7 +21,6 @@ PACKAGES = ("numpy", "scipy", "numba", "pyserial", "rerun-sdk", "pydantic", "ric
 SPACE_MB = (50, 1000)
 SLOW_SYNC_S = 0.25  # what the raw log promises to be behind at most
 LATENCY_MS = 16
-CLOCK_LIMIT = 0.005
 MOVES = 20.0  # times the noise
 
 
@@ -161,7 +161,7 @@ def _rate(sample: BoardSample) -> Finding:
     if clock is None or not np.isfinite(clock.std):
         return Finding(Grade.WARN, "rate", f"{stated:g} Hz by the board, too few frames to check it")
     text = f"{stated:g} Hz by the board, {clock.rate:.2f} ± {clock.std:.2f} Hz by this computer"
-    off = abs(clock.rate / stated - 1) > max(CLOCK_LIMIT, 5 * clock.std / stated)
+    off = abs(clock.rate / stated - 1) > max(CLOCK_LIMIT, SIGMAS * clock.std / stated)
     return Finding(Grade.FAIL if off else Grade.PASS, "rate", text, "correct the rate in the firmware")
 
 

@@ -63,7 +63,8 @@ def _sampling(found: Findings) -> str:
     n = recording.samples.shape[1]
     std = recording.rate_std
     rate = typeset_error(recording.rate, std) if std else f"{recording.rate:.8g}"
-    return f"{rate} Hz, {n} samples, {n / recording.rate:.4g} s"
+    given = "" if std else "; the rate as given, its error is in no value"
+    return f"{rate} Hz, {n} samples, {n / recording.rate:.4g} s{given}"
 
 
 def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:

@@ -58,11 +58,13 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
 def explaining(found: Findings) -> Explaining | None:
     """Return the model that explains the record, the refined one first, then that which was identified; None without."""
     refined, adequate = found.refined, None
+    if found.identification is not None:
+        adequate = found.identification.adequacy
+    if adequate is not None and not adequate.timed:
+        return None
     if refined is not None and refined.top.at_floor:
         top = refined.top
         return Explaining(top.stated, _over_noise(top.error.chi_square, top.error.floor_std))
-    if found.identification is not None:
-        adequate = found.identification.adequacy
     if adequate is not None and adequate.adequate:
         return Explaining(adequate.fit, _over_noise(adequate.chi_square, adequate.chi_square_std))
     return None

@@ -77,7 +77,7 @@ class RestoringForceDocument(MethodDocument):
 
 
 class AdequacyDocument(Part):
-    """Whether the identified model explains its record: what it leaves, and in what the methods are farthest apart."""
+    """Whether the identified model explains its record: what it leaves, how the methods and the clock agree."""
 
     effects: list[str]
     chi2: Number = Field(validation_alias=AliasChoices("chi2", "chi_square"))
@@ -87,6 +87,7 @@ class AdequacyDocument(Part):
     quotable: bool
     apart: str
     sigmas: Number
+    rate_share: Number = 0.0
 
 
 class OrdersDocument(Part):

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot
 
+from daq.clock_check import CLOCK_LIMIT
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
@@ -31,7 +32,8 @@ class Adequacy:
 
     `chi_square` is the misfit over the noise (1 ± `chi_square_std` where nothing is left), `motion_percent` what it leaves
     of the motion, in % of its rms. `adequate` says whether the noise floor is reached. `apart` is the parameter in which
-    the two methods are farthest apart, in words, with the distance in standard errors `sigmas`.
+    the two methods are farthest apart, in words, with the distance in standard errors `sigmas`. `rate_share` is the share
+    by which the sampling rate may be off; 0 where it was given as it is.
     """
 
     fit: Fit
@@ -41,6 +43,7 @@ class Adequacy:
     adequate: bool
     apart: str = ""
     sigmas: float = 0.0
+    rate_share: float = 0.0
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -49,8 +52,13 @@ class Adequacy:
 
     @property
     def quotable(self) -> bool:
-        """Whether the identified values may be quoted: the model explains the record, and the methods agree."""
-        return self.adequate and self.sigmas <= FAR_APART
+        """Whether the identified values may be quoted: the model explains the record, its clock is known, methods agree."""
+        return self.adequate and self.timed and self.sigmas <= FAR_APART
+
+    @property
+    def timed(self) -> bool:
+        """Whether the sampling rate is known well enough for any value of this record to be quoted."""
+        return self.rate_share <= CLOCK_LIMIT
 
 
 def identified_model(wavelet: Method | None, restoring_force: Method | None) -> Model | None:
@@ -81,6 +89,7 @@ def adequacy(prepared: PreparedDecay, model: Model, methods: Sequence[Method] = 
         baseline.at_floor,
         apart,
         sigmas,
+        (prepared.window.rate_std or 0.0) / prepared.window.rate,
     )
 
 
@@ -110,6 +119,11 @@ def judgement(found: Adequacy) -> str:
     left = f"{three_figures(found.motion_percent)} % of the motion, {three_figures(found.chi_square)} x the noise"
     if not found.adequate:
         return f"this model leaves {left} ({floor}): do not quote its values"
+    if not found.timed:
+        return (
+            f"this model leaves {left} ({floor}), but the sampling rate may be off by {100.0 * found.rate_share:.2g} %: do "
+            "not quote its values"
+        )
     if not found.quotable:
         return (
             f"this model leaves {left} ({floor}), but the two methods are {found.sigmas:.0f} standard errors apart in "

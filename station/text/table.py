@@ -264,8 +264,8 @@ def _doubt(tables: Tables) -> list[str]:
     if all(row.quotable for row in tables.rows):
         return []
     return [
-        "* do not quote: the identified model does not explain this record, or the",
-        "  methods disagree.",
+        "* do not quote: the identified model does not explain this record, the",
+        "  methods disagree, or its sampling rate is not known well enough.",
     ]
 
 

@@ -67,8 +67,9 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
         if decay.mass is None
         else f"{decay.mass:g} {unit}"
     )
+    given = " as given, the error of a clock is in no value" if decay.rate_std is None else ""
     facts = [
-        ("record", f"{len(decay)} samples at {decay.rate:g} Hz ({' and '.join(names)}), {mass}"),
+        ("record", f"{len(decay)} samples at {decay.rate:g} Hz{given} ({' and '.join(names)}), {mass}"),
         ("release", f"at {release.time_s:.4f} s: {KINDS.get(release.kind, release.kind)}"),
     ]
     if lost:

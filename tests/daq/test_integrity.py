@@ -120,10 +120,16 @@ def test_two_ends_that_differ_are_a_reject() -> None:
 
 @pytest.mark.parametrize(
     ("late_us", "grade"),
-    [(30_000, Grade.REJECT), (-3e6, Grade.REJECT), (2100, Grade.REJECT), (1500, Grade.OK)],
+    [
+        (30_000, Grade.REJECT),
+        (-3e6, Grade.REJECT),
+        (6000, Grade.REJECT),
+        (1500, Grade.USABLE),
+        (100, Grade.OK),
+    ],
 )
-def test_a_step_of_the_boards_clock_beyond_half_a_sample_is_a_reject(late_us: float, grade: Grade) -> None:
-    """One sample lasts 3906 us."""
+def test_a_step_of_the_boards_clock_is_judged_by_its_share_of_a_second(late_us: float, grade: Grade) -> None:
+    """More than 5 ms within a second is more than 0.5 % of the rate, more than 0.25 ms more than 0.025 %."""
     messages = [data(first, late_us=late_us if first >= 800 else 0.0) for first in range(0, COUNT, N)]
     found = verdict(taken(*messages, END))
     assert found.grade is grade
@@ -136,9 +142,11 @@ def test_a_step_in_the_last_frame_of_the_recording_is_seen() -> None:
     assert verdict(taken(*messages, END, window=(64, 1500))).grade is Grade.USABLE
 
 
-def test_a_clock_that_drifts_against_the_index_is_a_reject() -> None:
-    messages = [data(f, late_us=4000 * np.sin(f / COUNT * np.pi)) for f in range(0, COUNT, N)]
-    assert verdict(taken(*messages, END)).grade is Grade.REJECT
+@pytest.mark.parametrize(("late_us", "grade"), [(4000, Grade.USABLE), (20_000, Grade.REJECT)])
+def test_a_clock_that_drifts_against_the_index_is_not_ok(late_us: float, grade: Grade) -> None:
+    """Half a wave in 9 s: at its steepest 0.35 of its height in a second."""
+    messages = [data(f, late_us=late_us * np.sin(f / COUNT * np.pi)) for f in range(0, COUNT, N)]
+    assert verdict(taken(*messages, END)).grade is grade
 
 
 def test_a_clock_that_stands_still_can_vouch_for_nothing() -> None:

@@ -11,6 +11,7 @@ import pytest
 from lying_conversation import LIMIT_S, SETTINGS, converse
 
 from daq.budget import Budget
+from daq.clock_check import CheckedRate
 from mocks.lies import KINDS
 from mocks.lying_board import BEHAVIOURS, LyingBoard
 
@@ -48,9 +49,9 @@ def test_an_honest_board_among_them_is_ok(tmp_path: Path) -> None:
     assert [converse(seed, tmp_path / str(seed)).verdict for seed in honest] == ["OK", "OK"]
 
 
-@pytest.mark.parametrize(("left_out", "seed"), [("_integrity", 40), ("_clock_steps", 76)])
+@pytest.mark.parametrize(("left_out", "seed"), [("_integrity", 40), ("checked_rate", 76)])
 def test_a_station_that_checks_less_is_caught(tmp_path: Path, left_out: str, seed: int) -> None:
-    with mock.patch(f"daq.quality.{left_out}"):
+    with mock.patch(f"daq.quality.{left_out}", return_value=CheckedRate(0.0)):
         assert "wrong" in converse(seed, tmp_path / "s").wrong
 
 

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from fault_bench import Promise, broken_promises, inject, promises
+from fault_bench import REAL_TIME, Promise, broken_promises, inject, promises
 
 from mocks.faults import NAMES
 from mocks.misconfigurations import MISCONFIGURATIONS
@@ -33,7 +33,9 @@ CASES = [
         row,
         line,
         id=f"{row.fault} on {line}",
-        marks=[pytest.mark.slow] if row.fault in (*LONG, *OF_THE_SAME_KIND) else [],
+        marks=[pytest.mark.slow]
+        if row.fault in (*LONG, *OF_THE_SAME_KIND) or REAL_TIME in row.injected
+        else [],
     )
     for number, row in enumerate(ROWS)
     for line in (row.lines if row.fault in ON_BOTH else (row.lines[number % len(row.lines)],))

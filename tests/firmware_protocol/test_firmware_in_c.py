@@ -364,6 +364,17 @@ def test_samples_that_a_sensor_did_not_give_are_counted(host: BenchHost) -> None
     assert isinstance(answer, Nack)
 
 
+@pytest.mark.parametrize("options", [("--pause", "200", "0.018")])
+def test_a_pause_that_nobody_counted_stands_in_the_boards_own_times(host: BenchHost) -> None:
+    host.ask(Start(512))
+    host.read_until(lambda: bool(host.messages(End)))
+    late = [d.board_time_us - 1e6 * d.first_index / 256 for d in host.messages(Data)]
+    steps = [after - before for before, after in pairwise(late) if abs(after - before) > 2]
+    # one step, of the pause (us, rounded); no frame is missing
+    assert steps == pytest.approx([18000], abs=2)
+    assert len(host.samples()) == 512
+
+
 @pytest.mark.parametrize("flags", [["-Os"], ["-O2"]])
 def test_the_firmware_compiles_without_a_warning(tmp_path: Path, flags: list[str]) -> None:
     build(tmp_path / "firmware", SOURCES, STRICT + flags)

@@ -17,7 +17,7 @@ STIFFNESS, DRY, VISCOUS, LAG = 13115.0, 0.13, 0.277, 0.0013
 def port(tmp_path: Path) -> Iterator[str]:
     program = build(tmp_path / "firmware", SOURCES, [*STRICT, "-O2"])
     board = subprocess.Popen(
-        [program, "--speed", "10", "--rest", "5"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [program, "--rest", "5"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
     assert board.stdout is not None
     yield board.stdout.readline().removeprefix("port: ").strip()

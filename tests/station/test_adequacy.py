@@ -1,7 +1,7 @@
 """The model that was identified is judged on its own record, before anybody quotes a value of it."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -101,6 +101,17 @@ def test_an_adequate_model_is_not_quoted_where_the_methods_contradict_each_other
     assert judged.adequate
     assert not judged.quotable
     assert "standard errors apart in" in judgement(judged)
+
+
+@pytest.mark.parametrize(("share", "quoted"), [(0.0, True), (0.004, True), (0.02, False), (0.1, False)])
+def test_values_are_quoted_only_where_the_sampling_rate_is_known_to_half_a_percent(releases, share, quoted):
+    prepared = releases["plain"][0]
+    timed = replace(prepared, window=replace(prepared.window, rate_std=share * prepared.window.rate))
+    judged = adequacy(timed, base_model(), [found(1), found(1)])
+    assert judged.quotable is quoted
+    assert quoted or f"the sampling rate may be off by {100 * share:g} %: do not quote" in judgement(judged)
+    stiffness = {one.name: one.value for one in engineering_values(judged.fit, MASS)}["stiffness K"]
+    assert stiffness.std >= 2 * share * stiffness.value  # the square of the rate
 
 
 def test_gains_that_differ_leave_the_forces_uncertain():

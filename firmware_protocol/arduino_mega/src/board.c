@@ -44,7 +44,7 @@ static struct {
     uint64_t last_frame, last_data, last_heartbeat;
 } board;
 
-void board_sample(const int16_t *numbers) { ring_put(&ring, numbers); }
+void board_sample(const int16_t *numbers, uint32_t ticks) { ring_put(&ring, numbers, ticks); }
 void board_late(uint16_t ticks) { timing_note(&timing, ticks); }
 
 static uint64_t microseconds(uint64_t ticks) {
@@ -221,11 +221,18 @@ static void send_describe(void) {
     }
 }
 
+/* When a sample was taken: of all times that the lower 32 bits may stand for, the one nearest to even sampling. */
+static uint64_t taken_at(uint32_t index) {
+    uint64_t even = board.first_at + (uint64_t)index * board.period;
+    int32_t later = (int32_t)(ring_time(&ring, index, board.period) - (uint32_t)even);
+    return even + (uint64_t)(int64_t)later;
+}
+
 static void send_run(const struct ring_run *run, uint32_t dropped_before, const uint8_t *bytes) {
     struct wire_message m;
     m.type = WIRE_DATA;
     m.as.data.first_index = run->first;
-    m.as.data.board_time_us = microseconds(board.first_at + (uint64_t)run->first * board.period);
+    m.as.data.board_time_us = microseconds(taken_at(run->first));
     m.as.data.dropped_before = dropped_before;
     m.as.data.n = run->n;
     m.as.data.channels = BOARD_CHANNELS;

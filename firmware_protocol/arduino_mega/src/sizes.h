@@ -1,7 +1,7 @@
 /* Every size of the board's side in one place: samples kept, bytes of a frame, seconds of memory.
  *
  * Each may be given to the compiler instead (-DBOARD_RING=512). RAM used is about
- * BOARD_RING * (2 * BOARD_CHANNELS + 1/8) + BOARD_FRAME + 0.3 KB, and on the stack
+ * BOARD_RING * (2 * BOARD_CHANNELS + 1/8 + 1/16) + BOARD_FRAME + 0.3 KB, and on the stack
  * BOARD_MOST_PER_FRAME * 2 * BOARD_CHANNELS + 0.3 KB.
  */
 #ifndef SIZES_H

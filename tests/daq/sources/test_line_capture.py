@@ -145,3 +145,68 @@ def test_a_column_that_counts_is_a_counter_and_no_time():
     n = np.arange(700)
     sample = Sample(columns={"i": 1.0 * (n % 256), "pos": np.sin(n / 9.0)}, arrivals=n / RATE)
     assert find_format(sample, units={"displacement": "mm"}).clock.kind == "counter"
+
+
+def microseconds(displacement, acceleration, late=None):
+    """Lines of whole microseconds, um and m/s^2; `late` (us) is by how much each is taken late."""
+    late = np.zeros(len(displacement)) if late is None else late
+    return [
+        f"{int(1e6 * i / RATE + late[i])},{1e6 * d:.2f},{a:.6f}"
+        for i, (d, a) in enumerate(zip(displacement, acceleration, strict=True))
+    ]
+
+
+IN_US = CSV | {"units": CSV["units"] | {"time": "us"}}
+
+
+def test_every_32nd_line_1p8_ms_late_by_its_stamp_is_said(motion, tmp_path):
+    displacement, acceleration, _ = motion
+    late = 1800.0 * (np.arange(len(displacement)) % 32 == 5)
+    board = SourceBoard(source(PrintingBoard(microseconds(displacement, acceleration, late)), **IN_US))
+    session = capture(board, SETTINGS, tmp_path / "s")
+    assert session.verdict.grade.value == "USABLE WITH GAPS"
+    assert "samples were not taken at even times" in session.verdict.reasons[0]
+    assert session.info.rate_std_hz == pytest.approx(1.8e-3 * RATE, rel=0.05)  # 1.8 ms within a second
+
+
+@pytest.mark.parametrize(("lines", "options"), [(microseconds, IN_US), (as_json, JSON | {"rate_hz": RATE})])
+def test_a_line_that_comes_twice_counts_once(motion, tmp_path, lines, options):
+    displacement, acceleration, _ = motion
+    printed = lines(displacement, acceleration)
+    twice = [line for i, line in enumerate(printed) for line in [line] * (2 if i % 100 == 50 else 1)]
+    once = capture(SourceBoard(source(PrintingBoard(printed), **options)), SETTINGS, tmp_path / "once")
+    again = capture(SourceBoard(source(PrintingBoard(twice), **options)), SETTINGS, tmp_path / "twice")
+    assert again.verdict.grade.value == "OK"
+    assert again.recording().rate == pytest.approx(RATE, rel=1e-6)
+    found, whole = again.recording().channel("displacement"), once.recording().channel("displacement")
+    np.testing.assert_array_equal(found[256:], whole[256 : len(found)])
+
+
+CLOCKED = {
+    "columns": {"time": 1, "displacement": 2},
+    "units": {"time": "ms", "displacement": "mm"},
+}
+
+
+def commas(values):
+    """The lines of a board that prints one number with a decimal comma."""
+    return [f"{20 + 1e3 * v:.4f}".replace(".", ",") for v in values]
+
+
+def test_a_decimal_comma_is_asked_about_and_never_read_as_two_columns(motion):
+    options = {"columns": {"displacement": 1}, "units": {"displacement": "mm"}, "rate_hz": RATE}
+    with pytest.raises(SettingsError, match=r"'\d+,\d+' may be 1 with a decimal comma or 2 columns"):
+        source(PrintingBoard(commas(motion[0])), **options)
+    stamped = [f"{int(1000 * i / RATE)},{line}" for i, line in enumerate(commas(motion[0]))]
+    with pytest.raises(SettingsError, match="may be 1 with a decimal comma or 2 columns"):
+        source(PrintingBoard(stamped), **(options | CLOCKED))
+
+
+def test_whole_numbers_that_are_columns_are_read_when_it_is_said(motion):
+    lines = [f"{round(1e6 * d)},{i % 7}" for i, d in enumerate(motion[0])]
+    columns = {"displacement": 1, "unused": 2}
+    found = source(PrintingBoard(lines), columns=columns, units={"displacement": "um"}, rate_hz=RATE)
+    assert [c.name for c in found.describe().channels] == ["displacement"]
+    both = {"displacement": 1, "acceleration": 2}
+    units = {"displacement": "um", "acceleration": "m/s^2"}
+    assert len(source(PrintingBoard(lines), columns=both, units=units, rate_hz=RATE).describe().channels) == 2
