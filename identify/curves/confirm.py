@@ -39,6 +39,9 @@ AS_OFTEN = 0.25
 _CONTENDS = 0.5
 """Share of what the best removes from which on a law is asked again in each resampling."""
 
+_SAME = 1e-6
+"""Share of an error by which gains may differ by rounding alone: some laws move nothing, or as much as others."""
+
 _SHORTLIST = 6
 _MOST = 4
 _SPOILS = 0.05
@@ -264,10 +267,10 @@ def _screened(
             gain = held.mean(kind) - trial.mean(kind)
             # what moves the centre moves the frequency too, but in second order
             least = WORTH if kind == "centre" else 0.0
-            if gain > max(least, best[kind].get(name, (0.0, 0))[0]):
+            if gain > max(least, best[kind].get(name, (0.0, 0))[0] + _SAME * held.mean(kind)):
                 best[kind][name] = (gain, column)
     chosen: list[int] = []
     for kind in kinds:
-        order = [column for _, column in sorted(best[kind].values(), reverse=True)]
+        order = [column for _, column in sorted(best[kind].values(), key=lambda found: -found[0])]
         chosen += order[:_SHORTLIST] + [column for column in order if laws[column].term.effect.of_time]
     return tuple(dict.fromkeys(chosen))
