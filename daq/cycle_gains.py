@@ -1,0 +1,129 @@
+"""Each cycle against its neighbours: by how much, and with which sign, a channel answers to the motion.
+
+The size and phase of a channel's oscillation in a window of two periods is a complex number. The acceleration's over the
+displacement's is minus the frequency's square whatever the mass does, so that a jump of it is a sensor's. One channel alone
+is held against its own decay: size and phase of a free oscillation go on smoothly.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from daq.recording import Array, Mask
+
+FEWEST = 4.0
+"""Periods that a record has at least."""
+PIECES = 4
+"""Windows of one period begin so many times a period."""
+AGREE = 0.8
+SMALLEST = 0.15
+"""Share of the motion's power that two channels have in common, and of its largest size, below which a window says nothing."""
+GAIN_STEP, ALONE_STEP = 0.12, 0.25
+SCATTER, USUAL = 4.0, 0.75
+"""Logarithm of the smallest step that is looked for, with two channels and with one; times a quantile of the usual one."""
+STRAIGHT = 0.3
+"""Logarithm by which a free oscillation grows or shrinks in a period at most."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A jump of the gain at sample `index`: by this `factor`, or of its sign."""
+
+    index: int
+    factor: float
+    reverses: bool
+
+
+def cycle_length(channels: tuple[Array, ...]) -> float | None:
+    """Return the period in samples at which all channels, shape (n,) each, oscillate; None where they hardly do."""
+    n = len(channels[0])
+    if n < 32:
+        return None
+    window = np.hanning(n)
+    place = np.linspace(-1.0, 1.0, n)
+    common = np.ones(n // 2 + 1)
+    for x in channels:
+        size = float(np.ptp(x))
+        if not 0.0 < size < 1e100:
+            return None
+        y = (x - x.mean()) / size
+        y = y - place * float(y @ place) / float(place @ place)
+        common *= np.abs(np.fft.rfft(y * window)) ** 2
+    common[: round(FEWEST)] = 0.0
+    peak = int(np.argmax(common))
+    if peak == 0 or common[peak] == 0.0:
+        return None
+    left, middle, right = (np.sqrt(common[min(max(i, 0), len(common) - 1)]) for i in (peak - 1, peak, peak + 1))
+    bend = left - 2.0 * middle + right
+    shift = 0.5 * (left - right) / bend if bend < 0.0 else 0.0
+    period = n / (peak + min(max(float(shift), -0.5), 0.5))
+    return period if period >= 6.0 else None
+
+
+def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tuple[Step, ...]:
+    """Return where the gain of `x` jumps against `other`, or against itself a period earlier, where both are `moving`, (n,)."""
+    span = np.flatnonzero(moving)
+    if len(span) < 5.0 * period:
+        return ()
+    begin, end = int(span[0]), int(span[-1]) + 1
+    whole = round(period)
+    hop = max(whole // PIECES, 1)
+    if other is not None:
+        slope = _slopes(x[begin:end], other[begin:end], whole, hop)
+        return _steps(slope, begin + whole, round(1.5 * PIECES), hop)
+    slope = _slopes(x[begin + whole : end], x[begin : end - whole], whole, hop)
+    return _blips(slope, begin + whole, round(1.5 * PIECES), hop)
+
+
+def _slopes(y: Array, x: Array, width: int, hop: int) -> Array:
+    """Return the slope of y against x in windows, NaN where they hardly agree or x hardly moves."""
+    view = np.lib.stride_tricks.sliding_window_view
+    both = [part - part.mean(axis=1, keepdims=True) for part in (view(x, width)[::hop], view(y, width)[::hop])]
+    xx, xy, yy = ((a * b).sum(axis=1) for a, b in ((both[0], both[0]), (both[0], both[1]), (both[1], both[1])))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        agree = (xy**2 > AGREE * xx * yy) & (xx > SMALLEST**2 * xx.max()) & (yy > SMALLEST**4 * yy.max())
+        return np.asarray(np.where(agree, xy / xx, np.nan))
+
+
+def _steps(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
+    """Return where the slope differs between windows before and after a reading, the largest of each group."""
+    if len(slope) <= apart:
+        return ()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        change = np.log(np.abs(slope[apart:] / slope[:-apart]))
+    reverses = slope[apart:] * slope[:-apart] < 0.0
+    known = np.isfinite(change)
+    if not known.any():
+        return ()
+    usual = float(np.quantile(np.abs(change[known]), USUAL))
+    jumps = known & ((np.abs(change) > max(GAIN_STEP, SCATTER * usual)) | reverses)
+    return _found(jumps, change, reverses, lambda at: first + round((at + 0.5 * apart) * hop - 0.5 * hop), apart)
+
+
+def _blips(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
+    """Return where the slope against a period earlier differs from that both before and after."""
+    if len(slope) <= 2 * apart:
+        return ()
+    middle, before, after = slope[apart:-apart], slope[: -2 * apart], slope[2 * apart :]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        around = np.log(before), np.log(after)
+        change = np.log(np.abs(middle)) - 0.5 * (around[0] + around[1])
+    smooth = (np.abs(around[0]) < STRAIGHT) & (np.abs(around[1]) < STRAIGHT)
+    known = np.isfinite(change)
+    reverses = known & smooth & (middle < 0.0)
+    usual = float(np.quantile(np.abs(change[known]), USUAL)) if known.any() else 0.0
+    jumps = known & smooth & ((np.abs(change) > max(ALONE_STEP, SCATTER * usual)) | reverses)
+    return _found(jumps, change, reverses, lambda at: first + (at + apart) * hop, apart)
+
+
+def _found(
+    jumps: Mask, change: Array, reverses: Mask, index: Callable[[int], int], apart: int
+) -> tuple[Step, ...]:
+    found: list[Step] = []
+    at = np.flatnonzero(jumps)
+    for group in np.split(at, np.flatnonzero(np.diff(at) > apart) + 1) if len(at) else []:
+        size = np.abs(change[group])
+        best = int(np.median(group[size >= 0.9 * size.max()]))
+        found.append(Step(index(best), float(np.exp(change[best])), bool(reverses[group].any())))
+    return tuple(found)
