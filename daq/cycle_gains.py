@@ -1,8 +1,9 @@
 """Each cycle against its neighbours: by how much, and with which sign, a channel answers to the motion.
 
-The size and phase of a channel's oscillation in a window of two periods is a complex number. The acceleration's over the
-displacement's is minus the frequency's square whatever the mass does, so that a jump of it is a sensor's. One channel alone
-is held against its own decay: size and phase of a free oscillation go on smoothly.
+About a spring's rest the acceleration is the displacement times minus the frequency's square, whatever the mass does: the
+slope of one channel against the other goes on smoothly from window to window, and a jump of it is a sensor's. One channel
+alone is held against itself a period earlier: in a free oscillation that slope is positive and goes on smoothly as well, but
+for the one period in which its gain or its sign changes.
 """
 
 from collections.abc import Callable
@@ -16,14 +17,14 @@ FEWEST = 4.0
 """Periods that a record has at least."""
 PIECES = 4
 """Windows of one period begin so many times a period."""
-AGREE = 0.8
+AGREE, ALONE_AGREE = 0.94, 0.5
 SMALLEST = 0.15
-"""Share of the motion's power that two channels have in common, and of its largest size, below which a window says nothing."""
-GAIN_STEP, ALONE_STEP = 0.12, 0.25
-SCATTER, USUAL = 4.0, 0.75
+"""Share of two channels' power that they have in common, and of the largest size, below which a window says nothing."""
+GAIN_STEP, ALONE_STEP = 0.15, 0.25
+SCATTER, USUAL = 8.0, 0.4
 """Logarithm of the smallest step that is looked for, with two channels and with one; times a quantile of the usual one."""
-STRAIGHT = 0.3
-"""Logarithm by which a free oscillation grows or shrinks in a period at most."""
+SMOOTH, STRAIGHT = 0.5, 0.3
+"""In which share of its windows a free oscillation grows or shrinks by less than this in a period (logarithm)."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,11 @@ class Step:
     index: int
     factor: float
     reverses: bool
+
+    @property
+    def inverse(self) -> "Step":
+        """The same jump, of the other channel."""
+        return Step(self.index, 1.0 / self.factor, self.reverses)
 
 
 def cycle_length(channels: tuple[Array, ...]) -> float | None:
@@ -54,7 +60,9 @@ def cycle_length(channels: tuple[Array, ...]) -> float | None:
     peak = int(np.argmax(common))
     if peak == 0 or common[peak] == 0.0:
         return None
-    left, middle, right = (np.sqrt(common[min(max(i, 0), len(common) - 1)]) for i in (peak - 1, peak, peak + 1))
+    left, middle, right = (
+        np.sqrt(common[min(max(i, 0), len(common) - 1)]) for i in (peak - 1, peak, peak + 1)
+    )
     bend = left - 2.0 * middle + right
     shift = 0.5 * (left - right) / bend if bend < 0.0 else 0.0
     period = n / (peak + min(max(float(shift), -0.5), 0.5))
@@ -62,7 +70,7 @@ def cycle_length(channels: tuple[Array, ...]) -> float | None:
 
 
 def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tuple[Step, ...]:
-    """Return where the gain of `x` jumps against `other`, or against itself a period earlier, where both are `moving`, (n,)."""
+    """Return where the gain of `x` jumps against `other`, or against itself a period earlier, while it is `moving`, (n,)."""
     span = np.flatnonzero(moving)
     if len(span) < 5.0 * period:
         return ()
@@ -70,19 +78,23 @@ def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tu
     whole = round(period)
     hop = max(whole // PIECES, 1)
     if other is not None:
-        slope = _slopes(x[begin:end], other[begin:end], whole, hop)
+        slope = _slopes(x[begin:end], other[begin:end], whole, hop, AGREE)
         return _steps(slope, begin + whole, round(1.5 * PIECES), hop)
-    slope = _slopes(x[begin + whole : end], x[begin : end - whole], whole, hop)
+    slope = _slopes(x[begin + whole : end], x[begin : end - whole], whole, hop, ALONE_AGREE)
     return _blips(slope, begin + whole, round(1.5 * PIECES), hop)
 
 
-def _slopes(y: Array, x: Array, width: int, hop: int) -> Array:
-    """Return the slope of y against x in windows, NaN where they hardly agree or x hardly moves."""
+def _slopes(y: Array, x: Array, width: int, hop: int, share: float) -> Array:
+    """Return the slope of y against x in windows, NaN where they hardly move or have less than this share in common."""
     view = np.lib.stride_tricks.sliding_window_view
-    both = [part - part.mean(axis=1, keepdims=True) for part in (view(x, width)[::hop], view(y, width)[::hop])]
-    xx, xy, yy = ((a * b).sum(axis=1) for a, b in ((both[0], both[0]), (both[0], both[1]), (both[1], both[1])))
+    both = [
+        part - part.mean(axis=1, keepdims=True) for part in (view(x, width)[::hop], view(y, width)[::hop])
+    ]
+    xx, xy, yy = (
+        (a * b).sum(axis=1) for a, b in ((both[0], both[0]), (both[0], both[1]), (both[1], both[1]))
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
-        agree = (xy**2 > AGREE * xx * yy) & (xx > SMALLEST**2 * xx.max()) & (yy > SMALLEST**4 * yy.max())
+        agree = (xy**2 > share * xx * yy) & (xx > SMALLEST**2 * xx.max()) & (yy > SMALLEST**4 * yy.max())
         return np.asarray(np.where(agree, xy / xx, np.nan))
 
 
@@ -93,12 +105,28 @@ def _steps(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
     with np.errstate(divide="ignore", invalid="ignore"):
         change = np.log(np.abs(slope[apart:] / slope[:-apart]))
     reverses = slope[apart:] * slope[:-apart] < 0.0
+    change -= 0.5 * (
+        _shifted(change, apart) + _shifted(change, -apart)
+    )  # what goes on before and after is no step
     known = np.isfinite(change)
     if not known.any():
         return ()
     usual = float(np.quantile(np.abs(change[known]), USUAL))
     jumps = known & ((np.abs(change) > max(GAIN_STEP, SCATTER * usual)) | reverses)
-    return _found(jumps, change, reverses, lambda at: first + round((at + 0.5 * apart) * hop - 0.5 * hop), apart)
+    jumps[: int(np.argmin(jumps))] = False  # the motion's beginning is no step within it
+    return _found(
+        jumps, change, reverses, lambda at: first + round((at + 0.5 * apart) * hop - 0.5 * hop), apart
+    )
+
+
+def _shifted(change: Array, by: int) -> Array:
+    """Return the change so many windows later, 0 where there is none or it is not known, (n,)."""
+    out = np.zeros(len(change))
+    if by > 0:
+        out[:-by] = change[by:]
+    else:
+        out[-by:] = change[:by]
+    return np.nan_to_num(out)
 
 
 def _blips(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
@@ -111,6 +139,8 @@ def _blips(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
         change = np.log(np.abs(middle)) - 0.5 * (around[0] + around[1])
     smooth = (np.abs(around[0]) < STRAIGHT) & (np.abs(around[1]) < STRAIGHT)
     known = np.isfinite(change)
+    if smooth.sum() < SMOOTH * len(smooth):
+        return ()
     reverses = known & smooth & (middle < 0.0)
     usual = float(np.quantile(np.abs(change[known]), USUAL)) if known.any() else 0.0
     jumps = known & smooth & ((np.abs(change) > max(ALONE_STEP, SCATTER * usual)) | reverses)
@@ -124,6 +154,7 @@ def _found(
     at = np.flatnonzero(jumps)
     for group in np.split(at, np.flatnonzero(np.diff(at) > apart) + 1) if len(at) else []:
         size = np.abs(change[group])
-        best = int(np.median(group[size >= 0.9 * size.max()]))
+        top = group[size >= 0.9 * size.max()]
+        best = int(top[len(top) // 2])
         found.append(Step(index(best), float(np.exp(change[best])), bool(reverses[group].any())))
     return tuple(found)

@@ -1,6 +1,6 @@
 """The verdict on a recording: OK, USABLE WITH GAPS or REJECT, with the reasons in words.
 
-It judges what was recorded, not what it means: losses, saturation, a dead channel, too little motion, a
+It judges what was recorded, not what it means: losses, a dead channel, too little motion, faults of the sensors, a
 start in mid-motion, noise, clocks, channels that contradict each other.
 """
 
@@ -14,14 +14,13 @@ from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 from daq.decode import BOARD, IMPORT, Assembly
 from daq.description_checks import foreign_unit
 from daq.integrity import Outcome
-from daq.recording import Array, Channel, Gap, Mask, Recording
-from daq.wiring_check import suspicions
-from firmware_protocol import NO_CHANNEL, EventKind
+from daq.recording import Array, Channel, Gap, Recording
+from daq.sensor_faults import SensorFaults, sensor_faults
+from daq.wiring_check import Suspicion, suspicions
+from firmware_protocol import EventKind
 
 LOST_LIMIT = 0.02
 LONGEST_GAP_S = 0.25
-SATURATED_LIMIT = 3
-BLOW_S = 0.05
 CLOCK_LIMIT = 0.005
 SHORTEST_CLOCK_S = 2.0
 MOTION_TO_NOISE = 20.0
@@ -66,6 +65,10 @@ class _Findings:
     def usable(self, reason: str, advice: str = "") -> None:
         self.found.append((Grade.USABLE, reason, advice))
 
+    def suspect(self, *suspicions: Suspicion) -> None:
+        for found in suspicions:
+            (self.reject if found.certain else self.usable)(found.reason, found.advice)
+
     def verdict(self) -> Verdict:
         for grade in (Grade.REJECT, Grade.USABLE):
             if any(found[0] is grade for found in self.found):
@@ -86,18 +89,21 @@ def judge(
     noise: Mapping[str, float] | None = None,
     check_clock: bool = True,
     typical: Mapping[str, float] | None = None,
+    sensors: SensorFaults | None = None,
 ) -> Verdict:
     """Return the verdict on a recording.
 
     `assembly` adds what the board and the wire reported, `planned` the number of samples wanted, `noise` the
-    standard deviation of each channel at rest by its name (channel's unit), `typical` the same in other sessions.
+    standard deviation of each channel at rest by its name (channel's unit), `typical` the same in other sessions,
+    `sensors` what `sensor_faults` found where that is known.
     """
     findings = _Findings()
     _losses(findings, recording, planned)
     for channel, samples in zip(recording.channels, recording.samples, strict=True):
         _one_channel(findings, channel, samples[recording.valid], (noise or {}).get(channel.name))
     _noisier(findings, recording, noise or {}, typical or {})
-    _saturation(findings, recording, assembly)
+    sensors = sensors or sensor_faults(recording, assembly)
+    findings.suspect(*sensors.suspicions)
     _start(findings, recording)
     _kinematics(findings, recording)
     if assembly is not None:
@@ -177,51 +183,6 @@ def _noisier(
             )
 
 
-def _saturation(findings: _Findings, recording: Recording, assembly: Assembly | None) -> None:
-    """Saturation by the samples and by the board's events; a blow may saturate, what follows it may not."""
-    blow = np.zeros(len(recording.valid), dtype=np.bool_)
-    if recording.trigger is not None:
-        after = recording.trigger + round(BLOW_S * recording.rate)
-        blow[max(recording.trigger - 2, 0) : after] = True
-    for number, channel in enumerate(recording.channels):
-        seen = _at_end(channel, recording.samples[number])
-        reported = _reported_saturation(assembly, number, len(blow)) if assembly else np.zeros_like(blow)
-        count, in_blow = int((seen | reported)[~blow].sum()), int((seen | reported)[blow].sum())
-        if count >= SATURATED_LIMIT or reported[~blow].any():
-            findings.reject(
-                f"{channel.name} is at the end of its range in {count} samples",
-                f"a smaller release, or a wider range of {channel.name}",
-            )
-        elif in_blow:
-            findings.usable(
-                f"{channel.name} is at the end of its range in {in_blow} samples at the release",
-                f"a softer blow, or a wider range of {channel.name}",
-            )
-
-
-def _at_end(channel: Channel, samples: Array) -> Mask:
-    """Mark samples within one code of an end of the range that stay there for two samples or more."""
-    step = channel.resolution or 0.0
-    at_end = np.zeros(len(samples), dtype=np.bool_)
-    if channel.high is not None:
-        at_end |= samples >= channel.high - 1.01 * step
-    if channel.low is not None:
-        at_end |= samples <= channel.low + 1.01 * step
-    stays = np.zeros_like(at_end)
-    stays[1:] |= at_end[1:] & at_end[:-1]
-    stays[:-1] |= at_end[1:] & at_end[:-1]
-    return stays
-
-
-def _reported_saturation(assembly: Assembly, number: int, n: int) -> Mask:
-    reported = np.zeros(n, dtype=np.bool_)
-    for event in assembly.events:
-        if event.kind == EventKind.SATURATION and event.channel in (number, NO_CHANNEL):
-            first = event.index - assembly.start
-            reported[max(first, 0) : max(first + event.count, 0)] = True
-    return reported
-
-
 def _start(findings: _Findings, recording: Recording) -> None:
     """A capture that begins in mid-motion has missed its release; one that a touch has set off comes too early."""
     trigger = recording.trigger
@@ -246,9 +207,7 @@ def _kinematics(findings: _Findings, recording: Recording) -> None:
         return
     good = np.flatnonzero(recording.valid)
     good = good[good >= (recording.trigger or 0)]
-    for suspicion in suspicions(displacement[good], acceleration[good], recording.rate):
-        say = findings.reject if suspicion.certain else findings.usable
-        say(suspicion.reason, suspicion.advice)
+    findings.suspect(*suspicions(displacement[good], acceleration[good], recording.rate))
 
 
 def _board_reports(findings: _Findings, assembly: Assembly) -> None:
