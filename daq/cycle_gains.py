@@ -13,8 +13,8 @@ import numpy as np
 
 from daq.recording import Array, Mask
 
-FEWEST = 4.0
-"""Periods that a record has at least."""
+FEWEST, SHORTEST = 2.0, 6.0
+"""Periods that half a record has at least, and readings that a period has."""
 PIECES = 4
 """Windows of one period begin so many times a period."""
 AGREE, ALONE_AGREE = 0.94, 0.5
@@ -22,9 +22,9 @@ SMALLEST = 0.15
 """Share of two channels' power that they have in common, and of the largest size, below which a window says nothing."""
 GAIN_STEP, ALONE_STEP = 0.15, 0.25
 SCATTER, USUAL = 8.0, 0.4
-"""Logarithm of the smallest step that is looked for, with two channels and with one; times a quantile of the usual one."""
+"""Logarithm of the smallest step that is looked for, with two channels and with one; times a usual one."""
 SMOOTH, STRAIGHT = 0.5, 0.3
-"""In which share of its windows a free oscillation grows or shrinks by less than this in a period (logarithm)."""
+"""In which share of windows at least a free oscillation grows or shrinks by less than this in a period (logarithm)."""
 
 
 @dataclass(frozen=True)
@@ -42,31 +42,31 @@ class Step:
 
 
 def cycle_length(channels: tuple[Array, ...]) -> float | None:
-    """Return the period in samples at which all channels, shape (n,) each, oscillate; None where they hardly do."""
-    n = len(channels[0])
-    if n < 32:
+    """Return the period in samples at which all channels, shape (n,) each, oscillate; None where they hardly do.
+
+    By the mean spectrum of halves of the record: a change of sign within it splits the line of the whole.
+    """
+    width = len(channels[0]) // 2
+    if width < 16 or not all(np.ptp(x) > 0.0 for x in channels):
         return None
-    window = np.hanning(n)
-    place = np.linspace(-1.0, 1.0, n)
-    common = np.ones(n // 2 + 1)
+    size = 1 << (4 * width - 1).bit_length()
+    place, window = np.linspace(-1.0, 1.0, width), np.hanning(width)
+    common = np.ones(size // 2 + 1)
     for x in channels:
-        size = float(np.ptp(x))
-        if not 0.0 < size < 1e100:
-            return None
-        y = (x - x.mean()) / size
-        y = y - place * float(y @ place) / float(place @ place)
-        common *= np.abs(np.fft.rfft(y * window)) ** 2
-    common[: round(FEWEST)] = 0.0
+        power = np.zeros(size // 2 + 1)
+        for first in range(0, len(x) - width + 1, max(width // 4, 1)):
+            part = (x[first : first + width] - x[first : first + width].mean()) / np.ptp(x)
+            part = part - place * float(part @ place) / float(place @ place)
+            power += np.abs(np.fft.rfft(part * window, size)) ** 2
+        common *= power / power.max()
+    common[: round(FEWEST * size / width)] = 0.0
     peak = int(np.argmax(common))
-    if peak == 0 or common[peak] == 0.0:
+    if not 0 < peak < len(common) - 1:
         return None
-    left, middle, right = (
-        np.sqrt(common[min(max(i, 0), len(common) - 1)]) for i in (peak - 1, peak, peak + 1)
-    )
-    bend = left - 2.0 * middle + right
-    shift = 0.5 * (left - right) / bend if bend < 0.0 else 0.0
-    period = n / (peak + min(max(float(shift), -0.5), 0.5))
-    return period if period >= 6.0 else None
+    left, top, right = np.sqrt(common[peak - 1 : peak + 2])
+    bend = left - 2.0 * top + right
+    period = size / (peak + (0.5 * float((left - right) / bend) if bend < 0.0 else 0.0))
+    return period if period >= SHORTEST else None
 
 
 def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tuple[Step, ...]:
@@ -82,6 +82,15 @@ def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tu
         return _steps(slope, begin + whole, round(1.5 * PIECES), hop)
     slope = _slopes(x[begin + whole : end], x[begin : end - whole], whole, hop, ALONE_AGREE)
     return _blips(slope, begin + whole, round(1.5 * PIECES), hop)
+
+
+def own_change(x: Array, index: int, period: float) -> float:
+    """Return by how much a channel is another after reading `index` than whole periods before: 0 for one that goes on."""
+    gap, whole = round(0.25 * period), round(period)
+    after = x[index + gap : index + gap + whole]
+    before = x[max(index + gap - 2 * whole, 0) :][: len(after)]
+    after, before = after - after.mean(), before - before.mean()
+    return float(after @ before / (before @ before)) - 1.0
 
 
 def _slopes(y: Array, x: Array, width: int, hop: int, share: float) -> Array:
@@ -119,6 +128,14 @@ def _steps(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
     )
 
 
+def _usual(slope: Array) -> float:
+    """Return the median change of the slope from a window to the one half a period later (logarithm)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        change = np.abs(np.diff(np.log(np.abs(slope[:: PIECES // 2])), 1))
+    known = change[np.isfinite(change)]
+    return float(np.median(known)) if len(known) else 0.0
+
+
 def _shifted(change: Array, by: int) -> Array:
     """Return the change so many windows later, 0 where there is none or it is not known, (n,)."""
     out = np.zeros(len(change))
@@ -137,12 +154,13 @@ def _blips(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
     with np.errstate(divide="ignore", invalid="ignore"):
         around = np.log(before), np.log(after)
         change = np.log(np.abs(middle)) - 0.5 * (around[0] + around[1])
-    smooth = (np.abs(around[0]) < STRAIGHT) & (np.abs(around[1]) < STRAIGHT)
+        goes_on = np.abs(np.log(slope)) < STRAIGHT
+    smooth = goes_on[: -2 * apart] & goes_on[2 * apart :]
     known = np.isfinite(change)
-    if smooth.sum() < SMOOTH * len(smooth):
+    if goes_on.sum() < SMOOTH * len(slope):
         return ()
     reverses = known & smooth & (middle < 0.0)
-    usual = float(np.quantile(np.abs(change[known]), USUAL)) if known.any() else 0.0
+    usual = _usual(slope)
     jumps = known & smooth & ((np.abs(change) > max(ALONE_STEP, SCATTER * usual)) | reverses)
     return _found(jumps, change, reverses, lambda at: first + (at + apart) * hop, apart)
 

@@ -37,7 +37,7 @@ JUMP = 0.7
 """Share of the whole swing that a converter jumps when it wraps round."""
 PASSED_BY = 0.15
 """Share of that jump by which the readings around it may fail to join once it is taken out."""
-SPIKE, SPIKE_SHARE, UNEVEN = 14.0, 0.15, 5.0
+SPIKE, SPIKE_SHARE, UNEVEN = 14.0, 0.2, 5.0
 """A spike is so many noises, such a share of the half swing, and so many times its neighbours' stray from a cubic high."""
 WIDEST_SPIKE = 3
 LIKELY, MORE_OFTEN, FEWEST, LEAST_SHARE = 0.3, 3.0, 10, 0.02
@@ -104,9 +104,9 @@ def flag_readings(
     course = _Course(x, valid, fresh, swing, noise, period)
     missed = _misses(course, x, fresh, course.steady)
     spikes = _spikes(course, filled(x, valid & ~missed)) & ~missed
-    flat = _flat_tops(course, fresh & ~spikes, missed)
-    missed &= ~_recurring(x, missed, period)
-    held = (_long_holds(course, moves_until) | missed | _too_often(course)) & ~spikes & ~flat
+    held = _long_holds(course, moves_until) | _too_often(course)
+    flat = _flat_tops(course, fresh & ~spikes, missed | held)
+    held = (held | missed & ~_recurring(x, missed, period)) & ~spikes & ~flat
     masks = {Flag.WRAPPED: wrapped, Flag.SPIKE: spikes, Flag.SATURATED: flat} | _holds(held, period)
     moving = swing.steady(np.arange(len(x)), np.arange(len(x)), FAINT)
     return Flagged(masks, filled(x, valid & ~held & ~flat & ~spikes), moving)

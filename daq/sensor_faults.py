@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from daq.cycle_gains import Step, cycle_length, gain_steps
+from daq.cycle_gains import Step, cycle_length, gain_steps, own_change
 from daq.decode import Assembly
 from daq.reading_flags import Flag, Flagged, flag_readings
 from daq.recording import Array, Channel, Mask, Recording, runs
@@ -18,7 +18,7 @@ SATURATED_LIMIT = 3
 BLOW_S = 0.05
 FEW = 0.02
 """Share of a motion's readings that may be spikes or repeated without spoiling the record."""
-FEWEST, LEAST = 5, 0.005
+FEWEST, LEAST = 8, 0.005
 """Repeated readings, and their share, below which a motion's own kinks may have made them."""
 LARGEST = 1e100
 LONGEST = 1 << 20
@@ -78,7 +78,7 @@ def sensor_faults(recording: Recording, assembly: Assembly | None = None) -> Sen
             at = first + step.index
             masks[Flag.SPIKE][max(at - round(period), 0) : at + round(period)] = False
             masks[Flag.SIGN if step.reverses else Flag.GAIN][at:] ^= True
-            suspicions.append(_of_step(recording, number, step, at, len(looked) > 1))
+            suspicions.append(_of_step(recording, number, step, at))
         suspicions += [
             s for flag in WORDS for s in _of_readings(recording, number, flag, masks[flag], moving)
         ]
@@ -119,8 +119,7 @@ def _looked(recording: Recording) -> tuple[dict[int, Flagged], float, int]:
 def _steps(recording: Recording, looked: Mapping[int, Flagged], period: float) -> dict[int, tuple[Step, ...]]:
     """Return the jumps of each channel's gain, by number: displacement against acceleration, else each by itself.
 
-    Of a pair it is the one whose own course jumps there, or the acceleration where neither's does; a driven motion alone
-    says nothing.
+    Of a pair it is the one whose own course jumps there; a driven motion alone says nothing.
     """
     alone = {}
     if all(channel.quantity != "force" for channel in recording.channels):
@@ -132,14 +131,13 @@ def _steps(recording: Recording, looked: Mapping[int, Flagged], period: float) -
     moving = looked[x].moving | looked[a].moving
     found: dict[int, tuple[Step, ...]] = {}
     for step in gain_steps(looked[a].filled, looked[x].filled, period, moving):
-        own = [abs(s.index - step.index) < period for s in alone.get(x, ())]
-        other = [abs(s.index - step.index) < period for s in alone.get(a, ())]
-        number = x if any(own) and not any(other) else a
+        jumps = {n: abs(own_change(looked[n].filled, step.index, period)) for n in (x, a)}
+        number = x if jumps[x] > jumps[a] else a
         found[number] = (*found.get(number, ()), step if number == a else step.inverse)
     return found or {number: steps for number, steps in alone.items() if steps}
 
 
-def _of_step(recording: Recording, number: int, step: Step, at: int, several: bool) -> Suspicion:
+def _of_step(recording: Recording, number: int, step: Step, at: int) -> Suspicion:
     name = recording.channels[number].name
     when = f"at about {at / recording.rate:.2f} s"
     advice = STEP_ADVICE.format(name)
