@@ -79,7 +79,7 @@ def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tu
     hop = max(whole // PIECES, 1)
     if other is not None:
         slope = _slopes(x[begin:end], other[begin:end], whole, hop, AGREE)
-        return _steps(slope, begin + whole, round(1.5 * PIECES), hop)
+        return _steps(slope, begin + whole // 2, round(1.5 * PIECES), hop)
     slope = _slopes(x[begin + whole : end], x[begin : end - whole], whole, hop, ALONE_AGREE)
     return _blips(slope, begin + whole, round(1.5 * PIECES), hop)
 
@@ -123,9 +123,7 @@ def _steps(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
     usual = float(np.quantile(np.abs(change[known]), USUAL))
     jumps = known & ((np.abs(change) > max(GAIN_STEP, SCATTER * usual)) | reverses)
     jumps[: int(np.argmin(jumps))] = False  # the motion's beginning is no step within it
-    return _found(
-        jumps, change, reverses, lambda at: first + round((at + 0.5 * apart) * hop - 0.5 * hop), apart
-    )
+    return _found(jumps, change, reverses, lambda at: first + round((at + 0.5 * apart) * hop), apart)
 
 
 def _usual(slope: Array) -> float:
@@ -172,7 +170,7 @@ def _found(
     at = np.flatnonzero(jumps)
     for group in np.split(at, np.flatnonzero(np.diff(at) > apart) + 1) if len(at) else []:
         size = np.abs(change[group])
-        top = group[size >= 0.9 * size.max()]
+        top = group[reverses[group]] if reverses[group].any() else group[size >= 0.9 * size.max()]
         best = int(top[len(top) // 2])
         found.append(Step(index(best), float(np.exp(change[best])), bool(reverses[group].any())))
     return tuple(found)

@@ -143,10 +143,7 @@ def _of_step(recording: Recording, number: int, step: Step, at: int) -> Suspicio
     advice = STEP_ADVICE.format(name)
     if step.reverses:
         return Suspicion(True, f"{name} changes its sign {when}, while the oscillation goes on", advice)
-    against = "against the other channel" if several else "from one cycle to the next"
-    return Suspicion(
-        True, f"the size of {name} changes by a factor of {step.factor:.2f} {against} {when}", advice
-    )
+    return Suspicion(True, f"the size of {name} changes by a factor of {step.factor:.2f} {when}", advice)
 
 
 def _of_readings(
