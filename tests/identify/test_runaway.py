@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.wavelet import wavelet
+from identify.wavelet.ridge_fit import observe
 from identify.wavelet.ridge_newton import settle
 from identify.wavelet.stick_slip import simulate_decay
 from identify.wavelet.wavelet import identify_wavelet
@@ -87,3 +88,11 @@ def test_orders_whose_rounds_go_astray_are_given_up_for_lower_ones(monkeypatch):
     found = identify_wavelet(decay)
     assert found.order < 3
     assert found.stiffness.value == pytest.approx(40.0, rel=0.01)
+
+
+def test_an_envelope_of_which_too_little_is_left_is_refused_in_words() -> None:
+    """One sample in sixteen is there: no window of the transform holds enough."""
+    time = np.arange(2048) / 256.0
+    valid = np.arange(2048) % 16 == 0
+    with pytest.raises(NotIdentifiable, match="too many samples are lost"):
+        observe(np.exp(-0.3 * time) * np.cos(25.1 * time), valid, 256.0, 0, 25.1, 1e-4)
