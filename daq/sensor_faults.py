@@ -21,7 +21,7 @@ FEW = 0.02
 FEWEST, LEAST = 8, 0.005
 """Repeated readings, and their share, below which a motion's own kinks may have made them."""
 LARGEST = 1e100
-LONGEST = 1 << 20
+LONGEST = 1 << 18
 """Readings from the release on that are looked at."""
 MOST_RUNS = 1000
 
@@ -163,7 +163,7 @@ def _of_readings(
         more = f" and {len(spans) - 1} times more" if len(spans) > 1 else ""
         reason = f"{name} {what} for {(stop - begin) / rate:.3g} s from {begin / rate:.3f} s on{more}"
     else:
-        reason = f"{name} {what} in {count} samples, first at {first:.3f} s"
+        reason = f"{name} {what} in {count} sample{'s' if count > 1 else ''}, first at {first:.3f} s"
     few = flag in (Flag.SPIKE, Flag.REPEATED) and count <= FEW * moving
     yield Suspicion(not few, reason, advice.format(name))
 
