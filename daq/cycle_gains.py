@@ -17,7 +17,7 @@ FEWEST, SHORTEST = 2.0, 6.0
 """Periods that half a record has at least, and readings that a period has."""
 PIECES = 4
 """Windows of one period begin so many times a period."""
-AGREE, ALONE_AGREE = 0.94, 0.5
+AGREE, ALONE_AGREE = 0.94, 0.35
 SMALLEST = 0.15
 """Share of two channels' power that they have in common, and of the largest size, below which a window says nothing."""
 GAIN_STEP, ALONE_STEP = 0.15, 0.25

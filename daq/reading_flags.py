@@ -37,7 +37,7 @@ JUMP = 0.7
 """Share of the whole swing that a converter jumps when it wraps round."""
 PASSED_BY = 0.15
 """Share of that jump by which the readings around it may fail to join once it is taken out."""
-SPIKE, SPIKE_SHARE, UNEVEN = 14.0, 0.2, 5.0
+SPIKE, SPIKE_SHARE, UNEVEN = 20.0, 0.2, 5.0
 """A spike is so many noises, such a share of the half swing, and so many times its neighbours' stray from a cubic high."""
 WIDEST_SPIKE = 3
 LIKELY, MORE_OFTEN, FEWEST, LEAST_SHARE = 0.3, 3.0, 10, 0.02
