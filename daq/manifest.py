@@ -42,6 +42,17 @@ class GapEntry(BaseModel):
     reason: str
 
 
+class FlagEntry(BaseModel):
+    """Samples `first` to `first + count - 1` of the recording in which a channel has a flag (`daq.reading_flags.Flag`)."""
+
+    model_config = ConfigDict(frozen=True)
+
+    channel: str
+    flag: str
+    first: int
+    count: int
+
+
 class Counts(BaseModel):
     """Samples of the recording, and what the wire did to get them; zero where it does not apply."""
 
@@ -66,11 +77,15 @@ class Manifest(BaseModel):
     files: dict[str, FileEntry]
     counts: Counts = Counts()
     gaps: tuple[GapEntry, ...] = ()
+    flags: tuple[FlagEntry, ...] = ()
     verdict: Verdict | None = None
 
     def to_bytes(self) -> bytes:
-        """Return the one way in which this manifest is written; its last entry is its own checksum."""
-        content = self.model_dump(mode="json")
+        """Return the one way in which this manifest is written; its last entry is its own checksum.
+
+        Without flags it is written as manifests were before there were any.
+        """
+        content = self.model_dump(mode="json", exclude=None if self.flags else {"flags"})
         plain = json.dumps(content, indent=1, sort_keys=True).encode()
         return json.dumps({**content, "sha256": digest(plain)}, indent=1, sort_keys=True).encode() + b"\n"
 

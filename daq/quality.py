@@ -1,6 +1,6 @@
 """The verdict on a recording: OK, USABLE WITH GAPS or REJECT, with the reasons in words.
 
-It judges what was recorded, not what it means: losses, saturation, a dead channel, too little motion, a
+It judges what was recorded, not what it means: losses, a dead channel, too little motion, faults of the sensors, a
 start in mid-motion, noise, clocks, channels that contradict each other.
 """
 
@@ -15,14 +15,13 @@ from daq.clock_check import checked_rate
 from daq.decode import IMPORT, Assembly
 from daq.description_checks import foreign_unit
 from daq.integrity import Outcome
-from daq.recording import Array, Channel, Gap, Mask, Recording
+from daq.recording import Array, Channel, Gap, Recording
+from daq.sensor_faults import SensorFaults, sensor_faults
 from daq.wiring_check import Suspicion, suspicions
-from firmware_protocol import NO_CHANNEL, EventKind
+from firmware_protocol import EventKind
 
 LOST_LIMIT = 0.02
 LONGEST_GAP_S = 0.25
-SATURATED_LIMIT = 3
-BLOW_S = 0.05
 MOTION_TO_NOISE = 20.0
 NOISIER_LIMIT = 3.0
 EARLY_SHARE = 0.1
@@ -89,18 +88,21 @@ def judge(
     noise: Mapping[str, float] | None = None,
     check_clock: bool = True,
     typical: Mapping[str, float] | None = None,
+    sensors: SensorFaults | None = None,
 ) -> Verdict:
     """Return the verdict on a recording.
 
     `assembly` adds what the board and the wire reported, `planned` the number of samples wanted, `noise` the
-    standard deviation of each channel at rest by its name (channel's unit), `typical` the same in other sessions.
+    standard deviation of each channel at rest by its name (channel's unit), `typical` the same in other sessions,
+    `sensors` what `sensor_faults` found where that is known.
     """
     findings = _Findings()
     _losses(findings, recording, planned)
     for channel, samples in zip(recording.channels, recording.samples, strict=True):
         _one_channel(findings, channel, samples[recording.valid], (noise or {}).get(channel.name))
     _noisier(findings, recording, noise or {}, typical or {})
-    _saturation(findings, recording, assembly)
+    sensors = sensors or sensor_faults(recording, assembly)
+    findings.suspect(*sensors.suspicions)
     _start(findings, recording)
     _kinematics(findings, recording)
     if assembly is not None:
@@ -176,51 +178,6 @@ def _noisier(
                 f"({now:.2g} {channel.unit}, usually {before:.2g})",
                 f"look for a loose cable of {channel.name}, or for what shakes the bench",
             )
-
-
-def _saturation(findings: _Findings, recording: Recording, assembly: Assembly | None) -> None:
-    """Saturation by the samples and by the board's events; a blow may saturate, what follows it may not."""
-    blow = np.zeros(len(recording.valid), dtype=np.bool_)
-    if recording.trigger is not None:
-        after = recording.trigger + round(BLOW_S * recording.rate)
-        blow[max(recording.trigger - 2, 0) : after] = True
-    for number, channel in enumerate(recording.channels):
-        seen = _at_end(channel, recording.samples[number])
-        reported = _reported_saturation(assembly, number, len(blow)) if assembly else np.zeros_like(blow)
-        count, in_blow = int((seen | reported)[~blow].sum()), int((seen | reported)[blow].sum())
-        if count >= SATURATED_LIMIT or reported[~blow].any():
-            findings.reject(
-                f"{channel.name} is at the end of its range in {count} samples",
-                f"a smaller release, or a wider range of {channel.name}",
-            )
-        elif in_blow:
-            findings.usable(
-                f"{channel.name} is at the end of its range in {in_blow} samples at the release",
-                f"a softer blow, or a wider range of {channel.name}",
-            )
-
-
-def _at_end(channel: Channel, samples: Array) -> Mask:
-    """Mark samples within one code of an end of the range that stay there for two samples or more."""
-    step = channel.resolution or 0.0
-    at_end = np.zeros(len(samples), dtype=np.bool_)
-    if channel.high is not None:
-        at_end |= samples >= channel.high - 1.01 * step
-    if channel.low is not None:
-        at_end |= samples <= channel.low + 1.01 * step
-    stays = np.zeros_like(at_end)
-    stays[1:] |= at_end[1:] & at_end[:-1]
-    stays[:-1] |= at_end[1:] & at_end[:-1]
-    return stays
-
-
-def _reported_saturation(assembly: Assembly, number: int, n: int) -> Mask:
-    reported = np.zeros(n, dtype=np.bool_)
-    for event in assembly.events:
-        if event.kind == EventKind.SATURATION and event.channel in (number, NO_CHANNEL):
-            first = event.index - assembly.start
-            reported[max(first, 0) : max(first + event.count, 0)] = True
-    return reported
 
 
 def _start(findings: _Findings, recording: Recording) -> None:

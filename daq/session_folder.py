@@ -14,6 +14,7 @@ from daq.import_log import import_log
 from daq.manifest import (
     Counts,
     FileEntry,
+    FlagEntry,
     GapEntry,
     Manifest,
     entry,
@@ -25,6 +26,7 @@ from daq.noise_history import typical_noise
 from daq.quality import Grade, Verdict, judge
 from daq.raw_log import MAX_LOG, RawLog
 from daq.recording import Channel, Recording
+from daq.sensor_faults import sensor_faults
 from daq.session_changes import commit, complete
 from daq.session_info import SensorInfo, SessionInfo, State
 from daq.session_reading import INFO, RAW, RESULTS, SOURCE, SessionReader, read_info
@@ -157,7 +159,7 @@ class Session(SessionReader):
                 write_manifest(self.folder, known.model_copy(update={"files": self._entries(known.files)}))
                 return known.verdict
             assembly = self.assembly()
-            verdict, gaps, counts = _judge(self.folder, self.info, assembly, check_clock)
+            verdict, gaps, flags, counts = _judge(self.folder, self.info, assembly, check_clock)
             counts = counts.model_copy(update={"resent": resent, "damaged_frames": damaged_frames})
             self.info = self.info.model_copy(
                 update={"state": state, "reason": reason[:2000], "verdict": verdict.grade.value}
@@ -166,7 +168,9 @@ class Session(SessionReader):
                 rate_std = checked_rate(assembly, check_clock).std
                 self.info = self.info.model_copy(update={"rate_std_hz": rate_std or None})
             files = self._entries(known.files if known else {})
-            sealed = Manifest(state=state, files=files, counts=counts, gaps=gaps, verdict=verdict)
+            sealed = Manifest(
+                state=state, files=files, counts=counts, gaps=gaps, flags=flags, verdict=verdict
+            )
             changed = {INFO: _to_bytes(self.info)}
             commit(self.folder, changed, sealed.with_files(changed))
             self.release()
@@ -245,14 +249,16 @@ def _calibrations(channels: tuple[Channel, ...]) -> tuple[SensorInfo, ...]:
 
 def _judge(
     folder: Path, info: SessionInfo, assembly: Assembly, check_clock: bool
-) -> tuple[Verdict, tuple[GapEntry, ...], Counts]:
+) -> tuple[Verdict, tuple[GapEntry, ...], tuple[FlagEntry, ...], Counts]:
     planned = info.planned_samples
     try:
         recording = assembly.recording()
     except DataLost:
         nothing = Verdict(grade=Grade.REJECT, reasons=("no sample was received",))
-        return nothing, (), Counts(planned=planned or 0)
-    verdict = judge(recording, assembly, planned, info.noise, check_clock, typical_noise(folder, info))
+        return nothing, (), (), Counts(planned=planned or 0)
+    sensors = sensor_faults(recording, assembly)
+    typical = typical_noise(folder, info)
+    verdict = judge(recording, assembly, planned, info.noise, check_clock, typical, sensors)
     counts = Counts(
         samples=len(recording.valid),
         lost=int(len(recording.valid) - recording.valid.sum()),
@@ -261,7 +267,11 @@ def _judge(
         duplicates=assembly.samples.duplicates,
     )
     gaps = tuple(GapEntry(first=g.first, count=g.count, reason=g.reason) for g in recording.gaps)
-    return verdict, gaps, counts
+    flags = tuple(
+        FlagEntry(channel=run.channel, flag=run.flag.value, first=run.first, count=run.count)
+        for run in sensors.runs
+    )
+    return verdict, gaps, flags, counts
 
 
 def _store_source(folder: Path, name: str, content: bytes) -> None:

@@ -93,7 +93,7 @@ class Capture:
             due = min(due, self.count - self.sampled)
         if due <= 0:
             return []
-        codes = self._misconfiguration.codes(self._source.take(due))
+        codes = self._misconfiguration.codes(self._source.take(due), self.sampled, self.settings.rate)
         events = self._saturation(codes)
         first = self._misconfiguration.index(self.sampled)
         self.sampled += due
@@ -164,7 +164,7 @@ class Capture:
 
     def _saturation(self, codes: np.ndarray) -> list[Event]:
         """Return an EVENT for each channel at the end of its range, four times a second at most."""
-        if self.sampled - self._warned < self.settings.rate / 4.0:
+        if self._misconfiguration.no_range or self.sampled - self._warned < self.settings.rate / 4.0:
             return []
         events = []
         for channel in range(codes.shape[1]):

@@ -14,6 +14,7 @@ from pathlib import Path
 from mocks import faults as wire
 from mocks import generate
 from mocks.announce import announced
+from mocks.broken_sensors import BROKEN_SENSORS
 from mocks.link import Link, PtyLink, TcpLink
 from mocks.misconfigurations import MISCONFIGURATIONS
 from mocks.serve import serve
@@ -102,6 +103,8 @@ def _names() -> str:
     lines += [f"  {name:<14}{amount:<8g}{what}" for name, (amount, what) in table.items()]
     lines += ["faults of the board, NAME[:AMOUNT]:"]
     lines += [f"  {name:<14}{what}" for name, what in MISCONFIGURATIONS.items()]
+    lines += ["sensors that break, NAME[:AMOUNT[:CHANNEL]]:"]
+    lines += [f"  {name:<14}{amount:<8g}{what}" for name, (amount, what) in BROKEN_SENSORS.items()]
     return "\n".join(lines)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from firmware_protocol import Data, Describe, End, Message, SampleFormat
+from mocks.broken_sensors import BrokenSensor
 
 #: The faults of the board on the command line (`saturation` and `bump` are built into the bench).
 MISCONFIGURATIONS = {
@@ -35,6 +36,7 @@ MISCONFIGURATIONS = {
     "same-names": "both channels have the same name",
     "forged-text": "names and LOG hold line breaks and words of the station",
     "no-description": "says HELLO, never DESCRIBE",
+    "no-range": "states no range, and does not say when a converter is at its end",
 }
 OVERLAP = 8
 STRIKES_S = 5.0
@@ -73,10 +75,14 @@ class Misconfiguration:
     same_names: bool = False
     forged: bool = False
     silent: bool = False
+    no_range: bool = False
+    broken: tuple[BrokenSensor, ...] = ()
 
-    def codes(self, codes: np.ndarray) -> np.ndarray:
-        """Return the codes as a wrong wiring gives them."""
+    def codes(self, codes: np.ndarray, first: int, rate: float) -> np.ndarray:
+        """Return the codes of the samples from `first` on as broken sensors and a wrong wiring give them."""
         out = codes.copy()
+        for sensor in self.broken:
+            out = sensor.read(out, first, rate)
         if self.reversed:
             out[:, 1] = np.clip(-out[:, 1], -32768, 32767)
         if self.swapped:
@@ -128,6 +134,9 @@ class Misconfiguration:
 
     def description(self, describe: Describe) -> Describe:
         """Return the DESCRIBE that is sent: twice as wide numbers and a channel too many, or strange names."""
+        if self.no_range:
+            plain = (replace(c, low=None, high=None, resolution=None) for c in describe.channels)
+            describe = replace(describe, channels=tuple(plain))
         if self.same_names:
             describe = replace(describe, channels=tuple(replace(c, name="x") for c in describe.channels))
         if self.forged:

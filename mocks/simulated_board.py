@@ -19,6 +19,7 @@ from mocks import generate
 from mocks.acquisition import Acquisition, Converter
 from mocks.bench_parameters import draw_parameters, draw_release_time
 from mocks.board import Board
+from mocks.broken_sensors import BROKEN_SENSORS, parse_broken
 from mocks.effect_scaling import add_effects
 from mocks.forces import PARAMETERS
 from mocks.misconfigurations import MISCONFIGURATIONS, Misconfiguration
@@ -46,7 +47,9 @@ class SimulatedBoard:
             fixed["lag"] = options.lag_ms * 1e-3
         if options.release_ms is not None:
             fixed["release_time"] = options.release_ms * 1e-3
-        self.misconfiguration, bumped, line_faults, fixed_range = _sort_faults(options.fault, self._random)
+        broken = [text for text in options.fault if text.partition(":")[0] in BROKEN_SENSORS]
+        others = [text for text in options.fault if text not in broken]
+        self.misconfiguration, bumped, line_faults, fixed_range = _sort_faults(others, self._random)
         self.drawn = draw_parameters(options.seed, fixed | fixed_range)
         releases = parse_releases(
             options.releases or f"{self.drawn.amplitude * 1e3:.6f}", self._release_times(options)
@@ -63,6 +66,12 @@ class SimulatedBoard:
                 (self.drawn.range_displacement, self.drawn.range_acceleration), CALIBRATION, strict=True
             )
         )
+        amplitude = abs(releases[0].displacement) or abs(releases[0].velocity) / self.bench.angular_frequency
+        peaks = (amplitude, amplitude * self.bench.stiffness)
+        largest = tuple(
+            peak / converter.scale for peak, converter in zip(peaks, self._converters, strict=True)
+        )
+        self.misconfiguration.broken = tuple(parse_broken(text, largest, options.seed) for text in broken)
         memory = options.memory_s or (12.0 * max(1.0, options.speed) if options.speed else 600.0)
         self.board = Board(
             self._channels(),
@@ -207,7 +216,7 @@ def _sort_faults(
     for text in texts:
         name, _, amount = text.partition(":")
         if name not in MISCONFIGURATIONS:
-            line.append(wire.parse_fault(text, random, tuple(MISCONFIGURATIONS)))
+            line.append(wire.parse_fault(text, random, (*MISCONFIGURATIONS, *BROKEN_SENSORS)))
         elif name == "saturation":
             fixed["range_acceleration"] = float(amount or 8.0)
         elif name == "wrong-rate":
@@ -244,4 +253,5 @@ def _sort_faults(
         misconfiguration.forged |= name == "forged-text"
         misconfiguration.silent |= name == "no-description"
         misconfiguration.index_stamps |= name == "index-stamps"
+        misconfiguration.no_range |= name == "no-range"
     return misconfiguration, bumped, tuple(line), fixed

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
+from identify.errors import NotIdentifiable
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.morlet import Ridge, prepare_ridge, transform
 from identify.wavelet.envelope import (
@@ -90,7 +91,7 @@ class RidgeFit:
 def observe(
     samples: Array, valid: Mask, rate: float, derivatives: int, angular_frequency: float, noise: float
 ) -> Observed:
-    """Prepare the ridge of one channel at `angular_frequency` (rad/s)."""
+    """Prepare the ridge of one channel at `angular_frequency` (rad/s); NotIdentifiable where too few samples are valid."""
     cycle = 2 * np.pi * rate / angular_frequency
     every = max(1, int(cycle / POINTS_PER_CYCLE), -(-len(samples) // _MOST_POINTS))
     points = np.arange(0, len(samples), every)
@@ -100,6 +101,8 @@ def observe(
     widening = np.maximum(widening * np.sqrt(2 * np.pi) * ridge.width / 2, 1.0)
     variance = noise**2 / inside * widening / angular_frequency ** (2 * derivatives) + 1e-300
     weight = np.where(ridge.support > 0.3, 1 / np.sqrt(widening), 0.0)
+    if not weight.any():
+        raise NotIdentifiable("too many samples are lost, all along the motion, for its envelope to be seen")
     return Observed(
         samples, valid, rate, derivatives, angular_frequency, noise, ridge, points, weight, variance
     )

@@ -21,7 +21,8 @@ def command(settings_file: str | None, session: str, as_json: bool) -> None:
 
     opened = open_session(session, load_settings(settings_file).sessions)
     recording = opened.recording()
-    verdict = opened.verdict
+    manifest = opened.manifest() if opened.verdict is not None else None
+    verdict = None if manifest is None else manifest.verdict
     document: dict[str, Any] = {
         "session": str(opened.folder),
         **opened.info.model_dump(mode="json"),
@@ -32,6 +33,7 @@ def command(settings_file: str | None, session: str, as_json: bool) -> None:
             for c in recording.channels
         ],
         "gaps": [{"first": g.first, "count": g.count, "reason": g.reason} for g in recording.gaps],
+        "flags": [] if manifest is None else [flag.model_dump() for flag in manifest.flags],
         "notes": list(recording.notes),
         "verdict": None if verdict is None else verdict.model_dump(mode="json"),
         "results": sorted(path.name for path in opened.results.iterdir()) if opened.results.is_dir() else [],
@@ -43,6 +45,7 @@ def command(settings_file: str | None, session: str, as_json: bool) -> None:
 
 
 def _print(document: dict[str, Any], rate: float) -> None:
+    from station.text.flags import flagged_lines
     from station.text.layout import labelled
     from station.text.next_step import next_line
 
@@ -64,6 +67,7 @@ def _print(document: dict[str, Any], rate: float) -> None:
     verdict = document["verdict"]
     if verdict is not None:
         lines.append(("verdict", "; ".join([verdict["word"], *verdict["reasons"]])))
+    lines += [("flagged", line) for line in flagged_lines(document["flags"], rate)]
     lines += [("note", note) for note in document["notes"]]
     for label, text in lines:
         if text:

@@ -5,6 +5,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from daq.errors import NotASession
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
@@ -13,6 +14,7 @@ from station.operations.record_floor import with_floor
 from station.results.documents import write_document
 from station.results.identification_document import NAME, IdentificationDocument, identification_document
 from station.settings import Settings
+from station.story.adequacy import recording_doubt
 from station.story.identification import Identification
 from station.story.pipeline import identify, judged
 from station.story.preparation import Options, options_for, prepare_recording
@@ -39,12 +41,20 @@ def identify_session(session: Session, options: Options) -> tuple[Identification
     result = identify(recording, options)
     try:
         prepared = with_floor(session, prepare_recording(recording, options))
-        result = judged(result, prepared)
+        result = judged(result, prepared, _doubt(session))
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result, options)
     write_document(session, NAME, document)
     return result, document
+
+
+def _doubt(session: Session) -> str:
+    """Return what the verdict holds against the recording's values; "" for a session that is not sealed."""
+    try:
+        return recording_doubt(session.manifest())
+    except NotASession:
+        return ""
 
 
 def kept_options(session: Session, settings: Settings, mass: float | None = None) -> Options:

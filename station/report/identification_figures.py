@@ -1,10 +1,12 @@
 """The record, the alignment and both identifications in figures for paper."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from daq.manifest import FlagEntry
 from daq.recording import Recording
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
@@ -20,12 +22,13 @@ if TYPE_CHECKING:
     pass
 
 MOST_CHANNELS = 8
+MOST_SHADED = 200
 LONGEST = 24
 COARSE = 3
 
 
-def record(recording: Recording, release: float | None) -> str:
-    """Draw the channels as recorded, lost samples as holes, the `release` (s) as a line: the paper's figure 2."""
+def record(recording: Recording, release: float | None, flags: Sequence[FlagEntry] = ()) -> str:
+    """Draw the channels as recorded, lost samples as holes, flagged ones shaded, the `release` (s) as a line."""
     channels = recording.channels[:MOST_CHANNELS]
     drawn, axes = paper(0.4 + 1.35 * len(channels), len(channels), sharex=True)
     time = np.arange(recording.samples.shape[1]) / recording.rate
@@ -34,6 +37,9 @@ def record(recording: Recording, release: float | None) -> str:
         curve(axis, time, np.where(recording.valid, samples, np.nan) * factor, color=INK, lw=0.7)
         name = channel.name if channel.quantity == "other" else channel.quantity
         axis.set_ylabel(literal(f"{name[:LONGEST]} [{label}]"))
+        for run in [run for run in flags if run.channel == channel.name][:MOST_SHADED]:
+            begin, stop = run.first / recording.rate, (run.first + run.count) / recording.rate
+            axis.axvspan(begin, stop, color=OTHER, alpha=0.25, lw=0.5)
         if release is not None:
             axis.axvline(release, color=OTHER, lw=1.0, ls="--")
     axes[-1].set(xlabel="time from the first sample [s]", xlim=(0.0, time[-1] + 1.0 / recording.rate))

@@ -6,6 +6,7 @@ from daq.recording import Channel
 from station.report import identification_figures as draw
 from station.report.content import Facts, Figure, Paragraph, Part, Section, Table
 from station.report.findings import Findings
+from station.text.flags import flagged_lines
 from station.text.numbers import (
     noise_scale,
     scale,
@@ -86,7 +87,10 @@ def capture(found: Findings) -> Section:
     """Show the record, the verdict on it, what was lost, the noise and the release."""
     parts: list[Part] = [_verdict(found)]
     result = found.identification
+    flags = found.manifest.flags if found.manifest is not None else ()
     rows = [("lost samples", _lost(found))]
+    lines = flagged_lines([flag.model_dump() for flag in flags], found.recording.rate)
+    rows += [("flagged", "; ".join(lines))] if lines else []
     if result is not None:
         rows += _release(found)
         decay = result.decay
@@ -105,7 +109,9 @@ def capture(found: Findings) -> Section:
     free = result is not None and not result.decay.driven
     caption = "The record; dashed: the release." if free else "The record."
     time = result.release.time_s if free and result is not None else None
-    parts.append(Figure(f"{caption} Lost samples are left blank.", draw.record(found.recording, time)))
+    shaded = " Flagged samples are shaded." if flags else ""
+    figure = draw.record(found.recording, time, flags)
+    parts.append(Figure(f"{caption} Lost samples are left blank.{shaded}", figure))
     return Section("capture", "Capture and verdict", tuple(parts))
 
 

@@ -60,7 +60,7 @@ def explaining(found: Findings) -> Explaining | None:
     refined, adequate = found.refined, None
     if found.identification is not None:
         adequate = found.identification.adequacy
-    if adequate is not None and not adequate.timed:
+    if adequate is not None and adequate.doubt:
         return None
     if refined is not None and refined.top.at_floor:
         top = refined.top

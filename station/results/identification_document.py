@@ -87,7 +87,7 @@ class AdequacyDocument(Part):
     quotable: bool
     apart: str
     sigmas: Number
-    rate_share: Number = 0.0
+    doubt: str = ""
 
 
 class OrdersDocument(Part):

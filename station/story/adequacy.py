@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from math import hypot
 
 from daq.clock_check import CLOCK_LIMIT
+from daq.manifest import Manifest
+from daq.quality import Grade
+from daq.reading_flags import Flag
 from identify.estimate import Estimate
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
@@ -12,6 +15,7 @@ from identify.fitting.model_error import errors_of
 from identify.fitting.segments import segments_of
 from identify.formatting import damping_name, three_figures
 from identify.model.model import Model, model_of_orders
+from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
@@ -32,8 +36,8 @@ class Adequacy:
 
     `chi_square` is the misfit over the noise (1 ± `chi_square_std` where nothing is left), `motion_percent` what it leaves
     of the motion, in % of its rms. `adequate` says whether the noise floor is reached. `apart` is the parameter in which
-    the two methods are farthest apart, in words, with the distance in standard errors `sigmas`. `rate_share` is the share
-    by which the sampling rate may be off; 0 where it was given as it is.
+    the two methods are farthest apart, in words, with the distance in standard errors `sigmas`. `doubt` is what its clock,
+    or the verdict on the recording, holds against every value of it; "" for nothing.
     """
 
     fit: Fit
@@ -43,7 +47,7 @@ class Adequacy:
     adequate: bool
     apart: str = ""
     sigmas: float = 0.0
-    rate_share: float = 0.0
+    doubt: str = ""
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -52,13 +56,8 @@ class Adequacy:
 
     @property
     def quotable(self) -> bool:
-        """Whether the identified values may be quoted: the model explains the record, its clock is known, methods agree."""
-        return self.adequate and self.timed and self.sigmas <= FAR_APART
-
-    @property
-    def timed(self) -> bool:
-        """Whether the sampling rate is known well enough for any value of this record to be quoted."""
-        return self.rate_share <= CLOCK_LIMIT
+        """Whether the values may be quoted: the recording is sound, the model explains it, and the methods agree."""
+        return not self.doubt and self.adequate and self.sigmas <= FAR_APART
 
 
 def identified_model(wavelet: Method | None, restoring_force: Method | None) -> Model | None:
@@ -76,7 +75,21 @@ def _sure(order: int, value: Estimate) -> bool:
     return order == 1 or abs(value.value) > FAR_APART * value.std
 
 
-def adequacy(prepared: PreparedDecay, model: Model, methods: Sequence[Method] = ()) -> Adequacy:
+def recording_doubt(manifest: Manifest) -> str:
+    """Decide what the verdict holds against every value of a recording: a REJECT, or a sensor's fault; "" for nothing."""
+    verdict = manifest.verdict
+    if verdict is not None and verdict.grade is Grade.REJECT:
+        return f"the recording is {verdict.grade.value} ({verdict.reasons[0]})"
+    # A blow may saturate: what follows it is sound.
+    faults = dict.fromkeys(
+        f"{run.channel}: {run.flag}" for run in manifest.flags if run.flag != Flag.SATURATED
+    )
+    return f"a sensor failed during the record ({', '.join(faults)})" if faults else ""
+
+
+def adequacy(
+    prepared: PreparedDecay, model: Model, methods: Sequence[Method] = (), doubt: str = ""
+) -> Adequacy:
     """Fit the identified model to its record and say what it leaves; `methods` are held against each other."""
     baseline = fit_baseline(segments_of(prepared), model)
     error = errors_of(baseline)
@@ -89,8 +102,14 @@ def adequacy(prepared: PreparedDecay, model: Model, methods: Sequence[Method] = 
         baseline.at_floor,
         apart,
         sigmas,
-        (prepared.window.rate_std or 0.0) / prepared.window.rate,
+        doubt or _doubt_of_clock(prepared.window),
     )
+
+
+def _doubt_of_clock(window: FitWindow) -> str:
+    """Return by how much the sampling rate may be off where that is too much to quote; "" where it was given as it is."""
+    share = (window.rate_std or 0.0) / window.rate
+    return "" if share <= CLOCK_LIMIT else f"the sampling rate may be off by {100.0 * share:.2g} %"
 
 
 def farthest(methods: Sequence[Method]) -> tuple[str, float]:
@@ -119,11 +138,8 @@ def judgement(found: Adequacy) -> str:
     left = f"{three_figures(found.motion_percent)} % of the motion, {three_figures(found.chi_square)} x the noise"
     if not found.adequate:
         return f"this model leaves {left} ({floor}): do not quote its values"
-    if not found.timed:
-        return (
-            f"this model leaves {left} ({floor}), but the sampling rate may be off by {100.0 * found.rate_share:.2g} %: do "
-            "not quote its values"
-        )
+    if found.doubt:
+        return f"this model leaves {left} ({floor}), but {found.doubt}: do not quote its values"
     if not found.quotable:
         return (
             f"this model leaves {left} ({floor}), but the two methods are {found.sigmas:.0f} standard errors apart in "

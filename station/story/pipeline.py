@@ -87,11 +87,14 @@ def identify(recording: Recording, options: Options) -> Identification:
     )
 
 
-def judged(result: Identification, prepared: PreparedDecay) -> Identification:
-    """Return an identification with the judgement on its own model; as it is where nothing was identified."""
+def judged(result: Identification, prepared: PreparedDecay, doubt: str = "") -> Identification:
+    """Return an identification with the judgement on its own model; as it is where nothing was identified.
+
+    `doubt` is what the verdict on the recording holds against its values.
+    """
     methods = [method for method in (result.wavelet, result.restoring_force) if method is not None]
     model = identified_model(result.wavelet, result.restoring_force)
-    return result if model is None else replace(result, adequacy=adequacy(prepared, model, methods))
+    return result if model is None else replace(result, adequacy=adequacy(prepared, model, methods, doubt))
 
 
 def compare(

@@ -6,6 +6,7 @@ from scipy.integrate import solve_ivp
 
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
+from identify.wavelet.ridge_fit import observe
 from identify.wavelet.stick_slip import simulate_decay
 from identify.wavelet.wavelet import identify_wavelet
 
@@ -50,3 +51,11 @@ def test_a_pendulum_at_large_angles_shows_the_sine():
     linear, cubic = (found.stiffness_by_order[order] for order in (1, 3))
     # sin u = u - u^3/6 + ...: within three of the stated standard errors, and not by being unknown
     assert abs(cubic.value + linear.value / 6.0) < 3.0 * cubic.std < 0.3 * linear.value
+
+
+def test_an_envelope_of_which_too_little_is_left_is_refused_in_words() -> None:
+    """One sample in sixteen is there: no window of the transform holds enough."""
+    time = np.arange(2048) / 256.0
+    valid = np.arange(2048) % 16 == 0
+    with pytest.raises(NotIdentifiable, match="too many samples are lost"):
+        observe(np.exp(-0.3 * time) * np.cos(25.1 * time), valid, 256.0, 0, 25.1, 1e-4)

@@ -6,6 +6,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 
+from daq.manifest import FlagEntry, Manifest
+from daq.quality import Grade, Verdict
+from daq.session_info import State
 from identify.estimate import Estimate
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
@@ -13,7 +16,14 @@ from identify.model.model import base_model, model_of_orders
 from identify.preprocessing.prepared_decay import prepare
 from mocks.generate import draw
 from station.cli import run
-from station.story.adequacy import adequacy, farthest, identified_model, judgement, scale_doubt
+from station.story.adequacy import (
+    adequacy,
+    farthest,
+    identified_model,
+    judgement,
+    recording_doubt,
+    scale_doubt,
+)
 from station.story.engineering_values import engineering_values, times_mass
 
 MASS = 21.36
@@ -63,6 +73,24 @@ def test_methods_that_disagree_are_named_with_their_distance():
     assert sigmas == pytest.approx(0.01 / math.hypot(0.001, 0.001))
     assert name.startswith(("dry friction", "viscous"))
     assert farthest([found(1)]) == ("", 0.0)
+
+
+def test_no_value_of_a_recording_at_fault_may_be_quoted(releases):
+    run = FlagEntry(channel="x", flag="spike", first=3, count=1)
+    verdicts = {grade: Verdict(grade=grade, reasons=("x is stuck",)) for grade in Grade}
+    sealed = Manifest(state=State.SEALED, files={}, verdict=verdicts[Grade.USABLE])
+    assert recording_doubt(sealed) == ""
+    assert (
+        recording_doubt(sealed.model_copy(update={"flags": (run.model_copy(update={"flag": "saturated"}),)}))
+        == ""
+    )
+    assert "x: spike" in recording_doubt(sealed.model_copy(update={"flags": (run,)}))
+    doubt = recording_doubt(sealed.model_copy(update={"verdict": verdicts[Grade.REJECT]}))
+    assert doubt == "the recording is REJECT (x is stuck)"
+    judged = adequacy(releases["plain"][0], base_model(), [found(1), found(1)], doubt)
+    assert judged.adequate
+    assert not judged.quotable
+    assert judgement(judged).endswith("but the recording is REJECT (x is stuck): do not quote its values")
 
 
 def test_a_plain_bench_may_be_quoted_and_its_values_are_the_truth(releases):
