@@ -30,7 +30,7 @@ def read_csv(path: Path, data: bytes, options: ImportOptions) -> Table:
     body = lines[options.skip_rows :]
     odd = None
     if options.delimiter is None:
-        odd = lvm.table_of(body) or serial_text.table_of(body) or side_header.table_of(body)
+        odd = lvm.table_of(path, body) or serial_text.table_of(path, body) or side_header.table_of(path, body)
     if odd is not None:
         lines = [*[""] * options.skip_rows, *odd[0]]
     dialect = find_dialect(path, lines, options)

@@ -9,9 +9,13 @@ from daq.importing.errors import problem
 
 MAX_BYTES = 200_000_000
 MAX_TEXT = 100_000_000
-MAX_LINES = 2_000_000
+MAX_LINES = 1_500_000
 MAX_NUMBERS = 20_000_000
 MAX_COLUMNS = 2000
+MAX_CELLS = 5_000_000
+"""Of a text whose layout is not that of a table, so that it is cut into cells before it is one."""
+MAX_SENTENCES = 1_000_000
+"""Lines with words between the numbers."""
 LONGEST_LINE = 200_000
 LONGEST_NAME = 120
 
@@ -44,3 +48,13 @@ def require_lines(path: Path, lines: list[str]) -> None:
             raise problem(
                 path, f"has {len(line)} characters, more than {LONGEST_LINE}", "write one sample per line", line=number
             )  # fmt: skip
+
+
+def require_few(path: Path, count: int, most: int, what: str) -> None:
+    """Raise ImportProblem for a text that is no plain table and has too many cells or lines."""
+    if count > most:
+        raise problem(
+            path,
+            f"has {count} {what}, more than {most}",
+            "cut it to the releases, or export it as a plain table",
+        )

@@ -66,7 +66,9 @@ def test_a_channel_without_a_unit_does_not_take_that_of_the_next() -> None:
 @pytest.mark.parametrize("name", ["Decimal_Separator\t.", "X_Columns\tOne", "Separator\tTab"])
 def test_a_setting_that_is_empty_counts_as_not_made(name: str) -> None:
     text = two_channels(point=".")
-    assert table_of(text.replace(name, name.split("\t")[0] + "\t").split("\n")) == table_of(text.split("\n"))
+    assert table_of(Path("a.lvm"), text.replace(name, name.split("\t")[0] + "\t").split("\n")) == table_of(
+        Path("a.lvm"), text.split("\n")
+    )
 
 
 @pytest.mark.parametrize(
