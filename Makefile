@@ -7,16 +7,16 @@ TOOLS := $(VENV)/.installed-dev
 WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 INSTALL := STATION_VENV=$(VENV) $(PYTHON) install.py
 
-.PHONY: help install launcher demo test slow check bench docs clean
+.PHONY: help install launcher demo test slow check bench constraints docs clean
 
 help:  ## what can be made
 	@grep -hE '^[a-z]+:.*##' Makefile | sed 's/:.*##/ -/'
 
-$(STATION): pyproject.toml
+$(STATION): pyproject.toml constraints.txt
 	@$(INSTALL)
 	@touch $@
 
-$(TOOLS): pyproject.toml
+$(TOOLS): pyproject.toml constraints.txt
 	@$(INSTALL) --dev
 	@touch $(STATION) $@
 
@@ -44,6 +44,11 @@ slow: $(TOOLS)  ## the tests that take long
 bench: $(TOOLS)  ## the long proofs; results go to docs/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	$(BIN)/python -m bench
+
+constraints:  ## the versions that are installed from now on: the newest, in a fresh environment; then run the tests
+	rm -rf build/newest
+	STATION_VENV=build/newest $(PYTHON) install.py --dev --newest
+	build/newest/bin/python -m pip freeze --exclude-editable | grep -E '^[A-Za-z0-9._-]+==[0-9][0-9A-Za-z.+!-]*$$' > constraints.txt
 
 docs: $(STATION)  ## the documentation as a site, in site/; a broken link fails
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
