@@ -56,7 +56,8 @@ def test_a_file_without_time_and_step_is_refused_in_words(tmp_path: Path) -> Non
 
 def test_a_channel_without_a_unit_does_not_take_that_of_the_next() -> None:
     found = table_of(
-        two_channels(point=".").replace("Y_Unit_Label\tg\tVolts", "Y_Unit_Label\t\tVolts").split("\n")
+        Path("a.lvm"),
+        two_channels(point=".").replace("Y_Unit_Label\tg\tVolts", "Y_Unit_Label\t\tVolts").split("\n"),
     )
     assert found is not None
     header = next(line for line in found[0] if line)
