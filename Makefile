@@ -10,16 +10,16 @@ INSTALL := STATION_VENV=$(VENV) $(PYTHON) install.py
 DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, diagnose explanation few_releases judgement \
   line_beside off_the_floor own_linear places release_by_release shares user_effects))
 
-.PHONY: help install launcher demo test slow check kernel bench docs clean
+.PHONY: help install launcher demo test slow check kernel bench constraints docs clean
 
 help:  ## what can be made
 	@grep -hE '^[a-z]+:.*##' Makefile | sed 's/:.*##/ -/'
 
-$(STATION): pyproject.toml
+$(STATION): pyproject.toml constraints.txt
 	@$(INSTALL)
 	@touch $@
 
-$(TOOLS): pyproject.toml
+$(TOOLS): pyproject.toml constraints.txt
 	@$(INSTALL) --dev
 	@touch $(STATION) $@
 
@@ -51,6 +51,11 @@ kernel: $(TOOLS)  ## diagnoses on other arithmetic: linear algebra without AVX, 
 bench: $(TOOLS)  ## the long proofs; results go to docs/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	$(BIN)/python -m bench
+
+constraints:  ## the versions that are installed from now on: the newest, in a fresh environment; then run the tests
+	rm -rf build/newest
+	STATION_VENV=build/newest $(PYTHON) install.py --dev --newest
+	build/newest/bin/python -m pip freeze --exclude-editable | grep -E '^[A-Za-z0-9._-]+==[0-9][0-9A-Za-z.+!-]*$$' > constraints.txt
 
 docs: $(STATION)  ## the documentation as a site, in site/; a broken link fails
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'

@@ -2,6 +2,7 @@
 
 python install.py              the station alone
 python install.py --dev        and what its tests need
+python install.py --newest     with the newest versions instead of those in constraints.txt
 python install.py --launcher   puts the command `station` where a shell finds it
 python install.py --remove     takes that command away again
 """
@@ -17,6 +18,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 VENV = HERE / os.environ.get("STATION_VENV", ".venv")
 BIN = VENV / ("Scripts" if os.name == "nt" else "bin")
+CONSTRAINTS = HERE / "constraints.txt"
 MARK = "# made by `make install` of the Free-Decay Station; `make clean` removes it"
 OLDEST = (3, 11)
 LARGE_MB = 5.0
@@ -30,11 +32,11 @@ def main(arguments: list[str]) -> int:
         return place_launcher()
     if "--remove" in arguments:
         return remove_launcher()
-    return install("dev" if "--dev" in arguments else "")
+    return install("dev" if "--dev" in arguments else "", newest="--newest" in arguments)
 
 
-def install(extra: str) -> int:
-    """Make .venv where there is none, install into it, and show what comes."""
+def install(extra: str, newest: bool = False) -> int:
+    """Make .venv where there is none, install into it the versions that were tested together, and show what comes."""
     began = time.monotonic()
     print(f"installing the station{' and what its tests need' if extra else ''} into {VENV.name}", flush=True)
     if not (VENV / "pyvenv.cfg").is_file():
@@ -42,16 +44,25 @@ def install(extra: str) -> int:
             venv.create(VENV, with_pip=True)
         except subprocess.CalledProcessError:
             return _refuse("Python cannot make an environment here; on Debian: apt install python3-venv")
-    wanted = f"{HERE}[{extra}]" if extra else str(HERE)
-    command = [
-        str(BIN / "python"),
-        "-m",
-        "pip",
-        "install",
-        "--disable-pip-version-check",
-        "--editable",
-        wanted,
-    ]
+    code, said = _pip(extra, newest)
+    if code != 0 and not newest:
+        print(
+            "the versions of constraints.txt do not all fit this Python or system; the newest that do are taken"
+        )
+        code, said = _pip(extra, True)
+    if code != 0:
+        sys.stderr.write("".join(said[-15:]))
+        return _refuse("pip could not install the station; its last words are above")
+    print(f"installed in {time.monotonic() - began:.0f} s", flush=True)
+    return 0
+
+
+def _pip(extra: str, newest: bool) -> tuple[int, list[str]]:
+    """Let pip install, show what comes, and return its exit code and all that it said."""
+    command = [str(BIN / "python"), "-m", "pip", "install", "--disable-pip-version-check"]
+    if not newest:
+        command += ["--constraint", str(CONSTRAINTS)]
+    command += ["--editable", f"{HERE}[{extra}]" if extra else str(HERE)]
     pip = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert pip.stdout is not None
     said, teller = [], Progress()
@@ -60,11 +71,7 @@ def install(extra: str) -> int:
         text = teller.hear(line)
         if text:
             print(text, flush=True)
-    if pip.wait() != 0:
-        sys.stderr.write("".join(said[-15:]))
-        return _refuse("pip could not install the station; its last words are above")
-    print(f"installed in {time.monotonic() - began:.0f} s", flush=True)
-    return 0
+    return pip.wait(), said
 
 
 class Progress:

@@ -14,9 +14,11 @@ import numpy as np
 from daq.errors import StationError
 from daq.importing import ImportOptions, read_file
 from daq.manifest import read_manifest, verify
+from daq.port_names import fault_of
 from daq.raw_log import MAGIC, Kind, Record, pack, unpack
 from daq.recording import Channel, Recording
 from daq.session import Session, list_sessions, recover
+from daq.sources.text_lines import LineCutter, header_of, parse_line
 from identify.effects.library import LIBRARY
 from identify.effects.user import parse_effect
 from identify.model.model import base_model
@@ -149,6 +151,12 @@ def _named(name: str, use: Callable[[Path], object]) -> Callable[[bytes, Path], 
     return read
 
 
+def _lines(data: bytes) -> None:
+    for line in LineCutter().feed(data):
+        parse_line(line)
+        header_of(line)
+
+
 def _expression(data: bytes, folder: Path) -> object:
     return parse_effect(data.decode("utf-8", "surrogateescape"))
 
@@ -167,6 +175,15 @@ MODEL: dict[str, Any] = {
 }
 TEXT = b"time_s,displacement_m,acceleration_m_s2\n" + b"".join(
     b"%.6f,%.9g,%.9g\n" % (i / 100, 0.02 * np.cos(i / 5), -0.5 * np.cos(i / 5)) for i in range(40)
+)
+JSON = (
+    json.dumps(
+        {"time": [i / 100 for i in range(40)], "u": [np.cos(i / 5) for i in range(40)], "u units": "mm"}
+    ).encode(),
+    json.dumps([{"t": i / 100, "x": np.cos(i / 5)} for i in range(40)]).encode(),
+)
+MONITOR = b"".join(
+    b"13:05:23.%03d -> angle: %.2f deg x=%.3f\n" % (10 * i, np.cos(i / 5), i) for i in range(40)
 )
 SETTINGS = b"""sessions = "sessions"
 [specimen]
@@ -272,5 +289,9 @@ def readers(folder: Path) -> tuple[Reader, ...]:
         Reader("CSV, resampled", _named("a.csv", lambda file: read_file(file, ImportOptions(resample=True))), (TEXT,)),
         Reader("MATLAB", _named("a.mat", read_file), _mat(folder)),
         Reader("UFF58", _named("a.uff", read_file), _uff(folder)),
+        Reader("JSON", _named("a.json", read_file), JSON),
+        Reader("text of a monitor", _named("a.txt", read_file), (MONITOR, MONITOR.replace(b".", b","))),
+        Reader("lines of a board", lambda data, _: _lines(data), (MONITOR, TEXT, b"x\n{\"t\": 1, \"u\": [1, 2]}\n")),
+        Reader("port", lambda data, _: fault_of(data.decode("latin-1")), (b"rfc2217://host:1?timeout=1",)),
         Reader("expression", _expression, EXPRESSIONS, (ValueError,)),
     )  # fmt: skip

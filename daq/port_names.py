@@ -15,6 +15,8 @@ OPTIONS = {"ign_set_control", "poll_modem", "timeout"}
 """What some servers of rfc2217 need."""
 
 LONGEST = 200
+LONGEST_WAIT_S = 5.0
+"""What a server of rfc2217 may be given to answer each of several questions."""
 
 
 def fault_of(name: str) -> str:
@@ -23,15 +25,20 @@ def fault_of(name: str) -> str:
         return f"{name[:LONGEST]!r} is no name of a port"
     if "://" not in name:
         return ""
+    host, short = None, True
     try:
         parts = urlsplit(name)
         host = parts.scheme in NETWORK and parts.hostname and parts.port and "@" not in parts.netloc
         more = set(parse_qs(parts.query, keep_blank_values=True)) - OPTIONS
-        plain = host and not more and not parts.fragment and parts.path in ("", "/")
-    except ValueError:  # a port that is no number
-        plain = False
+        waits = [float(text) for text in parse_qs(parts.query, keep_blank_values=True).get("timeout", ())]
+        short = all(0.0 < wait <= LONGEST_WAIT_S for wait in waits)
+        plain = host and not more and short and not parts.fragment and parts.path in ("", "/")
+    except ValueError:  # a port or a timeout that is no number
+        plain = short = False
     if plain:
         return ""
+    if host and not short:
+        return f"{name}: its timeout must be a number of seconds, at most {LONGEST_WAIT_S:g}"
     return f"{name} is no port: a device as /dev/ttyACM0 or COM3, socket://HOST:PORT and rfc2217://HOST:PORT can be opened"
 
 

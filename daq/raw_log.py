@@ -20,7 +20,7 @@ from typing import Any
 from zlib import crc32
 
 from daq.errors import SessionDamaged, StorageError
-from daq.storage import open_new, read_regular, sync_directory
+from daq.storage import open_new, read_regular, sync_directory, write_all
 
 MAGIC = b"free-decay raw 1\n"
 MARKER = b"\xf5\xdb"
@@ -230,9 +230,7 @@ class RawLog:
         if self._fd is None:
             return
         try:
-            view = memoryview(data)
-            while view:
-                view = view[os.write(self._fd, view) :]
+            write_all(self._fd, data)
             self._dirty = True
         except OSError as error:
             self._fail(error)

@@ -28,7 +28,10 @@ def commit(folder: Path, contents: Mapping[str, bytes], manifest: Manifest) -> N
     try:
         for name, data in contents.items():
             temporary = staged(folder / name, digest(data))
-            temporary.unlink(missing_ok=True)  # of a process that died
+            try:
+                temporary.unlink(missing_ok=True)  # of a process that died
+            except OSError as error:
+                raise refused(temporary, error) from error
             write_new(temporary, data, folder / name)
         for parent in {(folder / name).parent for name in contents}:
             sync_directory(parent)
@@ -87,6 +90,8 @@ def _holds(temporary: Path, sha256: str) -> bool:
     try:
         return digest(read_regular(temporary, MAX_LOG)) == sha256
     except StationError:
+        if temporary.is_file() and not temporary.is_symlink():
+            raise  # the disk refuses to read what belongs to the change: it must stay
         return False
 
 

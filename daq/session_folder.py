@@ -1,7 +1,7 @@
 """One session's folder: created, filled, sealed, changed; the layout is drawn in `session`."""
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self
 
@@ -30,7 +30,17 @@ from daq.sensor_faults import sensor_faults
 from daq.session_changes import commit, complete
 from daq.session_info import SensorInfo, SessionInfo, State
 from daq.session_reading import INFO, RAW, RESULTS, SOURCE, SessionReader, read_info
-from daq.storage import Lock, digest, make_folder, read_regular, refused, require_empty, write_whole
+from daq.storage import (
+    Lock,
+    digest,
+    discard,
+    make_folder,
+    read_regular,
+    refused,
+    require_empty,
+    stored_name,
+    write_whole,
+)
 
 WAIT_S = 10.0
 """How long a change waits for another process that changes the same session."""
@@ -48,6 +58,7 @@ class Session(SessionReader):
         super().__init__(folder, info)
         self.completed = completed
         self._lock = lock
+        self._is_new = False
 
     @classmethod
     def create(cls, folder: Path | str, info: SessionInfo, log: RawLog) -> Self:
@@ -56,18 +67,23 @@ class Session(SessionReader):
         SessionExists when the folder holds something, StorageError when the disk refuses.
         """
         folder = Path(folder)
-        make_folder(folder)
+        name = stored_name(info.name or folder.name)
         lock = Lock(folder)
-        lock.acquire()
-        session = cls(folder, info.model_copy(update={"name": info.name or folder.name}), lock)
+        session = cls(folder, info.model_copy(update={"name": name}), lock)
+        session._is_new = make_folder(folder)
         try:
+            lock.acquire()
             require_empty(folder)  # another process may have made a session here in between
+        except BaseException:
+            session._give_back()
+            raise
+        try:
             log.note(event="session", info=session.info.model_dump(mode="json"))
             session._make_results()
             write_whole(folder / INFO, _to_bytes(session.info))
             log.store(folder / RAW)
         except BaseException:
-            lock.release()
+            session._discard()
             raise
         return session
 
@@ -86,19 +102,22 @@ class Session(SessionReader):
         changes: dict[str, Any] = {
             "state": State.RECORDING,
             "sensors": info.sensors or _calibrations(recording.channels),
-            "source": info.source or (str(source) if source else ""),
-            "source_file": source.name if source else "",
+            "source": info.source or (str(source).encode(errors="replace").decode() if source else ""),
+            "source_file": stored_name(source.name) if source else "",
             "rate_hz": recording.rate,
             "rate_std_hz": recording.rate_std,
         }
         session = cls.create(folder, info.model_copy(update=changes), log)
         try:
             if source is not None:
-                _store_source(session.folder / SOURCE, source.name, content)
+                _store_source(session.folder / SOURCE, stored_name(source.name), content)
             log.close()
             if log.failure is not None:
                 raise log.failure
             session.seal()
+        except BaseException:  # the file is there to be imported again
+            session._discard()
+            raise
         finally:
             session.release()
         return session
@@ -181,6 +200,18 @@ class Session(SessionReader):
         if self._lock is not None:
             self._lock.release()
             self._lock = None
+
+    def _discard(self) -> None:
+        """Remove a session that was begun and could not be made, and give its lock back."""
+        discard(self.folder)
+        self._give_back()
+
+    def _give_back(self) -> None:
+        """Give the lock back and remove a new folder in which nothing is."""
+        self.release()
+        if self._is_new:
+            with suppress(OSError):
+                self.folder.rmdir()
 
     def _entries(self, known: dict[str, FileEntry]) -> dict[str, FileEntry]:
         """Checksums of all files; the raw log's and the source's, once known, are never made again."""

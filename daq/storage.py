@@ -15,6 +15,7 @@ from daq.errors import NotASession, SessionExists, SessionLocked, StorageError
 
 TEMPORARY, LOCK = ".new", ".lock"
 LOOK_AGAIN_S = 0.02
+LONGEST_NAME = 150
 
 _CAREFUL = sum(
     getattr(os, name, 0) for name in ("O_BINARY", "O_NOFOLLOW", "O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC")
@@ -34,15 +35,28 @@ def refused(path: Path, error: OSError) -> StorageError:
     return StorageError(f"{path}: {error.strerror or error}; check the disk or name another folder")
 
 
-def make_folder(folder: Path) -> None:
-    """Make a new folder for a session; SessionExists when it holds something already."""
+def make_folder(folder: Path) -> bool:
+    """Make a new folder for a session and return whether it is new; SessionExists when it holds something already."""
     try:
+        is_new = not folder.is_dir()
         folder.mkdir(parents=True, exist_ok=True)
         require_empty(folder)
+        return is_new
     except FileExistsError as error:
         raise SessionExists(f"{folder} is a file; name a new folder for the session") from error
     except OSError as error:
         raise refused(folder, error) from error
+
+
+def discard(folder: Path) -> None:
+    """Remove what a session that could not be made has left in its folder."""
+    with suppress(OSError):
+        for path in folder.iterdir():
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                with suppress(OSError):
+                    path.unlink()
 
 
 def require_empty(folder: Path) -> None:
@@ -136,6 +150,12 @@ def write_whole(path: Path, data: bytes) -> None:
     sync_directory(path.parent)
 
 
+def stored_name(name: str) -> str:
+    """Return a file's name as it can be kept on any system and in the manifest: printable, UTF-8, not too long."""
+    plain = "".join("_" if c in "\\/:" or not c.isprintable() else c for c in name)
+    return plain.encode()[-LONGEST_NAME:].decode(errors="ignore")
+
+
 def staged(path: Path, mark: str) -> Path:
     """Return where the content of a file waits until it is moved there: in the same folder, by 32 digits of its mark."""
     return path.with_name(f".{path.name}.{mark[:32]}{TEMPORARY}")
@@ -148,14 +168,22 @@ def write_new(temporary: Path, data: bytes, path: Path) -> None:
     except OSError as error:
         raise refused(path, error) from error
     try:
-        with os.fdopen(fd, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
+        try:
+            write_all(fd, data)
+            os.fsync(fd)
+        finally:
+            os.close(fd)
     except OSError as error:
         with suppress(OSError):
             temporary.unlink()
         raise refused(path, error) from error
+
+
+def write_all(fd: int, data: bytes) -> None:
+    """Write all of `data` to an open file; OSError when the disk refuses."""
+    view = memoryview(data)
+    while view:
+        view = view[os.write(fd, view) :]
 
 
 def sync_directory(folder: Path) -> None:
@@ -221,10 +249,12 @@ class Lock:
     def release(self) -> None:
         """Give the lock back and remove its file; harmless when it is not held."""
         if self._file is not None:
-            with suppress(OSError):
-                self.path.unlink()
-            self._file.close()
-            self._file = None
+            try:
+                with suppress(OSError):
+                    self.path.unlink()
+            finally:
+                self._file.close()
+                self._file = None
 
 
 def _lock_file(file: IO[bytes]) -> None:

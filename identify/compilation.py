@@ -3,8 +3,13 @@
 numba keeps compiled code while the file of the function is the same. It does not see that a function of another file,
 which is compiled into this one, or a constant from there, has changed; so an update of the program leaves the
 machine code of the old one in the files that it did not touch. Here the stamp of what is kept covers both.
+
+numba also reads `.numba_config.yaml` in the working folder, when it is imported and whenever it compiles: it may name the
+folder of the kept code, which is then run. Here it is imported without; a caller who imported it before has chosen.
 """
 
+import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from hashlib import sha256
@@ -13,6 +18,20 @@ from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
+
+if "numba" not in sys.modules:
+    _yaml = sys.modules.get("yaml")
+    sys.modules["yaml"] = None  # type: ignore[assignment]  # numba reads no settings where there is no yaml
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that settings are there and cannot be read
+            from numba.core import config
+    finally:
+        del sys.modules["yaml"]
+        if _yaml is not None:
+            sys.modules["yaml"] = _yaml
+    config._config_fname = ""
+
 from numba import njit, types
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.typing import Signature

@@ -21,6 +21,8 @@ def announced(address: str) -> Iterator[None]:
     note = folder() / f"{os.getpid()}.port"
     with contextlib.suppress(OSError, KeyError):
         note.parent.mkdir(mode=0o700, exist_ok=True)
+        if hasattr(os, "geteuid") and note.parent.lstat().st_uid != os.geteuid():
+            raise OSError(f"{note.parent} is another user's")
         note.write_text(f"{address}\n", encoding="utf-8")
     try:
         yield

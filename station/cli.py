@@ -102,7 +102,9 @@ def station(ctx: click.Context, settings_file: str | None, debug: bool) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with the code that says how it ended."""
     from station.library_messages import say_in_one_line
+    from station.working_folder import import_nothing_from_it
 
+    import_nothing_from_it()
     say_in_one_line()
     given = list(sys.argv[1:] if arguments is None else arguments)
     sys.exit(run(given))

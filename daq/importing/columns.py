@@ -180,6 +180,7 @@ def _without_accents(text: str) -> str:
     return "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
 
 
+@lru_cache(maxsize=1 << 16)
 def _spells(word: str, stems: tuple[str, ...]) -> bool:
     for stem in stems:
         folded = _without_accents(stem)
@@ -206,6 +207,7 @@ def _letter(name_words: tuple[str, ...]) -> str | None:
     return None
 
 
+@lru_cache(maxsize=1 << 13)
 def meaning(header: str, unit_row: str = "") -> Meaning:
     """Return what a header (and the cell of a unit row under it) says about its column."""
     name, unit_text, unit = split_unit(header)

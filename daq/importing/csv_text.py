@@ -1,6 +1,5 @@
 """Text tables as people have them: any delimiter, decimal comma, headers, units, remarks, holes."""
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,36 +11,31 @@ from daq.importing import lvm, serial_text, side_header
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, split
 from daq.importing.errors import problem
 from daq.importing.header_lines import Setting, headers, motion_unit, rate_above, settings_above
+from daq.importing.limits import require_lines, require_table
 from daq.importing.numbers import Parsed, parse_column, parse_number
 from daq.importing.options import ImportOptions
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
-MAX_COLUMNS = 2000
+AT_ONCE = 1_000_000
+"""Cells of a table with holes that are there as text at a time."""
 
 
 def read_csv(path: Path, data: bytes, options: ImportOptions) -> Table:
     """Return the table in a text file. Raises ImportProblem with line and column when there is none."""
-    text, said = decode(path, data, options.encoding)
-    lines = text.split("\n")
-    del text
+    lines, said = decode(path, data, options.encoding)
+    require_lines(path, lines)
     if options.skip_rows >= len(lines):
         raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {options.skip_rows}")
     body = lines[options.skip_rows :]
     odd = None
     if options.delimiter is None:
-        odd = lvm.table_of(body) or serial_text.table_of(body) or side_header.table_of(body)
+        odd = lvm.table_of(path, body) or serial_text.table_of(path, body) or side_header.table_of(path, body)
     if odd is not None:
         lines = [*[""] * options.skip_rows, *odd[0]]
     dialect = find_dialect(path, lines, options)
-    if dialect.width > MAX_COLUMNS:
-        raise problem(
-            path,
-            f"has {dialect.width} columns, more than {MAX_COLUMNS}",
-            "write one sample per line, one channel per column",
-            line=dialect.start + 1,
-        )
     rows = [i for i in range(dialect.start, len(lines)) if lines[i] and not lines[i].isspace()]
+    require_table(path, len(rows), dialect.width)
     notes = [said] if said else []
     notes += [odd[1]] if odd is not None else []
     parsed, rows = _numbers(path, lines, rows, dialect, notes)
@@ -92,24 +86,11 @@ def _numbers(
 def _all_at_once(body: Sequence[str], dialect: Dialect) -> Array | None:
     """Return the numbers of a clean table, shape (rows, columns), or None when some cell needs a closer look."""
     delimiter = dialect.delimiter
-    text = "\n".join(body)
-    if '"' in text:
+    if dialect.decimal == "," == delimiter:
         return None
-    if dialect.decimal == ",":
-        if delimiter == ",":
-            return None
-        text = text.replace(",", ".")
-    if delimiter != BLANK:
-        if delimiter * 2 in text:
-            text = text.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
-            text = text.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
-        if f"{delimiter}\n" in text or text.endswith(delimiter):
-            text = (text + "\n").replace(f"{delimiter}\n", f"{delimiter}nan\n")
-        if f"\n{delimiter}" in text or text.startswith(delimiter):
-            text = ("\n" + text).replace(f"\n{delimiter}", f"\nnan{delimiter}")[1:]
     try:
         values = np.loadtxt(
-            text.split("\n"),
+            (_clean(line, dialect) for line in body),
             delimiter=None if delimiter == BLANK else delimiter,
             comments=None,
             ndmin=2,
@@ -118,6 +99,24 @@ def _all_at_once(body: Sequence[str], dialect: Dialect) -> Array | None:
     except (ValueError, IndexError, OverflowError):
         return None
     return np.asarray(values, dtype=np.float64) if len(values) == len(body) else None
+
+
+def _clean(line: str, dialect: Dialect) -> str:
+    """Return a line with points as decimal signs and `nan` in its empty cells; ValueError where it has quotes."""
+    delimiter = dialect.delimiter
+    if '"' in line:
+        raise ValueError
+    if dialect.decimal == ",":
+        line = line.replace(",", ".")
+    if delimiter != BLANK:
+        if delimiter * 2 in line:
+            line = line.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
+            line = line.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
+        if line.endswith(delimiter):
+            line += "nan"
+        if line.startswith(delimiter):
+            line = f"nan{line}"
+    return line
 
 
 def _cell_by_cell(
@@ -131,46 +130,51 @@ def _cell_by_cell(
             f"{'the first ' if len(remarks) > 1 else ''}line {remarks[0] + 1}"
         )
         rows = [i for i in rows if not lines[i].lstrip().startswith(COMMENTS)]
-    try:
-        cells = [split(lines[i], dialect.delimiter) for i in rows]
-    except csv.Error as error:
-        raise problem(path, f"a quoted cell cannot be read ({error})", "remove the quotes") from None
     footer = 0
-    while len(cells) > 1 and not _has_number(cells[-1], dialect.decimal):
-        cells.pop()
-        rows = rows[:-1]
+    while len(rows) > 1 and not _has_number(split(lines[rows[-1]], dialect.delimiter), dialect.decimal):
+        rows.pop()
         footer += 1
     if footer:
         notes.append(f"{footer} lines at the end hold no numbers and were left out")
     width = max(dialect.width, 1)
-    short = [k for k, row in enumerate(cells) if len(row) < width]
-    for k, row in enumerate(cells):
-        if len(row) > width:
-            extra = next((j for j in range(width, len(row)) if row[j].strip()), None)
+    lengths = [len(split(lines[i], dialect.delimiter)) for i in rows]
+    for row, length in zip(rows, lengths, strict=True):
+        if length > width:
+            cells = split(lines[row], dialect.delimiter)
+            extra = next((j for j in range(width, len(cells)) if cells[j].strip()), None)
             if extra is not None:
                 raise problem(
                     path,
-                    f"this row has {len(row)} cells where the others have {width}",
+                    f"this row has {length} cells where the others have {width}",
                     "repair the line, or give the delimiter and the decimal sign",
-                    line=rows[k] + 1,
+                    line=row + 1,
                     column=extra + 1,
                 )
-            del row[width:]
+    short = [k for k, length in enumerate(lengths) if length < width]
     if short:
-        if len(short) > max(1, len(cells) // 20):
+        first = rows[short[0]] + 1
+        if len(short) > max(1, len(rows) // 20):
             raise problem(
                 path,
-                f"this row has {len(cells[short[0]])} cells where most have {width}, and {len(short)} rows are like it",
+                f"this row has {lengths[short[0]]} cells where most have {width}, and {len(short)} rows are like it",
                 "repair the file, or give the delimiter and the decimal sign",
-                line=rows[short[0]] + 1,
+                line=first,
             )
-        for k in short:
-            cells[k] += [""] * (width - len(cells[k]))
-        first = rows[short[0]] + 1
         notes.append(
             f"{len(short)} rows are cut short (first line {first}); their missing cells count as invalid"
         )
-    return [parse_column(column, dialect.decimal) for column in zip(*cells, strict=True)], rows
+    columns: list[Parsed] = []
+    several = max(AT_ONCE // len(rows), 1)
+    for left in range(0, width, several):
+        part = [_cells(lines[i], dialect.delimiter, left, min(left + several, width)) for i in rows]
+        columns += [parse_column([row[j] for row in part], dialect.decimal) for j in range(len(part[0]))]
+    return columns, rows
+
+
+def _cells(line: str, delimiter: str, left: int, right: int) -> list[str]:
+    """Return the cells of a line from column `left` up to `right`, empty ones where it is cut short."""
+    cells = split(line, delimiter)[left:right]
+    return cells + [""] * (right - left - len(cells))
 
 
 def _counted(number: int, one: str, many: str) -> str:

@@ -5,9 +5,11 @@ import csv
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
 from daq.importing.errors import problem
+from daq.importing.limits import MAX_LINES, MAX_TEXT, require_size
 from daq.importing.numbers import parse_clock, parse_number
 from daq.importing.options import ImportOptions
 
@@ -19,6 +21,7 @@ _SAMPLE_LINES = 300
 _SAMPLE_REST = 100
 _SAMPLE_CHARACTERS = 400_000
 _RUN = 3
+_ODD = tuple(bytes([code]) for code in range(32) if code not in (9, 10, 11, 12, 13, 26, 27, 30, 31))
 
 
 @dataclass(frozen=True)
@@ -31,14 +34,18 @@ class Dialect:
     width: int
 
 
-def decode(path: Path, data: bytes, encoding: str | None) -> tuple[str, str]:
-    """Return the text of a file and a sentence about its encoding ("" when there is nothing to say).
+def decode(path: Path, data: bytes, encoding: str | None) -> tuple[list[str], str]:
+    """Return the lines of a text and a sentence about its encoding ("" when there is nothing to say).
 
-    Raises ImportProblem when it is not text.
+    Raises ImportProblem when it is not text, or more than is read.
     """
+    require_size(path, len(data), MAX_TEXT, " of text")
+    count = max(data.count(b"\n"), data.count(b"\r"))
+    if count > MAX_LINES:
+        raise problem(path, f"has {count} lines, more than {MAX_LINES}", "cut it to the releases")
     if encoding is not None:
         try:
-            return data.decode(encoding), f"the text was read as {encoding}, as asked"
+            return _lines(data, encoding), f"the text was read as {encoding}, as asked"
         except (LookupError, UnicodeError, ValueError) as error:
             raise problem(path, f"cannot be read as {encoding} ({error})", "name another encoding") from None
     marks = (
@@ -56,21 +63,31 @@ def decode(path: Path, data: bytes, encoding: str | None) -> tuple[str, str]:
         )
         if name is None:
             raise _binary(path)
+    wide = name is not None and name != "utf-8-sig"
+    if not wide and sum(map(data.count, _ODD)) > 3 + len(data) // 1000:
+        raise _binary(path)
     try:
-        text = data.decode(name or "utf-8")
+        lines = _lines(data, name or "utf-8")
     except UnicodeError:
         if name is not None:
             raise problem(
                 path, f"begins as {name} text but does not go on so", "save it again as text"
             ) from None
-        text, name = data.decode("cp1252", errors="replace"), "windows-1252 (latin-1)"
-    odd_ones = sum(
-        text.count(chr(code)) for code in range(32) if code not in (9, 10, 11, 12, 13, 26, 27, 30, 31)
-    )
-    if odd_ones > 3 + len(text) // 1000:
+        lines, name = _lines(data, "cp1252", "replace"), "windows-1252 (latin-1)"
+    if (
+        wide
+        and sum(sum(map(line.encode("utf-8", "replace").count, _ODD)) for line in lines)
+        > 3 + len(data) // 1000
+    ):
         raise _binary(path)
-    text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\x1a", "").replace("\0", "")
-    return text, f"the text was read as {name}" if name not in (None, "utf-8-sig") else ""
+    return lines, f"the text was read as {name}" if name not in (None, "utf-8-sig") else ""
+
+
+def _lines(data: bytes, encoding: str, errors: str = "strict") -> list[str]:
+    """Return the lines of a text one by one, so that the whole of it is never there a second time."""
+    text = TextIOWrapper(BytesIO(data), encoding, errors, newline=None)
+    lines = [line.rstrip("\n").replace("\x1a", "").replace("\0", "") for line in text]
+    return [*lines, ""] if data.endswith((b"\n", b"\r")) else lines
 
 
 def _binary(path: Path) -> Exception:

@@ -1,11 +1,13 @@
 """Where the table is in a JSON document: rows, records, columns, channels, or a table for each run."""
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from daq.importing.limits import MAX_NUMBERS
 from daq.importing.numbers import parse_clock, parse_number
 from daq.recording import Array
 
@@ -41,9 +43,9 @@ def table_in(node: Any, key: str = "", depth: int = 0) -> Found | None:
         for name, value in node.items()
         if isinstance(value, list) and (values := _numbers(value)) is not None
     }
-    lengths = [len(values) for values in columns.values()]
+    lengths = Counter(len(values) for values in columns.values())
     if lengths:
-        most = max(set(lengths), key=lambda n: (lengths.count(n), n))
+        most = max(lengths, key=lambda n: (lengths[n], n))
         columns = {name: values for name, values in columns.items() if len(values) == most}
         if most >= FEWEST:
             return Found(key, list(columns), list(columns.values()), node)
@@ -70,7 +72,9 @@ def _from_runs(members: Sequence[tuple[str, Any]], key: str, depth: int) -> Foun
     if len(tables) < 2 or any(found.names != tables[0][1].names for _, found in tables):
         return None
     longest = max(len(found.columns[0]) for _, found in tables)
-    numbers = [match[1] if (match := re.search(r"(\d{1,4})$", name)) else "" for name, _ in tables]
+    if longest * len(tables) * len(tables[0][1].columns) > MAX_NUMBERS:
+        return None
+    numbers = [match[1] if (match := re.search(r"(\d{1,4})$", name[-4:])) else "" for name, _ in tables]
     if "" in numbers or len(set(numbers)) < len(numbers):
         numbers = [str(i) for i in range(1, len(tables) + 1)]
     names, columns = [], []
@@ -137,6 +141,8 @@ def _from_list(node: list[Any], key: str) -> Found | None:
 
 def _from_records(node: list[dict[str, Any]], key: str) -> Found | None:
     names = list(dict.fromkeys(str(name) for record in node for name in record))
+    if len(names) * len(node) > MAX_NUMBERS:
+        return None
     cells = [_numbers([record.get(name) for record in node]) for name in names]
     kept = [(n, c) for n, c in zip(names, cells, strict=True) if c is not None]
     return Found(key, [n for n, _ in kept], [c for _, c in kept], None) if kept else None

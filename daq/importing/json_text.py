@@ -9,13 +9,17 @@ from typing import Any
 from daq.importing.columns import meaning
 from daq.importing.errors import problem
 from daq.importing.json_tables import FEWEST, table_in
+from daq.importing.limits import LONGEST_NAME, MAX_TEXT, require_size, require_table
 from daq.importing.numbers import parse_number
 from daq.importing.options import ImportOptions
 from daq.importing.runs import rises_evenly
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
-MAX_COLUMNS = 2000
+MOST_MEMORY = 600_000_000
+BYTES_FOR = ((b"{", 250), (b"[", 100), (b",", 40), (b"", 5))
+"""What Python keeps for an object, a list, a member, and each byte at most, bytes."""
+DEEPEST = 20
 _RATE = re.compile(
     r"(?:sampl\w*[\s_-]*)?(?:rate|freq\w*)(?:[\s_-]*\(?k?hz\)?)?|fs|fps|samplerate|abtastrate", re.I
 )
@@ -40,6 +44,13 @@ def read_json(path: Path, data: bytes, options: ImportOptions) -> Table:
     beside it may name the columns, their units (`displacement units`) and the rate or the step of time. Raises
     ImportProblem when there is no table, or the text is not JSON.
     """
+    require_size(path, len(data), MAX_TEXT, " of JSON")
+    if sum(cost * data.count(sign) for sign, cost in BYTES_FOR) > MOST_MEMORY:
+        raise problem(
+            path,
+            f"has {len(data) / 1e6:.0f} MB in too many parts for 1 GB of memory",
+            "cut it to the releases",
+        )
     document = _document(path, data, options.encoding)
     found = table_in(document)
     if found is None:
@@ -49,16 +60,16 @@ def read_json(path: Path, data: bytes, options: ImportOptions) -> Table:
             'give rows, records or columns under one key, as {"data": [[0.0, 1.2], ...]}',
         )
     key, names, columns, beside = found
-    if len(columns) > MAX_COLUMNS:
-        raise problem(path, f"has {len(columns)} columns, more than {MAX_COLUMNS}", "write one row a sample")
+    require_table(path, len(columns[0]), len(columns))
     settings = {**_scalars(document), **_scalars(beside)}
     notes = [f"JSON{f', key {key!r}' if key else ''}: {len(columns[0])} rows, {len(columns)} columns"]
     units = _units(settings)
     names = names or _said_names(document, beside, len(columns))
     if names is None:
         names = _by_units(columns, units, notes)
+    unit_of = {what.casefold(): unit for what, unit in reversed(units.items())}
     made = tuple(
-        SourceColumn(i + 1, name, values, _unit_of(name, units))
+        SourceColumn(i + 1, name, values, unit_of.get(name.casefold(), ""))
         for i, (name, values) in enumerate(zip(names, columns, strict=True))
     )
     rate, source = _rate(settings)
@@ -83,19 +94,19 @@ def _document(path: Path, data: bytes, encoding: str | None) -> Any:
         ) from None
 
 
-def _scalars(node: Any) -> dict[str, Any]:
+def _scalars(node: Any, depth: int = 0) -> dict[str, Any]:
     """Return what an object says beside its table, its inner objects included."""
-    if not isinstance(node, dict):
+    if not isinstance(node, dict) or depth > DEEPEST:
         return {}
     found: dict[str, Any] = {}
     for name, value in node.items():
         if isinstance(value, dict):
-            inner = _scalars(value)
+            inner = _scalars(value, depth + 1)
             found |= {
                 f"{k} units" if str(name).lower() in ("unit", "units") else k: v for k, v in inner.items()
             }
         elif isinstance(value, int | float | str):
-            found[str(name)] = value
+            found[str(name)[:LONGEST_NAME]] = value
     return found
 
 
@@ -117,10 +128,6 @@ def _units(settings: Mapping[str, Any]) -> dict[str, str]:
         if match and isinstance(value, str):
             found[(match[1] or match[2]).strip()] = value.strip()
     return found
-
-
-def _unit_of(name: str, units: Mapping[str, str]) -> str:
-    return next((unit for what, unit in units.items() if what.casefold() == name.casefold()), "")
 
 
 def _by_units(columns: Sequence[Array], units: Mapping[str, str], notes: list[str]) -> list[str]:

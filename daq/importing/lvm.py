@@ -5,7 +5,9 @@ read.
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 
+from daq.importing.limits import MAX_CELLS, require_few
 from daq.importing.numbers import parse_number
 
 FIRST_LINE = "labview measurement"
@@ -13,13 +15,14 @@ CLOSED = "***end_of_header***"
 X_VALUE = "X_Value"
 
 
-def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
+def table_of(path: Path, lines: Sequence[str]) -> tuple[list[str], str] | None:
     """Return the lines as a table between tabs with a header in its place, and a sentence on it; else None.
 
     Units come from `Y_Unit_Label`; where no time is written (`X_Columns No`), from `X0` and `Delta_X` it is.
     """
     if not lines or not lines[0].lstrip("\ufeff").strip().casefold().startswith(FIRST_LINE):
         return None
+    require_few(path, max(sum(line.count(sign) for line in lines) for sign in "\t,"), MAX_CELLS, "cells")
     closed = [i for i, line in enumerate(lines) if line.strip().casefold().startswith(CLOSED)]
     start = (
         next((i for i in range(closed[1] + 1, len(lines)) if lines[i].strip()), 0) if len(closed) > 1 else 0

@@ -1,13 +1,14 @@
 """MATLAB files of version 5 (and 4): vectors by name, fields of structures, a rate or time among them."""
 
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
 from daq.importing.errors import problem
+from daq.importing.limits import MAX_BYTES, MAX_NUMBERS, require_table
 from daq.importing.mat_file import (
-    MAX_BYTES,
-    MAX_NUMBERS,
+    MAX_ELEMENTS,
     DamagedFileError,
     Numbers,
     TooLargeError,
@@ -63,6 +64,7 @@ def read_matlab(path: Path, data: bytes, options: ImportOptions) -> Table:
         raise problem(path, "holds no vector of numbers", "save the time and the channels as vectors")
     length = _length(path, vectors, options)
     kept = [(name, values) for name, values in vectors if len(values) == length]
+    require_table(path, length, len(kept))
     columns = tuple(
         SourceColumn(i + 1, name, values, noun="variable") for i, (name, values) in enumerate(kept)
     )
@@ -80,7 +82,8 @@ def _load(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
     except TooLargeError:
         raise problem(
             path,
-            f"holds more than {MAX_NUMBERS / 1e6:.0f} million numbers, or unpacks to more than {MAX_BYTES / 1e6:.0f} MB",
+            f"holds more than {MAX_NUMBERS / 1e6:.0f} million numbers or {MAX_ELEMENTS} arrays, "
+            f"or unpacks to more than {MAX_BYTES / 1e6:.0f} MB",
             "save only the channels of one recording",
         ) from None
     except DamagedFileError as damage:
@@ -111,8 +114,8 @@ def _length(path: Path, vectors: list[tuple[str, Array]], options: ImportOptions
         )
     if named:
         return named.pop()
-    lengths = [len(values) for _, values in vectors]
-    return max(set(lengths), key=lambda n: (n >= 8, n * lengths.count(n)))
+    lengths = Counter(len(values) for _, values in vectors)
+    return max(lengths, key=lambda n: (n >= 8, n * lengths[n]))
 
 
 def _rate(scalars: dict[str, float]) -> tuple[float | None, str]:

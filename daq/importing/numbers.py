@@ -120,12 +120,11 @@ def _all_plain(cells: Sequence[str], decimal: str) -> Array | None:
     text = "\n".join(cells)
     if "_" in text or (decimal == "," and "." in text):
         return None
+    del text
     try:
-        return np.array(
-            [
-                float(cell) if cell.strip() else math.nan
-                for cell in (text.replace(",", ".") if decimal == "," else text).split("\n")
-            ]
+        plain = (cell.replace(",", ".") for cell in cells) if decimal == "," else cells
+        return np.fromiter(
+            (float(cell) if cell.strip() else math.nan for cell in plain), np.float64, len(cells)
         )
     except ValueError:
         return None

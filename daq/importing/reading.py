@@ -11,6 +11,7 @@ from daq.importing.csv_text import read_csv
 from daq.importing.degrees import agreed
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.json_text import is_json, read_json
+from daq.importing.limits import MAX_BYTES, require_size
 from daq.importing.matlab import is_matlab, read_matlab
 from daq.importing.options import ImportOptions
 from daq.importing.runs import find_runs, without_still
@@ -18,8 +19,6 @@ from daq.importing.table import Table
 from daq.importing.time_steps import with_stamps
 from daq.importing.uff58 import is_uff, read_uff
 from daq.recording import Recording
-
-MAX_BYTES = 1_000_000_000
 
 
 def read_file(
@@ -105,11 +104,7 @@ def _bytes(path: Path) -> bytes:
             raise problem(
                 path, "is not a plain file" if there else "does not exist", "name a file with a recording"
             )
-        size = path.stat().st_size
-        if size > MAX_BYTES:
-            raise problem(
-                path, f"has {size / 1e6:.0f} MB, more than {MAX_BYTES / 1e6:.0f} MB", "cut it to the releases"
-            )
+        require_size(path, path.stat().st_size, MAX_BYTES)
         data = path.read_bytes()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)

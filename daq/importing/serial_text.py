@@ -3,14 +3,16 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
+from daq.importing.limits import MAX_SENTENCES, require_few
 from daq.importing.units import parse_unit
 
 _ARROW = re.compile(r"\s*(\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s*")
 _ITEM = re.compile(
     r"\s*(?:([^\W\d_](?:[\w ./()\[\]°²^-]{0,30}[\w)\]°])?)\s*[:=]\s*)?"  # a label
-    r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"  # a number
+    r"([-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?)"  # a number
     r"(?:\s?([^\W\d_][\w/^²]{0,7}|°|%))?"  # its unit
     r"\s*(?:[,;|\t]|\s|$)\s*"
 )
@@ -33,18 +35,19 @@ class _Row(NamedTuple):
         return bool(self.clock), self.labels, self.units
 
 
-def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
+def table_of(path: Path, lines: Sequence[str]) -> tuple[list[str], str] | None:
     """Return the lines as a table between tabs with a header, and a sentence on it; None where they are no such text.
 
     Each line stays in its place; what does not fit is blank. Where no line is free above the first row, the header comes
     before all. A comma between two digits is the decimal sign where every number then has a label, or every one a unit, or
     where as many digits follow it in all lines, and some begin with a zero, as no whole number does.
     """
-    rows = _alike(lines)
+    rows = _alike(path, lines)
     if rows is not None and not _all_named(rows):
-        with_points = _alike([_COMMA.sub(".", line) for line in lines])
-        decimal = with_points is not None and (_all_named(with_points) or _zeros_follow_commas(lines))
-        rows = with_points if decimal else rows
+        del rows  # both at once would be too much
+        rows = _alike(path, [_COMMA.sub(".", line) for line in lines])
+        if rows is None or not (_all_named(rows) or _zeros_follow_commas(lines)):
+            rows = _alike(path, lines)
     if rows is None:
         return None
     first, row = next((i, row) for i, row in enumerate(rows) if row is not None)
@@ -60,7 +63,7 @@ def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
     return made, f"{_what_was_read(row)} were read in each row"
 
 
-def _alike(lines: Sequence[str]) -> list[_Row | None] | None:
+def _alike(path: Path, lines: Sequence[str]) -> list[_Row | None] | None:
     """Return the rows that have the commonest labels and units, None for other lines; None where too few are alike."""
     written = [line for line in lines if line.strip()]
     middle = len(written) // 2
@@ -72,6 +75,7 @@ def _alike(lines: Sequence[str]) -> list[_Row | None] | None:
     clock, labels, units = shape
     if count < ALIKE * len(sample) or not (clock or any(labels) or any(units)):
         return None
+    require_few(path, len(lines), MAX_SENTENCES, "lines with labels or units in them")
     rows = [row if (row := _row(line)) is not None and row.shape == shape else None for line in lines]
     return rows if sum(row is not None for row in rows) >= ALIKE * len(written) else None
 

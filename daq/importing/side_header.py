@@ -1,7 +1,9 @@
 """An oscilloscope's table: what was set stands in columns to the left of the first rows, the numbers to the right of it."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
+from daq.importing.limits import MAX_CELLS, require_few
 from daq.importing.numbers import parse_number
 
 FEWEST_ROWS = 20
@@ -9,7 +11,7 @@ MOST_SETTINGS = 200
 WIDEST = 8
 
 
-def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
+def table_of(path: Path, lines: Sequence[str]) -> tuple[list[str], str] | None:
     """Return the lines as a table with a header, and a sentence on it; None where no settings stand beside the numbers.
 
     The header comes before all lines:
@@ -22,6 +24,7 @@ def table_of(lines: Sequence[str]) -> tuple[list[str], str] | None:
     last = next((line for line in reversed(lines) if line.strip()), "")
     if not last.startswith(",,"):
         return None
+    require_few(path, sum(line.count(",") for line in lines), MAX_CELLS, "cells")
     rows = [line.split(",") for line in lines if line.strip()]
     width = _width(rows)
     if not width:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from daq.importing.limits import LONGEST_NAME
 from daq.recording import Array
 
 
@@ -12,8 +13,8 @@ from daq.recording import Array
 class SourceColumn:
     """One column of a file: what is written above it, and its numbers, NaN where there is none or an infinite one.
 
-    `number` counts from 1; `label` is the header as it stands, without a unit row's unit, which is in
-    `unit`. `quantity` is set where the format itself says it (UFF). `bad` is the first cell that is
+    `number` counts from 1; `label` is the header as it stands, cut where it is too long, without a unit row's unit, which
+    is in `unit`. `quantity` is set where the format itself says it (UFF). `bad` is the first cell that is
     neither a number nor empty, as (line, text). `clock` is True for dates and times of day (then in s).
     `noun` is what the format calls a column. `gravity` is True for an accelerometer's axis with gravity in it.
     """
@@ -32,6 +33,8 @@ class SourceColumn:
     def __post_init__(self) -> None:
         values = np.asarray(self.values, dtype=np.float64)
         object.__setattr__(self, "values", np.where(np.isfinite(values), values, np.nan))
+        object.__setattr__(self, "label", self.label[:LONGEST_NAME])
+        object.__setattr__(self, "unit", self.unit[:LONGEST_NAME])
 
     @property
     def place(self) -> str:

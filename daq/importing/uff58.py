@@ -3,6 +3,7 @@
 import re
 import tempfile
 import warnings
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -131,8 +132,8 @@ def _length(traces: list[tuple[int, dict[str, Any]]], options: ImportOptions) ->
     for number, trace in traces:
         if str(number) in wanted or _label(trace) in wanted:
             return int(np.size(trace["data"]))
-    lengths = [int(np.size(trace["data"])) for _, trace in traces]
-    return max(set(lengths), key=lambda n: (lengths.count(n), n))
+    lengths = Counter(int(np.size(trace["data"])) for _, trace in traces)
+    return max(lengths, key=lambda n: (lengths[n], n))
 
 
 def _quantity(trace: dict[str, Any]) -> tuple[str | None, str]:

@@ -1,4 +1,7 @@
-"""Lines of text with numbers in them, as boards print them: separated, `name:value`, or a JSON object."""
+"""Lines of text with numbers in them, as boards print them: separated, `name:value`, or a JSON object.
+
+A line comes from anyone: no pattern here looks twice at what it has passed.
+"""
 
 import json
 import math
@@ -8,8 +11,9 @@ from dataclasses import dataclass
 LONGEST = 4096
 MOST_COLUMNS = 64
 
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_PAIR = re.compile(rf"([^\W\d][\w .²^/°-]*?)\s*[:=]\s*({_NUMBER})(?![\w.])")
+_NUMBER = r"[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
+_VALUE = re.compile(rf"[:=]\s*+({_NUMBER})(?![\w.])")
+_NO_NAME, _LETTER = re.compile(r"[^\w .²^/°-]"), re.compile(r"[^\W\d]")
 _BETWEEN = re.compile(r"\s*[,;\t|]\s*|\s+")
 _MISSING = frozenset(("nan", "ovf", "inf", "null", "none", "-"))
 
@@ -52,10 +56,9 @@ def parse_line(text: str) -> Line | None:
     """Return the numbers of a line; None where it is none of the forms. What is not a number there reads as NaN."""
     if text.startswith("{"):
         return _from_json(text)
-    pairs = _PAIR.findall(text)
+    pairs = _pairs(text)
     if pairs and not _NUMBER_FIRST.match(text):
-        values = {name.strip(): float(number) for name, number in pairs[:MOST_COLUMNS]}
-        return Line(values, named=True)
+        return Line(dict(pairs[:MOST_COLUMNS]), named=True)
     fields = [field for field in _BETWEEN.split(text) if field]
     if not fields or len(fields) > MOST_COLUMNS:
         return None
@@ -63,6 +66,17 @@ def parse_line(text: str) -> Line | None:
     if any(number is None for number in numbers):
         return None
     return Line({str(i): n for i, n in enumerate(numbers, 1) if n is not None}, named=False)
+
+
+def _pairs(text: str) -> list[tuple[str, float]]:
+    """Return each `name:value` or `name = value` of a line; a name begins with a letter."""
+    pairs, begin = [], 0
+    for found in _VALUE.finditer(text):
+        before = _NO_NAME.split(text[begin : found.start()].rstrip())[-1]
+        if letter := _LETTER.search(before):
+            pairs.append((before[letter.start() :], float(found[1])))
+            begin = found.end()
+    return pairs
 
 
 def header_of(text: str) -> tuple[str, ...]:

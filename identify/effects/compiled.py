@@ -4,6 +4,9 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
+import identify.compilation  # noqa: F401  numba is imported there, blind to the working folder
+
+# isort: split
 from llvmlite import ir
 from numba import njit, types
 from numba.core.typing import signature

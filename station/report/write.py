@@ -56,8 +56,9 @@ def write_report(
 
 def rendered(found: Findings) -> str:
     """Return the page; every text in it is escaped, whoever wrote it."""
-    import matplotlib
     from jinja2 import Environment, StrictUndefined
+
+    from station.views.figure import matplotlib
 
     _reasons(found)
     with matplotlib.rc_context(STYLE):

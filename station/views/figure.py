@@ -2,9 +2,11 @@
 
 from typing import TYPE_CHECKING, Any, Literal
 
-import matplotlib
-
 from station.views import palette
+from station.working_folder import unseen
+
+with unseen("matplotlibrc"):
+    import matplotlib as matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,6 +5,10 @@ from io import BytesIO
 from typing import Any
 
 import numpy as np
+
+from station.views import figure  # noqa: F401  which imports matplotlib, before anyone else does
+
+# isort: split
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 

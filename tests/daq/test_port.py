@@ -104,8 +104,21 @@ def test_a_name_that_is_no_port_is_reported_in_words(name: str) -> None:
         open_port(name)
 
 
+@pytest.mark.parametrize("wait", ["1e3", "0", "-1", "nan", "inf", "", "5.1"])
+def test_a_server_is_not_waited_for_as_long_as_a_name_says(wait: str) -> None:
+    with pytest.raises(PortNotAllowed, match=r"timeout must be a number of seconds, at most 5"):
+        open_port(f"rfc2217://127.0.0.1:1?timeout={wait}")
+
+
 @pytest.mark.parametrize(
-    "name", ["COM3", "/dev/ttyACM0", "socket://[::1]:5000", "RFC2217://h:1?ign_set_control"]
+    "name",
+    [
+        "COM3",
+        "/dev/ttyACM0",
+        "socket://[::1]:5000",
+        "RFC2217://h:1?ign_set_control",
+        "rfc2217://h:1?timeout=4.5",
+    ],
 )
 def test_a_name_of_a_port_is_let_through(name: str) -> None:
     assert fault_of(name) == ""

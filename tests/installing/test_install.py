@@ -5,9 +5,12 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 import install
 
@@ -124,3 +127,29 @@ def test_the_demo_needs_no_tools_of_tests():
     ).stdout  # fmt: skip
     assert "install.py" in wanted
     assert "--dev" not in wanted
+
+
+def test_what_is_installed_is_kept_by_name_and_version_and_is_what_the_tests_run_with():
+    lines = install.CONSTRAINTS.read_text(encoding="utf-8").splitlines()
+    assert all(re.fullmatch(r"[\w.-]+==\d[\w.+!]*", line) for line in lines)
+    kept = {install._plain(name): version for name, _, version in (line.partition("==") for line in lines)}
+    assert len(kept) == len(lines)
+    project = tomllib.loads((install.HERE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    for requirement in map(Requirement, [*project["dependencies"], *project["optional-dependencies"]["dev"]]):
+        assert requirement.specifier.contains(kept[install._plain(requirement.name)]), requirement
+    others = {
+        f"{name} {version(name)}"
+        for name, known in kept.items()
+        if find(name) is not None and version(name) != known
+    }
+    if others:
+        pytest.skip(
+            f"other versions are installed, as where this Python has none of those kept: {sorted(others)}"
+        )
+
+
+def find(name: str) -> str | None:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None

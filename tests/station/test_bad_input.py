@@ -24,6 +24,10 @@ NAMES = (
     "CSV",
     "MATLAB",
     "UFF58",
+    "JSON",
+    "text of a monitor",
+    "lines of a board",
+    "port",
     "expression",
 )
 NASTY = (

@@ -1,5 +1,6 @@
 """Small parts of the page: what is said of a suspect, the shelf, the scope, doubles, colours."""
 
+import os
 import re
 from pathlib import Path
 
@@ -95,6 +96,20 @@ def test_doubles_are_found_by_their_notes_and_nothing_else_in_the_folder_is_beli
     (folder / "9.port").unlink()
     (folder / "8.port").unlink()
     assert notes.doubles() == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="folders have an owner and a mode on POSIX systems")
+def test_a_folder_of_doubles_into_which_others_may_write_is_not_believed(tmp_path, monkeypatch):
+    from mocks.announce import announced
+
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    with announced("socket://127.0.0.1:4711"):
+        folder = next(tmp_path.iterdir())
+        folder.chmod(0o777)
+        assert notes.doubles() == []
+        folder.chmod(0o700)
+        monkeypatch.setattr("os.geteuid", lambda: 4711)
+        assert notes.doubles() == []
 
 
 def palette(scheme):

@@ -1,5 +1,6 @@
 """The page as it runs: who may speak to it, and a newcomer's walk with the mouse to the right effect and the floor."""
 
+import gzip
 import http.client
 import json
 import re
@@ -215,7 +216,8 @@ def test_the_page_may_fetch_nothing_from_elsewhere(bench):
     policy = ask(bench).headers["Content-Security-Policy"]
     place = urlsplit(bench.address).netloc
     sources = {word for part in policy.split("; ") for word in part.split()[1:]}
-    assert sources <= {
+    (nonce,) = {word for word in sources if word.startswith("'nonce-")}
+    assert sources - {nonce} <= {
         "'self'",
         "'none'",
         "'unsafe-inline'",
@@ -225,6 +227,23 @@ def test_the_page_may_fetch_nothing_from_elsewhere(bench):
         f"ws://{place}",
     }
     assert "default-src 'self'" in policy
+
+
+def test_of_scripts_in_the_page_those_that_the_server_wrote_are_run(bench):
+    place = urlsplit(bench.address)
+    connection = http.client.HTTPConnection(place.hostname, place.port, timeout=10)
+    connection.request("GET", "/", headers={"Cookie": cookie_of(bench), "Accept-Encoding": "gzip"})
+    answer = connection.getresponse()
+    body = answer.read()
+    connection.close()
+    page = gzip.decompress(body) if answer.headers.get("Content-Encoding") == "gzip" else body
+    scripts = next(
+        p for p in answer.headers["Content-Security-Policy"].split("; ") if p.startswith("script-src")
+    )
+    assert "unsafe-inline" not in scripts
+    nonce = re.search(r"'nonce-([^']+)'", scripts)[1]
+    assert page.count(b"<script") == page.count(f'<script nonce="{nonce}"'.encode()) > 3
+    assert nonce not in ask(bench).headers["Content-Security-Policy"]
 
 
 def test_a_name_that_was_made_to_point_here_is_refused(bench):

@@ -13,6 +13,10 @@ from math import isfinite
 from typing import Any
 
 import numpy as np
+
+import identify.compilation  # noqa: F401  numba is imported there, blind to the working folder
+
+# isort: split
 from numba import njit
 
 from identify.arrays import Array

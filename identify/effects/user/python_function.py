@@ -7,6 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+
+import identify.compilation  # noqa: F401  numba is imported there, blind to the working folder
+
+# isort: split
 from numba import njit
 
 from identify.arrays import Array

@@ -56,7 +56,8 @@ def test_a_file_without_time_and_step_is_refused_in_words(tmp_path: Path) -> Non
 
 def test_a_channel_without_a_unit_does_not_take_that_of_the_next() -> None:
     found = table_of(
-        two_channels(point=".").replace("Y_Unit_Label\tg\tVolts", "Y_Unit_Label\t\tVolts").split("\n")
+        Path("a.lvm"),
+        two_channels(point=".").replace("Y_Unit_Label\tg\tVolts", "Y_Unit_Label\t\tVolts").split("\n"),
     )
     assert found is not None
     header = next(line for line in found[0] if line)
@@ -66,7 +67,9 @@ def test_a_channel_without_a_unit_does_not_take_that_of_the_next() -> None:
 @pytest.mark.parametrize("name", ["Decimal_Separator\t.", "X_Columns\tOne", "Separator\tTab"])
 def test_a_setting_that_is_empty_counts_as_not_made(name: str) -> None:
     text = two_channels(point=".")
-    assert table_of(text.replace(name, name.split("\t")[0] + "\t").split("\n")) == table_of(text.split("\n"))
+    assert table_of(Path("a.lvm"), text.replace(name, name.split("\t")[0] + "\t").split("\n")) == table_of(
+        Path("a.lvm"), text.split("\n")
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,60 @@
+"""How large a file may be that is imported: checked before the memory is asked for, which stays under 1 GB.
+
+No pattern that searches backwards meets a text longer than LONGEST_NAME.
+"""
+
+from pathlib import Path
+
+from daq.importing.errors import problem
+
+MAX_BYTES = 200_000_000
+MAX_TEXT = 100_000_000
+MAX_LINES = 1_500_000
+MAX_NUMBERS = 20_000_000
+MAX_COLUMNS = 2000
+MAX_CELLS = 5_000_000
+"""Of a text whose layout is not that of a table, so that it is cut into cells before it is one."""
+MAX_SENTENCES = 1_000_000
+"""Lines with words between the numbers."""
+LONGEST_LINE = 200_000
+LONGEST_NAME = 120
+
+
+def require_size(path: Path, size: int, most: int, what: str = "") -> None:
+    """Raise ImportProblem for a file of more than `most` bytes."""
+    if size > most:
+        raise problem(
+            path, f"has {size / 1e6:.0f} MB, more than the {most / 1e6:.0f} MB{what} that are read", "cut it to the releases"
+        )  # fmt: skip
+
+
+def require_table(path: Path, rows: int, width: int) -> None:
+    """Raise ImportProblem for a table of too many columns or numbers."""
+    if width > MAX_COLUMNS:
+        raise problem(
+            path, f"has {width} columns, more than {MAX_COLUMNS}", "write one sample per line, one channel per column"
+        )  # fmt: skip
+    if rows * width > MAX_NUMBERS:
+        raise problem(
+            path, f"holds {rows} rows of {width} numbers, more than {MAX_NUMBERS / 1e6:.0f} million numbers",
+            "cut it to the releases",
+        )  # fmt: skip
+
+
+def require_lines(path: Path, lines: list[str]) -> None:
+    """Raise ImportProblem for a line of a text table that is too long to be a row."""
+    for number, line in enumerate(lines, start=1):
+        if len(line) > LONGEST_LINE:
+            raise problem(
+                path, f"has {len(line)} characters, more than {LONGEST_LINE}", "write one sample per line", line=number
+            )  # fmt: skip
+
+
+def require_few(path: Path, count: int, most: int, what: str) -> None:
+    """Raise ImportProblem for a text that is no plain table and has too many cells or lines."""
+    if count > most:
+        raise problem(
+            path,
+            f"has {count} {what}, more than {most}",
+            "cut it to the releases, or export it as a plain table",
+        )
