@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import redirect_stderr
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -323,12 +324,16 @@ def differences(said: dict[str, dict[str, Said]]) -> Iterator[tuple[str, str, st
 def all_said(quick: bool, only: str = "") -> dict[str, dict[str, Said]]:
     """Judge every record as it is, in changed copies, and in other environments; return what was said by record and change."""
     said: dict[str, dict[str, Said]] = {}
-    for title, change, told in _in_this_process(quick, only, changed=True):
-        said.setdefault(title, {})[change] = told
-    for name, environment in environments().items():
-        print(f"judging all in another environment: {name}", file=sys.stderr, flush=True)
-        for title, told in said_elsewhere(quick, only, environment):
-            said[title][name] = told
+    with ThreadPoolExecutor(1) as beside:
+        elsewhere = {
+            name: beside.submit(lambda e=environment: list(said_elsewhere(quick, only, e)))
+            for name, environment in environments().items()
+        }
+        for title, change, told in _in_this_process(quick, only, changed=True):
+            said.setdefault(title, {})[change] = told
+        for name, judging in elsewhere.items():
+            for title, told in judging.result():
+                said[title][name] = told
     return said
 
 
