@@ -55,7 +55,7 @@ bench: $(TOOLS)  ## the long proofs; results go to docs/benchmarks.md
 constraints:  ## the versions that are installed from now on: the newest, in a fresh environment; then run the tests
 	rm -rf build/newest
 	STATION_VENV=build/newest $(PYTHON) install.py --dev --newest
-	build/newest/bin/python -m pip freeze --exclude-editable | grep -E '^[A-Za-z0-9._-]+==[0-9][0-9A-Za-z.+!-]*$$' > constraints.txt
+	build/newest/bin/python -m pip freeze --all --exclude-editable | grep -v "^pip==" | grep -E '^[A-Za-z0-9._-]+==[0-9][0-9A-Za-z.+!-]*$$' > constraints.txt
 
 docs: $(STATION)  ## the documentation as a site, in site/; a broken link fails
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'

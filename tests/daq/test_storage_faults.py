@@ -23,6 +23,8 @@ BEFORE, AFTER = {"a.json": b"old", "b.json": b"old too"}, {"a.json": b"new", "b.
 NUMBER_OF_CALLS = 400
 """More than any of these needs; a loop that never passes ends here."""
 
+OF_THE_DISK = [pytest.param(name, marks=[] if name == "EIO" else [pytest.mark.slow]) for name in FAULTS]
+
 
 @pytest.fixture(scope="module")
 def recording() -> Recording:
@@ -104,7 +106,7 @@ def prefix(session: Session, sent: Recording) -> int:
     return count
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("fault", OF_THE_DISK)
 def test_an_import_is_whole_or_absent(fault: str, tmp_path: Path, recording: Recording) -> None:
     source = tmp_path / "source.csv"
     source.write_bytes(b"1,2\n" * 1000)
@@ -140,7 +142,7 @@ def captured(folder: Path, pieces: list[bytes], spare: bool) -> Session:
 
 
 @pytest.mark.parametrize("spare", [False, True])
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("fault", OF_THE_DISK)
 def test_a_capture_keeps_all_that_was_written_before_the_fault(
     fault: str, spare: bool, tmp_path: Path, recording: Recording
 ) -> None:
@@ -166,7 +168,7 @@ def test_a_capture_keeps_all_that_was_written_before_the_fault(
                 whole(log.parent)
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("fault", OF_THE_DISK)
 def test_a_change_of_two_results_happens_or_does_not(
     fault: str, tmp_path: Path, recording: Recording
 ) -> None:
@@ -186,7 +188,7 @@ def test_a_change_of_two_results_happens_or_does_not(
         assert prefix(whole(s), recording) == COUNT
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("fault", OF_THE_DISK)
 def test_a_recovery_that_fails_can_be_done_again(fault: str, tmp_path: Path, recording: Recording) -> None:
     def cut_off(folder: Path) -> None:
         session = Session.create(folder / "s", SessionInfo(state=State.RECORDING), import_log(recording))

@@ -25,6 +25,7 @@ def port(tmp_path: Path) -> Iterator[str]:
     assert board.returncode == 0
 
 
+@pytest.mark.slow
 def test_the_station_finds_the_physics_of_an_independent_board(port: str, tmp_path: Path) -> None:
     command = [
         sys.executable,

@@ -63,6 +63,7 @@ def ran(folder: Path, code: str, *arguments: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_a_report_with_its_pictures_reads_nothing_planted(planted: Path) -> None:
     ran(planted, STATION, "report", "s")
 
