@@ -107,7 +107,7 @@ def every_file(folder: Path) -> list[Path]:
     return sorted(path for path in folder.rglob("*") if path.is_file())
 
 
-@settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_one_flipped_bit_anywhere_is_found(session: Session, data: st.DataObject) -> None:
     path = data.draw(st.sampled_from(every_file(session.folder)))
@@ -181,7 +181,7 @@ def test_damaged_metadata_are_refused_in_words(session: Session, text: str) -> N
         Session.open(session.folder)
 
 
-@settings(max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_whatever_a_session_holds_it_is_read_or_refused_in_words(
     session: Session, data: st.DataObject

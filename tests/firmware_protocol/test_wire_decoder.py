@@ -76,7 +76,7 @@ def damaged(wire: bytes, faults: list[tuple[str, int, int, int]]) -> bytes:
     return bytes(data)
 
 
-@settings(max_examples=300)
+@settings(max_examples=100)
 @given(sent, damage)
 def test_damaged_bytes_never_give_a_message_that_was_not_sent(
     sent: list[Message], faults: list[tuple[str, int, int, int]]

@@ -73,7 +73,8 @@ def test_what_is_not_told_from_a_wander_is_said_with_its_size():
     assert "together" in found.next_experiment
 
 
-@pytest.mark.parametrize("name", [pytest.param("cubic_stiffness", marks=pytest.mark.slow), "freeplay"])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["cubic_stiffness", "freeplay"])
 def test_a_law_that_is_there_is_named_beside_a_wander_and_nothing_with_it(name):
     prepared, truth = release(f"{name}+wandering_stiffness", (0.01, 0.0003), 8)
     found = diagnose((prepared,))

@@ -136,6 +136,7 @@ def test_nothing_is_missing_where_only_spring_and_damper_differ():
     assert again.final.reduced == pytest.approx(found.final.reduced, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_an_effect_is_named_with_its_strength_though_the_springs_differ():
     found = diagnose(releases("cubic_stiffness"), library=FEW)
     assert found.named == ("cubic_stiffness",)
@@ -145,6 +146,7 @@ def test_an_effect_is_named_with_its_strength_though_the_springs_differ():
     assert springs == pytest.approx([100.0 * (k / np.mean(STIFFER) - 1.0) for k in STIFFER], abs=0.02)
 
 
+@pytest.mark.slow
 def test_an_effect_of_the_amplitude_does_not_hide_in_the_springs():
     alike = (1.0, 1.0, 1.0)
     decays = releases("cubic_stiffness", alike, alike, amplitudes=(0.02, 0.01, 0.005))

@@ -95,6 +95,7 @@ def test_a_library_of_nothing_claims_nothing():
     assert diagnose((decay,), library=()).verdict == "nothing_missing"
 
 
+@pytest.mark.slow
 def test_a_second_mass_is_fitted_from_mid_decay_with_hum_beside_it():
     sample = draw("second_mass", 0.03, 60600, imperfections=("hum",))
     first = round(1.7 * sample.rate)

@@ -68,6 +68,7 @@ def test_a_report_with_its_pictures_reads_nothing_planted(planted: Path) -> None
     ran(planted, STATION, "report", "s")
 
 
+@pytest.mark.slow
 def test_the_workers_of_a_campaign_import_nothing_planted(planted: Path) -> None:
     ran(planted, STATION, "campaign", ".", "--workers", "1")
 
