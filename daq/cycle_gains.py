@@ -20,6 +20,9 @@ PIECES = 4
 AGREE, ALONE_AGREE = 0.94, 0.35
 SMALLEST = 0.15
 """Share of two channels' power that they have in common, and of the largest size, below which a window says nothing."""
+SAME_PHASE = 0.85
+"""The share that one channel and itself a period earlier have in common where only its size changed: a pause of the
+sampling moves its phase."""
 GAIN_STEP, ALONE_STEP = 0.15, 0.25
 SCATTER, USUAL = 8.0, 0.4
 """Logarithm of the smallest step that is looked for, with two channels and with one; times a usual one."""
@@ -80,8 +83,9 @@ def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tu
     if other is not None:
         slope = _slopes(x[begin:end], other[begin:end], whole, hop, AGREE)
         return _steps(slope, begin + whole // 2, round(1.5 * PIECES), hop)
-    slope = _slopes(x[begin + whole : end], x[begin : end - whole], whole, hop, ALONE_AGREE)
-    return _blips(slope, begin + whole, round(1.5 * PIECES), hop)
+    pair = x[begin + whole : end], x[begin : end - whole]
+    slope, in_phase = (_slopes(*pair, whole, hop, share) for share in (ALONE_AGREE, SAME_PHASE))
+    return _blips(slope, np.isfinite(in_phase), begin + whole, round(1.5 * PIECES), hop)
 
 
 def own_change(x: Array, index: int, period: float) -> float:
@@ -144,8 +148,8 @@ def _shifted(change: Array, by: int) -> Array:
     return np.nan_to_num(out)
 
 
-def _blips(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
-    """Return where the slope against a period earlier differs from that both before and after."""
+def _blips(slope: Array, in_phase: Mask, first: int, apart: int, hop: int) -> tuple[Step, ...]:
+    """Return where the slope against a period earlier differs from that both before and after, `in_phase` or reversed."""
     if len(slope) <= 2 * apart:
         return ()
     middle, before, after = slope[apart:-apart], slope[: -2 * apart], slope[2 * apart :]
@@ -159,7 +163,8 @@ def _blips(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
         return ()
     reverses = known & smooth & (middle < 0.0)
     usual = _usual(slope)
-    jumps = known & smooth & ((np.abs(change) > max(ALONE_STEP, SCATTER * usual)) | reverses)
+    large = in_phase[apart:-apart] & (np.abs(change) > max(ALONE_STEP, SCATTER * usual))
+    jumps = known & smooth & (large | reverses)
     return _found(jumps, change, reverses, lambda at: first + (at + apart) * hop, apart)
 
 

@@ -73,7 +73,7 @@ def test_table_2_gives_the_mean_of_the_releases_that_are_chosen(visit, bench, pa
     page.wait_for_selector(".rung")
     page.get_by_role("tab", name="Identification").click()
     page.get_by_text("Table 1.").wait_for()
-    assert page.get_by_text("do not quote its values").count() == 1  # a force is missing in the usual model
+    assert page.get_by_text("its values may be quoted").count() == 1
     if page.get_by_text("With 1 other").locator("visible=true").count() == 0:
         tick_the_other(page)
     page.get_by_text("Table 2. Mean and standard deviation over 2 releases").wait_for()
