@@ -44,9 +44,10 @@ def clock_sentence(values: Iterable[Estimate], rate: float, rate_std: float | No
     first = next(iter(values), None)
     if first is None or not rate_std or not clock_limits(first, rate, rate_std):
         return ""
+    known = float(f"{1e6 * rate_std / rate:.2g}")
     return (
-        f"The recorder's clock limits the stiffness: its rate is known to {1e6 * rate_std / rate:.2g} ppm,"
-        " and that share twice is in the error of K."
+        f"The recorder's clock limits the stiffness: its rate is known to {known:g} ppm, "
+        "and twice that share is in the error of K."
     )
 
 

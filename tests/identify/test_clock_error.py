@@ -72,7 +72,7 @@ def test_a_stiffness_from_a_wrong_clock_is_within_its_error_and_the_clock_is_nam
     for known in found:
         assert abs(known.stiffness.value - STIFFNESS) < 2 * known.stiffness.std
         assert known.stiffness.std == pytest.approx(2 * OFF * STIFFNESS, rel=0.02)
-    assert "clock limits the stiffness: its rate is known to 5e+02 ppm" in found[0].clock
+    assert "clock limits the stiffness: its rate is known to 500 ppm" in found[0].clock
 
 
 def test_the_clocks_error_reaches_the_window_of_a_fit_and_survives_averaging() -> None:
