@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STATION := $(VENV)/.installed
 TOOLS := $(VENV)/.installed-dev
-WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
+WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
 INSTALL := STATION_VENV=$(VENV) $(PYTHON) install.py
 
 DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, diagnose explanation few_releases judgement \

@@ -92,11 +92,14 @@ class TinyHost:
         return hello, describe
 
     def sample(self, count: int, seconds: float = 30.0, start: int = 0) -> list[Data]:
-        """START, take DATA until `count` samples have come, STOP, and return all DATA to END."""
+        """START, take DATA until `count` samples have come, STOP, and return all DATA to END.
+
+        A wire that costs frames can cost END: an idle board repeats it for every STOP.
+        """
         self.send(Start(start))
         data: list[Data] = []
         self.end = None
-        stopped = False
+        stopped = 0.0
         deadline = time.monotonic() + seconds
         while self.end is None and time.monotonic() < deadline:
             for message in self.receive():
@@ -104,9 +107,10 @@ class TinyHost:
                     data.append(message)
                 if isinstance(message, End):
                     self.end = message
-            if not stopped and data and data[-1].first_index + data[-1].n >= count:
+            enough = data and data[-1].first_index + data[-1].n >= count
+            if enough and time.monotonic() - stopped > 0.25:
                 self.send(Stop())
-                stopped = True
+                stopped = time.monotonic()
         assert self.end is not None, "no END came"
         return data
 

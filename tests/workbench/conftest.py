@@ -5,8 +5,9 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -32,13 +33,13 @@ class Bench:
     printed: str
     address: str
     folder: Path
-    mysteries: Path
+    mysteries: Callable[[], Path]
 
     def fresh(self, mystery: str, called: str) -> str:
         """Put a copy of a mystery on the shelf, untouched by other tests; return its address."""
         place = self.folder / "sessions" / called
         shutil.rmtree(place, ignore_errors=True)  # of a test that is begun anew
-        shutil.copytree(self.mysteries / mystery, place)
+        shutil.copytree(self.mysteries() / mystery, place)
         return self.session(called)
 
     def session(self, name: str) -> str:
@@ -49,22 +50,29 @@ class Bench:
 
 
 @pytest.fixture(scope="session")
-def mysteries(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Record one release of each mystery from the double."""
-    made = tmp_path_factory.mktemp("mysteries")
-    with TemporaryDirectory() as aside:
-        for name, hidden in HIDDEN.items():
-            envelope = Path(aside) / f"{name}.json"
-            seed = int(name.rpartition("_")[2])
-            info = SessionInfo(name=name, mass_kg=21.36)
-            with simulated_board(seed, 0.0, False, "--truth", str(envelope), module="mocks.mystery") as port:
-                capture(port, CaptureSettings(check_clock=False, info=info), made / name)
-            assert f'"hidden": "{hidden}"' in envelope.read_text()
-    return made
+def mysteries(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
+    """Record one release of each mystery from the double, when a test first asks for them."""
+
+    @cache
+    def record() -> Path:
+        made = tmp_path_factory.mktemp("mysteries")
+        with TemporaryDirectory() as aside:
+            for name, hidden in HIDDEN.items():
+                envelope = Path(aside) / f"{name}.json"
+                seed = int(name.rpartition("_")[2])
+                info = SessionInfo(name=name, mass_kg=21.36)
+                with simulated_board(
+                    seed, 0.0, False, "--truth", str(envelope), module="mocks.mystery"
+                ) as port:
+                    capture(port, CaptureSettings(check_clock=False, info=info), made / name)
+                assert f'"hidden": "{hidden}"' in envelope.read_text()
+        return made
+
+    return record
 
 
 @pytest.fixture(scope="session")
-def bench(mysteries: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
+def bench(mysteries: Callable[[], Path], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
     """Start a workbench on an empty folder; it must end at Ctrl-C without a complaint."""
     folder = tmp_path_factory.mktemp("bench")
     (folder / "sessions").mkdir()
