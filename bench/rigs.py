@@ -37,7 +37,8 @@ class Rig:
     What is there is what its authors say. What else may be named was widened with results in view (joints of a tower and
     bearings of a wheel have presliding and hysteresis), and so it is counted apart. Dahl's friction on the second wheel was
     added when it was named there: its constants agree between the currents, and it foretells each current from each
-    other one better than the usual model does.
+    other one better than the usual model does. On the disc it was added when two releases together named it beside drag:
+    what one release shows predicts the frequency of the other, an error of 19 % of the motion against 1 %.
     """
 
     title: str
@@ -73,7 +74,7 @@ RIGS = (
     Rig("wheel", tuple(f"pohl_wheel/brake_{i:03d}mA.csv" for i in (0, 100, 200, 400)), (), frozenset({"cubic_stiffness", "hysteresis", "signed_quadratic_stiffness"})),
     Rig("ship", tuple(f"ship_roll/model_test_{i}.csv" for i in (21337, 21338)), (GROWING, HARDENING), options=(("columns", {"displacement": "phi"}),)),
     Rig("ship at 15 knots", ("rigs/ship_15_knots.csv",), options=(("columns", {"displacement": "phi"}),)),
-    Rig("disc", tuple(f"spring_disc/release_{i}.csv" for i in (1, 2)), (GROWING,), frozenset({"hysteresis"})),
+    Rig("disc", tuple(f"spring_disc/release_{i}.csv" for i in (1, 2)), (GROWING,), frozenset({"hysteresis", "dahl_friction"})),
     Rig("disc, small", ("spring_disc/release_4_small.csv",)),
 )  # fmt: skip
 

@@ -1,7 +1,6 @@
 """The ground of a search on curves: regression, predictions, and what windows and averaging do to each model."""
 
 from collections.abc import Sequence
-from copy import copy
 
 import numpy as np
 
@@ -50,21 +49,6 @@ class CurveSearch:
         closer = not self.one_record  # one curve alone is followed by any memory that may be chosen freely
         laws = (*self.base, *laws_of(terms, frequency, scales, grid, duration, closer=closer))
         self.regression = CurveRegression(self.parts, laws, frequency)
-
-    @property
-    def span(self) -> float:
-        """Largest over smallest amplitude, over all releases."""
-        sizes = np.concatenate([curve.amplitude for curve in self.whole])
-        return float(sizes.max() / sizes.min())
-
-    def alone(self, release: int) -> "CurveSearch":
-        """Return the search, with the same laws, on one of the releases as if there were no other."""
-        one = copy(self)
-        one.decays, one.modes = (self.decays[release],), (self.modes[release],)
-        one.whole, one.one_record = (self.whole[release],), True
-        one.parts = cut_by_amplitude(one.whole[0])
-        one.regression = CurveRegression(one.parts, self.regression.laws, self.regression.frequency)
-        return one
 
     def laws_of_columns(self, columns: tuple[int, ...]) -> tuple[AveragedLaw, ...]:
         """Return the laws of some columns."""

@@ -18,7 +18,7 @@ _FEWEST = 5
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Errors of some laws: `foretold` one for each part that was left out, `fitted` one for each that was fitted.
+    """Errors of some laws: `foretold` one for each part that was left out.
 
     Of `one_record` cut in two the means count the small amplitudes, foretold from the large ones: the way back asks
     small amplitudes for what they hardly show.
@@ -26,7 +26,6 @@ class HeldOut:
 
     strengths: Strengths
     foretold: tuple[MotionError, ...]
-    fitted: tuple[MotionError, ...]
     one_record: bool
 
     @property
@@ -34,10 +33,9 @@ class HeldOut:
         """The errors of prediction that means are taken of."""
         return self.foretold[1:] if self.one_record else self.foretold
 
-    def mean(self, channel: str, *, fitted: bool = False) -> float:
+    def mean(self, channel: str) -> float:
         """Return the rms over parts of one kind of error ("envelope", "phase", "centre", "motion"), % of the motion."""
-        errors = self.fitted if fitted else self.counted
-        return float(np.sqrt(np.mean([getattr(error, channel) ** 2 for error in errors])))
+        return float(np.sqrt(np.mean([getattr(error, channel) ** 2 for error in self.counted])))
 
     def typical(self, channel: str) -> float:
         """Return the median over the parts that were left out, % of the motion."""
@@ -71,31 +69,14 @@ def cut_by_amplitude(curve: DecayCurve) -> tuple[DecayCurve, ...]:
 def hold_out(
     regression: CurveRegression, columns: tuple[int, ...], rows: Sequence[Rows], *, one_record: bool
 ) -> HeldOut:
-    """Return what some laws foretell of each curve from the others, and what they leave of all when fitted to all."""
-    count = len(regression.curves)
-    everything = list(range(count))
-    foretold = foretold_errors(
-        regression, columns, rows, everything if count > 1 else (), one_record=one_record
-    )
-    whole = regression.solve(columns, everything, rows, one_record=one_record)
-    fitted = tuple(regression.error(whole.of(i), columns, i, rows[i]) for i in everything)
-    return HeldOut(whole, foretold, fitted, one_record)
-
-
-def foretold_errors(
-    regression: CurveRegression,
-    columns: tuple[int, ...],
-    rows: Sequence[Rows],
-    lefts: Sequence[int],
-    *,
-    one_record: bool,
-) -> tuple[MotionError, ...]:
-    """Return what some laws foretell of each curve of `lefts` from all others."""
-    foretold = []
-    for left in lefts:
-        others = [i for i in range(len(regression.curves)) if i != left]
+    """Return what some laws predict of each curve from the others, and their strengths when fitted to all."""
+    everything = list(range(len(regression.curves)))
+    predicted = []
+    for left in everything if len(everything) > 1 else ():
+        others = [i for i in everything if i != left]
         found = regression.solve(columns, others, rows, one_record=one_record)
         if not one_record:
             found = regression.foretell(found, left, rows[left])
-        foretold.append(regression.error(found.shared, columns, left, rows[left]))
-    return tuple(foretold)
+        predicted.append(regression.error(found.shared, columns, left, rows[left]))
+    whole = regression.solve(columns, everything, rows, one_record=one_record)
+    return HeldOut(whole, tuple(predicted), one_record)

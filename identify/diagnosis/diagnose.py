@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
+from identify.curves.confirm import confirm_releases
 from identify.curves.confirmation import Confirmation
-from identify.curves.release_by_release import confirm_releases
 from identify.diagnosis.beside_wander import wander_sentence
 from identify.diagnosis.explain import explain
 from identify.diagnosis.judgement import judge, worth_naming

@@ -3,7 +3,7 @@
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
-from identify.curves.leading_law import WORTH
+from identify.curves.priors import LARGE
 from identify.diagnosis.explain_prediction import (
     explain_confirmed,
     explain_driven,
@@ -135,7 +135,7 @@ def _why_nothing(baseline: Baseline, suspects: tuple[Suspect, ...], settled: Bas
         f"The model leaves a reduced chi-square of {left}, which is {floor}; "
         "no effect of the library lowers it by more than chance would."
     )
-    if baseline.spread < HARDLY_KNOWN or motion_percent(baseline.fit) < WORTH:
+    if baseline.spread < HARDLY_KNOWN or motion_percent(baseline.fit) < LARGE:
         return first
     return f"{first} But that floor is hardly known, and {whole} is left, in which more may hide."
 
@@ -177,7 +177,7 @@ def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> st
     """Return that a sensor's fault is the lesser part of what the model leaves, the rest excused by a guess; "" else."""
     before, left = motion_percent(baseline.fit), motion_percent(settled.fit)
     share = (removed_percent(baseline.fit, settled.fit) / before) ** 2
-    if top.kind == "physics" or baseline.floor_is_sure or left < WORTH or share > _LESSER_PART:
+    if top.kind == "physics" or baseline.floor_is_sure or left < LARGE or share > _LESSER_PART:
         return ""
     part = "hardly any" if share < EXPLAINS_NOTHING else share_words(share)
     return (
@@ -189,7 +189,7 @@ def _hardly_any_of_it(baseline: Baseline, top: Suspect, settled: Baseline) -> st
 def _small(baseline: Baseline, top: Suspect, settled: Baseline) -> str:
     """Return that a force is sure and small, and how to make sure of it; "" where it is not so."""
     removed = removed_percent(baseline.fit, settled.fit)
-    if top.kind != "physics" or removed >= WORTH or max(d.window.release for d in baseline.decays) > 0:
+    if top.kind != "physics" or removed >= LARGE or max(d.window.release for d in baseline.decays) > 0:
         return ""
     return (
         f" That is little, {three_figures(removed)} % of the motion: diagnose it together with another release before you "

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from identify.curves.confirmation import RANGE, Confirmation, ConfirmedEffect
+from identify.curves.confirmation import Confirmation
 from identify.diagnosis.suspect import Suspect
 from identify.fitting.clear_strength import is_clear
 from identify.formatting import among, plain_name, quantities, share_words, three_figures
@@ -20,27 +20,15 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         effect = suspect.confirmed
         if effect is None:
             continue
-        numbers = "" if effect.alone else f" ({', '.join(quantities(suspect.parameters))})"
-        foretell = "foretells" if len(effect.rivals) == 1 else "foretell"
-        same = "it or one of these leads" if effect.rivals else "the same effect leads"
-        also = f"; {_among(effect.rivals)} {foretell} nearly as well" if effect.rivals else ""
+        numbers = ", ".join(quantities(suspect.parameters))
+        alike = f"; {_among(effect.rivals)} would explain it nearly as well" if effect.rivals else ""
         sentences.append(
-            f"Missing is {plain_name(suspect.effect.name)}{numbers}, which moves "
-            f"{_KINDS[effect.explains]} with the amplitude: the error of its prediction falls from "
-            f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion{also}. In {effect.leads} of "
-            f"{effect.resamplings} resamplings of the cycles {same}.{_alone(effect)}"
+            f"Missing is {plain_name(suspect.effect.name)} ({numbers}), which moves "
+            f"{_KINDS[effect.explains]} with the amplitude: the error of prediction falls from "
+            f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion. The evidence against a "
+            f"drift of the rig, or a law without a name, is {effect.nats:.0f} nats{alike}."
         )
     return " ".join([*sentences, _prediction(found), *_undecided(found)])
-
-
-def _alone(effect: ConfirmedEffect) -> str:
-    """Return on how many releases alone an effect was confirmed, and what that means for its parameters; "" if on none."""
-    if not effect.alone:
-        return ""
-    return (
-        f" Taken together the releases do not show it; {effect.alone} of them name it, each by itself. One model "
-        "does not fit them all: take its parameters from the releases alone."
-    )
 
 
 def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], before: float) -> str:
@@ -52,14 +40,9 @@ def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], befo
     others = "the other" if found.parts == 2 else "all the others"
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
     words = [f"The model leaves {size} % of the motion when it foretells {basis}."]
-    if found.span < RANGE:
-        words.append(
-            f"Its amplitudes differ by a factor of {found.span:.2g} only; laws of the amplitude can be told from "
-            f"{RANGE:g} on, so none was asked and none is named. Record until less is left, or add a release of another "
-            "size."
-        )
-    else:
-        words += _undecided(found) or ["No effect of the library foretells more of it, so none is named."]
+    words += _undecided(found) or [
+        "No effect of the library explains it better than a drift of the rig would."
+    ]
     return " ".join([*words, *(_unclear(suspect, before) for suspect in suspects[:1])]).strip()
 
 
@@ -102,30 +85,16 @@ def _prediction(found: Confirmation) -> str:
 
 
 def _undecided(found: Confirmation) -> list[str]:
+    """Return what changes though nothing is named for it, and what would tell."""
     sentences, too = [], " too" if found.effects else ""
     another = "a second release" if found.one_record else "another release"
     for what, names in found.undecided.items():
-        if what in found.unstable:
-            sentences.append(_unstable(what, found, too))
-            continue
         alike = f"{_among(names)} explain it alike" if len(names) > 1 else f"{_among(names)} would explain it"
         sentences.append(
-            f"{_KINDS[what].capitalize()} changes{too}, and {alike}, but none is named: {another} from a quarter of the "
-            "amplitude tells time from amplitude."
+            f"{_KINDS[what].capitalize()} changes{too}, and {alike}, so none is named: {another} from a quarter of the "
+            "amplitude distinguishes time from amplitude."
         )
     return sentences
-
-
-def _unstable(what: str, found: Confirmation, too: str) -> str:
-    """Return that no effect leads often enough when the cycles are drawn again, and in how many each does."""
-    leads = found.unstable[what]
-    count = sum(leads.values())
-    often = [f"{name} in {count}" for name, count in leads.items() if name]
-    led = f" ({', '.join(often)})" if often else ""
-    return (
-        f"{_KINDS[what].capitalize()} changes{too}, but in {count} resamplings of the cycles no effect leads in half"
-        f"{led}, so none is named; another release tells them apart."
-    )
 
 
 def _share(found: Confirmation) -> float:

@@ -6,10 +6,8 @@ free run leaves next to nothing, where the curves cannot say.
 
 from dataclasses import replace
 
-import numpy as np
-
-from identify.curves.confirmation import MOST_RIVALS, Confirmation
-from identify.curves.leading_law import WORTH, complexity
+from identify.curves.confirmation import Confirmation, complexity
+from identify.curves.priors import LARGE
 from identify.diagnosis.confirmed_fit import fit_confirmed
 from identify.diagnosis.ranking import Ranked, rivals_of
 from identify.diagnosis.suspects import Candidate
@@ -21,11 +19,14 @@ from identify.fitting.clear_strength import is_clear
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import line_percent, motion_percent
 
-NEGLIGIBLE = 0.1 * WORTH
+NEGLIGIBLE = 0.1 * LARGE
 """Percent of the motion below which a misfit above a guessed floor is nothing missing: a tenth of what a name asks."""
 
 _NEXT_LEAVES = 3.0
 """A force that leaves less than this many times as much is not told apart from it."""
+
+_MOST_ALIKE = 4
+"""Forces that the free run does not distinguish; of more none is the name."""
 
 _THE_SAME = 0.05
 """Relative difference up to which a strength is the one foretold: one in thirty of those between -1 and 2 times it."""
@@ -42,7 +43,7 @@ def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None
     """
     judged = _unless_contradicted(baseline, alone, found)
     first = judged.ranked[0]
-    if judged.verdict != "sensor_fault" or not 0.0 < _line_percent(first.candidate) < WORTH:
+    if judged.verdict != "sensor_fault" or not 0.0 < _line_percent(first.candidate) < LARGE:
         return judged
     return replace(judged, verdict="nothing_missing", ranked=unclaimed(judged.ranked))
 
@@ -71,7 +72,7 @@ def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmati
     if found is None and best.term.effect.of_time:
         return Judgement("unknown_effect", alone.ranked, best.fit, shape=free_form(baseline, baseline.fit))
     clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term, foretold=False)
-    if clear and (found is None or found.usual.typical("motion") < WORTH):
+    if clear and (found is None or found.usual.typical("motion") < LARGE):
         return replace(alone, confirmation=found)
     if found is None:
         return by_curves(baseline, alone.ranked, found, best.fit)
@@ -127,11 +128,10 @@ def by_curves(
 def _worthy(baseline: Baseline, found: Confirmation) -> Fit | None:
     """Return the fit with what curves confirm; None where that is nothing, or its free run does not bear it out.
 
-    One strength at least must be clear of none, unless releases name the effect each by itself: brakes and springs differ
-    between them, and the one run of all has one of each. Where the floor is known, half an explanation is not a name.
+    One strength at least must be clear of none. Where the floor is known, half an explanation is not a name.
     """
     whole = fit_confirmed(baseline, found) if found.effects else None
-    if whole is None or not any(e.alone or is_clear(whole, e.term, foretold=True) for e in found.effects):
+    if whole is None or not any(is_clear(whole, e.term, foretold=True) for e in found.effects):
         return None
     left = whole.chi_square / baseline.fit.chi_square
     return None if baseline.floor_is_sure and left > NEXT_TO_NOTHING else whole
@@ -140,12 +140,10 @@ def _worthy(baseline: Baseline, found: Confirmation) -> Fit | None:
 def _of_confirmed(
     baseline: Baseline, ranked: tuple[Ranked, ...], found: Confirmation, whole: Fit
 ) -> Judgement:
-    """Return the judgement that names what curves confirm, with the evidence of twice as many numbers as points."""
-    points = sum(len(curve) for curve in found.curves)
-    evidence = float(points * np.log(baseline.fit.chi_square / whole.chi_square))
+    """Return the judgement that names what curves confirm, with their evidence."""
     gain = baseline.fit.chi_square - whole.chi_square
     first = tuple(
-        Ranked(Candidate(effect.term, whole, whole.chi_square, gain, True), evidence, float("nan"), True)
+        Ranked(Candidate(effect.term, whole, whole.chi_square, gain, True), effect.nats, float("nan"), True)
         for effect in found.effects
     )
     rest = tuple(replace(e, claimed=False) for e in ranked if e.candidate.name not in found.names)
@@ -182,7 +180,7 @@ def _by_free_run(
     seen = found is not None and found.has_law(best.candidate.name)
     denied = seen and found is not None and best.candidate.name not in found.mentioned
     drifts = any(entry.candidate.term.effect.of_time for entry in near)
-    apart = len(near) <= MOST_RIVALS + 1 and (foretold is not None or not drifts)
+    apart = len(near) <= _MOST_ALIKE and (foretold is not None or not drifts)
     if not (beats or (left < NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
         return None
     clear = is_clear(best.candidate.fit, best.candidate.term, foretold=False)

@@ -2,8 +2,6 @@
 
 from typing import Literal
 
-from pydantic import Field
-
 from identify.curves.confirmation import Confirmation
 from identify.curves.held_out import HeldOut
 from station.results.documents import Number, Part
@@ -34,8 +32,8 @@ class ForetoldErrors(PredictionErrors):
 class ConfirmedEffectDocument(Part):
     """An effect that foretells: the error of what it explains, in % of the motion, without and with it.
 
-    It is better on so many of the `parts` that were left out; `rivals` foretell nearly as well, or lead where other
-    cycles are drawn. It, or one that foretells nearly as well, leads in `leads` of `resamplings` of the cycles.
+    It is better on so many of the `parts` that were left out. Its evidence against the model without it is `nats`; `rivals`
+    are not distinguishable from it.
     """
 
     name: str
@@ -46,17 +44,15 @@ class ConfirmedEffectDocument(Part):
     better: int
     parts: int
     rivals: list[str]
-    leads: int | None = None
-    resamplings: int | None = None
+    nats: Number | None = None
 
 
 class ConfirmationDocument(Part):
     """What was confirmed; `usual` and `found` are the errors of the model that was asked about and with the effects.
 
     In `one_record` the parts are its large, middle (where it is long enough for three) and small amplitudes. `undecided`
-    names by "frequency" or "loss" laws that explain it and that are not told apart; `unstable`, of those that none leads in
-    half of the resamplings of the cycles, in how many each does. The amplitude of some release `beats`, or does not die
-    away (`driven`).
+    names by "frequency" or "loss" laws that explain it and that are not distinguishable. The amplitude of some release
+    `beats`, or does not die away (`driven`).
     """
 
     one_record: bool
@@ -68,7 +64,6 @@ class ConfirmationDocument(Part):
     found: ForetoldErrors
     effects: list[ConfirmedEffectDocument]
     undecided: dict[str, list[str]]
-    unstable: dict[str, dict[str, int]] = Field(default_factory=dict)
 
 
 def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> ConfirmationDocument:
@@ -92,13 +87,11 @@ def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> Con
                 better=effect.better,
                 parts=effect.parts,
                 rivals=list(effect.rivals),
-                leads=effect.leads,
-                resamplings=effect.resamplings,
+                nats=effect.nats,
             )
             for effect in found.effects
         ],
         undecided={what: list(names) for what, names in found.undecided.items()},
-        unstable=found.unstable,
     )
 
 

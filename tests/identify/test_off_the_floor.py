@@ -55,12 +55,11 @@ def test_gravity_alone_has_the_strength_of_the_whole_linear_spring(
     assert not is_foretold(Candidate(cubic.model.terms[-1], cubic, cubic.chi_square, 0.0, True))
 
 
-def test_drag_that_large_amplitudes_predict_for_small_ones_is_named_on_a_recorded_disc():
+def test_one_release_of_a_disc_whose_frequency_may_drift_or_depend_on_the_amplitude_has_no_name():
+    """A card disc on a spring: drag is there, and besides a frequency that one release does not part from a drift."""
     position = np.loadtxt(EXAMPLES / "spring_disc.csv", delimiter=";", skiprows=1)[:, 1]
-    names = ("quadratic_damping", "cubic_damping", "cubic_stiffness", "settling_stiffness")
-    found = diagnose(FreeDecay(100.0, position), library=tuple(find_effect(name) for name in names))
-    assert found.named == ("quadratic_damping",)
-    assert "the error of its prediction falls" in found.explanation
+    found = diagnose(FreeDecay(100.0, position))
+    assert (found.verdict, found.named) == ("unconfirmed", ())
 
 
 def test_a_misfit_that_is_next_to_nothing_is_not_something_missing():

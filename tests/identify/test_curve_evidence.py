@@ -1,0 +1,171 @@
+"""What evidence decides, and the marginal likelihood of curves against the same Gaussian written out in full."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.stats import multivariate_normal
+
+from identify.curves.confirm import confirm_releases
+from identify.curves.confirmation import complexity, decide
+from identify.curves.curve_search import CurveSearch
+from identify.curves.isolated_mode import IsolatedMode
+from identify.curves.likelihood import Added, CurveLikelihood
+from identify.curves.priors import SIZES
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.suspects import candidate_terms
+from identify.effects.library import LIBRARY, find_effect
+from identify.fitting.initial_values import scales_of
+from identify.free_decay import FreeDecay
+from identify.model.model import base_model
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from mocks.generate import draw
+
+NAMES = (
+    "cubic_stiffness",
+    "quintic_stiffness",
+    "end_stop",
+    "quadratic_damping",
+    "cubic_damping",
+    "position_dependent_damping",
+    "settling_stiffness",
+    "time_varying_stiffness",
+)
+
+
+def decided(**nats: float):
+    """Return what the evidence for some effects decides, beside effects that nothing speaks for."""
+    given = {name: nats.get(name, -20.0) for name in NAMES}
+    return decide(given, {name: find_effect(name) for name in NAMES})
+
+
+def test_the_likeliest_law_is_named_and_one_as_likely_is_its_rival():
+    assert (decided(cubic_stiffness=12.0).verdict, decided(cubic_stiffness=12.0).names) == (
+        "named",
+        ("cubic_stiffness",),
+    )
+    assert decided(cubic_stiffness=12.0, quintic_stiffness=11.0).names == (
+        "cubic_stiffness",
+        "quintic_stiffness",
+    )
+    assert decided(cubic_stiffness=12.0, quintic_stiffness=4.0).names == ("cubic_stiffness",)
+
+
+def test_nothing_is_named_that_may_be_none_or_a_drift_or_any_of_many():
+    assert decided(cubic_stiffness=2.0).verdict == "nothing"
+    assert decided().lead is None
+    assert decided(cubic_stiffness=12.0, settling_stiffness=10.0).verdict == "may drift"
+    assert decided(cubic_stiffness=20.0, settling_stiffness=10.0).verdict == "named"
+    many = dict.fromkeys(NAMES[:6], 12.0)
+    assert decided(**many).verdict == "too many"
+    assert set(decided(**many).names) == set(many)
+
+
+def test_evidence_that_differs_in_its_last_digits_decides_the_same():
+    one, other = (
+        decided(cubic_stiffness=12.0, quintic_stiffness=12.0 + 1e-9),
+        decided(cubic_stiffness=12.0, quintic_stiffness=12.0),
+    )
+    assert one.names == other.names == ("cubic_stiffness", "quintic_stiffness")
+
+
+def test_gravity_on_an_angle_is_simpler_than_any_law_with_a_constant_of_its_own():
+    others = [effect for effect in LIBRARY if effect.name != "pendulum_stiffness"]
+    assert all(complexity(find_effect("pendulum_stiffness")) < complexity(effect) for effect in others)
+
+
+def displacement_only(name: str | None, strength: float, seed: int, **setting: object) -> PreparedDecay:
+    """Return a release of the double without its second channel: its floor can only be guessed."""
+    sample = draw(name, strength, seed, **setting)
+    return prepare(FreeDecay(sample.rate, displacement=sample.displacement))
+
+
+@pytest.fixture(scope="module")
+def likelihood() -> CurveLikelihood:
+    decay = displacement_only("quadratic_damping", 0.03, 11, amplitude=0.02, mu_0=0.01)
+    terms = candidate_terms(base_model(), tuple(find_effect(name) for name in NAMES[:4]), decay.window)
+    mode = IsolatedMode.of(decay.window)
+    return CurveLikelihood(CurveSearch((decay,), (mode,), base_model(), {}, terms, scales_of(decay, {})))
+
+
+@pytest.mark.parametrize("settings", [(0, 0, 0, 0, 0, 0), (3, 2, 0, 0, 1, 2), (2, 0, 4, 3, 0, 0)])
+def test_the_likelihood_is_that_of_one_normal_distribution_of_all_points(
+    likelihood: CurveLikelihood, settings: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+):
+    """What a law adds, against the density of the points with all that is unknown written into one covariance.
+
+    The start is free: differences between neighbours have no part in it. Spring, friction and damper are given a prior of
+    a hundredth of the spring, and the noise is that of a bench, so that double precision is enough for the covariance.
+    """
+    flat, noise = 0.01, (1e-3, 1e-3, 1e-3, 1e-6)
+    monkeypatch.setattr("identify.curves.likelihood.FLAT", flat)
+    monkeypatch.setattr(likelihood, "noise", noise)
+    column = len(likelihood.base)
+    law = Added().and_law(column, 0.03 * float(likelihood.natural[column]))
+    products = likelihood.products(likelihood.observed, [column])
+    gained = likelihood._nats(products, law, settings) - likelihood._nats(products, Added(), settings)
+    (release,) = likelihood.releases
+    n, channels = len(release.curve), len(likelihood.channels)
+
+    def dense(added: Added) -> float:
+        scales = [*(flat * likelihood.natural[list(likelihood.base)]), *added.scales]
+        covariance = np.zeros((channels * n, channels * n))
+        for channel in likelihood.channels:
+            part = slice(channel * n, (channel + 1) * n)
+            walk, nameless = SIZES[settings[2 * channel]], SIZES[settings[2 * channel + 1]]
+            own = release.noise(channel, noise, float(walk))
+            shapes = release.nameless[channel]
+            covariance[part, part] += own + nameless**2 * shapes @ shapes.T
+        for scale, c in zip(scales, likelihood.columns(added), strict=True):
+            moved = np.concatenate([release.columns[channel][:, c] for channel in likelihood.channels])
+            covariance += scale**2 * np.outer(moved, moved)
+        differences = np.kron(np.eye(channels), np.diff(np.eye(n), axis=0))
+        points = differences @ np.concatenate(likelihood.observed[0])
+        return float(multivariate_normal.logpdf(points, cov=differences @ covariance @ differences.T))
+
+    assert gained == pytest.approx(dense(law) - dense(Added()), abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", [4, 6])
+def test_a_one_sided_spring_is_known_by_its_centre_and_not_taken_for_a_softening_one(seed: int):
+    found = diagnose(displacement_only("quadratic_stiffness", 0.15, seed, amplitude=0.02, mu_0=0.01))
+    assert found.named == ("quadratic_stiffness",)
+
+
+def swinging(seconds: float, drag: float) -> PreparedDecay:
+    """Return the angle of a pendulum from 0.9 rad, with viscous and quadratic damping, read to 0.2 mrad at 50 Hz."""
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        return [y[1], -28.0 * np.sin(y[0]) - 0.02 * y[1] - drag * abs(y[1]) * y[1]]
+
+    time = np.arange(round(50.0 * seconds)) / 50.0
+    motion = solve_ivp(rates, (0.0, seconds), [0.9, 0.0], t_eval=time, rtol=1e-9, atol=1e-12)
+    noise = 2e-4 * np.random.default_rng(3).standard_normal(len(time))
+    return prepare(FreeDecay(50.0, displacement=motion.y[0] + noise, unit="rad"))
+
+
+def test_gravity_and_drag_are_both_named_though_one_force_with_memory_would_move_both():
+    """Hysteresis moves loss and frequency at once, and is likelier than gravity alone, or drag alone; not than the pair."""
+    found = diagnose(swinging(60.0, 0.02))
+    assert set(found.named) == {"pendulum_stiffness", "quadratic_damping"}
+
+
+def test_a_release_that_sways_does_not_hide_what_three_share():
+    """Of three releases of one hard spring the first is read by a clock that sways by 12 ms (0.3 rad) in 3 s."""
+    decays = []
+    for i, amplitude in enumerate((0.02, -0.015, 0.01)):
+        sample = draw(
+            "cubic_stiffness",
+            0.03,
+            20 + i,
+            amplitude=amplitude,
+            mu_0=0.02,
+            parameters={"cubic_stiffness": {"k3": 1.2e5}},
+        )
+        time = np.arange(len(sample.displacement)) / sample.rate
+        sway = 0.012 * np.sin(2.0 * np.pi * time / 3.0) if i == 0 else 0.0
+        swayed = np.interp(time + sway, time, sample.displacement)
+        decays.append(prepare(FreeDecay(sample.rate, displacement=swayed)))
+    terms = candidate_terms(base_model(), LIBRARY, decays[0].window)
+    found = confirm_releases(decays, base_model(), {}, terms, scales_of(decays[0], {}))
+    assert found is not None
+    assert set(found.names) <= {"cubic_stiffness"}
