@@ -4,13 +4,14 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import MASS_INSTEAD, MODEL, SESSION
+from station.commands.options import EFFECTS, MASS_INSTEAD, MODEL, SESSION
 from station.output import json_option, print_json, progress, screen
 
 
 @click.command("compare")
 @SESSION
 @MODEL
+@EFFECTS
 @MASS_INSTEAD
 @click.option("--view", "with_view", is_flag=True, help="Write the Compare tab for the viewer, and open it.")
 @json_option
@@ -19,6 +20,7 @@ def command(
     settings_file: str | None,
     session: str,
     model_file: Path | None,
+    effects_file: Path | None,
     mass: float | None,
     with_view: bool,
     as_json: bool,
@@ -26,18 +28,16 @@ def command(
     """Compare a model with SESSION: how large its errors are, and where.
 
     Three errors against the noise floor, a sensor or physics, the worst places
-    in words, cycle by cycle. Without --model it is the model that `station
-    identify` found, with its orders; `--model usual` is stiffness, dry and
-    viscous friction.
+    in words, cycle by cycle. Without --model it is the session's current
+    model: the refined one, and before any `refine` the one that it begins with.
     """
-    from station.operations.comparing import compare_session, identified_model, write_view
+    from station.operations.comparing import compare_session, write_view
     from station.results.sessions import open_session
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
-    model = identified_model(opened, settings) if model_file is None else model_file
-    compared, document = compare_session(opened, settings, model, mass=mass)
+    compared, document = compare_session(opened, settings, model_file, effects_file, mass=mass)
     if as_json:
         print_json(document.plain())
     else:

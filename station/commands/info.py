@@ -1,10 +1,11 @@
-"""`station info`: what a session holds."""
+"""`station info`: what a session holds, and its current model."""
 
 from typing import Any
 
 import click
 
 from station.commands.options import SESSION
+from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
 LABEL_WIDTH = 10
@@ -16,6 +17,8 @@ LABEL_WIDTH = 10
 @click.pass_obj
 def command(settings_file: str | None, session: str, as_json: bool) -> None:
     """Show what SESSION holds: metadata, channels, losses, verdict, results."""
+    from identify.formatting import plain_name
+    from station.operations.current_model import current_model
     from station.results.sessions import open_session
     from station.settings import load_settings
 
@@ -23,6 +26,12 @@ def command(settings_file: str | None, session: str, as_json: bool) -> None:
     recording = opened.recording()
     manifest = opened.manifest() if opened.verdict is not None else None
     verdict = None if manifest is None else manifest.verdict
+    try:
+        current = current_model((opened,))
+        names = list(current.model.names)
+        model = f"{current.words}: {' + '.join(plain_name(name) for name in names)}"
+    except UsageProblem as problem:  # an effect of the user's own file, which is not at hand here
+        names, model = None, str(problem)
     document: dict[str, Any] = {
         "session": str(opened.folder),
         **opened.info.model_dump(mode="json"),
@@ -36,15 +45,16 @@ def command(settings_file: str | None, session: str, as_json: bool) -> None:
         "flags": [] if manifest is None else [flag.model_dump() for flag in manifest.flags],
         "notes": list(recording.notes),
         "verdict": None if verdict is None else verdict.model_dump(mode="json"),
+        "model": names,
         "results": sorted(path.name for path in opened.results.iterdir()) if opened.results.is_dir() else [],
     }
     if as_json:
         print_json(document)
     else:
-        _print(document, recording.rate)
+        _print(document, recording.rate, model)
 
 
-def _print(document: dict[str, Any], rate: float) -> None:
+def _print(document: dict[str, Any], rate: float, model: str) -> None:
     from station.text.flags import flagged_lines
     from station.text.layout import labelled
     from station.text.next_step import next_line
@@ -62,6 +72,7 @@ def _print(document: dict[str, Any], rate: float) -> None:
         ("mass", mass),
         ("record", f"{samples} samples at {rate:g} Hz ({samples / rate:.3f} s), {lost} lost"),
         ("channels", ", ".join(f"{c['name']} [{c['unit']}]" for c in document["channels"])),
+        ("model", model),
         ("results", ", ".join(document["results"]) or "none yet"),
     ]
     verdict = document["verdict"]

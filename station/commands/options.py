@@ -63,7 +63,7 @@ MODEL = click.option(
     "model_file",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="A model file; or `usual` (stiffness, dry, viscous friction), `identified`.",
+    help="A model file; or `refined`, `identified`, `usual` (spring, dry, viscous friction).",
 )
 EFFECTS = click.option(
     "--effects",

@@ -7,7 +7,7 @@ from identify.diagnosis.diagnose import Diagnosis
 from identify.errors import NotIdentifiable
 from identify.model.model import base_model
 from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
-from station.operations.beginning import beginning
+from station.operations.current_model import CurrentModel, current_model
 from station.operations.session_set import SessionSet, open_sessions, whole_library
 from station.output import print_json
 from station.results.diagnosis_document import (
@@ -70,27 +70,31 @@ def physics_shared(sessions: SessionSet, anyway: bool, progress: Progress) -> Sh
 
 def diagnose_sessions(
     sessions: SessionSet,
-    model_file: Path | None = None,
+    model: CurrentModel | Path | None = None,
     effects_file: Path | None = None,
     progress: Progress = silent,
     steps: Progress = silent,
     *,
     worth: float = 0.0,
 ) -> tuple[Diagnosis, DiagnosisDocument]:
-    """Diagnose sessions together; return the diagnosis and its document, which `keep` writes; see `pipeline.diagnose`."""
+    """Diagnose sessions together: what their current model lacks, or another `model`, or that of its file.
+
+    Returns the diagnosis and its document, which `keep` writes; see `pipeline.diagnose`.
+    """
     library = whole_library(effects_file)
-    begun = beginning(sessions.sessions, sessions.decays, model_file, library)
+    if not isinstance(model, CurrentModel):
+        model = current_model(sessions.sessions, model, library)
     found, left_out = diagnose(
         sessions.decays,
-        begun.model,
-        begun.known,
+        model.model,
+        model.start(sessions.decays),
         library=library,
         worth=worth,
         progress=progress,
         steps=steps,
     )
-    document = diagnosis_document(sessions.names, found, begun.expressions, left_out)
-    return found, document.model_copy(update={"model_is": begun.words, "model_remark": begun.remark})
+    document = diagnosis_document(sessions.names, found, model.expressions, left_out)
+    return found, document.model_copy(update={"model_is": model.words, "model_remark": model.remark})
 
 
 def keep(sessions: SessionSet, document: DiagnosisDocument) -> None:

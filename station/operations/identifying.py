@@ -9,7 +9,7 @@ from daq.errors import NotASession
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
-from station.operations.beginning import kept_identification
+from station.operations.current_model import kept_identification
 from station.operations.record_floor import with_floor
 from station.results.documents import write_document
 from station.results.identification_document import NAME, IdentificationDocument, identification_document

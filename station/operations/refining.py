@@ -14,7 +14,7 @@ from identify.formatting import plain_name, three_figures
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.beginning import beginning
+from station.operations.current_model import first_model
 from station.operations.record_floor import prepare_with_floor
 from station.operations.session_set import whole_library
 from station.results.documents import Errors, seen
@@ -56,8 +56,8 @@ def open_refinement(
         gain_percent = ladder.gain_percent
     prepared = prepare_with_floor(session, settings, gain_percent)
     if ladder is None:
-        begun = beginning((session,), (prepared,), model_file, library)
-        rung = first_rung((prepared,), begun.model, begun.known)
+        begun = first_model((session,), model_file, library)
+        rung = first_rung((prepared,), begun.model, begun.start((prepared,)))
         ladder = KeptLadder(
             format=1,
             rungs=(kept_rung(rung, begun.expressions, begun.words),),

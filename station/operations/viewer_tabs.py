@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from daq.session import Session
 from identify.diagnosis.diagnose import Diagnosis
 from station.exits import UsageProblem
-from station.operations.comparing import compare_session, identified_model
+from station.operations.comparing import compare_session
 from station.operations.refining import Refinement, open_refinement, rung_again
 from station.operations.session_curves import curves_as_measured, kept_curves
 from station.operations.session_set import SessionSet
@@ -117,7 +117,7 @@ def _compare_tab(session: Session, settings: Settings) -> "Tab":
     from station.views import compare
     from station.views.tab import Tab
 
-    compared, _ = compare_session(session, settings, identified_model(session, settings))
+    compared, _ = compare_session(session, settings)
     return Tab(compare.NAME, lambda stream: compare.write(stream, compared), lambda: compare.tab(compared))
 
 

@@ -54,12 +54,12 @@ def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
 
 
 def closing_in(first: Compared, last: Compared) -> str:
-    """Draw what the first and the present model leave of the same channel, each with the band of the noise."""
+    """Draw the residuals of the first and of the current model in the same channel, each with the band of the noise."""
     channel = first.baseline.fit.windows[0].channels[0]
     drawn, axes = paper(2.9, 2, sharex=True)
-    for axis, compared, title in zip(axes, (first, last), ("usual model", "present model"), strict=True):
+    for axis, compared in zip(axes, (first, last), strict=True):
         left_over(axis, compared, channel)
-        axis.set_title(f"{title}: what is left of the {channel}")
+        axis.set_title(f"{compared.words}: residual of the {channel}")
     axes[-1].set_xlabel("time since the release [s]")
     return embedded(drawn)
 

@@ -6,23 +6,19 @@ from identify.effects.effect import Parameter
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Term
-from station.report import comparison_figures as draw
 from station.report.content import Equation, Figure, Paragraph, Part, Section, Table, left_out
 from station.report.diagnosis_figures import measured_curve as draw_curve
-from station.report.failure import errors, places
 from station.report.findings import Findings
 from station.results.models import parameters_of
 from station.story.compared import Compared
 from station.story.engineering_values import times_mass
 from station.story.measured_curves import measured_curves
+from station.text.layout import sentence
 from station.text.numbers import SPACE, typeset, typeset_error, typeset_figures, typeset_symbol, typeset_unit
 
 TITLE = "The equation of motion"
 FAR = 4.0
-SEGMENTS = (
-    "these values, and the errors below, are those of {} pieces of the record that share the physics. The places below "
-    "are those of one run over the whole record, in which a wandering phase counts as misfit."
-)
+SEGMENTS = "these values are those of {} pieces of the record that share the physics."
 
 CURVE = (
     "{}, a spline of six coefficients, with 2 standard errors; the straight line in the {} belongs to spring and damper. "
@@ -31,13 +27,14 @@ CURVE = (
 
 
 def equation(found: Findings) -> Section:
-    """Show the present model: that of the ladder, else the usual one."""
-    compared = found.refined.compared if found.refined is not None else found.compared
+    """Show the current model in letters and in numbers."""
+    compared = found.compared
     if compared is None:
         return Section("equation", TITLE, (left_out(found.left_out["comparison"]),))
     judged = compared.judged
-    fit = judged.stated(judged.fit) if found.refined is None else found.refined.top.stated
+    fit = judged.stated(judged.fit)
     parts: list[Part] = [
+        Paragraph(f"{sentence(compared.words)}", label="Model"),
         Equation((_letters(fit), _numbers(fit))),
         Paragraph(
             "Displacement u from the spring's zero and velocity v in "
@@ -46,7 +43,7 @@ def equation(found: Findings) -> Section:
         ),
         _parameters(fit, compared.comparison.unit, found),
     ]
-    expressions = () if found.refined is None else found.refined.ladder.top.model.expressions
+    expressions = () if found.ladder is None else found.ladder.top.model.expressions
     for curve in measured_curves(fit, expressions):
         parts.append(Figure(CURVE.format(curve.title, curve.over, curve.name), draw_curve(curve)))
     if len(fit.windows) > 1:
@@ -54,12 +51,6 @@ def equation(found: Findings) -> Section:
     doubt = caution(compared)
     if doubt:
         parts.append(Paragraph(doubt, label="Caution", strong=True))
-    parts.append(errors(compared))
-    if found.refined is not None and found.refined.ladder.present > 0:
-        parts.append(places(compared))
-        if found.compared is not None:
-            caption = "What the usual and the present model leave (band: noise, 2 std.); mind the scales."
-            parts.append(Figure(caption, draw.closing_in(found.compared, compared)))
     return Section("equation", TITLE, tuple(parts))
 
 

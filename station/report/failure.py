@@ -1,4 +1,4 @@
-"""The section of the comparison: how large the errors of the model to begin with are, what they mean, and where it fails."""
+"""The section of the comparison: how large the errors of the current model are, what they mean, and where it fails."""
 
 import numpy as np
 
@@ -12,12 +12,12 @@ from station.text.comparison_text import floor_text, harmonics_text
 from station.text.layout import sentence
 from station.text.numbers import energy_scale, typeset, typeset_error, typeset_figures, typeset_unit
 
-TITLE = "The model to begin with, compared with the measurement"
+TITLE = "The current model, compared with the measurement"
 MOST_CYCLES = 12
 
 
 def comparison(found: Findings) -> Section:
-    """Say and draw where the model to begin with fails."""
+    """Say and draw where the current model fails, and how much less than the one that the ladder began with."""
     compared = found.compared
     if compared is None:
         return Section("comparison", TITLE, (left_out(found.left_out["comparison"]),))
@@ -35,6 +35,9 @@ def comparison(found: Findings) -> Section:
         parts.append(Paragraph(compared.one_run, label="Long record"))
     if not fit.converged or fit.unidentifiable:
         parts.append(Paragraph(fit.outcome, label="Fit"))
+    if found.first is not None:
+        caption = f"Residuals of {found.first.words} and of {compared.words} (band: noise, 2 std.); mind the scales."
+        parts.append(Figure(caption, draw.closing_in(found.first, compared)))
     parts.append(places(compared))
     facts = (
         ("noise floor", floor_text(compared)),

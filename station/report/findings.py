@@ -6,44 +6,35 @@ from daq.errors import StationError
 from daq.manifest import Manifest
 from daq.recording import Recording
 from daq.session import Session
-from identify.diagnosis.ladder import Rung
 from identify.errors import NotIdentifiable
-from identify.fitting.baseline import fit_baseline
 from station.exits import Problem, UsageProblem
-from station.operations.beginning import beginning
-from station.operations.comparing import compare_session
+from station.operations.comparing import compare_session, compared_with
+from station.operations.current_model import model_of_rung
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import identify_session, kept_options
 from station.operations.record_floor import prepare_with_floor
-from station.operations.refining import Refinement, open_refinement, rung_again
+from station.operations.refining import Refinement, open_refinement
 from station.operations.session_curves import kept_curves
 from station.operations.session_set import SessionSet
-from station.results import comparison_document, diagnosis_document
+from station.results import diagnosis_document
 from station.results.curves import NamedCurves
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.diagnosis_fits import DiagnosisFits, refitted
 from station.results.identification_document import IdentificationDocument
 from station.results.ladder import LADDER, KeptLadder
-from station.results.models import known_model, starting_values
 from station.settings import Settings
 from station.story.compared import Compared
 from station.story.identification import Identification
-from station.story.pipeline import Progress, compare, compare_fitted
+from station.story.pipeline import Progress
 from station.story.preparation import Options
-
-
-@dataclass(frozen=True, eq=False)
-class FittedLadder:
-    """The ladder of a session, the fit of its present rung, and that model compared with the record."""
-
-    ladder: KeptLadder
-    top: Rung
-    compared: Compared
 
 
 @dataclass(eq=False)
 class Findings:
-    """All that is known of a session; what is None was left out, and `left_out` says why under its name."""
+    """All that is known of a session; what is None was left out, and `left_out` says why under its name.
+
+    `compared` is the current model with the record, `first` the model that its `ladder` began with, where that is another.
+    """
 
     session: Session
     recording: Recording
@@ -52,10 +43,11 @@ class Findings:
     identification: Identification | None = None
     document: IdentificationDocument | None = None
     compared: Compared | None = None
+    first: Compared | None = None
     diagnosis: DiagnosisDocument | None = None
     fits: DiagnosisFits | None = None
     curves: NamedCurves | None = None
-    refined: FittedLadder | None = None
+    ladder: KeptLadder | None = None
     left_out: dict[str, str] = field(default_factory=dict)
 
 
@@ -74,8 +66,8 @@ def gather(
         _diagnose(found, settings, progress)
     refinement = _refinement(found, settings)
     _read_diagnosis(found, refinement, settings)
-    if refinement is not None:
-        _refit(found, refinement)
+    if refinement is not None and (session.results / LADDER).is_file():
+        _first(found, refinement, settings)
     try:
         found.manifest = session.manifest()  # last, as it knows the results that were just written
     except StationError as error:
@@ -91,18 +83,9 @@ def _identify(found: Findings) -> None:
 
 
 def _compare(found: Findings, settings: Settings, mass: float | None) -> None:
-    """Compare with the model to begin with; kept in the session only where no comparison is kept yet."""
-    session = found.session
     try:
-        if (session.results / comparison_document.NAME).is_file():
-            prepared = prepare_with_floor(session, settings, mass=mass)
-            begun = beginning((session,), (prepared,))
-            found.compared = compare(
-                session.folder.name, prepared, begun.model, mass=found.options.mass, words=begun.words
-            )
-        else:
-            found.compared, _ = compare_session(session, settings, mass=mass)
-    except NotIdentifiable as refusal:
+        found.compared, _ = compare_session(found.session, settings, mass=mass)
+    except (Problem, NotIdentifiable) as refusal:
         found.left_out["comparison"] = str(refusal)
 
 
@@ -149,29 +132,10 @@ def _read_diagnosis(found: Findings, refinement: Refinement | None, settings: Se
         found.left_out["force_maps"] = str(problem)
 
 
-def _refit(found: Findings, refinement: Refinement) -> None:
-    if not (found.session.results / LADDER).is_file():
-        return
-    ladder, prepared, name, mass = (
-        refinement.ladder, refinement.prepared, found.session.folder.name, found.options.mass
-    )  # fmt: skip
-    words = "the present model"
-    try:
-        top = rung_again(refinement, ladder.top)
-    except (Problem, NotIdentifiable) as refusal:
-        found.left_out["ladder"] = str(refusal)
-        return
-    if (
-        len(top.baseline.decays) > 1
-    ):  # fitted in segments, which start each for themselves; compared in one run
-        known = known_model(ladder.top.model, "the ladder", refinement.library)
-        start = starting_values(known, (prepared,))
-        try:
-            whole = fit_baseline((prepared,), known.model, start)
-            compared = compare_fitted(name, whole, mass=mass, words=words, judged=top.baseline)
-        except NotIdentifiable as refusal:
-            found.left_out["ladder"] = str(refusal)
-            return
-    else:
-        compared = compare_fitted(name, top.baseline, mass=mass, words=words)
-    found.refined = FittedLadder(ladder, top, compared)
+def _first(found: Findings, refinement: Refinement, settings: Settings) -> None:
+    """Take the ladder, and compare the model that it began with."""
+    ladder = found.ladder = refinement.ladder
+    if ladder.present > 0 and found.compared is not None:
+        first = model_of_rung(ladder.rungs[0], refinement.library)
+        mass = found.options.mass
+        found.first = compared_with(found.session, settings, first, refinement.prepared, mass)

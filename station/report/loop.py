@@ -170,10 +170,10 @@ def _shares(document: DiagnosisDocument) -> list[Part]:
 
 
 def ladder(found: Findings) -> Section:
-    """Show the errors from the usual model to the present one, and the floor."""
-    if found.refined is None:
+    """Show the errors from the first model to the current one, and the floor."""
+    if found.ladder is None:
         return Section("ladder", LADDER, (left_out(found.left_out["ladder"]),))
-    kept = found.refined.ladder
+    kept = found.ladder
     rows: list[tuple[str, ...]] = []
     for place, rung in enumerate(kept.rungs[: kept.present + 1]):
         before = kept.rungs[place - 1].error.chi2 if place else None
@@ -227,7 +227,7 @@ def apart(found: Findings) -> Section:
                 "No diagnosis was made, and so nothing is said about what else would explain this record."
             )
         )
-    compared = found.refined.compared if found.refined is not None else found.compared
+    compared = found.compared
     if compared is not None and compared.baseline.fit.unidentifiable:
         names = ", ".join(compared.baseline.fit.unidentifiable)
         parts.append(Paragraph(names, label="Not determined by this record"))

@@ -19,8 +19,9 @@ Rows = list[tuple[str, str]]
 
 @dataclass(frozen=True, eq=False)
 class Explaining:
-    """The model that explains the record: its fit, and what it leaves, in words."""
+    """The model that explains the record: which one it is, its fit, and what it leaves, in words."""
 
+    words: str
     fit: Fit
     left: str
 
@@ -30,43 +31,40 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
     model = explaining(found)
     rows: Rows = []
     if model is not None:
-        rows.append(("model", f"{_names(model.fit)}: {model.left}"))
+        rows.append(("model", f"{model.words}, {_names(model.fit)}: {model.left}"))
         rows += values(model.fit, found)
         aligned = None if found.identification is None else found.identification.alignment
         doubt = "" if aligned is None else scale_doubt(aligned.gain)
         rows += [("scale", doubt)] if doubt else []
     else:
         rows.append(("no value to quote", _nothing_explains(found)))
-    rows += _usual(found, model)
+    rows += _others(found, model)
     rows += _methods(found)
     if found.diagnosis is not None:
         rows.append(("diagnosis", headline(found.diagnosis)))
         confirmed = confirmed_by(found.diagnosis)
         if confirmed:
             rows.append(("prediction", sentence(confirmed)))
-    refined_explains = found.refined is not None and found.refined.top.at_floor
-    if found.refined is not None and found.refined.ladder.present > 0 and not refined_explains:
-        compared = found.refined.compared
-        rows.append(("present model", f"{_names(compared.baseline.fit)}: leaves {_left(compared)}"))
-    final = found.refined.compared if found.refined is not None else found.compared
-    if final is not None:
-        doubt = caution(final)
+    if found.compared is not None:
+        doubt = caution(found.compared)
         rows.append(("adequacy", doubt or "The model explains the measurement within its noise."))
     return tuple(rows)
 
 
 def explaining(found: Findings) -> Explaining | None:
-    """Return the model that explains the record, the refined one first, then that which was identified; None without."""
-    refined, adequate = found.refined, None
+    """Return the model that explains the record: the current one, else that which was identified; None without."""
+    current, adequate = found.compared, None
     if found.identification is not None:
         adequate = found.identification.adequacy
     if adequate is not None and adequate.doubt:
         return None
-    if refined is not None and refined.top.at_floor:
-        top = refined.top
-        return Explaining(top.stated, _over_noise(top.error.chi_square, top.error.floor_std))
+    if current is not None and current.judged.at_floor:
+        judged, error = current.judged, current.error
+        left = _over_noise(error.chi_square, error.floor_std)
+        return Explaining(current.words, judged.stated(judged.fit), left)
     if adequate is not None and adequate.adequate:
-        return Explaining(adequate.fit, _over_noise(adequate.chi_square, adequate.chi_square_std))
+        left = _over_noise(adequate.chi_square, adequate.chi_square_std)
+        return Explaining("the identified model", adequate.fit, left)
     return None
 
 
@@ -104,26 +102,25 @@ def _nothing_explains(found: Findings) -> str:
     if own is None:
         return found.identification.refusals.get("adequacy", "no model was fitted to this record")
     judged = f"{_names(own.fit)}: {judgement(own)}"
-    if found.diagnosis is not None and found.diagnosis.named and found.refined is None:
+    if found.diagnosis is not None and found.diagnosis.named and found.ladder is None:
         return f"{judged}; add what the diagnosis names, then write the report again"
     return judged
 
 
-def _usual(found: Findings, model: Explaining | None) -> Rows:
-    """Return the model to begin with beside the one that explains the record, as what it is."""
-    if found.compared is None:
-        return []
-    fit, name = found.compared.judged.fit, found.compared.words.removeprefix("the ").split(",")[0]
-    left = f"leaves {_left(found.compared)}"
-    if model is not None and set(model.fit.model.names) == set(fit.model.names):
-        return [(name, left)]
-    quoted = "; ".join(
-        f"{one.name} {_quantity(one.value)}"
-        for one in engineering_values(
-            found.compared.judged.stated(fit), found.options.mass, found.options.mass_std
+def _others(found: Findings, model: Explaining | None) -> Rows:
+    """Return the models beside the one that explains the record: which each is, and what it leaves."""
+    rows: Rows = []
+    for compared in (found.first, found.compared):
+        if compared is None or (model is not None and compared.words == model.words):
+            continue
+        fit = compared.judged.stated(compared.judged.fit)
+        quoted = "; ".join(
+            f"{one.name} {_quantity(one.value)}"
+            for one in engineering_values(fit, found.options.mass, found.options.mass_std)
         )
-    )
-    return [(name, f"{left}; not to be quoted, for comparison only: {quoted}")]
+        name, left = compared.words.removeprefix("the ").split(",")[0], _left(compared)
+        rows.append((name, f"{_names(fit)}: leaves {left}; not to be quoted, for comparison only: {quoted}"))
+    return rows
 
 
 def _methods(found: Findings) -> Rows:

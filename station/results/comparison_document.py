@@ -113,8 +113,8 @@ class OneRun(Part):
 class ComparisonDocument(Document):
     """A model beside a measurement: how large its errors are, and where.
 
-    `model_is` says which model it is. `error` is that of the `pieces` in which a long record is judged, `one_run` that of
-    one free run from the release to the end.
+    `model_is` says which model it is, `model_remark` why it is not another. `error` is that of the `pieces` in which a
+    long record is judged, `one_run` that of one free run from the release to the end.
     """
 
     session: str
@@ -130,6 +130,7 @@ class ComparisonDocument(Document):
     phase_plane: PhasePlaneDocument
     harmonics: HarmonicsDocument
     model_is: str = "the usual model"
+    model_remark: str = ""
     pieces: int = 1
     one_run: OneRun | None = None
 
@@ -151,6 +152,7 @@ def comparison_document(compared: Compared) -> ComparisonDocument:
                 "chi2_std": error.floor_std,
             },
             "model_is": compared.words,
+            "model_remark": compared.remark,
             "pieces": compared.pieces,
             "one_run": {"motion_percent": found.motion_error, "chi2": found.chi_square},
             "horizon": {"seconds": found.horizon, "cycles": found.horizon_cycles},

@@ -12,7 +12,8 @@ from identify.formatting import three_figures
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A model as fitted to the session `name`, and where it fails; `words` say which model it is.
+    """A model as fitted to the session `name`, and where it fails; `words` say which model it is, `remark` why it
+    is not another.
 
     `judged` is the fit by which the model is judged, as everywhere: that of the pieces of a long record, in which the
     phase wanders by more than forces move it; of a short one `baseline` itself, one free run over the whole record.
@@ -23,6 +24,7 @@ class Compared:
     comparison: Comparison
     judged: Baseline
     words: str = "the usual model"
+    remark: str = ""
 
     @property
     def error(self) -> ModelError:

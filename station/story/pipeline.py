@@ -105,39 +105,24 @@ def compare(
     *,
     mass: float | None = None,
     words: str = "the usual model",
+    remark: str = "",
 ) -> Compared:
     """Fit a model to the session `name` and find where it fails; a long record is judged in its pieces.
 
     The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin from, by unknown's
-    name; with a `mass` (kg) forces are in N; `words` say which model it is.
+    name; with a `mass` (kg) forces are in N; `words` say which model it is, `remark` why it is not another.
     """
     baseline = fit_baseline((prepared,), model or base_model(), known)
-    return compare_fitted(name, baseline, mass=mass, words=words)
+    seen = compare_baseline(baseline, mass=mass)
+    return Compared(name, baseline, seen, _in_pieces(baseline, known or {}), words, remark)
 
 
-def compare_fitted(
-    name: str,
-    baseline: Baseline,
-    *,
-    mass: float | None = None,
-    words: str = "the usual model",
-    judged: Baseline | None = None,
-) -> Compared:
-    """Find where a model fails that is fitted already, on the decay as the fit has corrected it.
-
-    `judged` is its fit to the pieces of a long record, where that is at hand.
-    """
-    return Compared(
-        name, baseline, compare_baseline(baseline, mass=mass), judged or _in_pieces(baseline), words
-    )
-
-
-def _in_pieces(whole: Baseline) -> Baseline:
-    """Return a fit to a whole record as one to its pieces, from the values of the former; itself where it is short."""
+def _in_pieces(whole: Baseline, known: dict[str, float]) -> Baseline:
+    """Return a fit to a whole record as one to its pieces, from known values or the former's; itself where it is short."""
     parts = segments_of(whole.decays)
     if len(parts) < 2:
         return whole
-    physics = {name: found.value for name, found in whole.fit.parameters.items()}
+    physics = {name: known.get(name, found.value) for name, found in whole.fit.parameters.items()}
     start = initial_values(parts, whole.fit.model, physics)
     return fit_baseline(parts, whole.fit.model, start)
 

@@ -22,6 +22,8 @@ def show_comparison(console: Console, compared: Compared) -> None:
     console.print()
     console.print(Text(f" {compared.name}: compared with {compared.words}", style="bold"))
     console.print(labelled("model", " + ".join(plain_name(name) for name in fit.model.names), LABEL_WIDTH))
+    if compared.remark:
+        console.print(labelled("", compared.remark, LABEL_WIDTH))
     if not fit.converged or fit.unidentifiable:
         console.print(labelled("fit", fit.outcome, LABEL_WIDTH))
     console.print()

@@ -7,7 +7,7 @@ from daq.session import Session
 from station.exits import UsageProblem
 from station.operations.refining import Refinement, open_refinement
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
-from station.results.ladder import LADDER, MODEL, read_ladder
+from station.results.ladder import read_ladder
 from station.settings import Settings
 from station.story.preparation import options_for
 from station.workbench.frame_store import FrameStore
@@ -49,11 +49,6 @@ def open_session(settings: Settings, folder: Path) -> Opened:
     if ladder is None:
         return known
     return replace(known, refinement=replace(known.refinement, ladder=ladder, session=session))
-
-
-def present_model(session: Session) -> Path | None:
-    """Return the file of the present model; None while the ladder has not begun."""
-    return session.results / MODEL if (session.results / LADDER).is_file() else None
 
 
 def kept_diagnosis(session: Session) -> DiagnosisDocument | None:

@@ -10,6 +10,7 @@ from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Problem
 from station.operations.comparing import compare_session
+from station.operations.current_model import current_model
 from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
 from station.operations.refining import add, go_to, open_refinement, remove
 from station.operations.session_set import SessionSet, open_sessions
@@ -26,7 +27,7 @@ from station.workbench.climbing import climb
 from station.workbench.decay_curves import curves_of
 from station.workbench.frame_store import of_ladder, of_rung, of_suspects
 from station.workbench.frames import frame_id
-from station.workbench.opened_session import Opened, kept_diagnosis, open_session, present_model
+from station.workbench.opened_session import Opened, kept_diagnosis, open_session
 from station.workbench.pruning import drop_needless
 from station.workbench.raw_trace import raw_traces
 from station.workbench.session_thumbnails import thumbnail_of
@@ -65,7 +66,7 @@ def details(settings: Settings, progress: Progress, folder: Path) -> view_models
     progress("comparing with the measurement")
     opened = open_session(settings, folder)
     refinement, session = opened.refinement, opened.refinement.session
-    compared, _ = compare_session(session, settings, present_model(session), prepared=refinement.prepared)
+    compared, _ = compare_session(session, settings, prepared=refinement.prepared)
     return view_models.Details(picture_of(compared), curves_of(settings, refinement, kept_diagnosis(session)))
 
 
@@ -147,7 +148,7 @@ def diagnose(
         sessions = open_sessions((str(folder), *(str(other) for other in others)), settings)
         progress("asking whether the releases share their physics")
         shared = physics_shared(sessions, False, progress)
-    _, document = diagnose_sessions(sessions, present_model(session), None, progress, progress)
+    _, document = diagnose_sessions(sessions, current_model((session,)), None, progress, progress)
     document = document if shared is None else with_differences(document, shared)
     keep(sessions, document)
     return _view(settings, opened, refinement.ladder)

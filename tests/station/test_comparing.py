@@ -54,14 +54,30 @@ def test_compare_as_json_holds_errors_places_and_cycles_and_is_kept(inside, caps
     assert kept == document
 
 
-def test_without_a_model_the_one_that_was_identified_is_compared_with_its_orders(inside, capsys):
-    assert run(["identify", "cubic.csv", "--json"]) == 0
-    own = json.loads(capsys.readouterr().out)["adequacy"]
+def test_a_session_is_compared_with_its_current_model_or_the_one_that_is_asked_for(inside, capsys):
+    def said(*line):
+        assert run([*line, "--json"]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    own = said("identify", "cubic.csv")["adequacy"]
     assert "cubic_stiffness" in own["effects"]  # the backbone bends
-    assert run(["compare", "cubic.csv", "--json"]) == 0
-    compared = json.loads(capsys.readouterr().out)
-    assert compared["model"]["effects"] == own["effects"]
-    assert compared["error"]["chi2"] == pytest.approx(own["chi2"], abs=0.05)
+    first = said("compare", "cubic.csv")
+    assert (first["model_is"], len(first["model"]["effects"])) == ("the usual model", 3)
+    assert "cubic stiffness" in first["model_remark"]
+    identified = said("compare", "cubic.csv", "--model", "identified")
+    assert identified["model"]["effects"] == own["effects"]
+    assert identified["error"]["chi2"] == pytest.approx(own["chi2"], abs=0.05)
+    assert run(["compare", "cubic", "--model", "refined"]) == 2
+    assert "no model was refined yet" in capsys.readouterr().err
+    (_, rung) = said("refine", "cubic", "--add", "cubic_stiffness", "--no-viewer")["rungs"]
+    for line in (("compare", "cubic"), ("compare", "cubic", "--model", "refined")):
+        refined = said(*line)
+        assert refined["model_is"] == "the refined model"
+        assert refined["model"]["effects"] == rung["effects"]
+        assert refined["error"]["chi2"] == pytest.approx(rung["error"]["chi2"], abs=0.05)
+    assert said("compare", "cubic", "--model", "usual")["error"]["chi2"] == first["error"]["chi2"]
+    assert run(["info", "cubic"]) == 0
+    assert "the refined model: linear stiffness" in capsys.readouterr().out
 
 
 def test_the_compare_tab_shows_the_measurement_as_recorded_and_the_model_beside_it(inside):

@@ -8,7 +8,7 @@ import pytest
 from hidden import DUFFING
 
 from station.cli import run
-from station.operations.beginning import beginning
+from station.operations.current_model import current_model
 from station.operations.identifying import kept_options
 from station.operations.record_floor import NAME, prepare_with_floor
 from station.operations.refining import add, open_refinement
@@ -48,8 +48,7 @@ def chosen(made, tmp_path, monkeypatch, capsys):
 
 
 def test_every_command_begins_with_the_orders_that_were_chosen(chosen, capsys):
-    prepared = prepare_with_floor(chosen, Settings())
-    begun = beginning((chosen,), (prepared,))
+    begun = current_model((chosen,))
     assert sorted(begun.model.names) == sorted(CUBIC)
     assert "identified" in begun.words
     refinement = open_refinement(chosen, Settings())
@@ -74,8 +73,7 @@ def test_orders_that_nobody_chose_leave_the_usual_model_to_begin_with_and_say_so
     assert (
         run(["identify", "duffing", "--json"]) == 0
     )  # with the orders that are tried anyway: it finds the cubic too
-    prepared = prepare_with_floor(chosen, Settings())
-    begun = beginning((chosen,), (prepared,))
+    begun = current_model((chosen,))
     assert list(begun.model.names) == USUAL
     assert "cubic stiffness" in begun.remark
     assert "--model identified" in begun.remark

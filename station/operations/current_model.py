@@ -1,0 +1,142 @@
+"""The current model of a session, which every command, the page, the viewer and the report are about."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from daq.session import Session
+from identify.effects.effect import Effect
+from identify.effects.library import LIBRARY, find_effect
+from identify.formatting import among, plain_name
+from identify.model.model import Model, Term, base_model
+from identify.preprocessing.prepared_decay import PreparedDecay
+from station.exits import UsageProblem
+from station.results.documents import read_document
+from station.results.identification_document import NAME, IdentificationDocument
+from station.results.ladder import KeptRung, read_ladder
+from station.results.models import KnownModel, known_model, read_model, starting_values
+
+USUAL, IDENTIFIED, REFINED = "usual", "identified", "refined"
+REMEDY = "identify it again"
+
+
+@dataclass(frozen=True, eq=False)
+class CurrentModel:
+    """A model, and which one it is in `words`; `remark` says why it is not another that one might expect.
+
+    `values` are those to fit from, by "effect.parameter" (None: from the data), `expressions` the operator's own effects.
+    """
+
+    model: Model
+    words: str = "the usual model"
+    values: dict[str, float] | None = None
+    expressions: tuple[str, ...] = ()
+    remark: str = ""
+
+    def start(self, decays: tuple[PreparedDecay, ...]) -> dict[str, float] | None:
+        """Return where a fit to some releases begins, by unknown's name; None where the data say."""
+        return None if self.values is None else starting_values(KnownModel(self.model, self.values), decays)
+
+
+def current_model(
+    sessions: Sequence[Session], file: Path | None = None, library: tuple[Effect, ...] = LIBRARY
+) -> CurrentModel:
+    """Return the model of a file, or `usual`, `identified`, `refined`; without any the current model of the sessions.
+
+    That is the refined model; before any `refine` the first one. Raises UsageProblem where there is none of that name.
+    """
+    if file is not None:
+        return first_model(sessions, file, library)
+    tops = _refined(sessions)
+    if not any(tops):
+        return first_model(sessions)
+    if None in tops or len({tuple(top.effects) for top in tops if top}) > 1:
+        remark = "The sessions were refined differently. To begin with the model of one: --model FILE."
+        return CurrentModel(base_model(), remark=remark)
+    return model_of_rung(next(top for top in tops if top), library)
+
+
+def first_model(
+    sessions: Sequence[Session], file: Path | None = None, library: tuple[Effect, ...] = LIBRARY
+) -> CurrentModel:
+    """Return the model that a refinement begins with: that of `file`, as `current_model`, else that of the sessions.
+
+    That is the model identified at the orders that the operator chose, where they did, and the usual one otherwise:
+    orders that were found in no one's choice may stand for effects of another kind, which are the suspects.
+    """
+    if file is None:
+        return _own(sessions)
+    name = "" if file.is_file() else str(file)
+    if name == USUAL:
+        return CurrentModel(base_model())
+    if name == IDENTIFIED:
+        found = [identified_effects(session) for session in sessions]
+        return CurrentModel(
+            model_of(_alike(sessions, found, "identified", "identify")), "the identified model"
+        )
+    if name == REFINED:
+        tops = _refined(sessions)
+        _alike(sessions, [() if top is None else tuple(top.effects) for top in tops], "refined", "refine")
+        return model_of_rung(next(top for top in tops if top), library)
+    known = read_model(file, library)
+    return CurrentModel(known.model, f"the model of {file}", known.values, known.expressions)
+
+
+def model_of_rung(rung: KeptRung, library: tuple[Effect, ...] = LIBRARY) -> CurrentModel:
+    """Return the model of a rung of a ladder, with its values."""
+    known = known_model(rung.model, "the ladder", library)
+    return CurrentModel(known.model, rung.begun_with or "the refined model", known.values, known.expressions)
+
+
+def kept_identification(session: Session) -> IdentificationDocument | None:
+    """Return the identification that a session keeps; UsageProblem where it was altered."""
+    return read_document(session, NAME, IdentificationDocument, REMEDY)
+
+
+def identified_effects(session: Session) -> tuple[str, ...]:
+    """Return the effects of the model that was identified in a session; none where nothing was identified yet."""
+    kept = kept_identification(session)
+    return () if kept is None or kept.adequacy is None else tuple(kept.adequacy.effects)
+
+
+def model_of(names: Sequence[str]) -> Model:
+    """Return the model of some effects of the library."""
+    return Model(tuple(Term(find_effect(name)) for name in names))
+
+
+def _refined(sessions: Sequence[Session]) -> list[KeptRung | None]:
+    ladders = [read_ladder(session) for session in sessions]
+    return [None if ladder is None else ladder.top for ladder in ladders]
+
+
+def _alike(
+    sessions: Sequence[Session], found: Sequence[tuple[str, ...]], done: str, command: str
+) -> tuple[str, ...]:
+    """Return the effects that all sessions have; UsageProblem where one has none, or other ones."""
+    for session, names in zip(sessions, found, strict=True):
+        if not names:
+            raise UsageProblem(
+                f"{session.folder.name}: no model was {done} yet; `station {command}` it first"
+            )
+    if len(set(found)) > 1:
+        raise UsageProblem(f"the sessions were {done} with different models; give a model file, or `usual`")
+    return found[0]
+
+
+def _own(sessions: Sequence[Session]) -> CurrentModel:
+    kept = [kept_identification(session) for session in sessions]
+    chosen = {one.chosen for one in kept if one is not None and one.chosen}
+    if len(chosen) == 1 and all(one is not None and one.chosen for one in kept):
+        return CurrentModel(model_of(chosen.pop()), "the identified model, at the orders that were chosen")
+    usual = base_model()
+    if chosen:
+        return CurrentModel(usual, remark="The sessions were identified at different orders.")
+    found = [name for one in kept[:1] if one and one.adequacy for name in one.adequacy.effects]
+    beyond = [plain_name(name) for name in found if name not in usual]
+    if not beyond:
+        return CurrentModel(usual)
+    remark = (
+        f"The identification also found {among(beyond)}. Such an order may stand for another effect, so it is a suspect "
+        "here. To begin with it: --model identified."
+    )
+    return CurrentModel(usual, remark=remark)
