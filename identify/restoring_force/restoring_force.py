@@ -88,11 +88,15 @@ class RestoringForceResult(Summarised):
 
 
 def identify_restoring_force(
-    decay: FreeDecay | AlignedDecay, max_order: int = 3, stiffness_orders: tuple[int, ...] = (1,)
+    decay: FreeDecay | AlignedDecay,
+    max_order: int = 3,
+    stiffness_orders: tuple[int, ...] = (1,),
+    least_order: int = 0,
 ) -> RestoringForceResult:
     """Identify the restoring force of a decay; one that has not been located is located and aligned first.
 
-    `max_order` is the highest order of damping tried, `stiffness_orders` the displacement orders of eq. (15).
+    `max_order` is the highest order of damping tried, `least_order` the lowest, `stiffness_orders` are the displacement
+    orders of eq. (15).
     With a recorded `force` the equation is driven (eq. 14): as force per unit mass where the mass is known, else
     with one more unknown, 1/m. Since the motion's parts agree with each other whatever small lag is left,
     the lag's standard error adds nothing here; see `identify_restoring_force_as_recorded` for what it does
@@ -100,7 +104,7 @@ def identify_restoring_force(
     """
     decay, begins = block_averaged(aligned(decay))
     motion = calmed(reconstruct(decay))
-    result = _identify(decay, motion, noise_of_agreeing(decay), max_order, stiffness_orders)
+    result = _identify(decay, motion, noise_of_agreeing(decay), max_order, stiffness_orders, least_order)
     return replace(result, time=frozen(result.time + begins))
 
 
@@ -139,6 +143,7 @@ def _identify(
     noise: Noises,
     max_order: int,
     stiffness_orders: tuple[int, ...],
+    least: int = 0,
 ) -> RestoringForceResult:
     window = window_of(decay, motion, noise)
     windows = place_windows(window.valid, motion.rate, window.angular_frequency)
@@ -150,9 +155,10 @@ def _identify(
         )
     points = points_of(window)
     fits = fit_orders(window, windows, max_order, stiffness_orders, decay)
-    clear = [fit.clear for fit in fits]
-    misfits = [fit.solution.chi_square for fit in fits]
-    order, reason = choose_order(range(max_order + 1), misfits, clear, [_FALL] * len(fits), "damping")
+    tried = fits[least:]
+    clear = [fit.clear for fit in tried]
+    misfits = [fit.solution.chi_square for fit in tried]
+    order, reason = choose_order(range(least, max_order + 1), misfits, clear, [_FALL] * len(tried), "damping")
     return _result(decay, window, fits, fits[order], reason, points)
 
 

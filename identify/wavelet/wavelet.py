@@ -96,37 +96,47 @@ class WaveletResult(Summarised):
         return Summary("Wavelet envelope and phase", reasons, ("coefficient", "value"), rows)
 
 
-def identify_wavelet(decay: FreeDecay | AlignedDecay, max_order: int = 3) -> WaveletResult:
+def identify_wavelet(
+    decay: FreeDecay | AlignedDecay,
+    max_order: int = 3,
+    stiffness_orders: tuple[int, ...] = (1,),
+    least_order: int = 0,
+) -> WaveletResult:
     """Identify stiffness and damping from the envelope and the phase of one channel.
 
     A decay that has not been located is located and aligned first. Displacement is used where there is one, else
     velocity, else acceleration. `max_order` is the highest
-    order of damping that is tried, eq. (4). Raises NotIdentifiable when there is too little to identify.
+    order of damping that is tried, eq. (4), `least_order` the lowest; the backbone has at least the odd `stiffness_orders`,
+    as far as it can. Raises NotIdentifiable when there is too little to identify.
     Standard errors come from the channel's noise (`noise_*`; measured on the window where unknown) carried
     through the transform, and grow with what the model leaves unexplained.
     """
     decay, begins = block_averaged(aligned(decay))
     start, observed = observe_window(decay)
     fit = settle(observed, first_fit(observed, min(1, max_order), (1,)))
-    fit, misfits, reasons = _with_orders(observed, fit, max_order, STIFFNESS_ORDERS)
+    wanted = {1, *stiffness_orders} & set(STIFFNESS_ORDERS[-1])
+    tried = tuple(orders for orders in STIFFNESS_ORDERS if wanted <= set(orders))
+    fit, misfits, reasons = _with_orders(observed, fit, (least_order, max_order), tried)
     begins += start / decay.rate
     return _result(decay, begins, observed, fit, misfits, reasons)
 
 
 def _with_orders(
-    observed: Observed, begun: RidgeFit, max_order: int, tried: tuple[tuple[int, ...], ...]
+    observed: Observed, begun: RidgeFit, damping: tuple[int, int], tried: tuple[tuple[int, ...], ...]
 ) -> tuple[RidgeFit, tuple[float, ...], tuple[str, str]]:
     """Return the fit with the orders that it asks for, the misfit of every damping order, and why they were chosen.
 
-    Orders with which the motion would run away, or that no rounds settle, are not tried again: first those of stiffness,
+    `damping` is the lowest and the highest order of damping, `tried` are sets of orders of the backbone. Orders with
+    which the motion would run away, or that no rounds settle, are not tried again: first those of stiffness,
     then those of damping.
     """
-    fit, refused = begun, "" if tried == STIFFNESS_ORDERS else ": with one the motion would run away"
+    least, most = damping
+    fit, refused = begun, "" if tried[-1] == STIFFNESS_ORDERS[-1] else ": with one the motion would run away"
     for _ in range(_CHANGES_OF_MODEL):
-        trials = [other_order(observed, fit, order) for order in range(max_order + 1)]
+        trials = [other_order(observed, fit, order) for order in range(most + 1)]
         backbones = [other_backbone(observed, fit, orders) for orders in tried]
-        order, reason = _choose_damping(observed, fit, trials)
-        best, stiffness_reason = _choose_stiffness(observed, fit, backbones)
+        order, reason = _choose_damping(observed, fit, trials, least)
+        best, stiffness_reason = _choose_stiffness(observed, fit, backbones, tried)
         if order == fit.order and tried[best] == fit.stiffness_orders:
             break
         changed = replace(
@@ -134,33 +144,37 @@ def _with_orders(
         )
         try:
             settled = settle(observed, changed)
-            if (best or order) and settled.envelope_fit.mse_percent > _LOST:
+            if (best or order > least) and settled.envelope_fit.mse_percent > _LOST:
                 raise RunsAway
             fit = settled
         except RunsAway:
-            if not best and not order:
+            if not best and order <= least:
                 raise
-            fewer = (max_order, tried[:best]) if best else (order - 1, tried)
+            fewer = (damping, tried[:best]) if best else ((least, order - 1), tried)
             return _with_orders(observed, begun, *fewer)
     return fit, tuple(trial.mse_percent for trial in trials), (reason, stiffness_reason + refused)
 
 
-def _choose_damping(observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit]) -> tuple[int, str]:
+def _choose_damping(
+    observed: Observed, fit: RidgeFit, trials: list[EnvelopeFit], least: int
+) -> tuple[int, str]:
     clear = clearances_of_envelopes(observed, fit, trials)
     noise = 100 * float(np.mean(observed.variance) / np.var(fit.envelope))
     misfits = [trial.mse_percent for trial in trials]
-    return choose_order(range(len(trials)), misfits, clear, _worth(misfits, noise), "damping")
+    worth = _worth(misfits, noise)
+    return choose_order(range(least, len(trials)), misfits[least:], clear[least:], worth[least:], "damping")
 
 
-def _choose_stiffness(observed: Observed, fit: RidgeFit, trials: list[PhaseFit]) -> tuple[int, str]:
+def _choose_stiffness(
+    observed: Observed, fit: RidgeFit, trials: list[PhaseFit], tried: tuple[tuple[int, ...], ...]
+) -> tuple[int, str]:
     weight = np.abs(fit.envelope) * observed.weight
     misfits = [float(np.mean(((fit.phase - trial.fit) * weight) ** 2)) for trial in trials]
     clear = clearances_of_phases(observed, fit, trials)
     noise = float(np.mean(observed.variance * observed.weight**2))
-    order, reason = choose_order(
-        (1, 3, 5)[: len(trials)], misfits, clear, _worth(misfits, noise), "stiffness"
-    )
-    return (order - 1) // 2, reason
+    highest = [orders[-1] for orders in tried]
+    order, reason = choose_order(highest, misfits, clear, _worth(misfits, noise), "stiffness")
+    return highest.index(order), reason
 
 
 def _worth(misfits: list[float], noise: float) -> list[float]:

@@ -61,14 +61,20 @@ class Adequacy:
 
 
 def identified_model(wavelet: Method | None, restoring_force: Method | None) -> Model | None:
-    """Return the model that an identification stands for: of the methods, the one that found more; None without any."""
+    """Return the model that an identification stands for: the orders that either method needs; None without any."""
     found = [method for method in (wavelet, restoring_force) if method is not None]
-    if not found:
-        return None
-    orders = {
-        order for method in found for order, value in method.stiffness_by_order.items() if _sure(order, value)
+    return model_of_orders(*needed_orders(found)) if found else None
+
+
+def needed_orders(methods: Sequence[Method]) -> tuple[int, tuple[int, ...]]:
+    """Return the order of damping and the orders of stiffness that one or the other method needs."""
+    stiffness = {
+        order
+        for method in methods
+        for order, value in method.stiffness_by_order.items()
+        if _sure(order, value)
     }
-    return model_of_orders(max(method.order for method in found), orders | {1})
+    return max(method.order for method in methods), tuple(sorted(stiffness | {1}))
 
 
 def _sure(order: int, value: Estimate) -> bool:

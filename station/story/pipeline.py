@@ -26,21 +26,29 @@ from identify.fitting.initial_values import initial_values
 from identify.fitting.leave_one_out import LeftOut, leave_one_out
 from identify.fitting.segments import segments_by_release, segments_of
 from identify.formatting import plain_name, three_figures
+from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
 from identify.preprocessing.aligned_decay import locate_and_align
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import (
+    RestoringForceResult,
     identify_restoring_force,
     identify_restoring_force_as_recorded,
 )
-from identify.wavelet.wavelet import identify_wavelet
-from station.story.adequacy import adequacy, identified_model
+from identify.wavelet.wavelet import STIFFNESS_ORDERS, WaveletResult, identify_wavelet
+from station.story.adequacy import adequacy, identified_model, needed_orders
 from station.story.compared import Compared
 from station.story.identification import Identification
 from station.story.preparation import Options, free_decay
 
 Value = TypeVar("Value")
 Progress = Callable[[str], None]
+
+_BACKBONE = set(STIFFNESS_ORDERS[-1])
+"""Orders of stiffness that the backbone shows; even ones leave it straight."""
+
+_ROUNDS = 4
+"""An order that one method takes over may make the other need one more."""
 
 DRIVEN = "a force drives the motion to the end of the record; this method needs a free decay"
 
@@ -68,15 +76,18 @@ def identify(recording: Recording, options: Options) -> Identification:
     if found.not_aligned:
         refusals["alignment"] = found.not_aligned
 
+    orders = (options.max_order, options.stiffness_orders)
     wavelet = None
     if decay.driven:
         refusals["wavelet"] = DRIVEN
     else:
-        wavelet = attempt("wavelet", lambda: identify_wavelet(aligned, options.max_order))
-
-    orders = (options.max_order, options.stiffness_orders)
+        wavelet = attempt("wavelet", lambda: identify_wavelet(aligned, *orders))
     restoring_force = attempt("restoring_force", lambda: identify_restoring_force(aligned, *orders))
+    if wavelet is not None and restoring_force is not None:
+        wavelet, restoring_force = _with_the_same_orders(aligned, wavelet, restoring_force, options.max_order)
     without_alignment = None
+    if restoring_force is not None:
+        orders = (options.max_order, tuple(restoring_force.stiffness_by_order))
     if alignment is not None and decay.displacement is not None:
         without_alignment = attempt(
             "without_alignment", lambda: identify_restoring_force_as_recorded(decay, *orders)
@@ -85,6 +96,31 @@ def identify(recording: Recording, options: Options) -> Identification:
     return Identification(
         decay, found.release, alignment, aligned, wavelet, restoring_force, without_alignment, refusals
     )
+
+
+def _with_the_same_orders(
+    decay: FreeDecay, wavelet: WaveletResult, force: RestoringForceResult, max_order: int
+) -> tuple[WaveletResult, RestoringForceResult]:
+    """Identify again by the method that lacks an order which the other one needs; one that cannot says what to do."""
+    for _ in range(_ROUNDS):
+        least, needed = needed_orders((wavelet, force))
+        stiffness = {*needed, *force.stiffness_by_order}
+        wanted = (max_order, tuple(sorted(stiffness)), least)
+        try:
+            if wavelet.order < least or not stiffness & _BACKBONE <= wavelet.stiffness_by_order.keys():
+                wavelet = identify_wavelet(decay, *wanted)
+            elif force.order < least or not stiffness <= force.stiffness_by_order.keys():
+                force = identify_restoring_force(decay, *wanted)
+            else:
+                break
+        except NotIdentifiable:
+            common = sorted(wavelet.stiffness_by_order.keys() & force.stiffness_by_order.keys())
+            remedy = (
+                "the methods could not be brought to the same orders; to compare them at the same ones: --max-order "
+                f"{min(wavelet.order, force.order)} --stiffness-orders {','.join(map(str, common))}"
+            )
+            return wavelet, replace(force, reason=f"{force.reason}; {remedy}")
+    return wavelet, force
 
 
 def judged(result: Identification, prepared: PreparedDecay, doubt: str = "") -> Identification:

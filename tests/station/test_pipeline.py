@@ -108,3 +108,16 @@ def test_a_document_never_holds_a_number_that_json_has_not():
         "a": [None, [1.0, None]],
         "b": {"c": 2},
     }
+
+
+def test_both_methods_have_the_orders_that_one_of_them_needs():
+    """A hardening spring, in one channel: the backbone bends, and the surface was asked for a straight line."""
+    time = np.arange(0.0, 20.0, 1 / 256)
+    amplitude = 0.02 * np.exp(-0.15 * time)
+    frequency = np.sqrt(600.0 + 0.75 * 2e4 * amplitude**2)
+    phase = np.cumsum(frequency) / 256
+    noise = np.random.default_rng(5).normal(0.0, 2e-6, len(time))
+    result = identify(record(256.0, displacement=amplitude * np.cos(phase) + noise), Options())
+    assert result.wavelet.stiffness_by_order.keys() >= {1, 3}
+    assert result.restoring_force.stiffness_by_order.keys() >= {1, 3}
+    assert result.restoring_force.order == result.wavelet.order
