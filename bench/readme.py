@@ -11,6 +11,7 @@ from bench.workbench_server import ROOT
 from identify.formatting import plain_name
 from station.operations.mystery import Solved, solve
 from station.settings import Settings
+from station.story.residual import times
 from station.text.ladder_text import show_ladder
 from station.text.numbers import three_figures
 
@@ -30,10 +31,10 @@ def block(solved: Solved) -> str:
     named, (first, *_, last) = solved.found[0], solved.ladder.rungs
     words = (
         f"The usual model (stiffness, dry and viscous friction) leaves {three_figures(first.error.motion_percent)} % of the motion.\n"
-        f"That sounds good, and is {three_figures(first.error.chi2)} times what the noise of the sensors explains:\n"
-        f"`station compare mystery_{SEED} --model usual`. Of all the effects that `station diagnose mystery_{SEED}` tries,\n"
-        f"only {plain_name(named)} reaches the floor. It is added by\n"
-        f"`station refine mystery_{SEED} --add {named}`, which leaves {three_figures(last.error.chi2)} times the noise:\n"
+        f"That sounds good, and is {times(first.error.chi2)} times the noise of the sensors:\n"
+        f"`station compare mystery_{SEED} --model usual`. Of all the effects that\n"
+        f"`station diagnose mystery_{SEED} --model usual` tries, only {plain_name(named)} reaches the noise. It is added by\n"
+        f"`station refine mystery_{SEED} --add {named}`, which leaves {times(last.error.chi2)} times the noise:\n"
     )
     return f"{words}\n```\n{_ladder(solved)}\n```\n"
 
@@ -45,7 +46,7 @@ def _ladder(solved: Solved) -> str:
     show_ladder(console, solved.session.folder.name, solved.ladder)
     lines = [line.rstrip() for line in written.getvalue().splitlines()]
     first = next(i for i, line in enumerate(lines) if line.split()[:1] == ["rung"]) - 1
-    last = next(i for i, line in enumerate(lines) if "floor (noise alone)" in line)
+    last = next(i for i, line in enumerate(lines) if "noise alone" in line)
     return "\n".join(lines[first : last + 1])
 
 

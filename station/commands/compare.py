@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import EFFECTS, MASS_INSTEAD, MODEL, SESSION
+from station.commands.options import EFFECTS, FULL, MASS_INSTEAD, MODEL, SESSION
 from station.output import json_option, print_json, progress, screen
 
 
@@ -13,6 +13,7 @@ from station.output import json_option, print_json, progress, screen
 @MODEL
 @EFFECTS
 @MASS_INSTEAD
+@FULL
 @click.option("--view", "with_view", is_flag=True, help="Write the Compare tab for the viewer, and open it.")
 @json_option
 @click.pass_obj
@@ -22,13 +23,14 @@ def command(
     model_file: Path | None,
     effects_file: Path | None,
     mass: float | None,
+    full: bool,
     with_view: bool,
     as_json: bool,
 ) -> None:
     """Compare a model with SESSION: how large its errors are, and where.
 
-    Three errors against the noise floor, a sensor or physics, the worst places
-    in words, cycle by cycle. Without --model it is the session's current
+    The residual beside the noise, a sensor or physics, the worst places in
+    words; --full adds noise, cycles and harmonics. Without --model it is the session's current
     model: the refined one, and before any `refine` the one that it begins with.
     """
     from station.operations.comparing import compare_session, write_view
@@ -44,7 +46,7 @@ def command(
         from station.text.comparison_text import show_comparison
         from station.text.next_step import next_line
 
-        show_comparison(screen(), compared)
+        show_comparison(screen(), compared, full=full)
         fails = not compared.judged.at_floor
         screen().print(
             next_line("diagnose" if fails else "report", opened.folder), markup=False, soft_wrap=True

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSIONS
+from station.commands.options import EFFECTS, FULL, GAIN, MODEL, NO_VIEWER, SESSIONS
 from station.output import json_option, print_json, progress, screen
 from station.suggestions import MEASURED_CURVE
 from station.text.next_step import next_line
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     help="Name no force that removes less than this share of the motion.",
 )
 @click.option("--anyway", is_flag=True, help="Even if the sessions look like different benches.")
+@FULL
 @NO_VIEWER
 @json_option
 @click.pass_obj
@@ -40,6 +41,7 @@ def command(
     gain_percent: float | None,
     worth: float,
     anyway: bool,
+    full: bool,
     no_viewer: bool,
     as_json: bool,
 ) -> None:
@@ -77,7 +79,7 @@ def command(
         options = options_for(opened.sessions[0], settings)
         unit = opened.decays[0].window.unit
         weighing = None if options.mass is None else Weighing(options.mass, options.mass_std, unit)
-        show_diagnosis(screen(), document, weighing)
+        show_diagnosis(screen(), document, weighing, full=full)
         for line in next_steps(opened, found, document):
             screen().print(line, markup=False, soft_wrap=True)
     refuse_if_too_little(document)

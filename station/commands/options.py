@@ -92,6 +92,7 @@ MASS = click.option(
 MASS_STD = click.option(
     "--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass."
 )
+FULL = click.option("--full", is_flag=True, help="Print all that is known, not only the result.")
 NO_VIEWER = click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
 CONDITIONS = click.option(
     "--condition",

@@ -32,9 +32,10 @@ from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.settings import Settings
 from station.story.engineering_values import Weighing
+from station.story.residual import floor_words, residual_words
 from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
-from station.text.numbers import three_figures, with_unit
+from station.text.numbers import with_unit
 
 MASS_KG = 21.36
 SEEDS = 1000
@@ -170,10 +171,8 @@ def _compare(session: Session, settings: Settings, console: Console | None) -> N
     console.print(
         Padding(
             Text(
-                f"force error {three_figures(error.force_mse_percent)} %, "
-                f"motion error {three_figures(error.motion_percent)} % over {error.horizon_s:.1f} s. "
-                f"That is {three_figures(error.chi_square)} times what noise explains "
-                f"(1.00 ± {error.floor_std:.2f} is the floor)."
+                f"The usual model leaves {residual_words(error.motion_percent, error.chi_square)} "
+                f"(noise alone: {floor_words(error.floor_std)}), over {error.horizon_s:.1f} s."
             ),
             (0, 1, 1, 1),
         )
@@ -187,11 +186,12 @@ def _reveal(console: Console, solved: Solved, say: Say) -> None:
     truth = solved.truth
     hidden = truth["hidden"]
     say("4. WHAT WAS HIDDEN: it is read only now", "")
+    of = "all forces" if truth["kind"] == "physics" else "one channel"
     strength = 100.0 * next(iter(truth["strengths"].values()), 0.0)
     console.print(
         Padding(
             Text(
-                f"{plain_name(hidden)}, {strength:.2f} % of {'the force' if truth['kind'] == 'physics' else 'one channel'}",
+                f"{plain_name(hidden)}, {strength:.2f} % of the rms of {of}",
                 style="bold",
             ),
             (0, 1),
@@ -236,10 +236,10 @@ def _side_by_side(solved: Solved) -> list[str]:
 
 
 def _verdict(solved: Solved) -> Text:
-    hidden, chi_square = solved.truth["hidden"], solved.ladder.top.error.chi2
+    hidden, left = solved.truth["hidden"], solved.ladder.top.error.words
     if solved.right:
         return Text(
-            f"FOUND: {plain_name(hidden)} was named, and what is left is {three_figures(chi_square)} times the noise.",
+            f"FOUND: {plain_name(hidden)} was named, and the model now leaves {left}.",
             style="bold green",
         )
     if solved.found:

@@ -22,6 +22,7 @@ from station.results.ladder import LADDER, KeptLadder, KeptRung, kept_rung, read
 from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress, refine
+from station.story.residual import residual_words
 from station.suggestions import MEASURED_CURVE, did_you_mean
 
 
@@ -184,7 +185,10 @@ def _added(rung: Rung, name: str) -> tuple[str, str | None]:
 def _manual(rung: Rung, done: str) -> tuple[str, str | None]:
     if rung.at_floor:
         return f"{done}; the noise floor is reached", None
-    return f"{done}; what is left is {three_figures(rung.error.chi_square)} times the noise", None
+    return (
+        f"{done}; the model leaves {residual_words(rung.error.motion_percent, rung.error.chi_square)}",
+        None,
+    )
 
 
 def _found(name: str, library: tuple[Effect, ...]) -> Effect:

@@ -19,29 +19,28 @@ from station.views.suspects import MOST_BARS
 
 
 def errors(document: DiagnosisDocument) -> str | None:
-    """Draw the chi-square after adding each suspect against the floor; None where there is nothing to draw."""
+    """Draw the residual after adding each suspect against the floor; None where there is nothing to draw."""
     rows = [("before", document.error.chi2)]
     rows += [(s.effect, s.error_after) for s in document.suspects]
     known = [(name, value) for name, value in rows if value is not None]
     spread = 0.0 if document.noise_floor is None else document.noise_floor.chi2_std
-    return _chi_squares(known[: MOST_BARS + 1], spread, "chi² with it added")
+    return _residuals(known[: MOST_BARS + 1], spread, " with it added")
 
 
 def rungs(ladder: KeptLadder) -> str | None:
-    """Draw the chi-square rung by rung down to the floor."""
+    """Draw the residual rung by rung down to the floor."""
     rows = [
         (f"{place}: {step(rung)}", rung.error.chi2)
         for place, rung in enumerate(ladder.rungs[: ladder.present + 1])
     ]
-    return _chi_squares([(n, v) for n, v in rows if v is not None], ladder.top.chi2_std, "chi²")
+    return _residuals([(n, v) for n, v in rows if v is not None], ladder.top.chi2_std, "")
 
 
-def _chi_squares(rows: list[tuple[str, float]], std: float, label: str) -> str | None:
+def _residuals(rows: list[tuple[str, float]], std: float, when: str) -> str | None:
     if not rows:
         return None
     drawn, (axis,) = paper(0.75 + 0.24 * len(rows))
-    plots.chi_squares(axis, rows, std, PAPER)
-    axis.set_xlabel(f"{label} (dashed: the noise floor, 1)")
+    plots.residuals(axis, rows, std, PAPER, when=when)
     return embedded(drawn)
 
 

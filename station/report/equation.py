@@ -13,8 +13,9 @@ from station.results.models import parameters_of
 from station.story.compared import Compared
 from station.story.engineering_values import times_mass
 from station.story.measured_curves import measured_curves
+from station.story.residual import residual_words
 from station.text.layout import sentence
-from station.text.numbers import SPACE, typeset, typeset_error, typeset_figures, typeset_symbol, typeset_unit
+from station.text.numbers import SPACE, typeset, typeset_error, typeset_symbol, typeset_unit
 
 TITLE = "The equation of motion"
 FAR = 4.0
@@ -59,9 +60,8 @@ def caution(compared: Compared) -> str:
     error = compared.error
     if error.chi_square <= 1.0 + FAR * error.floor_std:
         return ""
-    motion, chi_square = typeset_figures(error.motion_percent), typeset_figures(error.chi_square)
     return (
-        f"This model leaves {motion} % of the motion, {chi_square} times what noise explains. The standard errors "
+        f"This model leaves {residual_words(error.motion_percent, error.chi_square)}. The standard errors "
         "allow for that as for a slow wander of the motion; a force that is missing may have moved the parameters by more."
     )
 

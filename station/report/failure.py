@@ -8,6 +8,7 @@ from station.report import comparison_figures as draw
 from station.report.content import Facts, Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
 from station.story.compared import Compared
+from station.story.residual import floor_words, times
 from station.text.comparison_text import floor_text, harmonics_text
 from station.text.layout import sentence
 from station.text.numbers import energy_scale, typeset, typeset_error, typeset_figures, typeset_unit
@@ -70,8 +71,8 @@ def errors(compared: Compared) -> Table:
          "mean square, eq. (18), with the force taken at the measured motion"),
         ("motion", f"{typeset_figures(error.motion_percent)} %", f"{typeset_figures(compared.motion_floor)} %",
          f"rms of the free run over {cycles}, of the {seen.motion_channel}'s rms"),
-        ("chi²", typeset_figures(error.chi_square), f"1 ± {error.floor_std:.2f}",
-         "reduced: misfit over noise; 1 when nothing is left to explain"),
+        ("residual", f"{times(error.chi_square)} times the noise", floor_words(error.floor_std),
+         f"rms, of all channels; its square is the reduced chi², {typeset_figures(error.chi_square)}"),
     )  # fmt: skip
     return Table("Errors of the model", ("error", "value", "noise alone", "meaning"), rows, wordy=True)
 

@@ -4,7 +4,7 @@ from station.report import diagnosis_figures as draw
 from station.report.content import Figure, Paragraph, Part, Section, Table, left_out
 from station.report.findings import Findings
 from station.results.diagnosis_document import DiagnosisDocument, FindingDocument, SuspectDocument
-from station.story.suspect_words import would_explain
+from station.story.residual import floor_words, times, would_explain
 from station.text.curves_text import curves_caption
 from station.text.diagnosis_text import (
     STRENGTH_UNKNOWN,
@@ -57,14 +57,17 @@ def suspects(found: Findings) -> Section:
                 suspect.effect,
                 suspect.title,
                 typeset_figures(suspect.motion_percent),
-                typeset_figures(suspect.error_after),
+                times(suspect.error_after),
                 *_reasons(document, suspect),
                 _parameters(suspect),
             )
             for suspect in shown_suspects(document)
         )
-        reasons = ("would explain",) if document.confirmation is None else ("foretells better",)
-        head = ("effect", "what it is", "motion left [%]", "chi² with it", *reasons, "parameters")
+        reasons = (
+            ("explains, of the mean square",) if document.confirmation is None else ("foretells better",)
+        )
+        residual = ("residual [% of motion]", "residual / noise")
+        head = ("effect", "what it is", *residual, *reasons, "parameters")
         parts.append(Table("Suspects in order", head, rows, texts=2, wordy=True))
         picture = draw.errors(document)
         if picture is not None:
@@ -176,24 +179,23 @@ def ladder(found: Findings) -> Section:
     kept = found.ladder
     rows: list[tuple[str, ...]] = []
     for place, rung in enumerate(kept.rungs[: kept.present + 1]):
-        before = kept.rungs[place - 1].error.chi2 if place else None
+        before = kept.rungs[place - 1].error.times_noise if place else None
         error = rung.error
         rows.append(
             (
-                str(place), step(rung), typeset_figures(error.force_mse_percent), typeset_figures(error.motion_percent),
-                typeset_figures(error.chi2), change(before, error.chi2) if place else "",
+                str(place), step(rung), typeset_figures(error.motion_percent), times(error.chi2),
+                change(before, error.times_noise) if place else "",
             )
         )  # fmt: skip
     floor = kept.floor
     rows.append(
-        ("", "noise alone", typeset_figures(floor.force_mse_percent), typeset_figures(floor.motion_percent),
-         f"1 ± {kept.top.chi2_std:.2f}", "")
+        ("", "noise alone", typeset_figures(floor.motion_percent), floor_words(kept.top.chi2_std), "")
     )  # fmt: skip
-    head = ("rung", "effect", "force MSE [%]", "motion [%]", "chi²", "change of chi²")
+    head = ("rung", "effect", "residual [% of motion]", "residual / noise", "change")
     parts: list[Part] = [Table("The ladder", head, tuple(rows), texts=2)]
     picture = draw.rungs(kept)
     if picture is not None:
-        parts.append(Figure("chi² rung by rung (band: two standard errors of the floor).", picture))
+        parts.append(Figure("The residual rung by rung (band: two standard errors of the floor).", picture))
     if kept.stopped_because:
         parts.append(Paragraph(sentence(kept.stopped_because)))
     return Section("ladder", LADDER, tuple(parts))

@@ -8,11 +8,11 @@ from identify.formatting import damping_name, plain_name
 from station.report.equation import caution
 from station.report.findings import Findings
 from station.story.adequacy import judgement, scale_doubt
-from station.story.compared import Compared
 from station.story.engineering_values import EngineeringValue, engineering_values
+from station.story.residual import floor_words, residual_words
 from station.text.diagnosis_text import confirmed_by, headline
 from station.text.layout import sentence
-from station.text.numbers import SPACE, typeset_error, typeset_figures, typeset_symbol, typeset_unit
+from station.text.numbers import SPACE, typeset_error, typeset_symbol, typeset_unit
 
 Rows = list[tuple[str, str]]
 
@@ -60,10 +60,10 @@ def explaining(found: Findings) -> Explaining | None:
         return None
     if current is not None and current.judged.at_floor:
         judged, error = current.judged, current.error
-        left = _over_noise(error.chi_square, error.floor_std)
+        left = f"leaves {residual_words(error.motion_percent, error.chi_square)}{_floor(error.floor_std)}"
         return Explaining(current.words, judged.stated(judged.fit), left)
     if adequate is not None and adequate.adequate:
-        left = _over_noise(adequate.chi_square, adequate.chi_square_std)
+        left = f"leaves {residual_words(adequate.motion_percent, adequate.chi_square)}{_floor(adequate.chi_square_std)}"
         return Explaining("the identified model", adequate.fit, left)
     return None
 
@@ -91,10 +91,6 @@ def _names(fit: Fit) -> str:
     return " + ".join(plain_name(name) for name in fit.model.names)
 
 
-def _over_noise(chi_square: float, std: float) -> str:
-    return f"leaves {typeset_figures(chi_square)} x the noise (noise floor 1 ± {std:.2f})"
-
-
 def _nothing_explains(found: Findings) -> str:
     if found.identification is None:
         return f"not identified: {found.left_out['identification']}"
@@ -118,7 +114,8 @@ def _others(found: Findings, model: Explaining | None) -> Rows:
             f"{one.name} {_quantity(one.value)}"
             for one in engineering_values(fit, found.options.mass, found.options.mass_std)
         )
-        name, left = compared.words.removeprefix("the ").split(",")[0], _left(compared)
+        name = compared.words.removeprefix("the ").split(",")[0]
+        left = residual_words(compared.error.motion_percent, compared.error.chi_square)
         rows.append((name, f"{_names(fit)}: leaves {left}; not to be quoted, for comparison only: {quoted}"))
     return rows
 
@@ -143,7 +140,5 @@ def _methods(found: Findings) -> Rows:
     return rows
 
 
-def _left(compared: Compared) -> str:
-    error = compared.error
-    motion, chi_square = typeset_figures(error.motion_percent), typeset_figures(error.chi_square)
-    return f"{motion} % of the motion, {chi_square} x the noise"
+def _floor(std: float) -> str:
+    return f" (noise alone: {floor_words(std)})"

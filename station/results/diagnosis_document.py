@@ -259,7 +259,7 @@ def diagnosis_document(
             "rivals": found.suspects[0].rivals if found.named else (),
             "confirmed": [] if confirmation is None else [n for n in found.named if n in confirmation.names],
             "confirmation": None if confirmation is None else confirmation_document(confirmation, names),
-            "suspects": [_suspect(suspect, found, expressions) for suspect in found.suspects],
+            "suspects": [_suspect(suspect, found, expressions) for suspect in in_order(found)],
             "together": found.together,
             "findings": [_finding(fault) for fault in found.findings],
             "error_with_named": errors_of(replace(baseline, fit=found.final)),
@@ -276,6 +276,26 @@ def diagnosis_document(
             "of_sessions": [{"session": names[one.index]} | vars(one) for one in found.of_releases],
         }
     )
+
+
+def in_order(found: Diagnosis) -> list[Suspect]:
+    """Return the suspects as they are shown everywhere: what is named, then its rivals, then by what each leaves.
+
+    Those with values that make no sense, as hum at the motion's own frequency, come last. Where curves were asked, what
+    they foretell decides, and the diagnosis' own order stays.
+    """
+    if found.confirmation is not None:
+        return list(found.suspects)
+    named = list(found.named)
+    rivals = found.suspects[0].rivals if named else ()
+
+    def place(suspect: Suspect) -> tuple[int, bool, float]:
+        name = suspect.effect.name
+        if name in named:
+            return named.index(name), False, 0.0
+        return len(named) + (name not in rivals), not suspect.plausible, suspect.error_after
+
+    return sorted(found.suspects, key=place)
 
 
 def refused_document(names: tuple[str, ...], model: Model, reason: str) -> DiagnosisDocument:

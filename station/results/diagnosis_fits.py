@@ -11,7 +11,7 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit, fit
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
-from station.results.diagnosis_document import DiagnosisDocument
+from station.results.diagnosis_document import DiagnosisDocument, in_order
 from station.results.models import ModelFile, known_model, starting_values
 
 MOST = 3
@@ -46,7 +46,7 @@ def fits_of(found: Diagnosis, document: DiagnosisDocument, most: int = MOST) -> 
     """Return the fits of a diagnosis that was just made."""
     decays = found.baseline.decays
     index = int(np.argmax([prepared.amplitude for prepared in decays]))
-    best = tuple((s.term, s.fit) for s in found.suspects[:most])
+    best = tuple((s.term, s.fit) for s in in_order(found)[:most])
     return DiagnosisFits(document, decays[index], index, found.baseline.fit, best)
 
 

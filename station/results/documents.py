@@ -10,6 +10,7 @@ from daq.errors import StorageError
 from daq.session import Session
 from daq.storage import digest
 from station.exits import UsageProblem
+from station.story.residual import noise_multiple, residual_words
 
 LARGEST = 50 << 20
 
@@ -67,6 +68,16 @@ class Errors(Part):
     force_mse_percent: Number = None
     motion_percent: Number = None
     chi2: Number = Field(None, validation_alias=AliasChoices("chi2", "chi_square"))
+
+    @property
+    def times_noise(self) -> float:
+        """The rms of the residual over that of the noise."""
+        return noise_multiple(self.chi2)
+
+    @property
+    def words(self) -> str:
+        """The same and the residual in % of the motion."""
+        return residual_words(self.motion_percent, self.chi2)
 
 
 Kept = TypeVar("Kept", bound=Document)

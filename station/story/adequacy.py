@@ -13,12 +13,13 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import errors_of
 from identify.fitting.segments import segments_of
-from identify.formatting import damping_name, three_figures
+from identify.formatting import damping_name
 from identify.model.model import Model, model_of_orders
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import RestoringForceResult
 from identify.wavelet.wavelet import WaveletResult
+from station.story.residual import floor_words, residual_words
 
 Method = WaveletResult | RestoringForceResult
 
@@ -140,18 +141,13 @@ def _sigmas(first: Estimate, other: Estimate) -> float:
 
 def judgement(found: Adequacy) -> str:
     """Return in a sentence whether the values may be quoted."""
-    floor = f"noise floor 1 ± {found.chi_square_std:.2f}"
-    left = f"{three_figures(found.motion_percent)} % of the motion, {three_figures(found.chi_square)} x the noise"
-    if not found.adequate:
-        return f"this model leaves {left} ({floor}): do not quote its values"
-    if found.doubt:
-        return f"this model leaves {left} ({floor}), but {found.doubt}: do not quote its values"
-    if not found.quotable:
-        return (
-            f"this model leaves {left} ({floor}), but the two methods are {found.sigmas:.0f} standard errors apart in "
-            f"{found.apart}: do not quote its values"
-        )
-    return f"this model leaves {left} ({floor}): its values may be quoted"
+    left = residual_words(found.motion_percent, found.chi_square)
+    words = f"the identified model leaves {left} (noise alone: {floor_words(found.chi_square_std)})"
+    if found.quotable:
+        return f"{words}: its values may be quoted"
+    apart = f"the two methods are {found.sigmas:.0f} standard errors apart in {found.apart}"
+    why = "" if not found.adequate else f", but {found.doubt or apart}"
+    return f"{words}{why}: do not quote its values"
 
 
 def scale_doubt(gain: Estimate) -> str:

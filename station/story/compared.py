@@ -7,7 +7,7 @@ import numpy as np
 from identify.comparison.compare import Comparison
 from identify.fitting.baseline import Baseline
 from identify.fitting.model_error import ModelError, errors_of
-from identify.formatting import three_figures
+from station.story.residual import residual_words
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Compared:
         return (
             f"The record is long: it is judged in {self.pieces} pieces that share the physics, each begun anew. "
             f"In one run over {seen.horizon_cycles:.0f} cycles the same model leaves "
-            f"{three_figures(seen.motion_error)} % of the motion, {three_figures(seen.chi_square)} times the noise, since "
+            f"{residual_words(seen.motion_error, seen.chi_square)}, since "
             "there the phase may wander with clock and temperature; places and cycles are those of that run."
         )
 

@@ -25,7 +25,7 @@ from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
 from identify.fitting.leave_one_out import LeftOut, leave_one_out
 from identify.fitting.segments import segments_by_release, segments_of
-from identify.formatting import plain_name, three_figures
+from identify.formatting import plain_name
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
 from identify.preprocessing.aligned_decay import locate_and_align
@@ -40,6 +40,7 @@ from station.story.adequacy import adequacy, identified_model, needed_orders
 from station.story.compared import Compared
 from station.story.identification import Identification
 from station.story.preparation import Options, free_decay
+from station.story.residual import residual_words
 
 Value = TypeVar("Value")
 Progress = Callable[[str], None]
@@ -198,6 +199,7 @@ def refine(
 
     def on_rung(rung: Rung, sentence: str) -> None:
         names = " + ".join(plain_name(name) for name in rung.effects)
-        progress(f"{sentence}: chi2 {three_figures(rung.error.chi_square)} ({names})")
+        left = residual_words(rung.error.motion_percent, rung.error.chi_square)
+        progress(f"{sentence}: {left} ({names})")
 
     return refine_decay(prepared, model, library=library, known=known, progress=on_rung)

@@ -9,72 +9,57 @@ from rich.text import Text
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.formatting import plain_name, scaled
 from station.story.compared import Compared
+from station.story.residual import floor_words, residual_words
 from station.text.layout import labelled
 from station.text.numbers import energy_scale, three_figures, with_error
 
-ROWS = 8
-LABEL_WIDTH = 15
+ROWS, FEW_PLACES = 8, 2
+LABEL_WIDTH = 12
 
 
-def show_comparison(console: Console, compared: Compared) -> None:
-    """Print the errors, whether a sensor or physics is to blame, the worst places, the cycles, the harmonics."""
-    found, fit = compared.comparison, compared.baseline.fit
-    console.print()
-    console.print(Text(f" {compared.name}: compared with {compared.words}", style="bold"))
-    console.print(labelled("model", " + ".join(plain_name(name) for name in fit.model.names), LABEL_WIDTH))
-    if compared.remark:
-        console.print(labelled("", compared.remark, LABEL_WIDTH))
-    if not fit.converged or fit.unidentifiable:
-        console.print(labelled("fit", fit.outcome, LABEL_WIDTH))
-    console.print()
-    console.print(Padding(errors(compared), (0, 0, 0, 1)))
-    console.print()
-    console.print(labelled("floor", floor_text(compared), LABEL_WIDTH))
-    console.print(labelled("cause", found.cause, LABEL_WIDTH))
+def show_comparison(console: Console, compared: Compared, *, full: bool = False) -> None:
+    """Print the residual, whether a sensor or physics is to blame, and the worst places.
+
+    `full` adds the force error and chi-square, the noise, the errors cycle by cycle, the harmonics.
+    """
+    found, fit, error = compared.comparison, compared.baseline.fit, compared.error
+    names = " + ".join(plain_name(name) for name in fit.model.names)
+    lines = [("model", f"{compared.words}: {names}")]
+    lines += [("", compared.remark)] if compared.remark else []
+    lines += [("fit", fit.outcome)] if not fit.converged or fit.unidentifiable else []
+    lines.append(("residual", _residual(compared)))
+    if full:
+        lines += [
+            ("chi-square", f"{three_figures(error.chi_square)} (noise alone: 1 ± {error.floor_std:.2f})"),
+            ("force error", f"{three_figures(error.force_mse_percent)} % of the mean square at the measured motion "
+             f"(noise alone: {three_figures(found.force_floor)} %)"),
+            ("noise", floor_text(compared)),
+        ]  # fmt: skip
+    lines.append(("cause", found.cause))
     if compared.one_run:
-        console.print(labelled("one run", compared.one_run, LABEL_WIDTH))
+        lines.append(("one run", compared.one_run))
+    places = found.places if full else found.places[:FEW_PLACES]
+    lines += [(f"{place.significance:.0f} sigma", place.text) for place in places] or [("", found.summary)]
     console.print()
-    console.print(Text(" Worst places", style="bold"))
-    if not found.places:
-        console.print(f" {found.summary}", markup=False)
-    for number, place in enumerate(found.places, start=1):
-        console.print(labelled(f"{number}. {place.significance:.0f} sigma", place.text, LABEL_WIDTH))
+    console.print(Text(f" {compared.name}", style="bold"))
+    for label, text in lines:
+        console.print(labelled(label, text, LABEL_WIDTH))
     console.print()
-    console.print(Padding(cycles(compared), (0, 0, 0, 1)))
-    console.print()
-    console.print(labelled("harmonics", harmonics_text(compared), LABEL_WIDTH))
-    console.print()
+    if full:
+        console.print(Padding(cycles(compared), (0, 0, 0, 1)))
+        console.print()
+        console.print(labelled("harmonics", harmonics_text(compared), LABEL_WIDTH))
+        console.print()
 
 
-def errors(compared: Compared) -> Table:
-    """Return the three errors side by side with what each means and what noise alone would leave."""
-    found, error = compared.comparison, compared.error
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
-    table.add_column("error")
-    table.add_column("value", justify="right")
-    table.add_column("at the floor", justify="right")
-    table.add_column("meaning")
-    table.add_row(
-        "force",
-        f"{three_figures(error.force_mse_percent)} %",
-        f"{three_figures(found.force_floor)} %",
-        "eq. (18), at the measured motion",
-    )
+def _residual(compared: Compared) -> str:
+    error = compared.error
     cycles = error.horizon_s * compared.baseline.fit.frequency / (2.0 * np.pi)
-    horizon = f"free run, rms, {three_figures(error.horizon_s)} s ({cycles:.0f} cycles)"
-    table.add_row(
-        "motion",
-        f"{three_figures(error.motion_percent)} %",
-        f"{three_figures(compared.motion_floor)} %",
-        horizon,
+    return (
+        f"{residual_words(error.motion_percent, error.chi_square)} (noise alone: "
+        f"{three_figures(compared.motion_floor)} %, {floor_words(error.floor_std)}), in a free run of "
+        f"{three_figures(error.horizon_s)} s or {cycles:.0f} cycles"
     )
-    table.add_row(
-        "chi-square",
-        three_figures(error.chi_square),
-        f"1 ± {error.floor_std:.2f}",
-        "over the noise; 1: nothing left",
-    )
-    return table
 
 
 def floor_text(compared: Compared) -> str:

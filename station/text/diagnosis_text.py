@@ -1,7 +1,5 @@
 """A diagnosis in one screenful of 80 columns: the verdict first, then why, the suspects, what to record next."""
 
-import math
-
 from rich.console import Console
 from rich.padding import Padding
 from rich.table import Table
@@ -17,14 +15,15 @@ from station.results.diagnosis_document import (
     NoiseFloorDocument,
     SuspectDocument,
 )
+from station.results.documents import Number
 from station.story.engineering_values import Weighing
-from station.story.suspect_words import reaches_floor, would_explain
+from station.story.residual import floor_words, residual_words, times
 from station.text.layout import labelled
 from station.text.numbers import DASH, three_figures, with_names, with_unit
 from station.text.shares_text import shares_table
 
 STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
-MOST_SUSPECTS = 6
+MOST_SUSPECTS, FEW_SUSPECTS = 6, 3
 STRENGTH_UNKNOWN = "strength not determined"
 LABEL_WIDTH = 12
 
@@ -35,63 +34,58 @@ def headline(document: DiagnosisDocument) -> str:
     return f"{verdict}: {among([plain_name(name) for name in document.named])}" if document.named else verdict
 
 
-def show_diagnosis(console: Console, document: DiagnosisDocument, weighing: Weighing | None = None) -> None:
-    """Print a diagnosis; with a `weighing` the strengths of what is named stand in N, kg and s too."""
+def show_diagnosis(
+    console: Console, document: DiagnosisDocument, weighing: Weighing | None = None, *, full: bool = False
+) -> None:
+    """Print a diagnosis: the verdict, what each model leaves, what to record next; `full` adds all else that is known.
+
+    With a `weighing` the strengths of what is named stand in N, kg and s too.
+    """
     console.print()
     console.print(Text(f" {headline(document)}", style=STYLES.get(document.verdict, "bold red")))
-    console.print()
-    console.print(Padding(Text(document.explanation), (0, 1)))
-    if document.suspects and document.noise_floor is not None:
+    if full or not document.named:
         console.print()
-        console.print(Padding(_errors(document, document.noise_floor), (0, 0, 0, 1)))
+        console.print(Padding(Text(document.explanation), (0, 1)))
+    if document.noise_floor is not None:
         console.print()
-        console.print(Padding(_suspects(document), (0, 0, 0, 1)))
-    if document.shares:
+        console.print(Padding(_residuals(document, document.noise_floor, full), (0, 0, 0, 1)))
+    if full and document.shares:
         console.print()
         console.print(Padding(shares_table(document.shares), (0, 0, 0, 1)))
     console.print()
-    for label, text in (*_weighed(document, weighing), *_facts(document)):
+    for label, text in (*_values(document, weighing), *_facts(document, full)):
         console.print(labelled(label, text, LABEL_WIDTH))
     console.print()
 
 
-def _errors(document: DiagnosisDocument, floor: NoiseFloorDocument) -> Text:
-    error, named = document.error, document.error_with_named
-    text = (
-        f"{document.model_is}: {' + '.join(plain_name(name) for name in document.model.effects)}\n"
-        f"leaves {three_figures(error.motion_percent)} % of the motion over {error.horizon_s or 0.0:.1f} s, "
-        f"{three_figures(error.force_mse_percent)} % of the force,\n"
-        f"and {three_figures(error.chi2)} times what noise explains (chi2; floor 1.00 ± {floor.chi2_std:.2f})"
-    )
-    if document.named and named is not None:
-        with_it = among([plain_name(name) for name in document.named])
-        text += (
-            f";\nwith {with_it}: {three_figures(named.motion_percent)} % of the motion, "
-            f"{three_figures(named.chi2)} times"
-        )
-    return Text(text)
-
-
-def _suspects(document: DiagnosisDocument) -> Table:
-    """Return the table of suspects: where curves were asked, what each foretells stands in place of its odds."""
+def _residuals(document: DiagnosisDocument, floor: NoiseFloorDocument, full: bool) -> Table:
+    """Return what the model leaves, what it leaves with each suspect, in their order, and what noise alone leaves."""
     foretold = document.confirmation is not None
+    error, named = document.error, document.error_with_named
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
-    table.add_column("suspect", no_wrap=True)
-    table.add_column("motion\nleft %", justify="right")
-    table.add_column("chi2\nafter", justify="right")
-    for head in ("foretells",) if foretold else ("would\nexplain", "reaches\nthe floor"):
+    table.add_column(f"residual of a free run\nover {error.horizon_s or 0.0:.1f} s", overflow="fold")
+    heads = ["% of the\nmotion", "times the\nnoise"]
+    heads += ["foretells"] if foretold else []
+    heads += ["chi-\nsquare"] if full else []
+    for head in heads:
         table.add_column(head, justify="right", no_wrap=True)
-    table.add_column("with", overflow="fold")
-    for rank, suspect in enumerate(shown_suspects(document)):
-        worth = (would_explain(document.error.chi2, suspect.error_after), _reached(document, suspect))
-        cells = (
-            suspect.effect,
-            three_figures(suspect.motion_percent),
-            three_figures(suspect.error_after),
-            *((foretells(document, suspect),) if foretold else worth),
-            _parameters(suspect, None if rank == 0 else 1),
-        )
-        table.add_row(*(Text(cell, style="" if suspect.claimed else "dim") for cell in cells))
+    if full:
+        table.add_column("values", overflow="fold")
+
+    def row(name: str, left: tuple[Number, Number], last: tuple[str, ...] = (), style: str = "") -> None:
+        motion, chi2 = left
+        cells = [name, three_figures(motion), times(chi2), *last[:foretold]]
+        cells += [three_figures(chi2), *last[foretold:]] if full else []
+        table.add_row(*(Text(cell, style=style) for cell in cells))
+
+    row(document.model_is, (error.motion_percent, error.chi2), ("",) * foretold)
+    if named is not None and len(document.named) > 1:
+        row("+ all that is named", (named.motion_percent, named.chi2), ("",) * foretold)
+    for suspect in shown_suspects(document, MOST_SUSPECTS if full else FEW_SUSPECTS):
+        last = ((foretells(document, suspect),) * foretold) + (_parameters(suspect),)
+        style = "" if suspect.claimed else "dim"
+        row(f"+ {suspect.effect}", (suspect.motion_percent, suspect.error_after), last, style)
+    table.add_row(Text("noise alone"), "", Text(floor_words(floor.chi2_std)), style="green")
     return table
 
 
@@ -147,58 +141,33 @@ def _medians(found: ConfirmationDocument) -> str:
     return f"{'of these' if found.one_record else 'median'}: {', '.join(parts)}"
 
 
-def shown_suspects(document: DiagnosisDocument) -> list[SuspectDocument]:
-    """Return the suspects that are worth a line: all that are claimed, at least three, and the rivals of the first."""
+def shown_suspects(document: DiagnosisDocument, most: int = MOST_SUSPECTS) -> list[SuspectDocument]:
+    """Return the suspects that are worth a line: what is named, its rivals, and the next that are claimed, `most` in all."""
     claimed = sum(suspect.claimed for suspect in document.suspects)
-    most = max(3, min(MOST_SUSPECTS, claimed))
-    ordered = in_order(document)
-    return [s for rank, s in enumerate(ordered) if rank < most or s.effect in document.rivals]
+    most = max(min(most, claimed), len(document.named), min(3, most))
+    return [s for rank, s in enumerate(document.suspects) if rank < most or s.effect in document.rivals]
 
 
-def in_order(document: DiagnosisDocument) -> list[SuspectDocument]:
-    """Return the suspects as they are shown: what is named, then its rivals, then by what each would explain.
-
-    Those with values that make no sense, as hum at the motion's own frequency, come last. Where curves were asked, what
-    they foretell decides, and the diagnosis' own order stays.
-    """
-    if document.confirmation is not None:
-        return list(document.suspects)
-
-    def place(suspect: SuspectDocument) -> tuple[int, bool, float]:
-        if suspect.effect in document.named:
-            return document.named.index(suspect.effect), False, 0.0
-        left = suspect.error_after if suspect.error_after is not None else math.inf
-        return len(document.named) + (suspect.effect not in document.rivals), not suspect.plausible, left
-
-    return sorted(document.suspects, key=place)
-
-
-def _reached(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
-    floor = document.noise_floor
-    noise = [] if floor is None else list(floor.channels.values())
-    sure = len(noise) > 1 and all("rest" in channel.source for channel in noise)
-    return "yes" if reaches_floor(suspect.error_after, document.error.chi2_std, sure) else "no"
-
-
-def _parameters(suspect: SuspectDocument, most: int | None) -> str:
-    parts = (with_names(suspect.parameters) if suspect.strength_known else [STRENGTH_UNKNOWN])[:most]
+def _parameters(suspect: SuspectDocument) -> str:
+    parts = with_names(suspect.parameters) if suspect.strength_known else [STRENGTH_UNKNOWN]
     where = f"in the {suspect.channel}" if suspect.channel else ""
     return "; ".join([*([where] if where else []), *parts])
 
 
-def _weighed(document: DiagnosisDocument, weighing: Weighing | None) -> list[tuple[str, str]]:
-    """Return the strengths of what is named with the mass in them, one line for each."""
-    if weighing is None:
-        return []
+def _values(document: DiagnosisDocument, weighing: Weighing | None) -> list[tuple[str, str]]:
+    """Return the values of what is named, one line for each; the strength with the mass in it after them."""
     lines = []
     for suspect in document.suspects:
-        name, value = next(iter(suspect.parameters.items()), (None, None))
-        if suspect.effect not in document.named or name is None or value is None or value.value is None:
+        if suspect.effect not in document.named:
             continue
-        whole = weighing.strength(suspect.effect, value.value, value.std, value.unit)
-        if whole is not None:
-            text = f"{plain_name(suspect.effect)}: {name} = {with_unit(whole)} with a mass of {weighing.mass:g} kg"
-            lines.append(("strength", text))
+        text = f"{plain_name(suspect.effect)}: {_parameters(suspect)}"
+        name, value = next(iter(suspect.parameters.items()), (None, None))
+        whole = None
+        if weighing is not None and value is not None and value.value is not None:
+            whole = weighing.strength(suspect.effect, value.value, value.std, value.unit)
+        if whole is not None and weighing is not None:
+            text += f"; with a mass of {weighing.mass:g} kg {name} = {with_unit(whole)}"
+        lines.append(("values", text))
     return lines
 
 
@@ -217,8 +186,12 @@ def _not_shared(document: DiagnosisDocument) -> list[tuple[str, str]]:
     return facts
 
 
-def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
-    facts = [("used", used(document))] if document.used else []
+def _facts(document: DiagnosisDocument, full: bool) -> list[tuple[str, str]]:
+    facts = []
+    if full:
+        facts.append(("model", " + ".join(plain_name(name) for name in document.model.effects)))
+    if full and document.used:
+        facts.append(("used", used(document)))
     if document.model_remark:
         facts.append(("model", document.model_remark))
     if document.differences:
@@ -226,7 +199,7 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
     if document.modes:
         seen = " and ".join(mode.words for mode in document.modes)
         facts.append(("modes", f"beside the motion's, {seen}; one mode is followed here"))
-    foretold = foretold_parts(document)
+    foretold = foretold_parts(document) if full else ""
     if foretold:
         facts.append(("foretold", foretold))
     if document.rivals:
@@ -242,9 +215,7 @@ def _facts(document: DiagnosisDocument) -> list[tuple[str, str]]:
         )
     if document.held_out:
         parts = [f"{one.session} {_left(one)}" for one in document.held_out]
-        facts.append(
-            ("left out", f"fitted to the others, the model leaves of the motion of {', '.join(parts)}")
-        )
+        facts.append(("left out", f"fitted to the others, the model leaves in {', '.join(parts)}"))
     facts.append(("record next", document.next_experiment))
     return facts
 
@@ -290,4 +261,4 @@ def not_told_apart(document: DiagnosisDocument) -> str:
 def _left(one: HeldOutDocument) -> str:
     if one.chi2 is None:
         return "a run that diverges"
-    return f"{three_figures(one.motion_percent)} % (chi2 {three_figures(one.chi2)})"
+    return residual_words(one.motion_percent, one.chi2)

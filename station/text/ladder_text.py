@@ -9,6 +9,7 @@ from rich.text import Text
 
 from station.results.ladder import KeptLadder, KeptRung
 from station.story.engineering_values import Weighing
+from station.story.residual import floor_words, times
 from station.text.layout import sentence
 from station.text.numbers import change, three_figures, with_unit
 
@@ -35,12 +36,9 @@ def _table(ladder: KeptLadder) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column("rung", justify="right")
     table.add_column("effect", no_wrap=True)
-    table.add_column("force\nMSE %", justify="right")
-    table.add_column("motion\n%", justify="right")
-    table.add_column("chi2", justify="right", no_wrap=True)
+    table.add_column("residual, %\nof the motion", justify="right")
+    table.add_column("times the\nnoise", justify="right", no_wrap=True)
     table.add_column("change", justify="right")
-    table.add_column("", max_width=12, no_wrap=True, overflow="crop")
-    largest = max((rung.error.chi2 or 1.0 for rung in ladder.rungs), default=1.0)
     before: KeptRung | None = None
     for place, rung in enumerate(ladder.rungs):
         above = place > ladder.present
@@ -49,29 +47,20 @@ def _table(ladder: KeptLadder) -> Table:
         cells = (
             str(place),
             step(rung),
-            three_figures(error.force_mse_percent),
             three_figures(error.motion_percent),
-            three_figures(error.chi2),
-            "" if before is None else change(before.error.chi2, error.chi2),
-            bar(error.chi2, largest),
+            times(error.chi2),
+            "" if before is None else change(before.error.times_noise, error.times_noise),
         )
         table.add_row(*(Text(cell, style=style) for cell in cells))
         before = rung
-    floor = ladder.floor
-    table.add_row(
-        *(
-            Text(cell, style="green")
-            for cell in (
-                "",
-                "floor (noise alone)",
-                three_figures(floor.force_mse_percent),
-                three_figures(floor.motion_percent),
-                f"1 ± {ladder.top.chi2_std:.2f}",
-                "",
-                "",
-            )
-        )
+    floor = (
+        "",
+        "noise alone",
+        three_figures(ladder.floor.motion_percent),
+        floor_words(ladder.top.chi2_std),
+        "",
     )
+    table.add_row(*(Text(cell, style="green") for cell in floor))
     return table
 
 
@@ -82,13 +71,6 @@ def step(rung: KeptRung) -> str:
     if rung.removed:
         return f"- {rung.removed}"
     return rung.began
-
-
-def bar(chi_square: float | None, largest: float, width: int = 12) -> str:
-    """Return chi-square on a logarithmic scale from the floor (nothing) to the largest."""
-    if chi_square is None or chi_square <= 1.05 or largest <= 1.05:
-        return ""
-    return "█" * max(1, round(width * math.log(chi_square) / math.log(max(largest, 2.0))))
 
 
 def changed_parameters(before: KeptRung, after: KeptRung, weighing: Weighing | None = None) -> list[str]:

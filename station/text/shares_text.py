@@ -22,7 +22,12 @@ def shares_table(shares: Sequence[SharesDocument]) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
     first = f"what each effect does\n{at_amplitude(WHICH[0], shares[0])}"
     table.add_column(first, overflow="fold", min_width=_WIDTH)
-    for head in (f"largest force\n{unit}", "of all\n%", "of the loss\n%", "frequency\nraised by %"):
+    for head in (
+        f"largest force\n{unit}",
+        "of all but\nspring, %",
+        "of the loss\n%",
+        "frequency\nraised by %",
+    ):
         table.add_column(head, justify="right", no_wrap=True)
     for number, (which, at) in enumerate(zip(WHICH, shares, strict=False)):
         if number:

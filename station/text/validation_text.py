@@ -8,6 +8,7 @@ from rich.text import Text
 from identify.fitting.validation import BASIS
 from identify.formatting import plain_name
 from station.results.validation_document import PredictionDocument, ValidationDocument
+from station.story.residual import noise_multiple
 from station.text.layout import labelled, sentence
 from station.text.numbers import three_figures
 
@@ -41,7 +42,7 @@ def _source(document: ValidationDocument) -> str:
 def _table(document: ValidationDocument) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column("session", overflow="fold", max_width=30)
-    for head in ("motion %\nusual", "motion %\nmodel", "chi2\nusual", "chi2\nmodel"):
+    for head in ("% of motion\nusual", "% of motion\nmodel", "times noise\nusual", "times noise\nmodel"):
         table.add_column(head, justify="right")
     table.add_column("the model\nis")
     for one in document.sessions[:MOST_ROWS]:
@@ -50,7 +51,10 @@ def _table(document: ValidationDocument) -> Table:
         table.add_row(
             Text(one.session),
             *(_left(found.motion_percent) for found in (one.usual, one.model)),
-            *(_left(found.chi2) for found in (one.usual, one.model)),
+            *(
+                _left(None if found.chi2 is None else noise_multiple(found.chi2))
+                for found in (one.usual, one.model)
+            ),
             Text(word, style=style),
         )
     return table

@@ -9,6 +9,7 @@ import rerun.blueprint as rrb
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.formatting import plain_name
 from station.story.compared import Compared
+from station.story.residual import floor_words, times
 from station.text.numbers import energy_scale, scale, three_figures
 from station.views import log, palette, plots
 from station.views.figure import figure, legend
@@ -214,12 +215,10 @@ def summary(compared: Compared) -> str:
     lines = [
         f"**{compared.name}** against {compared.words}: {names}",
         "",
-        "| error | value | at the floor |",
+        f"| residual of a free run of {three_figures(error.horizon_s)} s | value | noise alone |",
         "|---|---:|---:|",
-        f"| force, eq. (18) | {three_figures(error.force_mse_percent)} % | {three_figures(found.force_floor)} % |",
-        f"| motion, free run of {three_figures(error.horizon_s)} s | {three_figures(error.motion_percent)} % "
-        f"| {three_figures(compared.motion_floor)} % |",
-        f"| chi-square | {three_figures(error.chi_square)} | 1 ± {error.floor_std:.2f} |",
+        f"| % of the motion | {three_figures(error.motion_percent)} | {three_figures(compared.motion_floor)} |",
+        f"| times the noise | {times(error.chi_square)} | {floor_words(error.floor_std)} |",
         "",
         found.cause,
         "",

@@ -29,9 +29,8 @@ CYCLES = 2.5
 NOISE = 2.0
 ROOM = 1.15
 ERRORS = (
-    ("chi2", "chi2, 1 is the floor"),
-    ("motion_percent", "motion error [%]"),
-    ("force_mse_percent", "force error, MSE [%]"),
+    ("motion_percent", "residual [% of the motion]"),
+    ("times_noise", "residual [times the noise]"),
 )
 
 
@@ -145,7 +144,7 @@ def _overlay(axis: "Axes", time: Array, measured: Array, model: Array, dot: floa
 
 
 def _errors(fitted: FittedLadder, place: int) -> "Figure":
-    drawn, axes = figure(5.8, 9.4, 3, 1)
+    drawn, axes = figure(5.8, 7.0, len(ERRORS), 1)
     labels = [f"{n}: {step(rung)}" for n, rung in enumerate(fitted.rungs)]
     for axis, (name, title) in zip(axes, ERRORS, strict=True):
         values = np.array([getattr(rung.error, name) or np.nan for rung in fitted.rungs])
@@ -164,7 +163,7 @@ def _errors(fitted: FittedLadder, place: int) -> "Figure":
         axis.set_ylim(max(len(values), 3) - 0.4, -0.6)
         axis.set_yticks(range(place + 1), labels[: place + 1])
         axis.grid(axis="y", visible=False)
-        axis.set_title(f"{title} (dashed: what noise alone leaves)", loc="left", fontsize=10)
+        axis.set_title(f"{title} (logarithmic; dashed: noise alone)", loc="left", fontsize=10)
     return drawn
 
 

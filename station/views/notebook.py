@@ -185,8 +185,7 @@ def _ladder(found: Ladder) -> Picture:
     rows = [(name, rung.error.chi_square) for name, rung in zip(names, found.rungs, strict=True)]
     colours = [MODEL if rung.at_floor else MEASURED for rung in found.rungs]
     picture, (axis,) = _axes(0.5 * len(names) + 1.0)
-    plots.chi_squares(axis, rows, found.top.error.floor_std, PAPER, colours)
-    axis.set_xlabel("reduced chi-square (dashed: the noise floor, 1)")
+    plots.residuals(axis, rows, found.top.error.floor_std, PAPER, colours)
     return picture
 
 

@@ -20,7 +20,7 @@ from station.views import palette
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LEAST_CHI_SQUARE = 0.5
+LEAST = 0.7
 LEAST_SHARE = 1e-6
 MOST_DOTS = 500
 TOO_MANY_DOTS = 60
@@ -140,23 +140,29 @@ def _errorbar(
     axis.errorbar(x, y, yerr=error, fmt=form, ms=3.5, lw=0.9, capsize=2, color=colour, label=label or None)
 
 
-def chi_squares(
-    axis: "Axes", rows: Sequence[tuple[str, float]], std: float, look: Look, colours: Sequence[str] = ()
+def residuals(
+    axis: "Axes",
+    rows: Sequence[tuple[str, float]],
+    std: float,
+    look: Look,
+    colours: Sequence[str] = (),
+    when: str = "",
 ) -> None:
-    """Draw chi-squares as bars on a logarithmic axis, with the noise floor (1, band: two standard errors)."""
-    values = np.array([value for _, value in rows])
-    lengths = np.maximum(values, LEAST_CHI_SQUARE * 1.05) - LEAST_CHI_SQUARE
+    """Draw the residuals of reduced chi-squares as bars on a logarithmic axis, with the noise (1, band: 2 std. errors)."""
+    values, std = np.sqrt([value for _, value in rows]), std / 2.0
+    lengths = np.maximum(values, LEAST * 1.05) - LEAST
     axis.barh(
-        range(len(rows)), lengths, left=LEAST_CHI_SQUARE, color=colours or look.bar, edgecolor=look.ink, lw=0.5,
+        range(len(rows)), lengths, left=LEAST, color=colours or look.bar, edgecolor=look.ink, lw=0.5,
         height=0.62,
     )  # fmt: skip
     for row, value in enumerate(values):
         place = (max(float(value), 1.0), row)
         axis.annotate(f" {three_figures(float(value))}", place, va="center", fontsize=8, color=look.ink)
-    axis.axvspan(max(1 - 2 * std, LEAST_CHI_SQUARE), 1 + 2 * std, color=look.noise, lw=0, zorder=0)
+    axis.axvspan(max(1 - 2 * std, LEAST), 1 + 2 * std, color=look.noise, lw=0, zorder=0)
     axis.axvline(1, color=look.ink, lw=1.0, ls="--")
     axis.set_xscale("log")
-    axis.set_xlim(LEAST_CHI_SQUARE, 2.5 * max(float(np.max(values, initial=0.0)), 2.0))
+    axis.set_xlabel(f"rms of the residual{when}, times the noise (logarithmic; dashed: noise alone)")
+    axis.set_xlim(LEAST, 2.5 * max(float(np.max(values, initial=0.0)), 2.0))
     _rows(axis, [name for name, _ in rows])
 
 

@@ -12,8 +12,8 @@ from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.diagnosis_document import DiagnosisDocument, ShapeDocument, SuspectDocument
 from station.results.diagnosis_fits import DiagnosisFits
-from station.story.suspect_words import would_explain
-from station.text.diagnosis_text import STRENGTH_UNKNOWN, found_in_sensor, headline, in_order, not_told_apart
+from station.story.residual import residual_words, times
+from station.text.diagnosis_text import STRENGTH_UNKNOWN, found_in_sensor, headline, not_told_apart
 from station.text.layout import sentence
 from station.text.numbers import scale, three_figures, with_unit
 from station.views import log, palette, plots
@@ -50,8 +50,7 @@ def _errors(stream: rr.RecordingStream, document: DiagnosisDocument, root: str) 
     colours = [palette.css(colour) for _, _, colour in rows]
     std = 0.0 if document.noise_floor is None else document.noise_floor.chi2_std
     drawn, (axis,) = figure(9.0, 4.0)
-    plots.chi_squares(axis, [(name, value) for name, value, _ in rows], std, SCREEN, colours)
-    axis.set_xlabel("chi2 after adding it: 1 is the noise floor (band: 2 standard errors)")
+    plots.residuals(axis, [(name, value) for name, value, _ in rows], std, SCREEN, colours, " with it")
     log.picture(stream, f"{root}/errors", drawn, {"chi2_after": [value for _, value, _ in rows]})
 
 
@@ -89,7 +88,7 @@ def _force_maps(stream: rr.RecordingStream, fits: DiagnosisFits, root: str) -> N
 def _leaves(document: DiagnosisDocument, term: Term) -> str:
     for suspect in document.suspects:
         if suspect.effect == term.effect.name and (suspect.channel or "") == term.channel:
-            return f"with it chi2 is {three_figures(suspect.error_after)}"
+            return f"leaves {residual_words(suspect.motion_percent, suspect.error_after)}"
     return ""
 
 
@@ -120,11 +119,10 @@ def summary(document: DiagnosisDocument) -> str:
     lines = [f"# {headline(document)}", "", document.explanation, ""]
     if document.rivals:
         lines += [f"**{sentence(not_told_apart(document))}**", ""]
-    lines += ["| suspect | would explain | chi2 after |", "|---|---:|---:|"]
+    lines += ["| with | residual, % of motion | times the noise |", "|---|---:|---:|"]
     lines += [
-        f"| {plain_name(s.effect)} | {would_explain(document.error.chi2, s.error_after)} | "
-        f"{three_figures(s.error_after)} |"
-        for s in in_order(document)[:8]
+        f"| {plain_name(s.effect)} | {three_figures(s.motion_percent)} | {times(s.error_after)} |"
+        for s in document.suspects[:8]
     ]
     if document.suspects:
         first = document.suspects[0]

@@ -37,8 +37,6 @@ def picture_of(compared: Compared) -> view_models.Picture:
         plane=_plane(compared, factor, units.force_scale),
         cycles=_cycles(compared, units),
         errors={
-            "force_mse_percent": error.force_mse_percent,
-            "force_floor_percent": found.force_floor,
             "motion_percent": error.motion_percent,
             "chi2": error.chi_square,
             "chi2_std": error.floor_std,
@@ -46,6 +44,7 @@ def picture_of(compared: Compared) -> view_models.Picture:
             "cycles": error.horizon_s * compared.baseline.fit.frequency / (2.0 * math.pi),
         },
         summary=found.summary,
+        words=compared.words,
         cause=" ".join(filter(None, (found.cause, compared.one_run))),
         places=tuple(place.text for place in found.places[:MOST_PLACES]),
     )

@@ -2,6 +2,7 @@
 
 from nicegui import ui
 
+from station.story.residual import floor_words, times
 from station.text.numbers import three_figures
 from station.workbench import charts, curve_charts, view_models, widgets
 from station.workbench.chart_parts import Options
@@ -67,16 +68,13 @@ class DetailsPanel:
         self._numbers.clear()
         with self._numbers:
             _number(
-                f"{three_figures(errors['chi2'])} ×",
-                f"what noise explains (floor 1.00 ± {errors['chi2_std']:.2f})",
-            )
-            _number(
                 f"{three_figures(errors['motion_percent'])} %",
-                f"of the motion is left, over {errors['horizon_s']:.1f} s ({errors['cycles']:.0f} cycles)",
+                f"of the motion is the residual of {picture.words}, over {errors['horizon_s']:.1f} s "
+                f"({errors['cycles']:.0f} cycles)",
             )
             _number(
-                f"{three_figures(errors['force_mse_percent'])} %",
-                f"of the force is left (MSE; noise alone {three_figures(errors['force_floor_percent'])} %)",
+                f"{times(errors['chi2'])} ×",
+                f"the noise is its rms (noise alone: {floor_words(errors['chi2_std'])})",
             )
         self._summary.text = picture.summary
         self._cause.text = f"{picture.cause} {_apart(errors['chi2'], of_ladder)}".strip()
@@ -112,7 +110,7 @@ def _apart(whole: float, of_ladder: float | None) -> str:
         return ""
     return (
         f"Here the model runs through the whole record without a new start; the ladder lets it begin anew in pieces "
-        f"of a long release, which leaves {three_figures(of_ladder)} times the noise."
+        f"of a long release, which leaves {times(of_ladder)} times the noise."
     )
 
 

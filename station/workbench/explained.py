@@ -1,6 +1,6 @@
 """What a suspect would explain, as its card says it."""
 
-from station.story.suspect_words import reaches_floor, would_explain
+from station.story.residual import reaches_floor, would_explain
 
 
 def explained_words(before: float | None, after: float | None, spread: float | None) -> str:
@@ -11,4 +11,4 @@ def explained_words(before: float | None, after: float | None, spread: float | N
     words = would_explain(before, after)
     if words == "-" or before is None or before <= 1.0:
         return ""
-    return f"would explain {'all of it' if reaches_floor(after, spread, sure=True) else words}"
+    return f"would explain {'all of it' if reaches_floor(after, spread) else words}"

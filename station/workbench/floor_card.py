@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 from nicegui import ui
 
-from station.text.numbers import three_figures, typeset, with_unit
+from station.story.residual import floor_words
+from station.text.numbers import typeset, with_unit
 from station.workbench import view_models, widgets
 from station.workbench.names import plain
 
@@ -38,8 +39,8 @@ class FloorCard:
         if not view.at_floor:
             return
         self._words.text = (
-            f"The model leaves {three_figures(top.error.chi2)} times the noise (1.00 ± {top.chi2_std:.2f} is noise "
-            f"alone). Added to the {view.ladder.rungs[0].began}: "
+            f"The {top.began if top.begun_with else 'refined model'} leaves {top.error.words} (noise alone: "
+            f"{floor_words(top.chi2_std)}). Added to the {view.ladder.rungs[0].began}: "
             f"{', '.join(plain(n) for n in top.effects if n not in view.ladder.rungs[0].effects) or 'nothing'}."
         )
         self._equation.text = typeset(top.model.equation)

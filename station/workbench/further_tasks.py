@@ -12,6 +12,7 @@ from station.operations.validating import validate_sessions
 from station.results.models import name_of
 from station.settings import Settings
 from station.story.pipeline import Progress
+from station.story.residual import times
 from station.text.numbers import three_figures
 from station.workbench import identified, view_models
 from station.workbench.export import fitted_samples
@@ -53,8 +54,8 @@ def trial(
     if moved is None or opened.store.ground is None:
         return None
     words = {
-        "big": f"{three_figures(moved.reduced)} ×",
-        "what": "times the noise is left, with values moved by hand",
+        "big": f"{times(moved.reduced)} ×",
+        "what": "the noise is the residual, with values moved by hand",
         "more": "Nothing is changed: Fitted values takes them back.",
     }
     return replace(frame_of(opened.store.ground, moved), says=words)

@@ -7,6 +7,7 @@ from identify.errors import NotIdentifiable
 from station.exits import Problem
 from station.operations.identifying import identify_session, kept_options
 from station.results.identification_document import IdentificationDocument
+from station.results.ladder import KeptLadder, read_ladder
 from station.settings import Settings
 from station.story.adequacy import Adequacy, judgement
 from station.story.pipeline import Progress
@@ -16,6 +17,7 @@ from station.text.table import Cell, Tables, make_tables
 from station.text.terminal import rows, uncorrected
 from station.workbench import view_models
 from station.workbench.names import plain
+from station.workbench.view_models import reaches_floor
 
 NONE = "–"
 
@@ -56,17 +58,19 @@ def identified(
         _lag(document),
         tuple(tables),
         (*notes, *([f"Without {typeset(warning)}."] if warning else [])),
-        _judged(result.adequacy),
-        result.adequacy is not None and result.adequacy.quotable,
+        *_judged(result.adequacy, read_ladder(session)),
     )
 
 
-def _judged(found: Adequacy | None) -> str:
-    """Return whether the identified values may be quoted, with the model that they belong to."""
+def _judged(found: Adequacy | None, ladder: KeptLadder | None) -> tuple[str, bool]:
+    """Return whether values may be quoted, and of which model: the current one first, where that is another."""
     if found is None:
-        return ""
-    names = " + ".join(plain(name) for name in found.effects)
-    return typeset(sentence(f"both methods stand for {names}; {judgement(found)}"))
+        return "", False
+    words = f"{judgement(found)}. It is {' + '.join(plain(name) for name in found.effects)}"
+    if ladder is None or found.doubt or not reaches_floor(ladder.top) or found.quotable:
+        return typeset(sentence(words)), found.quotable
+    current = f"the refined model leaves {ladder.top.error.words}: quote its values, not those below"
+    return typeset(f"{sentence(current)} {sentence(words)}"), True
 
 
 def _document(settings: Settings, folder: Path) -> IdentificationDocument:

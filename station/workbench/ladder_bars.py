@@ -1,11 +1,11 @@
-"""Bars of the ladder: chi-square on a logarithmic scale, with the noise floor as a line."""
+"""Bars of the ladder: the residual on a logarithmic scale, with the noise as a line."""
 
 import math
 
 from station.results.ladder import KeptLadder
 
 LEAST = 0.5
-"""Where the bars begin: half the floor, so that a model at the floor still has a bar."""
+"""Reduced chi-square at which the bars begin, so that a model at the floor still has one."""
 
 
 def share(chi_square: float | None, ladder: KeptLadder) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from functools import partial
 from nicegui import ui
 
 from station.results.ladder import KeptLadder
-from station.text.numbers import three_figures
+from station.story.residual import times
 from station.workbench import view_models, widgets
 from station.workbench.floor_card import FloorCard
 from station.workbench.ladder_bars import share
@@ -29,7 +29,9 @@ class LadderPanel:
                 with ui.element("div").classes("grow"):
                     widgets.head("Rung by rung")
                 self._undo = widgets.button("Undo", self._session.undo, "Undo the last change of the model")
-            widgets.label("times the noise; the green line is the noise itself", "small faint")
+            widgets.label(
+                "residual, times the noise (bars logarithmic; green line: noise alone)", "small faint"
+            )
             self._rungs = ui.element("div")
             self._ghost()
             self._film = ui.element("div").classes("film")
@@ -69,14 +71,14 @@ class LadderPanel:
         row = ui.element("button").classes(f"rung {kind}{floor}").on("click", partial(self._go, place))
         row.props["type"] = "button"
         row.props["aria-label"] = (
-            f"go to rung {place}: {_step(ladder, place)}, {three_figures(rung.error.chi2)} times the noise"
+            f"go to rung {place}: {_step(ladder, place)}, {times(rung.error.chi2)} times the noise"
         )
         if place == ladder.present:
             row.props["aria-current"] = "step"
         with row:
             widgets.label(str(place), "faint")
             widgets.label(_step(ladder, place), "what")
-            widgets.label(three_figures(rung.error.chi2), "value strong")
+            widgets.label(times(rung.error.chi2), "value strong")
             filled, at = share(rung.error.chi2, ladder)
             with ui.element("div").classes("track"):
                 ui.element("div").classes("fill").style(f"width:{filled:.1f}%")

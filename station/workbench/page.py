@@ -1,6 +1,6 @@
 """The page: record on the left, where the model fails in the middle, what is missing beneath, the fall on the right."""
 
-from nicegui import ui
+from nicegui import background_tasks, ui
 
 from station.workbench import widgets
 from station.workbench.app_state import AppState
@@ -223,6 +223,8 @@ class Page:
         self._cards.show(view)
         if self._head_tabs.value == DETAILS:
             self._show_details()
+        if self._head_tabs.value == NUMBERS:
+            background_tasks.create(self._identified.open())
         self._feed.send()
         if self._rung is not None and 0 <= self._rung < len(view.ladder.rungs) and self._feed.whole:
             run(f"bench.filmTo({self._rung})")

@@ -5,6 +5,7 @@ from typing import Any
 
 from station.results.diagnosis_document import SuspectDocument
 from station.results.ladder import KeptRung
+from station.story.residual import times
 from station.text.diagnosis_text import STRENGTH_UNKNOWN
 from station.text.numbers import three_figures, typeset, with_unit
 from station.workbench import view_models
@@ -31,29 +32,21 @@ def says_of(view: view_models.View, details: view_models.Details | None = None) 
 def _rung(view: view_models.View, place: int, rung: KeptRung, summary: str) -> dict[str, Any]:
     error, floor = rung.error, view_models.reaches_floor(rung)
     present = place == view.ladder.present
-    if floor:
-        what = "Nothing but noise is left"
+    name = rung.began if rung.begun_with else "refined model"
+    if present:
+        what = f"of the motion: residual of the {name}, {times(error.chi2)} times the noise"
     else:
-        what = (
-            "times what noise explains is left: the model fails here"
-            if present
-            else "times what noise explains is left"
-        )
-    more = _shares(error.motion_percent, error.force_mse_percent)
-    if present and not floor:
-        more = f"{summary}{_shares(error.motion_percent, None)}"
-    if not present:
-        more = f"Rung {place}: {' + '.join(plain(name) for name in rung.effects)}. {more}"
-    return {"big": f"{three_figures(error.chi2)} ×", "what": what, "more": more, "floor": floor}
+        what = f"of the motion: residual of rung {place}, {times(error.chi2)} times the noise"
+    more = " + ".join(plain(name) for name in rung.effects)
+    if present and floor:
+        more = f"Nothing but noise is left. {more}"
+    elif present and summary:
+        more = summary
+    return {"big": _percent(error.motion_percent), "what": what, "more": more, "floor": floor}
 
 
-def _shares(motion: float | None, force: float | None) -> str:
-    parts = []
-    if motion is not None:
-        parts.append(f"{three_figures(motion)} % of the motion")
-    if force is not None:
-        parts.append(f"{three_figures(force)} % of the force (mean square)")
-    return f"Left over: {' and '.join(parts)}." if parts else ""
+def _percent(motion: float | None) -> str:
+    return f"{three_figures(motion)} %"
 
 
 def _suspect(view: view_models.View, suspect: SuspectDocument) -> dict[str, Any]:
@@ -62,10 +55,11 @@ def _suspect(view: view_models.View, suspect: SuspectDocument) -> dict[str, Any]
     values = values if suspect.strength_known else f"{STRENGTH_UNKNOWN.capitalize()}."
     filled, _ = share(after, view.ladder)
     return {
-        "big": f"{three_figures(after)} ×",
-        "what": f"with {plain(suspect.effect)}: {explained_words(before, after, view.ladder.top.chi2_std)}",
-        "more": f"{_shares(suspect.motion_percent, None)} {values}".strip(),
-        "chi2": three_figures(after),
+        "big": _percent(suspect.motion_percent),
+        "what": f"of the motion with {plain(suspect.effect)}, {times(after)} times the noise: "
+        f"{explained_words(before, after, view.ladder.top.chi2_std)}",
+        "more": values,
+        "times": times(after),
         "share": round(filled, 1) if after is not None and math.isfinite(after) else 100.0,
         "floor": False,
     }

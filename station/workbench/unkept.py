@@ -7,6 +7,7 @@ from typing import cast
 from daq.session import Session
 from station.operations.refining import Refinement, add
 from station.results.ladder import KeptLadder, KeptRung
+from station.story.residual import times
 from station.text.numbers import three_figures
 from station.workbench import view_models
 from station.workbench.explained import explained_words
@@ -54,10 +55,10 @@ def _says(ladder: KeptLadder, rung: KeptRung, called: str) -> dict[str, str]:
     filled, _ = share(after, ladder)
     words = explained_words(before, after, ladder.top.chi2_std)
     return {
-        "big": f"{three_figures(after)} ×",
-        "what": f"with {called}: {words}",
+        "big": f"{three_figures(rung.error.motion_percent)} %",
+        "what": f"of the motion with {called}, {times(after)} times the noise: {words}",
         "words": words,
         "more": "Fitted to this release; Add keeps it.",
-        "chi2": three_figures(after),
+        "times": times(after),
         "share": f"{filled:.1f}",
     }

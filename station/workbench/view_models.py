@@ -4,11 +4,9 @@ from dataclasses import dataclass, field
 
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, KeptRung
+from station.story.residual import reaches_floor as at_floor
 
 Numbers = list[float | None]
-
-ADEQUATE = 3.0
-"""Standard errors by which the reduced chi-square may exceed 1 at the floor."""
 
 MOST_CARDS = 8
 """Suspects that have a card, and so a frame."""
@@ -55,6 +53,7 @@ class Picture:
     plane: Plane
     cycles: Cycles
     errors: dict[str, float]
+    words: str
     summary: str
     cause: str
     places: tuple[str, ...]
@@ -199,7 +198,7 @@ class View:
 
 def reaches_floor(rung: KeptRung) -> bool:
     """Return whether a rung leaves no more than noise does."""
-    return rung.error.chi2 is not None and rung.error.chi2 <= 1.0 + ADEQUATE * rung.chi2_std
+    return at_floor(rung.error.chi2, rung.chi2_std)
 
 
 @dataclass(frozen=True)

@@ -32,13 +32,17 @@ def inside(folder, monkeypatch):
 
 
 def test_compare_tells_the_worst_places_in_newtons_within_80_columns(inside, capsys):
-    assert run(["compare", "cubic.csv", "--model", "usual", "--mass", str(MASS)]) == 0
+    line = ["compare", "cubic.csv", "--model", "usual", "--mass", str(MASS)]
+    assert run(line) == 0
+    short = [row for row in capsys.readouterr().out.splitlines() if row.strip()]
+    assert len(short) <= 14
+    assert run([*line, "--full"]) == 0
     text = capsys.readouterr().out
     k3 = json.loads((inside / "truth.json").read_text())["k3"]
     told = " ".join(text.split())
     assert f"{'stiffer' if k3 > 0 else 'softer'} than the model, in both directions" in told
     assert " N " in told
-    assert "eq. (18)" in told
+    assert "energy error" in told
     assert all(len(line) <= 80 for line in text.splitlines())
 
 

@@ -66,7 +66,7 @@ def texts(file, path):
 
 def test_every_rung_has_a_tab_with_its_errors_whatever_the_time_is(file, refinement):
     for place, rung in enumerate(refinement.ladder.rungs):
-        assert column(file, f"/ladder/{place}/errors/numbers", "chi2") == [rung.error.chi2]
+        assert column(file, f"/ladder/{place}/errors/numbers", "times_noise") == [rung.error.times_noise]
         assert chunks(file, f"/ladder/{place}/motion")
     timelines = {name for batch in chunks(file, "/ladder/**") for name in batch.schema.names}
     assert not timelines & {"time", "rung"}

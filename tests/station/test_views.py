@@ -146,7 +146,11 @@ def test_values_that_must_not_be_quoted_are_told_as_such_before_they_are_shown(r
         cast(Any, None), chi_square=229.0, chi_square_std=0.05, motion_percent=0.916, adequate=False
     )
     told = results.table("one", replace(result, adequacy=poor))
-    assert told.index("229 x the noise") < told.index("do not quote") < told.index("| wavelet |")
+    assert (
+        told.index("0.916 % of the motion, 15.1 times the noise")
+        < told.index("do not quote")
+        < told.index("| wavelet |")
+    )
 
 
 def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):

@@ -10,7 +10,7 @@ from hidden import NOTHING
 from mocks.generate import draw
 from station.cli import run
 from station.results.ladder import KeptLadder
-from station.story.suspect_words import reaches_floor, would_explain
+from station.story.residual import reaches_floor, would_explain
 
 
 @pytest.fixture
@@ -75,7 +75,6 @@ def test_what_a_suspect_would_explain_is_a_share_of_what_stands_above_the_noise(
 
 
 def test_a_guessed_floor_is_doubted():
-    assert reaches_floor(1.1, 0.05, sure=True)
-    assert not reaches_floor(1.4, 0.05, sure=True)
-    assert reaches_floor(1.4, 0.05, sure=False)
-    assert not reaches_floor(None, 0.05, sure=False)
+    assert reaches_floor(1.1, 0.05)
+    assert not reaches_floor(1.4, 0.05)
+    assert not reaches_floor(None, 0.05)

@@ -15,6 +15,7 @@ PICTURE = view_models.Picture(
     plane=view_models.Plane(CUT, (CUT, CUT)),
     cycles=view_models.Cycles([0.1], [0.5], [0.1], [1.0], [0.2], "mJ"),
     errors={},
+    words="",
     summary="",
     cause="",
     places=(),

@@ -119,7 +119,7 @@
     if (row) {
       row.classList.toggle("shown", !!found);
       row.querySelector(".what").textContent = found ? "with " + S.names[found] : "(point at a card)";
-      row.querySelector(".value").textContent = found ? S.says[found].chi2 : "";
+      row.querySelector(".value").textContent = found ? S.says[found].times : "";
       row.querySelector(".fill").style.width = found ? S.says[found].share + "%" : "0";
     }
     document.querySelectorAll(".card-suspect").forEach((el) => el.classList.toggle("pointed", el.dataset.preview === found));

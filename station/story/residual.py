@@ -1,0 +1,47 @@
+"""What a model leaves of a record, in one measure for people, and what a suspect would explain of it.
+
+The measure is the residual in % of the motion, and its rms as a multiple of the noise: amplitudes, not powers.
+"""
+
+from math import isfinite, nan, sqrt
+
+from identify.formatting import share_words, three_figures
+
+
+def noise_multiple(chi2: float | None) -> float:
+    """Return the rms of a residual over that of the noise, from its reduced chi-square; nan where that is not known."""
+    return sqrt(chi2) if chi2 is not None and chi2 >= 0.0 else nan
+
+
+def times(chi2: float | None) -> str:
+    """Return the same with three figures, as "15.1"; "-" where it is not known."""
+    return three_figures(noise_multiple(chi2))
+
+
+def residual_words(motion_percent: float | None, chi2: float | None) -> str:
+    """Return "0.916 % of the motion, 15.1 times the noise"."""
+    motion = three_figures(nan if motion_percent is None else motion_percent)
+    return f"{motion} % of the motion, {times(chi2)} times the noise"
+
+
+def floor_words(chi2_std: float | None) -> str:
+    """Return "1 ± 0.035", which is the rms of a residual over that of the noise where noise alone is left."""
+    return f"1 ± {(chi2_std or 0.0) / 2.0:.2g}"
+
+
+def explained_share(before: float | None, after: float | None) -> float | None:
+    """Return the share, 0 to 1, of a residual's mean square above the noise that a suspect takes away; None if not known."""
+    if before is None or after is None or not isfinite(before) or not isfinite(after):
+        return None
+    return min(max((before - after) / (before - 1.0), 0.0), 1.0) if before > 1.0 else 0.0
+
+
+def would_explain(before: float | None, after: float | None) -> str:
+    """Return what a suspect would explain of what the model leaves: "99.9 %", "61 %", "nothing"; "-" if not known."""
+    share = explained_share(before, after)
+    return "-" if share is None else share_words(share)
+
+
+def reaches_floor(after: float | None, std: float | None) -> bool:
+    """Whether a reduced chi-square is the noise floor, `std` being its standard error."""
+    return after is not None and isfinite(after) and after <= 1.0 + 3.0 * (std or 0.0)
