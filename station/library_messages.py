@@ -29,6 +29,8 @@ def say_in_one_line(say: Callable[[str], None] = progress) -> None:
     """From now on let this process say warnings and log entries so."""
 
     def show(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+        if issubclass(category, RuntimeWarning):  # of arithmetic: what comes of it is judged where it is used
+            return
         say(f"{category.__name__}: {' '.join(str(message).split())[:LONGEST]}")
 
     warnings.showwarning = show

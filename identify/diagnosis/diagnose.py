@@ -1,7 +1,7 @@
 """Diagnosis: which effect a model lacks, how sure that is, and what cannot be told apart."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
@@ -76,7 +76,7 @@ class Diagnosis(Summarised):
     shape: NonparametricForce | None
     explanation: str
     next_experiment: str
-    library: tuple[Effect, ...] = LIBRARY
+    library: tuple[Effect, ...] = field(default_factory=lambda: LIBRARY)
     confirmation: Confirmation | None = None
     decays: tuple[PreparedDecay, ...] = ()
     shares: tuple[AmplitudeShares, ...] = ()
@@ -183,7 +183,7 @@ def diagnose(
     decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
     model: Model | None = None,
     *,
-    library: tuple[Effect, ...] = LIBRARY,
+    library: tuple[Effect, ...] | None = None,
     known: dict[str, float] | None = None,
     worth: float = 0.0,
     progress: Callable[[str], None] = lambda words: None,
@@ -191,10 +191,12 @@ def diagnose(
     """Return what a model lacks on one release, or on several that share their physics.
 
     The model is stiffness, Coulomb and viscous friction unless given; `known` are values to begin the fit from, by
-    unknown's name. No force is named that removes less than `worth` % of the motion, however sure it is; where the floor is
-    a guess half a percent is asked in any case. `progress` is told each step in words, counted where it has a known number
-    of fits. Raises NotIdentifiable when a release holds too little to fit anything.
+    unknown's name; `library` are the effects that are tried, LIBRARY unless given. No force is named that removes less than
+    `worth` % of the motion, however sure it is; where the floor is a guess half a percent is asked in any case. `progress`
+    is told each step in words, counted where it has a known number of fits. Raises NotIdentifiable when a release
+    holds too little to fit anything.
     """
+    library = library or LIBRARY
     given = prepared_of(decays)
     whole = tuple(given[i] for i in largest_first(given))
     first = fit_baseline(segments_of(whole), model or base_model(), known)

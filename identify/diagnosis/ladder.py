@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import candidate_terms, try_terms
 from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY
 from identify.effects.sensor_fault import SensorFault
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor
@@ -121,7 +120,7 @@ def add_found(rung: Rung, suspect: Suspect, found: Fit) -> Rung:
     return replace(rung_of(refit_at_floor(rung.baseline.decays, best)), added=effect.name)
 
 
-def add_effect(rung: Rung, effect: Effect, *, library: tuple[Effect, ...] = LIBRARY) -> Rung:
+def add_effect(rung: Rung, effect: Effect) -> Rung:
     """Return the next rung: the model with one more effect in its best variant.
 
     Raises ValueError when the effect is in the model, NotIdentifiable when this record cannot show it.

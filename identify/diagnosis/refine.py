@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.ladder import Ladder, Progress
 from identify.effects.effect import Effect
-from identify.effects.library import LIBRARY
 from identify.free_decay import FreeDecay
 from identify.model.model import Model
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -15,7 +14,7 @@ def refine(
     decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
     model: Model | None = None,
     *,
-    library: tuple[Effect, ...] = LIBRARY,
+    library: tuple[Effect, ...] | None = None,
     known: dict[str, float] | None = None,
     worth: float = 0.0,
     progress: Progress = lambda rung, words: None,

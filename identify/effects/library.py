@@ -93,8 +93,9 @@ RARE: tuple[Effect, ...] = (LUGRE_FRICTION,)
 """Effects that are fitted when they are asked for and are no suspects: LuGre friction is Dahl's together with Stribeck's."""
 
 
-def find_effect(name: str, library: tuple[Effect, ...] = LIBRARY) -> Effect:
+def find_effect(name: str, library: tuple[Effect, ...] | None = None) -> Effect:
     """Return the effect of that name; KeyError, naming those there are, when there is none."""
+    library = library or LIBRARY
     for effect in library:
         if effect.name == name:
             return effect

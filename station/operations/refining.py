@@ -108,7 +108,7 @@ def add(refinement: Refinement, wanted: str) -> KeptLadder:
     else:
         effect = _found(wanted, refinement.library)
     try:
-        rung = add_effect(top, effect, library=refinement.library)
+        rung = add_effect(top, effect)
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
     return _extended(refinement, (kept_rung(rung, expressions),), _added(rung, effect.name))

@@ -23,5 +23,5 @@ def warm_up() -> None:
     a = a + 0.01 * draw.standard_normal(len(time))
     prepared = prepare(FreeDecay(rate=RATE, displacement=u, acceleration=a))
     friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
-    rung = add_effect(first_rung((prepared,)), friction, library=LIBRARY)
+    rung = add_effect(first_rung((prepared,)), friction)
     compare_fitted(rung.baseline)

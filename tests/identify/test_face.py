@@ -1,5 +1,6 @@
 """The face of the package: one import, from two arrays to a named effect, and results that print themselves."""
 
+import inspect
 import subprocess
 import sys
 
@@ -42,6 +43,12 @@ def test_every_public_name_is_there_and_no_other():
         assert getattr(identify, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'read'"):
         identify.read  # noqa: B018
+
+
+def test_what_a_notebook_shows_of_the_package_is_its_names_in_short_lines():
+    assert dir(identify) == sorted(identify.__all__)
+    for name in ("diagnose", "refine", "add_effect", "find_effect"):
+        assert len(str(inspect.signature(getattr(identify, name)))) < 1000
 
 
 def test_two_arrays_lead_to_the_hidden_effect_and_to_the_floor(

@@ -12,6 +12,7 @@ from station import cli
 from station.commands import list_
 
 def warn(*_, **__):
+    warnings.warn("overflow encountered in exp", RuntimeWarning, stacklevel=1)
     warnings.warn("column \\x1b[2Jname\\nverdict: OK is odd", stacklevel=1)
     try:
         raise TimeoutError("JavaScript did not respond within 5.0 s")
