@@ -25,6 +25,8 @@ _SHARE_OF_NOISE = 0.3
 def wanders(prepared: PreparedDecay) -> bool:
     """Return whether the phase strays from every law of the amplitude by more than a share of the readings' noise."""
     phase, amplitude = _phase_by_cycle(prepared)
+    if len(phase) <= len(_POWERS) + 3:  # as many as the law has coefficients: nothing is left to stray
+        return False
     cycles = np.arange(len(phase), dtype=np.float64)
     relative = amplitude / amplitude.max()
     columns = [np.ones_like(cycles), cycles, cycles**2]

@@ -56,6 +56,7 @@ def test_a_phase_that_keeps_in_step_leaves_the_pieces_long_and_one_that_wanders_
     assert not wanders(steady)
     assert wanders(wandering)
     assert len(segments(steady)) < len(segments(wandering))
+    assert not wanders(prepare(viscous(1.3)))  # one cycle between the ends tells nothing
 
 
 @pytest.mark.slow
