@@ -61,6 +61,7 @@ def make(
         dark=None,
         show_welcome_message=False,
         tailwind=False,
+        gzip_middleware_factory=None,  # the guard has to read a page to put its nonce in
         reconnect_timeout=10.0,
     )
     return app, state

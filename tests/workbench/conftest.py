@@ -77,7 +77,8 @@ def bench(mysteries: Callable[[], Path], tmp_path_factory: pytest.TempPathFactor
     folder = tmp_path_factory.mktemp("bench")
     (folder / "sessions").mkdir()
     command = [sys.executable, "-m", "station", "workbench", "--no-browser"]
-    environment = os.environ | {"PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT)}
+    user = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
+    environment = user | {"PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT)}  # NiceGUI asks whether it is tested
     process = subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     said = process.stderr.readline()
