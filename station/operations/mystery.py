@@ -1,6 +1,7 @@
 """The mystery: a simulated board hides something; compare, diagnose, add, and only then look at what it was."""
 
 import json
+import re
 import secrets
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -18,7 +19,7 @@ from identify.fitting.model_error import errors_of
 from identify.formatting import decimals_for, plain_name
 from identify.model.model import base_model
 from identify.model.parameter_id import ParameterId
-from station.exits import Problem
+from station.exits import Problem, UsageProblem
 from station.operations.capturing import record
 from station.operations.comparing import compare_session
 from station.operations.diagnosing import diagnose_sessions, keep
@@ -182,21 +183,27 @@ def _compare(session: Session, settings: Settings, console: Console | None) -> N
     console.print(Padding(Text(found.cause), (1, 1, 0, 1)))
 
 
-def _reveal(console: Console, solved: Solved, say: Say) -> None:
-    truth = solved.truth
-    hidden = truth["hidden"]
-    say("4. WHAT WAS HIDDEN: it is read only now", "")
+def what_was_hidden(session: Session) -> dict[str, Any]:
+    """Return what the board of a mystery's session hid, which its seed draws; UsageProblem for any other session."""
+    seed = re.fullmatch(r"mystery (\d+)", session.info.specimen)
+    if seed is None:
+        raise UsageProblem(f"{session.folder.name} is no mystery: nothing is known to be hidden in it")
+    with TemporaryDirectory() as temporary:
+        envelope = Path(temporary) / "truth.json"
+        with simulated_board(int(seed[1]), 1.0, False, "--truth", str(envelope), module=BOARD):
+            return dict(json.loads(envelope.read_text(encoding="utf-8")))
+
+
+def hidden_words(truth: dict[str, Any]) -> str:
+    """Return what was hidden and how strong: "Stribeck friction, 1.14 % of the rms of all forces"."""
     of = "all forces" if truth["kind"] == "physics" else "one channel"
     strength = 100.0 * next(iter(truth["strengths"].values()), 0.0)
-    console.print(
-        Padding(
-            Text(
-                f"{plain_name(hidden)}, {strength:.2f} % of the rms of {of}",
-                style="bold",
-            ),
-            (0, 1),
-        )
-    )
+    return f"{plain_name(truth['hidden'])}, {strength:.2f} % of the rms of {of}"
+
+
+def _reveal(console: Console, solved: Solved, say: Say) -> None:
+    say("4. WHAT WAS HIDDEN: it is read only now", "")
+    console.print(Padding(Text(hidden_words(solved.truth), style="bold"), (0, 1)))
     for line in _side_by_side(solved):
         console.print(Padding(Text(line), (0, 1)))
     console.print()

@@ -17,6 +17,7 @@ from station.workbench.own_card import OwnCard
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
 from station.workbench.unkept import MEASURED_CURVE
+from station.workbench.worker import Cancelled, Failed, Job
 
 
 class CardsPanel:
@@ -34,6 +35,7 @@ class CardsPanel:
             with widgets.line("suspects-head"):
                 self._head = widgets.label("", "strong wrap grow verdict").props("aria-live=polite")
                 self._more = ui.element("div")
+                self._reveal = widgets.button("Reveal the mystery", self._say_hidden)
                 self._others.build()
                 self._ask = widgets.button("Diagnose", self._diagnose, strong=True)
                 self._again = widgets.button("Diagnose again", self._diagnose)
@@ -46,11 +48,19 @@ class CardsPanel:
                 self._row = ui.element("div").classes("cards-row")
                 self._own.build()
 
+    async def _say_hidden(self) -> None:
+        try:
+            self._session.notice = await self._session.ask(Job(), "reveal")
+        except (Cancelled, Failed) as failure:
+            self._session.notice = str(failure)
+        self._session.version += 1
+
     def _diagnose(self) -> None:
         self._session.start("Trying every effect", "diagnose", self._session.others, long=True)
 
     def show(self, view: view_models.View) -> None:
         """Show the suspects of the present model, or that nobody has asked about it yet."""
+        self._reveal.set_visibility(view.mystery)
         document = view.diagnosis if view.about_present else None
         floor = view.at_floor
         curve = self._session.frames.get(self._session.suspect_frames.get(MEASURED_CURVE, ""))

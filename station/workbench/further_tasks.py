@@ -6,9 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from daq.exporting import encode
+from daq.session import Session
 from identify.fitting.fit import Fit
 from identify.fitting.problem import Problem
 from station.operations.validating import validate_sessions
+from station.results.ladder import read_ladder
 from station.results.models import name_of
 from station.settings import Settings
 from station.story.pipeline import Progress
@@ -36,6 +38,21 @@ def export(settings: Settings, progress: Progress, folder: Path) -> str:
     refinement = opened.refinement
     exported = fitted_samples(refinement.session, refinement.prepared, _present_fit(opened))
     return encode(exported, "csv").decode()
+
+
+def reveal(settings: Settings, progress: Progress, folder: Path) -> str:
+    """Say what the board of a mystery hid, and whether the present model has it."""
+    from station.operations.mystery import hidden_words, what_was_hidden
+
+    session = Session.open(folder)
+    truth = what_was_hidden(session)
+    ladder = read_ladder(session)
+    found = ladder is not None and truth["hidden"] in ladder.top.effects
+    values = ", ".join(
+        f"{name} {value:.4g}" for name, value in truth["parameters"].get(truth["hidden"], {}).items()
+    )
+    words = f"The simulated board hid {hidden_words(truth)}{f' ({values})' if values else ''}."
+    return f"{words} {'It is in your model: solved.' if found else 'It is not in your model yet.'}"
 
 
 def _present_fit(opened: Opened) -> Fit:

@@ -65,6 +65,7 @@ class IdentificationPanel:
             if found.judgement:
                 with widgets.card(f"tight judged {'' if found.quotable else 'not-quotable'}"):
                     widgets.label(found.judgement, f"strong wrap {'good' if found.quotable else 'bad'}")
+                    widgets.label(found.beside, "small wrap")
             with widgets.card("tight"), widgets.line():
                 widgets.label(found.lag[0], "lag")
                 widgets.label(found.lag[1], "small grow wrap")

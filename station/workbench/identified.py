@@ -62,15 +62,15 @@ def identified(
     )
 
 
-def _judged(found: Adequacy | None, ladder: KeptLadder | None) -> tuple[str, bool]:
-    """Return whether values may be quoted, and of which model: the current one first, where that is another."""
+def _judged(found: Adequacy | None, ladder: KeptLadder | None) -> tuple[str, bool, str]:
+    """Return whether values may be quoted, and of which model: the current one, with a word on the identified beside it."""
     if found is None:
-        return "", False
+        return "", False, ""
     words = f"{judgement(found)}. It is {' + '.join(plain(name) for name in found.effects)}"
     if ladder is None or found.doubt or not reaches_floor(ladder.top) or found.quotable:
-        return typeset(sentence(words)), found.quotable
+        return typeset(sentence(words)), found.quotable, ""
     current = f"the refined model leaves {ladder.top.error.words}: quote its values, not those below"
-    return typeset(f"{sentence(current)} {sentence(words)}"), True
+    return typeset(sentence(current)), True, typeset(sentence(words))
 
 
 def _document(settings: Settings, folder: Path) -> IdentificationDocument:

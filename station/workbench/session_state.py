@@ -72,7 +72,8 @@ class SessionState:
             return False
         self.running = Running(title, time.monotonic(), long)
         self._loop = asyncio.get_running_loop()
-        self.progress, self.notice, self.problem = "", "", ""
+        self.progress, self.problem = "", ""
+        self.notice = self.notice if task == "look" else ""
         self._job = Job()
         self.version += 1
         self._keep(self._run(self._job, task, arguments))

@@ -176,16 +176,13 @@ class SessionsPanel:
         except (Failed, OSError) as failure:
             self._say(for_the_page(str(failure).replace(f"{folder}/", "")), "bad")
         else:
-            self.refresh()
-            self._message.clear()
+            first, *others = made
+            place = self._session_list.folder_of(first)
+            if place is not None:
+                said = [*notes, *([f"its other releases: {', '.join(others)}"] if others else [])]
+                self._states.at(place).notice = f"{name} was imported: {'; '.join(said)}"
             with self._message:
-                widgets.label(
-                    f"{name}: {len(made)} session{'s' if len(made) > 1 else ''}", "good strong small"
-                )
-                for note in notes:
-                    widgets.label(note, "small faint wrap")
-                for key in made:
-                    ui.link(f"open {key}", address_of(key)).classes("small")
+                ui.navigate.to(address_of(first))
         finally:
             self._job = None
 

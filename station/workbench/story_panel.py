@@ -8,7 +8,7 @@ from station.workbench import view_models, widgets
 from station.workbench.widgets import run
 
 MAPS = {
-    "plane": "displacement, velocity",
+    "plane": "phase plane",
     "amplitude": "amplitude",
     "phase": "phase",
     "time": "time",
@@ -34,7 +34,7 @@ class StoryPanel:
                 widgets.label("", "what")
                 widgets.label("", "more")
         with widgets.line("stage-tools"):
-            widgets.label("Missing force over", "small faint wide-only")
+            widgets.label("Missing force over", "small faint")
             self._toggle(MAPS, "plane", "map")
             ui.element("span").classes("grow")
             self._choice = ui.element("div")
@@ -59,7 +59,8 @@ class StoryPanel:
         self._channels = channels
         self._choice.clear()
         if len(channels) > 1:
-            with self._choice:
+            with self._choice, widgets.line():
+                widgets.label("Traces of", "small faint")
                 self._channel = self._toggle(dict(enumerate(channels)), None, "channel")
 
     def _toggle(self, options: dict[str, str] | dict[int, str], value: str | None, key: str) -> ui.toggle:

@@ -58,6 +58,7 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models
         {name: store.frames[name] for name in names if name in store.frames},
         names,
         with_mass=_with_mass(settings, opened, ladder),
+        mystery=session.info.specimen.startswith("mystery "),
     )
 
 
@@ -252,6 +253,7 @@ TASKS: dict[str, Callable[..., Any]] = {
     "raw": raw_traces,
     "identify": further_tasks.identify,
     "export": further_tasks.export,
+    "reveal": further_tasks.reveal,
     "trial": further_tasks.trial,
     "preview": further_tasks.preview,
     "validate": further_tasks.validate,

@@ -170,7 +170,8 @@ class View:
     """What the page shows of a session: ladder, last diagnosis, equations by effect.
 
     `frames` are those at hand, by the name of `rung_frames` (one for each rung). `note` is what a task has to say,
-    `with_mass` the strengths of the present model with the mass in them, by "effect.parameter", where it is known.
+    `with_mass` the strengths of the present model with the mass in them, by "effect.parameter", where it is known;
+    `mystery` says that a simulated board hid something.
     """
 
     ladder: KeptLadder
@@ -182,6 +183,7 @@ class View:
     rung_frames: tuple[str, ...] = ()
     note: str = ""
     with_mass: dict[str, str] = field(default_factory=dict)
+    mystery: bool = False
 
     @property
     def about_present(self) -> bool:
@@ -224,7 +226,8 @@ class TextTable:
 class Identified:
     """What both identifications find: the lag with what is said of it, tables, and reasons in sentences.
 
-    `judgement` says whether the values may be quoted (`quotable`); "" where no model was fitted to the record.
+    `judgement` says whose values may be quoted (`quotable`); "" where no model was fitted to the record. `beside` says the
+    same of the identified model where the current one is another.
     """
 
     lag: tuple[str, str]
@@ -232,6 +235,7 @@ class Identified:
     notes: tuple[str, ...]
     judgement: str = ""
     quotable: bool = False
+    beside: str = ""
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ def mysteries(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
             for name, hidden in HIDDEN.items():
                 envelope = Path(aside) / f"{name}.json"
                 seed = int(name.rpartition("_")[2])
-                info = SessionInfo(name=name, mass_kg=21.36)
+                info = SessionInfo(name=name, mass_kg=21.36, specimen=name.replace("_", " "))
                 with simulated_board(
                     seed, 0.0, False, "--truth", str(envelope), module="mocks.mystery"
                 ) as port:
@@ -78,7 +78,10 @@ def bench(mysteries: Callable[[], Path], tmp_path_factory: pytest.TempPathFactor
     (folder / "sessions").mkdir()
     command = [sys.executable, "-m", "station", "workbench", "--no-browser"]
     user = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
-    environment = user | {"PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT)}  # NiceGUI asks whether it is tested
+    environment = user | {
+        "PYTHONUNBUFFERED": "1",
+        "PYTHONPATH": str(ROOT),
+    }  # NiceGUI asks whether it is tested
     process = subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     said = process.stderr.readline()

@@ -41,7 +41,9 @@ def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
     before = residual_of_rungs(page)
     assert len(before) == 1
     assert before[0] > 10
-    page.get_by_role("button", name="Diagnose").click()
+    page.mouse.move(300, 600)
+    page.mouse.move(330, 640)  # where the cards will be
+    page.get_by_role("button", name="Diagnose").press("Enter")
     page.wait_for_selector("button.card-suspect")
     assert "Stribeck friction" in page.locator(".verdict").inner_text()
     page.wait_for_function("Object.keys(bench.state.suspects).length >= 3")
@@ -49,6 +51,8 @@ def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
     assert (
         left["model"] > 5
     )  # mean square of the missing force in units of its noise, cell by cell; noise has 1
+    assert page.evaluate("document.elementFromPoint(330, 640).closest('.card-suspect') !== null")
+    assert page.evaluate("bench.previewed()") is None  # a card that slid under the pointer was not pointed at
     cards = page.locator("button.card-suspect")
     cards.nth(1).hover()
     assert shown(page) == stain(page)["second"] > 0.2 * left["model"]
@@ -58,6 +62,8 @@ def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
     page.wait_for_function("document.querySelectorAll('.rung').length == 2")
     assert abs(residual_of_rungs(page)[1] - 1.0) < 0.3  # four standard errors of a floor that is known to 7 %
     page.get_by_text("At the noise floor").wait_for()
+    page.get_by_role("button", name="Reveal the mystery").click()
+    page.get_by_text("The simulated board hid Stribeck friction").wait_for()
     page.reload()
     page.wait_for_function("document.querySelectorAll('.rung').length == 2")
 

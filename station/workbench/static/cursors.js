@@ -59,7 +59,7 @@
   function moment(i) {
     const t = S.stage, u = t.units, trace = t.traces[S.channel], left = bench.shown().left[S.channel][i];
     return `t = ${t.time[i].toFixed(3)} s   u = ${t.displacement[i].toPrecision(4)} ${u.u}   v = ${t.velocity[i].toPrecision(3)} ${u.v}   `
-      + `left over = ${left === null ? "?" : left.toPrecision(3)} ${trace.fine_unit}`;
+      + `residual = ${left === null ? "?" : left.toPrecision(3)} ${trace.fine_unit}`;
   }
   // Cycles between two moments from the phase, which grows by one turn a cycle.
   function between() {

@@ -80,14 +80,16 @@
 
   function key(p, stage) {
     const { c, box: b } = p, x = b.x + b.w + 10, high = bench.rgb("map-high"), low = bench.rgb("map-low"), middle = bench.rgb("map-middle");
-    const h = Math.min(150, b.h - 66), top = b.y + 16, written = (v) => Number(v.toPrecision(2)).toString().replace("-", "\u2212");
+    const h = Math.min(150, b.h - 96), top = b.y + 46, written = (v) => Number(v.toPrecision(2)).toString().replace("-", "\u2212");
     const shade = c.createLinearGradient(0, top, 0, top + h);
     for (const [at, [r, g, bl]] of [[0, high], [0.5, middle], [1, low]]) shade.addColorStop(at, `rgb(${r},${g},${bl})`);
     c.fillStyle = shade; c.fillRect(x, top, 12, h);
     c.strokeStyle = bench.colour("faint"); c.lineWidth = 1; c.strokeRect(x + 0.5, top + 0.5, 11, h - 1);
     c.fillStyle = bench.colour("ink"); c.textAlign = "left"; c.textBaseline = "middle";
+    c.fillText("missing", x, b.y + 8);
+    c.fillText("force,", x, b.y + 21);
+    c.fillText(stage.units.f, x, b.y + 34);
     c.fillText(`+${written(S.reach)}`, x + 16, top + 4);
-    c.fillText(stage.units.f, x + 16, top + 18);
     c.fillText("0", x + 16, top + h / 2);
     c.fillText(written(-S.reach), x + 16, top + h - 4);
     c.fillStyle = `rgb(${middle.join(",")})`; c.fillRect(x, top + h + 12, 12, 12); c.strokeRect(x + 0.5, top + h + 12.5, 11, 11);

@@ -94,7 +94,7 @@
   function residual(p, frame, stage) {
     const trace = stage.traces[S.channel], base = first(), ghost = bench.ghost();
     const reach = Math.max(1.1 * bench.reach((S.fitScale ? frame : base).left[S.channel]), 3 * trace.sigma);
-    p.begin(bench.span(), [-reach, reach], ["time since the release [s]", `left over [${trace.fine_unit}]`]);
+    p.begin(bench.span(), [-reach, reach], ["time since the release [s]", `residual [${trace.fine_unit}]`]);
     p.axes();
     if (ghost) p.line(stage.time, ghost.left[S.channel], bench.colour("ghost"), 1);
     p.line(stage.time, frame.left[S.channel], bench.colour("left"), 1.2);
@@ -152,8 +152,11 @@
     bench.previewTook = performance.now() - begin;
   }
   const target = (event) => event.target.closest && event.target.closest("[data-preview]");
-  document.addEventListener("mouseover", (event) => {
-    const el = target(event);
+  let at = null;  // where the pointer was last: cards that slide under a resting one are not pointed at
+  document.addEventListener("mousemove", (event) => {
+    const here = `${event.screenX} ${event.screenY}`, moved = at !== null && at !== here, el = target(event);
+    at = here;
+    if (!moved) return;
     if (el) preview(el.dataset.preview);
     else if (S.preview && !(document.activeElement && document.activeElement.dataset.preview === S.preview)) preview(null);
   });
