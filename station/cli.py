@@ -94,7 +94,8 @@ def station(ctx: click.Context, settings_file: str | None, debug: bool) -> None:
     """Release a mass on springs, record it, and learn which forces act on it.
 
     Begin with `station demo`, or with `station import FILE` and
-    `station identify SESSION`.
+    `station identify SESSION`. SESSION is a session's folder, its name or the
+    beginning of it, `last` (the newest), or a data file.
     """
     ctx.obj = settings_file
 

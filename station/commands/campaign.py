@@ -105,9 +105,7 @@ def _next(document: "CampaignDocument", folders: dict[str, Path], given: tuple[s
         return [next_line("diagnose", folders[farthest.session])]
     if document.rows and not document.diagnosed:
         return [next_line("campaign", "--diagnose", *given)]
-    return [next_line("report", folders[row.result.session]) for row in document.rows[:1]] or [
-        next_line("list", *given[:1])
-    ]
+    return []
 
 
 def _crew(workers: int | None, scheduler: str | None, sessions: int) -> "Crew":

@@ -101,4 +101,4 @@ def next_steps(opened: "SessionSet", found: "Diagnosis", document: "DiagnosisDoc
         return [next_line("refine", folder, "--add", MEASURED_CURVE)]
     if found.verdict == "nothing_missing":
         return [next_line("report", folder)]
-    return [] if found.verdict == "not_enough_data" else [next_line("view", folder)]
+    return []  # what to record next is said already

@@ -45,7 +45,6 @@ def command(
     from station.operations.exporting import exported_session, write_exported
     from station.results.sessions import open_session
     from station.settings import load_settings
-    from station.text.next_step import next_line
 
     settings = load_settings(settings_file)
     if form is None:
@@ -74,4 +73,3 @@ def command(
     progress(f"{columns}: {len(recording.valid)} samples at {recording.rate:g} Hz")
     progress(said)
     click.echo(f"written: {target} ({form}, {size / 1000:.0f} kB)")
-    click.echo(next_line("report", opened.folder))

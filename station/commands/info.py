@@ -83,4 +83,15 @@ def _print(document: dict[str, Any], rate: float, model: str) -> None:
     for label, text in lines:
         if text:
             console.print(labelled(label, text, LABEL_WIDTH))
-    console.print(next_line("identify", document["session"]), markup=False, soft_wrap=True)
+    console.print(next_line(_next(document["results"]), document["session"]), markup=False, soft_wrap=True)
+
+
+def _next(results: list[str]) -> str:
+    """Return the first command whose result the session does not hold."""
+    steps = (
+        ("identification.json", "identify"),
+        ("comparison.json", "compare"),
+        ("diagnosis.json", "diagnose"),
+    )
+    missing = [] if "ladder.json" in results else [command for name, command in steps if name not in results]
+    return missing[0] if missing else "report"

@@ -1,5 +1,7 @@
 """The charts of the curves: frequency and damping against amplitude, several releases and models in one."""
 
+import math
+
 from station.workbench import view_models
 from station.workbench.chart_parts import (
     Options,
@@ -16,6 +18,8 @@ from station.workbench.theme import Theme
 SYMBOLS = ("circle", "rect", "triangle", "diamond")
 LINE_OF_KEYS = 62
 KEY = 5
+FIGURES = 5
+"""To which an axis' ends are rounded, of its reach."""
 
 
 def decay_curves(found: view_models.DecayCurves, colours: Theme) -> tuple[Options, Options]:
@@ -91,7 +95,9 @@ def _chart(
     colours: Theme,
 ) -> Options:
     """Return one of the two charts; its legend, `keys` in some rows, stands above the name of the axis."""
-    ends = {"min": float(f"{between[0]:.6g}"), "max": float(f"{between[1]:.6g}")}
+    low, high = between
+    places = FIGURES - math.floor(math.log10(max(high - low, 1e-12)))  # of the reach: no end at -7.51e-17
+    ends = {"min": round(low, places), "max": round(high, places)}
     labels = axis_options(colours)["axisLabel"] | {"showMinLabel": False, "showMaxLabel": False}
     return base_options(colours) | {
         "grid": grid_of(left=58, bottom=34, top=24 + 17 * keys[1]),
