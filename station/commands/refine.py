@@ -106,11 +106,9 @@ def _refuse_several(steps: "Mapping[str, object]") -> None:
 
 def _next(session: "Session", ladder: "KeptLadder") -> tuple[str | Path, ...]:
     """Return the command that comes next: without what is of no use, to the report at the floor, else on."""
-    from station.story.residual import reaches_floor
-
     if f"--remove {ladder.top.added}" in ladder.stopped_because:
         return ("refine", session.folder, "--remove", ladder.top.added)
-    if reaches_floor(ladder.top.error.chi2, ladder.top.chi2_std):
+    if ladder.top.at_floor:
         return ("report", session.folder)
     if ladder.verdict is None:
         return ("refine", session.folder, "--auto")

@@ -85,7 +85,7 @@ def first_model(
 def model_of_rung(rung: KeptRung, library: tuple[Effect, ...] = LIBRARY) -> CurrentModel:
     """Return the model of a rung of a ladder, with its values."""
     known = known_model(rung.model, "the ladder", library)
-    return CurrentModel(known.model, rung.begun_with or "the refined model", known.values, known.expressions)
+    return CurrentModel(known.model, rung.begun_with or f"the {rung.name}", known.values, known.expressions)
 
 
 def kept_identification(session: Session) -> IdentificationDocument | None:

@@ -50,7 +50,7 @@ def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
     for level in (-noise, noise):
         axis.axhline(level, color=GREY, lw=0.5, ls=":")
     curve(axis, window.clock, left * fine, color=OTHER, lw=0.7)
-    axis.set_ylabel(literal(f"left [{name}]"))
+    axis.set_ylabel(literal(f"residual [{name}]"))
 
 
 def closing_in(first: Compared, last: Compared) -> str:

@@ -68,12 +68,12 @@ def suspects(found: Findings) -> Section:
         )
         residual = ("residual [% of motion]", "residual / noise")
         head = ("effect", "what it is", *residual, *reasons, "parameters")
-        parts.append(Table("Suspects in order", head, rows, texts=2, wordy=True))
+        parts.append(
+            Table(f"Suspects in order, each added to {document.model_is}", head, rows, texts=2, wordy=True)
+        )
         picture = draw.errors(document)
         if picture is not None:
-            parts.append(
-                Figure("What is left after adding each suspect to the model that was diagnosed.", picture)
-            )
+            parts.append(Figure(f"Residual after adding each suspect to {document.model_is}.", picture))
     if found.fits is not None and found.fits.best:
         caption = (
             "The force that the model lacks over the cycle (0°: farthest out), and what the best suspects would add. "

@@ -20,11 +20,6 @@ from station.text.table import Tables, make_tables
 
 TITLE = "Identification by two methods"
 NONE = "–"
-FAR_APART = 4.0
-DISAGREE = (
-    "The methods are farther apart than their errors allow. They weigh large and small cycles differently, so a force "
-    "that the model lacks, or a fault of a sensor, makes them disagree; see the comparison."
-)
 
 
 def methods(found: Findings) -> Section:
@@ -43,8 +38,6 @@ def methods(found: Findings) -> Section:
         parts.append(Paragraph(sentence(typeset(judgement(judged))), label="Judged", strong=True))
     tables = make_tables([found.document])
     parts += [_table_1(tables), _table_2(found), _details(found)]
-    if _disagree(parts):
-        parts.append(Paragraph(DISAGREE, label="Caution"))
     if result.wavelet is not None:
         parts.append(
             Paragraph(f"{result.wavelet.reason}; {result.wavelet.stiffness_reason}.", label="Wavelet")
@@ -53,11 +46,6 @@ def methods(found: Findings) -> Section:
         source = result.restoring_force.source
         parts.append(Paragraph(f"{result.restoring_force.reason}. From {source}.", label="Restoring force"))
     return Section("methods", TITLE, (*parts, *_figures(found)))
-
-
-def _disagree(parts: list[Part]) -> bool:
-    cells = [row[-1] for part in parts if isinstance(part, Table) and part.texts == 3 for row in part.rows]
-    return any(cell != NONE and float(cell) > FAR_APART for cell in cells)
 
 
 def _table_1(tables: Tables) -> Table:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
-from identify.formatting import damping_name, plain_name
+from identify.formatting import plain_name
 from station.report.equation import caution
 from station.report.findings import Findings
 from station.story.adequacy import judgement, scale_doubt
@@ -12,7 +12,7 @@ from station.story.engineering_values import EngineeringValue, engineering_value
 from station.story.residual import floor_words, residual_words
 from station.text.diagnosis_text import confirmed_by, headline
 from station.text.layout import sentence
-from station.text.numbers import SPACE, typeset_error, typeset_symbol, typeset_unit
+from station.text.numbers import SPACE, typeset_error, typeset_unit
 
 Rows = list[tuple[str, str]]
 
@@ -39,9 +39,8 @@ def summary(found: Findings) -> tuple[tuple[str, str], ...]:
     else:
         rows.append(("no value to quote", _nothing_explains(found)))
     rows += _others(found, model)
-    rows += _methods(found)
     if found.diagnosis is not None:
-        rows.append(("diagnosis", headline(found.diagnosis)))
+        rows.append(("diagnosis", f"{headline(found.diagnosis)} (in {found.diagnosis.model_is})"))
         confirmed = confirmed_by(found.diagnosis)
         if confirmed:
             rows.append(("prediction", sentence(confirmed)))
@@ -109,34 +108,9 @@ def _others(found: Findings, model: Explaining | None) -> Rows:
     for compared in (found.first, found.compared):
         if compared is None or (model is not None and compared.words == model.words):
             continue
-        fit = compared.judged.stated(compared.judged.fit)
-        quoted = "; ".join(
-            f"{one.name} {_quantity(one.value)}"
-            for one in engineering_values(fit, found.options.mass, found.options.mass_std)
-        )
         name = compared.words.removeprefix("the ").split(",")[0]
         left = residual_words(compared.error.motion_percent, compared.error.chi_square)
-        rows.append((name, f"{_names(fit)}: leaves {left}; not to be quoted, for comparison only: {quoted}"))
-    return rows
-
-
-def _methods(found: Findings) -> Rows:
-    """Return what the paper's two methods found, and whether that may be quoted."""
-    if found.identification is None:
-        return []
-    own = found.identification.adequacy
-    doubt = "" if own is not None and own.quotable else "do not quote: "
-    rows = []
-    for label, method in (("wavelet", found.identification.wavelet),
-                          ("restoring force", found.identification.restoring_force)):  # fmt: skip
-        if method is None:
-            continue
-        given = [
-            ("K", method.stiffness),
-            *((damping_name(i).split()[-1], v) for i, v in enumerate(method.damping)),
-        ]
-        text = "; ".join(f"{typeset_symbol(name)} = {_quantity(value)}" for name, value in given)
-        rows.append((f"by the {label}", doubt + text))
+        rows.append((name, f"{_names(compared.judged.fit)}: leaves {left}"))
     return rows
 
 

@@ -10,6 +10,7 @@ from identify.diagnosis.ladder import Rung
 from station.exits import UsageProblem
 from station.results.documents import Document, Errors, Part, read_with_checksum, to_text
 from station.results.models import ModelFile, Value, model_file, written
+from station.story.residual import reaches_floor
 
 LADDER = "ladder.json"
 MODEL = "model.json"
@@ -40,6 +41,16 @@ class KeptRung(Part):
     def began(self) -> str:
         """Which model it is that the ladder began with, in two words, as "usual model"."""
         return self.begun_with.split(",")[0].removeprefix("the ") or "first model"
+
+    @property
+    def name(self) -> str:
+        """Which model it is, as "usual model" or "refined model"."""
+        return self.began if self.begun_with else "refined model"
+
+    @property
+    def at_floor(self) -> bool:
+        """Whether the model leaves no more than noise does."""
+        return reaches_floor(self.error.chi2, self.chi2_std)
 
     @property
     def parameters(self) -> dict[str, Value]:

@@ -42,6 +42,14 @@ def would_explain(before: float | None, after: float | None) -> str:
     return "-" if share is None else share_words(share)
 
 
+def explained_words(before: float | None, after: float | None, spread: float | None) -> str:
+    """Return "would explain 61 %", or "all of it" at the floor, whose standard error is `spread`; "" if not known."""
+    words = would_explain(before, after)
+    if words == "-" or before is None or before <= 1.0:
+        return ""
+    return f"would explain {'all of it' if reaches_floor(after, spread) else words}"
+
+
 def reaches_floor(after: float | None, std: float | None) -> bool:
     """Whether a reduced chi-square is the noise floor, `std` being its standard error."""
     return after is not None and isfinite(after) and after <= 1.0 + 3.0 * (std or 0.0)

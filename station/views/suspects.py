@@ -116,7 +116,7 @@ def _shape(stream: rr.RecordingStream, shape: ShapeDocument, root: str) -> None:
 
 def summary(document: DiagnosisDocument) -> str:
     """Return the verdict, the reasons and the suspects as markdown."""
-    lines = [f"# {headline(document)}", "", document.explanation, ""]
+    lines = [f"# {headline(document)}", "", f"In {document.model_is}. {document.explanation}", ""]
     if document.rivals:
         lines += [f"**{sentence(not_told_apart(document))}**", ""]
     lines += ["| with | residual, % of motion | times the noise |", "|---|---:|---:|"]

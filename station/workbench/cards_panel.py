@@ -6,11 +6,11 @@ from nicegui import ui
 
 from station.results.diagnosis_document import DiagnosisDocument, SuspectDocument
 from station.results.ladder import KeptLadder
+from station.story.residual import explained_words
 from station.text.diagnosis_text import foretold_parts, found_in_sensor, not_told_apart
 from station.text.layout import sentence
 from station.text.numbers import typeset
 from station.workbench import view_models, widgets
-from station.workbench.explained import explained_words
 from station.workbench.names import plain
 from station.workbench.others_menu import OthersMenu
 from station.workbench.own_card import OwnCard

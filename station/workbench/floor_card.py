@@ -39,7 +39,7 @@ class FloorCard:
         if not view.at_floor:
             return
         self._words.text = (
-            f"The {top.began if top.begun_with else 'refined model'} leaves {top.error.words} (noise alone: "
+            f"The {top.name} leaves {top.error.words} (noise alone: "
             f"{floor_words(top.chi2_std)}). Added to the {view.ladder.rungs[0].began}: "
             f"{', '.join(plain(n) for n in top.effects if n not in view.ladder.rungs[0].effects) or 'nothing'}."
         )

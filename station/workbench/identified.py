@@ -17,7 +17,6 @@ from station.text.table import Cell, Tables, make_tables
 from station.text.terminal import rows, uncorrected
 from station.workbench import view_models
 from station.workbench.names import plain
-from station.workbench.view_models import reaches_floor
 
 NONE = "–"
 
@@ -67,7 +66,7 @@ def _judged(found: Adequacy | None, ladder: KeptLadder | None) -> tuple[str, boo
     if found is None:
         return "", False, ""
     words = f"{judgement(found)}. It is {' + '.join(plain(name) for name in found.effects)}"
-    if ladder is None or found.doubt or not reaches_floor(ladder.top) or found.quotable:
+    if ladder is None or found.doubt or not ladder.top.at_floor or found.quotable:
         return typeset(sentence(words)), found.quotable, ""
     current = f"the refined model leaves {ladder.top.error.words}: quote its values, not those below"
     return typeset(sentence(current)), True, typeset(sentence(words))

@@ -67,7 +67,7 @@ class LadderPanel:
     def _rung(self, ladder: KeptLadder, place: int) -> None:
         rung = ladder.rungs[place]
         kind = "present" if place == ladder.present else "above" if place > ladder.present else ""
-        floor = " reached" if view_models.reaches_floor(rung) else ""
+        floor = " reached" if rung.at_floor else ""
         row = ui.element("button").classes(f"rung {kind}{floor}").on("click", partial(self._go, place))
         row.props["type"] = "button"
         row.props["aria-label"] = (

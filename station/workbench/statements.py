@@ -5,11 +5,10 @@ from typing import Any
 
 from station.results.diagnosis_document import SuspectDocument
 from station.results.ladder import KeptRung
-from station.story.residual import times
+from station.story.residual import explained_words, times
 from station.text.diagnosis_text import STRENGTH_UNKNOWN
 from station.text.numbers import three_figures, typeset, with_unit
 from station.workbench import view_models
-from station.workbench.explained import explained_words
 from station.workbench.ladder_bars import share
 from station.workbench.names import plain
 
@@ -30,13 +29,10 @@ def says_of(view: view_models.View, details: view_models.Details | None = None) 
 
 
 def _rung(view: view_models.View, place: int, rung: KeptRung, summary: str) -> dict[str, Any]:
-    error, floor = rung.error, view_models.reaches_floor(rung)
+    error, floor = rung.error, rung.at_floor
     present = place == view.ladder.present
-    name = rung.began if rung.begun_with else "refined model"
-    if present:
-        what = f"of the motion: residual of the {name}, {times(error.chi2)} times the noise"
-    else:
-        what = f"of the motion: residual of rung {place}, {times(error.chi2)} times the noise"
+    name = f"the {rung.name}" if present else f"rung {place}"
+    what = f"of the motion: residual of {name}, {times(error.chi2)} times the noise"
     more = " + ".join(plain(name) for name in rung.effects)
     if present and floor:
         more = f"Nothing but noise is left. {more}"

@@ -32,7 +32,6 @@ from station.workbench.pruning import drop_needless
 from station.workbench.raw_trace import raw_traces
 from station.workbench.session_thumbnails import thumbnail_of
 from station.workbench.unkept import MEASURED_CURVE, frame_of_tried
-from station.workbench.view_models import reaches_floor
 from station.workbench.warm_up import warm_up
 
 
@@ -167,7 +166,7 @@ def frames(
         suspects |= one.suspects
         progress(one)  # type: ignore[arg-type]
     found = dict(store.frames)
-    if document is not None and document.suspects and not reaches_floor(refinement.ladder.top):
+    if document is not None and document.suspects and not refinement.ladder.top.at_floor:
         progress("drawing the measured curve")
         with contextlib.suppress(Problem, NotIdentifiable):  # it has no card then
             name, frame = frame_of_tried(store, refinement, MEASURED_CURVE, "the measured curve")

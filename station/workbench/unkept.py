@@ -7,10 +7,9 @@ from typing import cast
 from daq.session import Session
 from station.operations.refining import Refinement, add
 from station.results.ladder import KeptLadder, KeptRung
-from station.story.residual import times
+from station.story.residual import explained_words, times
 from station.text.numbers import three_figures
 from station.workbench import view_models
-from station.workbench.explained import explained_words
 from station.workbench.frame_store import FrameStore, fit_of
 from station.workbench.frames import frame_id
 from station.workbench.ladder_bars import share

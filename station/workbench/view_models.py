@@ -3,8 +3,7 @@
 from dataclasses import dataclass, field
 
 from station.results.diagnosis_document import DiagnosisDocument
-from station.results.ladder import KeptLadder, KeptRung
-from station.story.residual import reaches_floor as at_floor
+from station.results.ladder import KeptLadder
 
 Numbers = list[float | None]
 
@@ -195,12 +194,7 @@ class View:
     @property
     def at_floor(self) -> bool:
         """Whether the present model leaves no more than noise does."""
-        return reaches_floor(self.ladder.top)
-
-
-def reaches_floor(rung: KeptRung) -> bool:
-    """Return whether a rung leaves no more than noise does."""
-    return at_floor(rung.error.chi2, rung.chi2_std)
+        return self.ladder.top.at_floor
 
 
 @dataclass(frozen=True)

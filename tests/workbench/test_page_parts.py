@@ -10,9 +10,9 @@ import pytest
 from daq.capture import CaptureSettings
 from daq.recording import Channel
 from station.exits import UsageProblem
+from station.story.residual import explained_words
 from station.workbench import doubles as notes
 from station.workbench import shelf
-from station.workbench.explained import explained_words
 from station.workbench.scope import ScopeTrace
 
 CSS = Path(shelf.__file__).parent / "static" / "bench.css"
