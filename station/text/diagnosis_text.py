@@ -15,7 +15,6 @@ from station.results.diagnosis_document import (
     NoiseFloorDocument,
     SuspectDocument,
 )
-from station.results.documents import Number
 from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, residual_words, times
 from station.text.layout import labelled
@@ -53,7 +52,7 @@ def show_diagnosis(
         console.print()
         console.print(Padding(shares_table(document.shares), (0, 0, 0, 1)))
     console.print()
-    for label, text in (*_values(document, weighing), *_facts(document, full)):
+    for label, text in (*_values(document, weighing, full), *_facts(document, full)):
         console.print(labelled(label, text, LABEL_WIDTH))
     console.print()
 
@@ -64,27 +63,18 @@ def _residuals(document: DiagnosisDocument, floor: NoiseFloorDocument, full: boo
     error, named = document.error, document.error_with_named
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column(f"residual of a free run\nover {error.horizon_s or 0.0:.1f} s", overflow="fold")
-    heads = ["% of the\nmotion", "times the\nnoise"]
-    heads += ["foretells"] if foretold else []
-    heads += ["chi-\nsquare"] if full else []
-    for head in heads:
+    for head in ("% of the\nmotion", "times the\nnoise", *["foretells"] * foretold, *["chi-\nsquare"] * full):
         table.add_column(head, justify="right", no_wrap=True)
-    if full:
-        table.add_column("values", overflow="fold")
-
-    def row(name: str, left: tuple[Number, Number], last: tuple[str, ...] = (), style: str = "") -> None:
-        motion, chi2 = left
-        cells = [name, three_figures(motion), times(chi2), *last[:foretold]]
-        cells += [three_figures(chi2), *last[foretold:]] if full else []
-        table.add_row(*(Text(cell, style=style) for cell in cells))
-
-    row(document.model_is, (error.motion_percent, error.chi2), ("",) * foretold)
+    rows = [(document.model_is, error.motion_percent, error.chi2, "", "")]
     if named is not None and len(document.named) > 1:
-        row("+ all that is named", (named.motion_percent, named.chi2), ("",) * foretold)
-    for suspect in shown_suspects(document, MOST_SUSPECTS if full else FEW_SUSPECTS):
-        last = ((foretells(document, suspect),) * foretold) + (_parameters(suspect),)
-        style = "" if suspect.claimed else "dim"
-        row(f"+ {suspect.effect}", (suspect.motion_percent, suspect.error_after), last, style)
+        rows.append(("+ all that is named", named.motion_percent, named.chi2, "", ""))
+    rows += [
+        (f"+ {s.effect}", s.motion_percent, s.error_after, foretells(document, s), "" if s.claimed else "dim")
+        for s in shown_suspects(document, MOST_SUSPECTS if full else FEW_SUSPECTS)
+    ]
+    for name, motion, chi2, word, style in rows:
+        cells = [name, three_figures(motion), times(chi2), *[word] * foretold, *[three_figures(chi2)] * full]
+        table.add_row(*(Text(cell, style=style) for cell in cells))
     table.add_row(Text("noise alone"), "", Text(floor_words(floor.chi2_std)), style="green")
     return table
 
@@ -154,18 +144,18 @@ def _parameters(suspect: SuspectDocument) -> str:
     return "; ".join([*([where] if where else []), *parts])
 
 
-def _values(document: DiagnosisDocument, weighing: Weighing | None) -> list[tuple[str, str]]:
-    """Return the values of what is named, one line for each; the strength with the mass in it after them."""
+def _values(document: DiagnosisDocument, weighing: Weighing | None, full: bool) -> list[tuple[str, str]]:
+    """Return the values of what is named (`full`: of all suspects shown), the strength with the mass in it after them."""
     lines = []
-    for suspect in document.suspects:
-        if suspect.effect not in document.named:
+    for suspect in shown_suspects(document):
+        if not full and suspect.effect not in document.named:
             continue
         text = f"{plain_name(suspect.effect)}: {_parameters(suspect)}"
         name, value = next(iter(suspect.parameters.items()), (None, None))
         whole = None
-        if weighing is not None and value is not None and value.value is not None:
+        if weighing and suspect.strength_known and value is not None and value.value is not None:
             whole = weighing.strength(suspect.effect, value.value, value.std, value.unit)
-        if whole is not None and weighing is not None:
+        if whole is not None and weighing:
             text += f"; with a mass of {weighing.mass:g} kg {name} = {with_unit(whole)}"
         lines.append(("values", text))
     return lines
