@@ -15,7 +15,6 @@ from rich.text import Text
 
 from daq.session import Session
 from daq.session_info import SessionInfo
-from identify.fitting.model_error import errors_of
 from identify.formatting import decimals_for, plain_name
 from identify.model.model import base_model
 from identify.model.parameter_id import ParameterId
@@ -33,14 +32,13 @@ from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.settings import Settings
 from station.story.engineering_values import Weighing
-from station.story.residual import floor_words, residual_words
+from station.text.comparison_text import show_comparison
 from station.text.diagnosis_text import show_diagnosis
 from station.text.ladder_text import show_ladder
 from station.text.numbers import with_unit
 
 MASS_KG = 21.36
 SEEDS = 1000
-MOST_PLACES = 3
 BOARD = "mocks.mystery"
 
 Say = Callable[[str, str], None]
@@ -137,7 +135,9 @@ def _solve(
         "The model is fitted, then run freely from the release, and laid over the measurement.",
     )
     refinement = open_refinement(session, settings)
-    _compare(session, settings, console)
+    compared, _ = compare_session(session, settings)
+    if console is not None:
+        show_comparison(console, compared)
     say(
         "2. DIAGNOSE: what is missing?",
         "Every effect that the library knows is added in turn, refitted, and judged by what chance alone would do.",
@@ -162,25 +162,6 @@ def _solve(
         raise Problem("the simulated board did not say what it had hidden; start it again")
     truth = json.loads(envelope.read_text(encoding="utf-8"))
     return Solved(seed, session, document, ladder, truth)
-
-
-def _compare(session: Session, settings: Settings, console: Console | None) -> None:
-    compared, _ = compare_session(session, settings)
-    if console is None:
-        return
-    found, error = compared.comparison, errors_of(compared.baseline)
-    console.print(
-        Padding(
-            Text(
-                f"The usual model leaves {residual_words(error.motion_percent, error.chi_square)} "
-                f"(noise alone: {floor_words(error.floor_std)}), over {error.horizon_s:.1f} s."
-            ),
-            (0, 1, 1, 1),
-        )
-    )
-    for place in found.places[:MOST_PLACES]:
-        console.print(Padding(Text(f"- {place.text}"), (0, 1, 0, 1)))
-    console.print(Padding(Text(found.cause), (1, 1, 0, 1)))
 
 
 def what_was_hidden(session: Session) -> dict[str, Any]:
