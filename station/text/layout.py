@@ -3,13 +3,15 @@
 from rich.table import Table
 from rich.text import Text
 
+from station.text.numbers import typeset
+
 
 def labelled(label: str, text: str, width: int, style: str = "") -> Table:
     """Return a line with its label in a column of `width` characters before it."""
     line = Table.grid(padding=(0, 1))
     line.add_column(width=width)
     line.add_column(overflow="fold")
-    line.add_row(Text(f" {label}", style="cyan"), Text(text, style=style))
+    line.add_row(Text(f" {label}", style="cyan"), Text(typeset(text), style=style))
     return line
 
 

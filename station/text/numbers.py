@@ -46,12 +46,15 @@ def with_error(value: float | None, std: float | None) -> str:
 
 def with_unit(found: Estimated) -> str:
     """Return "13115.0 ± 0.4 N/m"; without an error where none is known."""
-    return formatting.quantity(_estimate(found))
+    return typeset(formatting.quantity(_estimate(found)))
 
 
 def with_names(found: Mapping[str, Estimated]) -> list[str]:
     """Return "fc 80.0 ± 1.2 Hz" of each parameter; of one that every release has, the range."""
-    return formatting.quantities({name: _estimate(value) for name, value in found.items()}, " ")
+    return [
+        typeset(words)
+        for words in formatting.quantities({name: _estimate(value) for name, value in found.items()}, " ")
+    ]
 
 
 def _estimate(found: Estimated) -> Estimate:

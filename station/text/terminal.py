@@ -14,7 +14,7 @@ from station.story.engineering_values import times_mass
 from station.story.identification import Identification
 from station.text.layout import labelled, sentence
 from station.text.next_step import next_line
-from station.text.numbers import noise_scale, with_error
+from station.text.numbers import noise_scale, typeset, with_error
 
 LABEL_WIDTH = 11
 KINDS = {
@@ -113,7 +113,7 @@ def parameters(result: Identification) -> Table:
     for name in ("wavelet", "restoring force"):
         table.add_column(f"{name}\n(do not quote)" if doubt else name, justify="right")
     for row in rows(result):
-        table.add_row(*row, style="dim" if doubt else "")
+        table.add_row(*map(typeset, row), style="dim" if doubt else "")
     return table
 
 
