@@ -125,11 +125,11 @@ def _alike(
 
 def _own(sessions: Sequence[Session]) -> CurrentModel:
     kept = [kept_identification(session) for session in sessions]
-    chosen = {one.chosen for one in kept if one is not None and one.chosen}
-    if len(chosen) == 1 and all(one is not None and one.chosen for one in kept):
-        return CurrentModel(model_of(chosen.pop()), "the identified model, at the orders that were chosen")
+    chosen = {() if one is None else one.chosen for one in kept}
+    if len(chosen) == 1 and (effects := chosen.pop()):
+        return CurrentModel(model_of(effects), "the identified model, at the orders that were chosen")
     usual = base_model()
-    if chosen:
+    if any(chosen):
         return CurrentModel(usual, remark="The sessions were identified at different orders.")
     found = [name for one in kept[:1] if one and one.adequacy for name in one.adequacy.effects]
     beyond = [plain_name(name) for name in found if name not in usual]

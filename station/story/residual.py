@@ -29,17 +29,14 @@ def floor_words(chi2_std: float | None) -> str:
     return f"1 ± {(chi2_std or 0.0) / 2.0:.2g}"
 
 
-def explained_share(before: float | None, after: float | None) -> float | None:
-    """Return the share, 0 to 1, of a residual's mean square above the noise that a suspect takes away; None if not known."""
-    if before is None or after is None or not isfinite(before) or not isfinite(after):
-        return None
-    return min(max((before - after) / (before - 1.0), 0.0), 1.0) if before > 1.0 else 0.0
-
-
 def would_explain(before: float | None, after: float | None) -> str:
-    """Return what a suspect would explain of what the model leaves: "99.9 %", "61 %", "nothing"; "-" if not known."""
-    share = explained_share(before, after)
-    return "-" if share is None else share_words(share)
+    """Return the share of a residual's mean square above the noise that a suspect takes away: "61 %", "nothing".
+
+    "-" where it is not known.
+    """
+    if before is None or after is None or not isfinite(before) or not isfinite(after):
+        return "-"
+    return share_words(min(max((before - after) / (before - 1.0), 0.0), 1.0) if before > 1.0 else 0.0)
 
 
 def explained_words(before: float | None, after: float | None, spread: float | None) -> str:

@@ -1,13 +1,12 @@
 """What the page says of each model beside its picture: how much it leaves, and what a suspect would explain."""
 
-import math
 from typing import Any
 
 from station.results.diagnosis_document import SuspectDocument
-from station.results.ladder import KeptRung
+from station.results.ladder import KeptLadder, KeptRung
 from station.story.residual import explained_words, times
 from station.text.diagnosis_text import STRENGTH_UNKNOWN
-from station.text.numbers import three_figures, typeset, with_unit
+from station.text.numbers import three_figures, with_unit
 from station.workbench import view_models
 from station.workbench.ladder_bars import share
 from station.workbench.names import plain
@@ -38,24 +37,28 @@ def _rung(view: view_models.View, place: int, rung: KeptRung, summary: str) -> d
         more = f"Nothing but noise is left. {more}"
     elif present and summary:
         more = summary
-    return {"big": _percent(error.motion_percent), "what": what, "more": more, "floor": floor}
-
-
-def _percent(motion: float | None) -> str:
-    return f"{three_figures(motion)} %"
+    return {"big": f"{three_figures(error.motion_percent)} %", "what": what, "more": more, "floor": floor}
 
 
 def _suspect(view: view_models.View, suspect: SuspectDocument) -> dict[str, Any]:
-    before, after = view.ladder.top.error.chi2, suspect.error_after
-    values = ", ".join(f"{name} = {typeset(with_unit(value))}" for name, value in suspect.parameters.items())
+    values = ", ".join(f"{name} = {with_unit(value)}" for name, value in suspect.parameters.items())
     values = values if suspect.strength_known else f"{STRENGTH_UNKNOWN.capitalize()}."
-    filled, _ = share(after, view.ladder)
+    return with_effect(
+        view.ladder, plain(suspect.effect), suspect.motion_percent, suspect.error_after, values
+    )
+
+
+def with_effect(
+    ladder: KeptLadder, called: str, motion: float | None, chi2: float | None, more: str
+) -> dict[str, Any]:
+    """Return what is said of the present model with one more effect: what it leaves, what that explains, and `more`."""
+    words = explained_words(ladder.top.error.chi2, chi2, ladder.top.chi2_std)
     return {
-        "big": _percent(suspect.motion_percent),
-        "what": f"of the motion with {plain(suspect.effect)}, {times(after)} times the noise: "
-        f"{explained_words(before, after, view.ladder.top.chi2_std)}",
-        "more": values,
-        "times": times(after),
-        "share": round(filled, 1) if after is not None and math.isfinite(after) else 100.0,
+        "big": f"{three_figures(motion)} %",
+        "what": f"of the motion with {called}, {times(chi2)} times the noise: {words}",
+        "words": words,
+        "more": more,
+        "times": times(chi2),
+        "share": round(share(chi2, ladder)[0], 1),
         "floor": False,
     }

@@ -6,13 +6,11 @@ from typing import cast
 
 from daq.session import Session
 from station.operations.refining import Refinement, add
-from station.results.ladder import KeptLadder, KeptRung
-from station.story.residual import explained_words, times
-from station.text.numbers import three_figures
+from station.results.ladder import KeptRung
 from station.workbench import view_models
 from station.workbench.frame_store import FrameStore, fit_of
 from station.workbench.frames import frame_id
-from station.workbench.ladder_bars import share
+from station.workbench.statements import with_effect
 
 MEASURED_CURVE = "measured_curve"
 """What is added where nothing that has a name fits, see `station refine --add`."""
@@ -46,18 +44,7 @@ def frame_of_tried(
     rung = tried(refinement, wanted)
     name = frame_id(rung.model)
     frame = store.put(name, refinement.prepared, fit_of(refinement, rung.model, rung.nuisances))
-    return name, replace(frame, says=_says(refinement.ladder, rung, called))
-
-
-def _says(ladder: KeptLadder, rung: KeptRung, called: str) -> dict[str, str]:
-    before, after = ladder.top.error.chi2, rung.error.chi2
-    filled, _ = share(after, ladder)
-    words = explained_words(before, after, ladder.top.chi2_std)
-    return {
-        "big": f"{three_figures(rung.error.motion_percent)} %",
-        "what": f"of the motion with {called}, {times(after)} times the noise: {words}",
-        "words": words,
-        "more": "Fitted to this release; Add keeps it.",
-        "times": times(after),
-        "share": f"{filled:.1f}",
-    }
+    more = "Fitted to this release; Add keeps it."
+    error = rung.error
+    says = with_effect(refinement.ladder, called, error.motion_percent, error.chi2, more)
+    return name, replace(frame, says=says)

@@ -1,6 +1,7 @@
 """What the page shows of a session: plain values, ready to be drawn."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
@@ -116,7 +117,7 @@ class Frame:
     cycle_std: Numbers
     time: Numbers
     time_std: Numbers
-    says: dict[str, str] = field(default_factory=dict)
+    says: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
