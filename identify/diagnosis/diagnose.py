@@ -196,7 +196,7 @@ def diagnose(
     is told each step in words, counted where it has a known number of fits. Raises NotIdentifiable when a release
     holds too little to fit anything.
     """
-    library = library or LIBRARY
+    library = LIBRARY if library is None else library
     given = prepared_of(decays)
     whole = tuple(given[i] for i in largest_first(given))
     first = fit_baseline(segments_of(whole), model or base_model(), known)

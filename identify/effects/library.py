@@ -95,7 +95,7 @@ RARE: tuple[Effect, ...] = (LUGRE_FRICTION,)
 
 def find_effect(name: str, library: tuple[Effect, ...] | None = None) -> Effect:
     """Return the effect of that name; KeyError, naming those there are, when there is none."""
-    library = library or LIBRARY
+    library = LIBRARY if library is None else library
     for effect in library:
         if effect.name == name:
             return effect
