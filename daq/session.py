@@ -3,6 +3,7 @@
 session.json    metadata, and the state: recording, sealed, recovered, aborted
 raw.log         every byte as it came, see `raw_log`
 source/         for an import, a copy of the file
+recipe.toml     for an import, how the file was read
 results/        derived, can be made again
 manifest.json   checksums, counts, gaps, verdict
 .lock           while a process writes the session

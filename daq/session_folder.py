@@ -29,7 +29,7 @@ from daq.recording import Channel, Recording
 from daq.sensor_faults import sensor_faults
 from daq.session_changes import commit, complete
 from daq.session_info import SensorInfo, SessionInfo, State
-from daq.session_reading import INFO, RAW, RESULTS, SOURCE, SessionReader, read_info
+from daq.session_reading import INFO, RAW, RECIPE, RESULTS, SOURCE, SessionReader, read_info
 from daq.storage import (
     Lock,
     digest,
@@ -89,12 +89,17 @@ class Session(SessionReader):
 
     @classmethod
     def create_imported(
-        cls, folder: Path | str, recording: Recording, source: Path | None, info: SessionInfo | None = None
+        cls,
+        folder: Path | str,
+        recording: Recording,
+        source: Path | None,
+        info: SessionInfo | None = None,
+        recipe: str = "",
     ) -> Self:
         """Make a sealed session of a recording from elsewhere; samples are kept bit by bit as DATA frames.
 
-        `source` is the file it came from; a copy is kept. Errors as in `create`; SettingsError when the
-        recording has more channels than one message describes.
+        `source` is the file it came from, `recipe` how it was read; both are kept. Errors as in `create`; SettingsError when
+        the recording has more channels than one message describes.
         """
         info = info or SessionInfo()
         content = read_regular(source, MAX_LOG) if source is not None else b""
@@ -111,6 +116,8 @@ class Session(SessionReader):
         try:
             if source is not None:
                 _store_source(session.folder / SOURCE, stored_name(source.name), content)
+            if recipe:
+                write_whole(session.folder / RECIPE, recipe.encode(errors="replace"))
             log.close()
             if log.failure is not None:
                 raise log.failure

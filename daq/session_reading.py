@@ -19,6 +19,7 @@ INFO = "session.json"
 RAW = "raw.log"
 RESULTS = "results"
 SOURCE = "source"
+RECIPE = "recipe.toml"
 MAX_INFO = 1 << 20
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from daq.importing.columns import meaning, split_unit, words
-from daq.importing.errors import problem
 from daq.importing.options import ImportOptions, ask
 from daq.importing.still import amplitude, is_measurable
 from daq.importing.table import SourceColumn, Table
@@ -16,10 +15,6 @@ from daq.recording import Array
 AXES = ("x", "y", "z")
 WITHIN = 0.03
 """Gravity is found again to 3 %: the calibration of a phone's accelerometer."""
-
-COUNTS_A_G = (16384, 8192, 4096, 2048)
-WITHIN_CHIP = 0.06
-"""Offsets of 50 to 80 mg an axis, as data sheets of such chips state."""
 
 MOST_SENSORS = 4
 STEEPER = 1.3
@@ -36,11 +31,10 @@ def with_moving_axis(table: Table, options: ImportOptions) -> Table:
     """Return the table with one axis of each three-axis sensor, the other two left out.
 
     Three columns are such a sensor if the mean of their vector is gravity, or if they are named as the x, y and z of
-    an acceleration or a velocity. Raises ImportProblem when no axis moves more than the others.
+    an acceleration or a velocity. It is a doubt where no axis moves more than the others.
     """
     if any(q in options.columns for q in ("displacement", "velocity", "acceleration")) or options.angle_from:
         return table
-    table = _without_counts(table)
     for _ in range(MOST_SENSORS):
         found = _by_gravity(table) or _by_name(table)
         if found is None:
@@ -54,13 +48,12 @@ def _with_one_axis(table: Table, axes: Sequence[SourceColumn], unit: str, gravit
     order = np.argsort(amplitudes)[::-1]
     first, second = axes[int(order[0])], axes[int(order[1])]
     quantity = "acceleration" if gravity else meaning(first.label, first.unit).quantity or "acceleration"
+    doubts = table.doubts
     if amplitudes[order[0]] < STEEPER * amplitudes[order[1]]:
-        asked = ask(quantity, first.number)
-        raise problem(
-            table.path,
-            f"{first.place} and {second.place} are axes of one sensor and move alike",
-            f"choose one, as in {asked}", options=(asked,),
-        )  # fmt: skip
+        doubts += (
+            f"{first.place} and {second.place} are axes of one sensor and move alike; "
+            f"choose one, as in {ask(quantity, first.number)}",
+        )
     share = 100.0 * amplitudes[order[1]] / amplitudes[order[0]]
     kind, why = (
         ("an accelerometer", "their mean vector is gravity") if gravity else ("a sensor", "by their names")
@@ -73,7 +66,7 @@ def _with_one_axis(table: Table, axes: Sequence[SourceColumn], unit: str, gravit
     taken = replace(first, quantity=quantity, unit=said, gravity=gravity, label=first.label or quantity)
     rest = {c.number for c in axes} - {first.number}
     columns = tuple(taken if c is first else c for c in table.columns if c.number not in rest)
-    return replace(table, columns=columns, notes=(*table.notes, note))
+    return replace(table, columns=columns, notes=(*table.notes, note), doubts=doubts)
 
 
 def _axis(column: SourceColumn) -> str:
@@ -99,35 +92,6 @@ def _triples(table: Table) -> list[Sequence[SourceColumn]]:
     return [columns[i : i + 3] for i in range(len(columns) - 2)]
 
 
-def _without_counts(table: Table) -> Table:
-    """Return the table with three axes in g that are whole numbers whose mean vector is a power of two: a chip's counts.
-
-    Chips of 16 bits have 2048 to 16384 counts a g, for ranges of 16 to 2 g.
-    """
-    for three in _triples(table):
-        said = [meaning(c.label, c.unit) for c in three]
-        whole = all(np.array_equal(c.values, np.rint(c.values), equal_nan=True) for c in three)
-        if not whole or sorted(_axis(c) for c in three) != list(AXES) or any(s.unit for s in said):
-            continue
-        if {s.quantity for s in said} != {"acceleration"}:
-            continue
-        mean = float(np.linalg.norm([np.nanmedian(c.values) for c in three]))
-        for counts in COUNTS_A_G:
-            if abs(mean / counts - 1.0) < WITHIN_CHIP:
-                return _in_units_of_g(table, three, counts)
-    return table
-
-
-def _in_units_of_g(table: Table, three: Sequence[SourceColumn], counts: int) -> Table:
-    numbers = {c.number for c in three}
-    columns = tuple(
-        replace(c, values=c.values / counts, unit="g") if c.number in numbers else c for c in table.columns
-    )
-    places = ", ".join(c.place for c in three)
-    note = f"{places} are whole numbers whose mean vector is near {counts}: they were taken for counts of 1/{counts} g"
-    return replace(table, columns=columns, notes=(*table.notes, note))
-
-
 def _by_gravity(table: Table) -> tuple[Sequence[SourceColumn], str, bool] | None:
     """Return three axes with gravity in them, and the unit where they name none."""
     for three in _triples(table):
@@ -140,8 +104,7 @@ def _by_gravity(table: Table) -> tuple[Sequence[SourceColumn], str, bool] | None
         mean = float(np.linalg.norm([np.nanmedian(c.values) for c in three]))
         for scale, unit in ((1.0, "m/s^2"), (STANDARD_GRAVITY, "g")):
             accelerations = unit != "g" or any(s.quantity == "acceleration" for s in said) or _in_g(three)
-            within = WITHIN_CHIP if all(c.unit == "g" for c in three) else WITHIN
-            if accelerations and abs(mean * scale / STANDARD_GRAVITY - 1.0) < within:
+            if accelerations and abs(mean * scale / STANDARD_GRAVITY - 1.0) < WITHIN:
                 return three, unit, True
     return None
 

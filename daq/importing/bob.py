@@ -1,13 +1,12 @@
 """The angle of a pendulum from x and y of its bob."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.errors import problem
-from daq.importing.options import NONE, ImportOptions
+from daq.importing.options import NONE, ImportOptions, ask
 from daq.importing.still import amplitude, is_measurable
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
@@ -25,32 +24,56 @@ FEWEST = 8
 def with_angle(table: Table, options: ImportOptions) -> Table:
     """Return the table with an angle in the place of the columns x and y of a bob.
 
-    The angle is `atan2(x, -y)`, zero where the bob hangs, with y upwards from the pivot; where y counts downwards, as
-    in a picture, `atan2(x, y)`. The columns are those that the operator names, or else the only two that could be a
-    displacement, if they lie on an arc about the pivot: the origin, or where they are called x and y the centre of the
-    circle that fits, if the arc is large and closely kept. Raises ImportProblem where the columns that are named do
-    not lie on an arc.
+    The columns are those that the operator names, or else the only two that could be a displacement, if they lie on an
+    arc about the pivot: the origin, or where they are called x and y the centre of the circle that fits, if the arc is
+    large and closely kept; on a loose arc they are a doubt. Raises ImportProblem where the columns that are named do not
+    lie on an arc.
     """
     if options.angle_from is not None:
         x, y = (_named(table, wanted) for wanted in options.angle_from)
-        measurable = is_measurable(x.values) and is_measurable(y.values)
-        pivot = _pivot(x.values, y.values) if measurable else None
-        if pivot is None:
-            raise problem(
-                table.path, f"{x.place} and {y.place} do not lie on an arc",
-                "name the bob's x and y, or one column with --column displacement=...",
-            )  # fmt: skip
-        return _replaced(table, x, y, pivot, "as asked")
+        return _replaced(table, x, y, "as asked")
     pair = _pair(table, options)
     if pair is None:
         return table
     if _on_arc(pair[0].values, pair[1].values, (0.0, 0.0)):
-        why = "they lie on an arc about their origin; --column displacement=... takes one"
-        return _replaced(table, *pair, (0.0, 0.0), why)
-    pivot = _pivot_elsewhere(*pair)
-    if pivot is None:
+        return _replaced(
+            table, *pair, "they lie on an arc about their origin; --column displacement=... takes one"
+        )
+    if _large_arc(*pair) is None:
         return table
-    return _replaced(table, *pair, pivot, "they lie on an arc; --column displacement=... takes one")
+    if _closely(*pair):
+        return _replaced(table, *pair, "they lie on an arc; --column displacement=... takes one")
+    names = ",".join(split_unit(c.label)[0].strip() or str(c.number) for c in pair)
+    doubt = (
+        f"2 columns could be the displacement: {pair[0].place}, {pair[1].place}; they lie roughly on an arc: if they are a "
+        f"pendulum's bob, its angle is --angle-from {names}, else choose one, as in {ask('displacement', pair[0].number)}"
+    )
+    made = _replaced(table, *pair, "they lie roughly on an arc")
+    return replace(made, doubts=(*table.doubts, doubt))
+
+
+def angle_of(
+    table: Table, x: SourceColumn, y: SourceColumn, pivot: tuple[float, float] | None = None
+) -> tuple[SourceColumn, str]:
+    """Return the angle (rad) of a bob at x and y, and its formula: `atan2(x, -y)`, zero where it hangs, y upwards from the
+    pivot; where y counts downwards, as in a picture, `atan2(x, y)`. Raises ImportProblem where no pivot is given and they
+    lie on no arc.
+    """
+    if pivot is None and is_measurable(x.values) and is_measurable(y.values):
+        pivot = _pivot(x.values, y.values)
+    if pivot is None:
+        raise problem(
+            table.path, f"{x.place} and {y.place} do not lie on an arc",
+            "name the bob's x and y, or one column with --column displacement=...",
+        )  # fmt: skip
+    angle, upwards = _angle(x.values, y.values, pivot)
+    about = "" if pivot == (0.0, 0.0) else f" about the pivot at x = {pivot[0]:.4g}, y = {pivot[1]:.4g}"
+    length = float(np.nanmean(np.hypot(x.values - pivot[0], y.values - pivot[1])))
+    formula = f"angle atan2(x, {'-y' if upwards else 'y'}){about}, radius {length:.4g}"
+    made = replace(
+        x, label="angle", values=angle, unit="rad", quantity="displacement", arc=(x.number, y.number)
+    )
+    return made, formula
 
 
 def _named(table: Table, wanted: str) -> SourceColumn:
@@ -91,19 +114,13 @@ def _pair(table: Table, options: ImportOptions) -> tuple[SourceColumn, SourceCol
     return None
 
 
-def on_an_arc(x: SourceColumn, y: SourceColumn) -> bool:
-    """Return whether two columns lie on a large arc about the origin or another centre, if only roughly."""
-    measurable = is_measurable(x.values) and is_measurable(y.values)
-    return measurable and _large_arc(x, y) is not None
-
-
-def _pivot_elsewhere(x: SourceColumn, y: SourceColumn) -> tuple[float, float] | None:
-    """Return the centre of a large, closely kept arc of columns called x and y, as video tracking writes them, or None."""
-    pivot = _large_arc(x, y) if x.label and y.label else None
-    if pivot is None:
-        return None
+def _closely(x: SourceColumn, y: SourceColumn) -> bool:
+    """Return whether columns called x and y, as video tracking writes them, lie on a large, closely kept arc."""
+    pivot = _large_arc(x, y)
+    if pivot is None or not (x.label and y.label):
+        return False
     radius = np.hypot(x.values - pivot[0], y.values - pivot[1])
-    return pivot if amplitude(radius) < CLOSE * float(np.nanmean(radius)) else None
+    return amplitude(radius) < CLOSE * float(np.nanmean(radius))
 
 
 def _large_arc(x: SourceColumn, y: SourceColumn) -> tuple[float, float] | None:
@@ -147,12 +164,8 @@ def _angle(x: Array, y: Array, centre: tuple[float, float]) -> tuple[Array, bool
     return angle, upwards
 
 
-def _replaced(table: Table, x: SourceColumn, y: SourceColumn, pivot: tuple[float, float], why: str) -> Table:
-    angle, upwards = _angle(x.values, y.values, pivot)
-    formula = f"atan2(x, {'-y' if upwards else 'y'})"
-    about = "" if pivot == (0.0, 0.0) else f" about the pivot at x = {pivot[0]:.4g}, y = {pivot[1]:.4g}"
-    length = float(np.nanmean(np.hypot(x.values - pivot[0], y.values - pivot[1])))
-    note = f"x in {x.place} and y in {y.place} give the angle {formula}{about}, radius {length:.4g}: {why}"
-    made = replace(x, label="angle", values=angle, unit="rad", quantity="displacement")
-    columns: Sequence[SourceColumn] = [made if c is x else c for c in table.columns if c is not y]
-    return replace(table, columns=tuple(columns), notes=(*table.notes, note))
+def _replaced(table: Table, x: SourceColumn, y: SourceColumn, why: str) -> Table:
+    made, formula = angle_of(table, x, y)
+    note = f"x in {x.place} and y in {y.place} give the {formula}: {why}"
+    columns = tuple(made if c is x else c for c in table.columns if c is not y)
+    return replace(table, columns=columns, notes=(*table.notes, note))

@@ -1,16 +1,16 @@
-"""Units of the chosen columns: which they are in, which go together, and their numbers in SI."""
+"""Units of the chosen columns: which they are in, and which go together."""
 
 import numpy as np
 
-from daq.importing.choose import LARGEST, Choice
+from daq.importing.apply import ORDER
+from daq.importing.choose import Choice
 from daq.importing.errors import problem
 from daq.importing.options import NONE, ImportOptions, ask
 from daq.importing.table import Table
-from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
-from daq.recording import Array
+from daq.importing.units import COUNT, SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
 
-FARTHEST = 20.0
-ORDER = ("displacement", "velocity", "acceleration", "force")
+FARTHEST = {"m": 20.0, "m/s^2": 2000.0}
+"""By how much no displacement or acceleration moves in SI, so that it is in counts, pixels or another unit."""
 
 
 def is_angle(choices: dict[str, Choice], options: ImportOptions) -> bool:
@@ -25,8 +25,10 @@ def is_angle(choices: dict[str, Choice], options: ImportOptions) -> bool:
     return any(choices[q].angular for q in ORDER if q in choices)
 
 
-def unit_of(table: Table, choice: Choice, options: ImportOptions, angular: bool, notes: list[str]) -> Unit:
-    """Return the unit of a channel: from the options, the header, or SI by default, and note which."""
+def unit_of(
+    table: Table, choice: Choice, options: ImportOptions, angular: bool, notes: list[str]
+) -> tuple[Unit, str]:
+    """Return the unit of a channel and its text: from the options, the header, or SI by default, and note which."""
     quantity, text = choice.quantity, options.units.get(choice.quantity)
     if text is not None:
         unit = parse_scaled_unit(text)
@@ -37,24 +39,21 @@ def unit_of(table: Table, choice: Choice, options: ImportOptions, angular: bool,
         other = choice.unit is not None and choice.unit != unit
         though = f", though its header says {_spelled(choice.unit_text)}" if other else ""
         notes.append(f"{choice.column.place} read as {quantity} in {text}, as asked{though}")
-        return unit
+        return unit, text
     asked = ", chosen by the options" if choice.asked else ""
     if choice.unit is not None:
         notes.append(f"{choice.column.place} read as {quantity} in {_spelled(choice.unit_text)}{asked}")
-        return choice.unit
+        return choice.unit, choice.unit_text
     unit = (SI_ANGULAR if angular else SI_LINEAR)[quantity]
-    notes.append(
-        f"{choice.column.place} read as {quantity}{asked}; it names no unit: {unit.si} was assumed"
-        f"{_though_far(choice, unit)} (change it with --unit {quantity}=...)"
-    )
-    return unit
-
-
-def _though_far(choice: Choice, unit: Unit) -> str:
-    """Return what speaks against metres, where a displacement goes further than any laboratory is long."""
+    si = unit.si
     finite = choice.column.values[np.isfinite(choice.column.values)]
-    far = float(np.ptp(finite)) if len(finite) and choice.column.bad is None else 0.0
-    return f", though it moves by {far:.3g} m: pixels or mm?" if unit.si == "m" and far > FARTHEST else ""
+    if choice.column.bad is None and len(finite) and float(np.ptp(finite)) > FARTHEST.get(si, np.inf):
+        unit, si = COUNT, f"counts (it moves by {float(np.ptp(finite)):.3g}, more than any rig does in {si})"
+    notes.append(
+        f"{choice.column.place} read as {quantity}{asked}; it names no unit: {si} was assumed "
+        f"(change it with --unit {quantity}=...)"
+    )
+    return unit, unit.si
 
 
 def _spelled(text: str) -> str:
@@ -86,45 +85,27 @@ def without_empty(table: Table, choices: dict[str, Choice], notes: list[str]) ->
 
 
 def of_one_kind(
-    table: Table, choices: dict[str, Choice], units: dict[str, Unit], notes: list[str]
+    choices: dict[str, Choice], units: dict[str, Unit], notes: list[str], doubts: list[str]
 ) -> dict[str, Choice]:
-    """Leave out lengths beside an angle (or angles beside a length) that nobody asked for; refuse those asked for."""
+    """Leave out lengths beside an angle (or angles beside a length); it is a doubt where somebody asked for them, or for
+    none of them.
+    """
     mechanical = [q for q in ORDER if q in choices and units[q].quantity is not None]
     lead = next((q for q in mechanical if choices[q].asked), mechanical[0] if mechanical else "")
     kept = dict(choices)
     for quantity in mechanical:
         if units[quantity].angular == units[lead].angular:
             continue
+        del kept[quantity]
         said = f"{quantity} in {units[quantity].si} beside {lead} in {units[lead].si}"
         if not any(choices[q].asked for q in mechanical) or choices[quantity].asked:
-            raise problem(
-                table.path, f"mixes an angle with a length ({said})",
-                f"leave one out ({ask(quantity, NONE)}), or give a scale that makes them alike, "
-                f"as in --unit {quantity}='4.0 {(SI_ANGULAR if units[lead].angular else SI_LINEAR)[quantity].si}'",
-            )  # fmt: skip
-        del kept[quantity]
-        notes.append(
-            f"{choices[quantity].column.place} was left out: {said} would mix an angle with a length"
-        )
+            si = (SI_ANGULAR if units[lead].angular else SI_LINEAR)[quantity].si
+            doubts.append(
+                f"mixes an angle with a length ({said}); leave one out ({ask(quantity, NONE)}), or give a scale that makes "
+                f"them alike, as in --unit {quantity}='4.0 {si}'"
+            )
+        else:
+            notes.append(
+                f"{choices[quantity].column.place} was left out: {said} would mix an angle with a length"
+            )
     return kept
-
-
-def in_si(table: Table, choice: Choice, unit: Unit) -> Array:
-    """Return a column in SI, shape (rows,), NaN where it is empty; ImportProblem for text or an impossible size."""
-    column = choice.column
-    if column.bad is not None:
-        line, text = column.bad
-        raise problem(
-            table.path, f"'{text}' in {column.place} is not a number",
-            "repair or remove the line, or choose another column", line=line, column=column.number,
-        )  # fmt: skip
-    with np.errstate(over="ignore", invalid="ignore"):
-        values = column.values * unit.scale
-    finite = np.isfinite(column.values)
-    if np.any(np.abs(values[finite]) > LARGEST):
-        row = int(np.flatnonzero(finite & ~(np.abs(values) <= LARGEST))[0])
-        raise problem(
-            table.path, f"{column.values[row]:.3g} is too large to be a measured {choice.quantity}",
-            "repair or remove the line", line=table.line(row), column=column.number,
-        )  # fmt: skip
-    return np.where(np.isfinite(values), values, np.nan)

@@ -38,7 +38,7 @@ def counted_on(table: Table, options: ImportOptions) -> Table:
             notes.append(
                 f"{column.place} jumps by {what} {jumps} times, where its numbers begin again: it was counted on"
             )
-            column = replace(column, values=values)
+            column = replace(column, values=values, wraps=step)
         columns.append(column)
     return replace(table, columns=tuple(columns), notes=(*table.notes, *notes)) if notes else table
 
@@ -62,12 +62,22 @@ def _without_jumps(column: SourceColumn, asked_angle: bool) -> tuple[Array, floa
         left = change - step * np.rint(change / step)
         if jumps < FEWEST_JUMPS or float(np.max(np.abs(left))) > SMOOTH * step:
             continue
-        turns = np.concatenate([[0.0], np.cumsum(np.rint(change / step))])
+        turns = _turns(values, step)
         usual, counts = np.unique(turns, return_counts=True)
         if len(np.unique(values[turns != usual[np.argmax(counts)]])) < FEWEST_BEYOND:
             continue
-        on = values - step * turns
-        made = column.values.copy()
-        made[there] = on - step * np.rint(np.median(on) / step)
-        return made, step, jumps
+        return counted_on_by(column.values, step), step, jumps
     return None
+
+
+def counted_on_by(values: Array, step: float) -> Array:
+    """Return numbers that begin again after `step`, counted on, their median within half a `step` of 0; NaN stay."""
+    there = np.isfinite(values)
+    on = values[there] - step * _turns(values[there], step)
+    made = values.copy()
+    made[there] = on - step * np.rint(np.median(on) / step)
+    return made
+
+
+def _turns(values: Array, step: float) -> Array:
+    return np.concatenate([[0.0], np.cumsum(np.rint(np.diff(values) / step))])

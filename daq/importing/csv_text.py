@@ -2,18 +2,18 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from daq.importing import lvm, serial_text, side_header
+from daq.importing import lvm, serial_text
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, split
 from daq.importing.errors import problem
-from daq.importing.header_lines import Setting, headers, motion_unit, rate_above, settings_above
+from daq.importing.header_lines import headers, names_in, rate_above
 from daq.importing.limits import require_lines, require_table
 from daq.importing.numbers import Parsed, parse_column, parse_number
-from daq.importing.options import ImportOptions
+from daq.importing.recipe import Dialect as WantedDialect
+from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
@@ -21,25 +21,27 @@ AT_ONCE = 1_000_000
 """Cells of a table with holes that are there as text at a time."""
 
 
-def read_csv(path: Path, data: bytes, options: ImportOptions) -> Table:
+def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     """Return the table in a text file. Raises ImportProblem with line and column when there is none."""
-    lines, said = decode(path, data, options.encoding)
+    wanted = recipe.dialect
+    lines, said = decode(path, data, recipe.encoding)
     require_lines(path, lines)
-    if options.skip_rows >= len(lines):
-        raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {options.skip_rows}")
-    body = lines[options.skip_rows :]
+    lines = _without_comments(path, lines, wanted)
     odd = None
-    if options.delimiter is None:
-        odd = lvm.table_of(path, body) or serial_text.table_of(path, body) or side_header.table_of(path, body)
-    if odd is not None:
-        lines = [*[""] * options.skip_rows, *odd[0]]
-    dialect = find_dialect(path, lines, options)
+    if recipe.format != "text" and wanted.delimiter is None:
+        odd = lvm.table_of(path, lines) or serial_text.table_of(path, lines)
+    format, lines, how = odd if odd is not None else ("text", lines, "")
+    top = max(wanted.header_rows, default=0)
+    dialect = find_dialect(path, [*[""] * top, *lines[top:]] if top else lines, wanted)
     rows = [i for i in range(dialect.start, len(lines)) if lines[i] and not lines[i].isspace()]
     require_table(path, len(rows), dialect.width)
-    notes = [said] if said else []
-    notes += [odd[1]] if odd is not None else []
+    notes = [text for text in (said, how) if text]
     parsed, rows = _numbers(path, lines, rows, dialect, notes)
-    names, units = headers(lines, dialect, options.skip_rows, len(parsed))
+    names, units = [""] * len(parsed), [""] * len(parsed)
+    if wanted.header_rows:
+        names = names_in(lines, wanted.header_rows, wanted.header_join, dialect, len(parsed))
+    elif wanted.header:
+        names, units = headers(lines, dialect, len(parsed))
     if names and not names[-1] and names[0] and _counts(parsed[0]):
         names = ["row", *names[:-1]]
     columns = []
@@ -57,20 +59,24 @@ def read_csv(path: Path, data: bytes, options: ImportOptions) -> Table:
     layout = f"{len(rows)} rows from line {rows[0] + 1}, {len(columns)} columns" if rows else "no rows"
     notes.insert(0, f"text table: {layout}, delimiter {name}, {sign}")
     rate, source = rate_above(lines, dialect)
-    columns = _by_settings(columns, settings_above(lines, dialect), notes)
-    return Table(path, tuple(columns), np.array(rows, dtype=np.int64) + 1, rate, source, tuple(notes))
+    used = {"delimiter": dialect.delimiter, "decimal_char": dialect.decimal} if odd is None else {}
+    return Table(
+        path, tuple(columns), np.array(rows, dtype=np.int64) + 1, rate, source, tuple(notes),
+        format=format, encoding=recipe.encoding, dialect=wanted.model_copy(update=used),
+    )  # fmt: skip
 
 
-def _by_settings(
-    columns: list[SourceColumn], settings: Sequence[Setting], notes: list[str]
-) -> list[SourceColumn]:
-    """Give a single column without a name the quantity and the unit that the settings above it name."""
-    said = motion_unit(settings)
-    if said is None or len(columns) != 1 or columns[0].label or columns[0].unit:
-        return columns
-    quantity, unit, line = said
-    notes.append(f"column 1 has no name; line {line - 1} names {unit}: it was taken as {quantity} in {unit}")
-    return [replace(columns[0], quantity=quantity, unit=unit)]
+def _without_comments(path: Path, lines: list[str], wanted: WantedDialect) -> list[str]:
+    """Return the lines, those blank that a recipe names as remarks."""
+    if max(wanted.comment_rows, default=0) >= len(lines):
+        raise problem(path, f"has {len(lines)} lines", f"skip fewer rows than {max(wanted.comment_rows)}")
+    sign, rows = wanted.comment_char, set(wanted.comment_rows)
+    if not sign and not rows:
+        return lines
+    return [
+        "" if number in rows or (sign and line.lstrip().startswith(sign)) else line
+        for number, line in enumerate(lines, start=1)
+    ]
 
 
 def _numbers(
@@ -137,6 +143,8 @@ def _cell_by_cell(
     if footer:
         notes.append(f"{footer} lines at the end hold no numbers and were left out")
     width = max(dialect.width, 1)
+    if len(rows) > 1 and len(split(lines[rows[-1]], dialect.delimiter)) < width:
+        notes.append(f"line {rows.pop() + 1}, the last, is cut short and was left out")
     lengths = [len(split(lines[i], dialect.delimiter)) for i in rows]
     for row, length in zip(rows, lengths, strict=True):
         if length > width:

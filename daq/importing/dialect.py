@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
+from daq.importing import recipe
 from daq.importing.errors import problem
 from daq.importing.limits import MAX_LINES, MAX_TEXT, require_size
 from daq.importing.numbers import parse_clock, parse_number
-from daq.importing.options import ImportOptions
 
 BLANK = " "
 COMMENTS = ("#", "%", "//", "!", "'", "*")
@@ -141,21 +141,22 @@ def _mixed_row_width(line: str, delimiter: str, decimal: str) -> int:
     return len(cells) if found >= 2 else 0
 
 
-def _candidates(options: ImportOptions, lines: Sequence[str]) -> list[tuple[str, str]]:
+def _candidates(wanted: recipe.Dialect, lines: Sequence[str]) -> list[tuple[str, str]]:
     """Return delimiters and decimal signs to try; of the delimiters that no line holds one is enough."""
     present = [d for d in DELIMITERS if d == BLANK or any(d in line for line in lines)]
     absent = [d for d in DELIMITERS if d not in present]
-    delimiters = (options.delimiter,) if options.delimiter else (*present, *absent[:1])
-    decimals = (options.decimal,) if options.decimal else (".", ",")
-    return [(d, s) for d in delimiters for s in decimals if options.delimiter is None or d != s]
+    delimiters = (wanted.delimiter,) if wanted.delimiter else (*present, *absent[:1])
+    decimals = (wanted.decimal_char,) if wanted.decimal_char else (".", ",")
+    free = wanted.delimiter is None or wanted.decimal_char is not None
+    return [(d, s) for d in delimiters for s in decimals if free or d != s]
 
 
-def _sample(lines: Sequence[str], skip: int) -> list[int]:
+def _sample(lines: Sequence[str]) -> list[int]:
     """Return the numbers of the lines to look at: the first few hundred that are not blank, and some of the rest."""
     picked: list[int] = []
     size = 0
     rest = range(0)
-    for i in range(skip, len(lines)):
+    for i in range(len(lines)):
         if lines[i].strip():
             picked.append(i)
             size += len(lines[i])
@@ -169,15 +170,15 @@ def _sample(lines: Sequence[str], skip: int) -> list[int]:
     return picked
 
 
-def find_dialect(path: Path, lines: Sequence[str], options: ImportOptions) -> Dialect:
+def find_dialect(path: Path, lines: Sequence[str], wanted: recipe.Dialect) -> Dialect:
     """Return how the lines are to be cut, by trying every way and keeping the one that leaves most numbers.
 
     Raises ImportProblem when there are no rows of numbers.
     """
-    picked = _sample(lines, options.skip_rows)
+    picked = _sample(lines)
     for width_of in (_row_width, _mixed_row_width):
         best: tuple[tuple[float, ...], Dialect] | None = None
-        for delimiter, decimal in _candidates(options, [lines[i] for i in picked]):
+        for delimiter, decimal in _candidates(wanted, [lines[i] for i in picked]):
             widths = [width_of(lines[i], delimiter, decimal) for i in picked]
             start = _start(widths)
             if start is None:

@@ -6,29 +6,17 @@ from daq.errors import UnreadableFile
 
 
 class ImportProblem(UnreadableFile):
-    """A file that cannot be imported as it stands, or an option that does not fit it (exit code 2).
-
-    `options` are those that would settle it, as the command line writes them, where some are known.
-    """
-
-    options: tuple[str, ...] = ()
+    """A file that cannot be imported as it stands, or an option that does not fit it (exit code 2)."""
 
 
 def problem(
-    path: Path,
-    what: str,
-    todo: str = "",
-    *,
-    line: int | None = None,
-    column: int | None = None,
-    options: tuple[str, ...] = (),
+    path: Path, what: str, todo: str = "", *, line: int | None = None, column: int | None = None
 ) -> ImportProblem:
-    """Return the error whose sentence gives file, line, column, what is wrong and what to do; `options` would settle it."""
-    where = path.name
-    if line is not None:
-        where += f", line {line}"
-    if column is not None:
-        where += f", column {column}"
-    made = ImportProblem(f"{where}: {what}" + (f"; {todo}" if todo else ""))
-    made.options = options
-    return made
+    """Return the error whose sentence gives file, line, column, what is wrong and what to do."""
+    return ImportProblem(f"{place(path, line, column)}: {what}" + (f"; {todo}" if todo else ""))
+
+
+def place(path: Path, line: int | None, column: int | None) -> str:
+    """Return where something is in a file, as a sentence begins."""
+    numbers = f", line {line}" if line is not None else ""
+    return path.name + numbers + (f", column {column}" if column is not None else "")

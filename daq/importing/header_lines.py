@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from daq.importing.columns import meaning, split_unit
+from daq.importing.columns import meaning
 from daq.importing.dialect import BLANK, COMMENTS, Dialect, is_comment, split
 from daq.importing.numbers import parse_number
 from daq.importing.units import parse_unit
@@ -40,22 +40,20 @@ class Setting:
     line: int
 
 
-def headers(lines: Sequence[str], dialect: Dialect, skip: int, width: int) -> tuple[list[str], list[str]]:
+def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[str], list[str]]:
     """Return the header and the unit of each column from the lines above the numbers, "" where there is none.
 
     Of several lines that could be the header, that one is taken whose cells say most; the nearest of equals.
     """
     above = []
     settings = {s.line for s in settings_above(lines, dialect)}
-    for number in range(max(skip, dialect.start - 60), dialect.start):
+    for number in range(max(0, dialect.start - 60), dialect.start):
         line = lines[number]
         if not line.strip() or {number + 1, number + 2} & settings:
             continue
         if width == 1 and _rate_in(line[:300], dialect.decimal) is not None:
             continue
-        if is_comment(line):
-            line = line.lstrip().lstrip("".join(COMMENTS)).strip()
-        above.append([c.strip().strip('"').strip() for c in _header_cells(line, dialect.delimiter, width)])
+        above.append(_cells_of(line, dialect, width))
     fitting = [cells for cells in above if _fits(cells, width)]
     if not fitting:
         return [""] * width, [""] * width
@@ -66,6 +64,11 @@ def headers(lines: Sequence[str], dialect: Dialect, skip: int, width: int) -> tu
             return units, [""] * width
     best = max(range(len(fitting)), key=lambda k: (_says(fitting[k], units) if width > 1 else 0, k))
     return _padded(fitting[best], width), units
+
+
+def _cells_of(line: str, dialect: Dialect, width: int) -> list[str]:
+    bare = line.lstrip().lstrip("".join(COMMENTS)).strip() if is_comment(line) else line
+    return [c.strip().strip('"').strip() for c in _header_cells(bare, dialect.delimiter, width)]
 
 
 def _says(cells: Sequence[str], units: Sequence[str]) -> int:
@@ -103,6 +106,12 @@ def _is_unit_row(cells: Sequence[str]) -> bool:
     known = [parse_unit(cell) is not None for cell in bare if cell not in ("", "-", "1")]
     bracketed = all(cell[0] in "([" and cell[-1] in ")]" for cell in cells if cell)
     return bool(known) and (all(known) or (bracketed and any(known)))
+
+
+def names_in(lines: Sequence[str], rows: Sequence[int], join: str, dialect: Dialect, width: int) -> list[str]:
+    """Return the header of each column from the lines that a recipe names, counted from 1."""
+    cells = [_padded(_cells_of(lines[row - 1], dialect, width), width) for row in rows if row <= len(lines)]
+    return [join.join(filter(None, several)) for several in zip(*cells, strict=True)] or [""] * width
 
 
 def settings_above(lines: Sequence[str], dialect: Dialect) -> tuple[Setting, ...]:
@@ -162,13 +171,3 @@ def _rate_in(line: str, decimal: str) -> float | None:
             return 1.0 / step
         return number * (1e3 if unit == "khz" else 1.0)
     return None
-
-
-def motion_unit(settings: Sequence[Setting]) -> tuple[str, str, int] | None:
-    """Return quantity, unit and line of the one kind of motion that the settings name, as `trigger_start_deg` does."""
-    found = {}
-    for setting in settings:
-        _, text, unit = split_unit(setting.name)
-        if unit is not None and unit.quantity in ("displacement", "velocity", "acceleration"):
-            found[(unit.quantity, text)] = setting.line
-    return next(((q, text, line) for (q, text), line in found.items()), None) if len(found) == 1 else None

@@ -11,7 +11,7 @@ from daq.importing.errors import problem
 from daq.importing.json_tables import FEWEST, table_in
 from daq.importing.limits import LONGEST_NAME, MAX_TEXT, require_size, require_table
 from daq.importing.numbers import parse_number
-from daq.importing.options import ImportOptions
+from daq.importing.recipe import Recipe
 from daq.importing.runs import rises_evenly
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
@@ -36,7 +36,7 @@ def is_json(data: bytes) -> bool:
     return head[:1] == b"{" or bool(re.match(rb"\[\s*[\[{]", head))
 
 
-def read_json(path: Path, data: bytes, options: ImportOptions) -> Table:
+def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
     """Return the table in a JSON file.
 
     The table is a list of rows, records or channels, an object of columns, or several of these for as many runs, at
@@ -51,7 +51,7 @@ def read_json(path: Path, data: bytes, options: ImportOptions) -> Table:
             f"has {len(data) / 1e6:.0f} MB in too many parts for 1 GB of memory",
             "cut it to the releases",
         )
-    document = _document(path, data, options.encoding)
+    document = _document(path, data, recipe.encoding)
     found = table_in(document)
     if found is None:
         raise problem(
@@ -73,7 +73,7 @@ def read_json(path: Path, data: bytes, options: ImportOptions) -> Table:
         for i, (name, values) in enumerate(zip(names, columns, strict=True))
     )
     rate, source = _rate(settings)
-    return Table(path, made, None, rate, source, tuple(notes))
+    return Table(path, made, None, rate, source, tuple(notes), format="json", encoding=recipe.encoding)
 
 
 def _document(path: Path, data: bytes, encoding: str | None) -> Any:

@@ -9,13 +9,14 @@ from pathlib import Path
 
 from daq.importing.limits import MAX_CELLS, require_few
 from daq.importing.numbers import parse_number
+from daq.importing.recipe import Format
 
 FIRST_LINE = "labview measurement"
 CLOSED = "***end_of_header***"
 X_VALUE = "X_Value"
 
 
-def table_of(path: Path, lines: Sequence[str]) -> tuple[list[str], str] | None:
+def table_of(path: Path, lines: Sequence[str]) -> tuple[Format, list[str], str] | None:
     """Return the lines as a table between tabs with a header in its place, and a sentence on it; else None.
 
     Units come from `Y_Unit_Label`; where no time is written (`X_Columns No`), from `X0` and `Delta_X` it is.
@@ -54,7 +55,7 @@ def table_of(path: Path, lines: Sequence[str]) -> tuple[list[str], str] | None:
     said = "a measurement file of LabVIEW was read by its headers"
     if len(closed) > 2:
         said += "; of its segments the first"
-    return [*[""] * start, "\t".join(header), *("\t".join(cells) for cells in rows)], said
+    return "labview", [*[""] * start, "\t".join(header), *("\t".join(cells) for cells in rows)], said
 
 
 def _settings(lines: Sequence[str], separator: str) -> dict[str, list[str]]:

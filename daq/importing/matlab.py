@@ -15,12 +15,23 @@ from daq.importing.mat_file import (
     read_version_4,
     read_version_5,
 )
-from daq.importing.options import ImportOptions
+from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
-RATES = ("fs", "fsamp", "samplerate", "sample_rate", "samplingrate", "sampling_rate", "rate", "sr", "fsample")
+RATES = (
+    "fs",
+    "fsamp",
+    "samplerate",
+    "sample_rate",
+    "samplingrate",
+    "sampling_rate",
+    "rate",
+    "actualrate",
+    "sr",
+    "fsample",
+)
 PERIODS = ("ts", "dt", "deltat", "delta_t", "tsample", "sampletime", "sample_time")
 
 
@@ -46,7 +57,7 @@ def _is_version_4(data: bytes) -> bool:
     return False
 
 
-def read_matlab(path: Path, data: bytes, options: ImportOptions) -> Table:
+def read_matlab(path: Path, data: bytes, recipe: Recipe) -> Table:
     """Return the vectors of a MATLAB file as columns. Raises ImportProblem; no code of the file is run."""
     if HDF5 in data[:520]:
         raise problem(
@@ -62,7 +73,7 @@ def read_matlab(path: Path, data: bytes, options: ImportOptions) -> Table:
             vectors.extend(_as_vectors(name, value))
     if not vectors:
         raise problem(path, "holds no vector of numbers", "save the time and the channels as vectors")
-    length = _length(path, vectors, options)
+    length = _length(path, vectors, recipe)
     kept = [(name, values) for name, values in vectors if len(values) == length]
     require_table(path, length, len(kept))
     columns = tuple(
@@ -73,7 +84,7 @@ def read_matlab(path: Path, data: bytes, options: ImportOptions) -> Table:
         others = [name for name, values in vectors if len(values) != length]
         notes.append(f"variables of other lengths were left out: {', '.join(others[:6])}")
     rate, source = _rate(scalars)
-    return Table(path, columns, None, rate, source, tuple(notes))
+    return Table(path, columns, None, rate, source, tuple(notes), format="matlab")
 
 
 def _load(path: Path, data: bytes) -> list[tuple[str, Numbers]]:
@@ -102,9 +113,9 @@ def _as_vectors(name: str, value: Numbers) -> list[tuple[str, Array]]:
     return [(f"{name}(:,{i + 1})", matrix[:, i]) for i in range(min(matrix.shape[1], 200))]
 
 
-def _length(path: Path, vectors: list[tuple[str, Array]], options: ImportOptions) -> int:
+def _length(path: Path, vectors: list[tuple[str, Array]], recipe: Recipe) -> int:
     """Return the length of the vectors that the options name, else the length that most numbers have."""
-    wanted = {str(w).casefold() for w in options.columns.values()}
+    wanted = {f.name.casefold() for f in recipe.fields if f.role != "ignored"}
     named = {len(values) for name, values in vectors if name.casefold() in wanted}
     if len(named) > 1:
         raise problem(

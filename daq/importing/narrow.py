@@ -5,9 +5,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from daq.importing.columns import Meaning, split_unit, words
+from daq.importing.errors import ImportProblem
 from daq.importing.quantisation import quantum
 from daq.importing.still import amplitude, moving
-from daq.importing.table import SourceColumn
+from daq.importing.table import SourceColumn, Table
+from daq.importing.timebase import from_stamps, guess_time_unit
 from daq.recording import Array
 
 TOTALS = frozenset({"absolute", "abs", "total", "norm", "resultant", "modulus", "betrag", "absolut"})
@@ -41,17 +43,28 @@ def narrowed(
     return left, notes
 
 
-def rising(columns: Sequence[SourceColumn]) -> tuple[list[SourceColumn], list[str]]:
-    """Return the columns that could be a clock: where one alone rises from row to row, that one, and why not the others."""
+def clocks(table: Table, columns: Sequence[SourceColumn]) -> tuple[list[SourceColumn], list[str]]:
+    """Return the columns that could be a clock: where one alone rises from row to row, or alone makes an even clock."""
     notes: list[str] = []
-    return _kept(
-        columns, [_rises(c.values) for c in columns], "{} does not rise from row to row", notes
-    ), notes
+    left = _kept(columns, [_rises(c.values) for c in columns], "{} does not rise from row to row", notes)
+    if len(left) > 1:
+        others = [c.values for c in table.columns if c not in columns and c.bad is None]
+        beside = np.array(others) if others else np.zeros((1, len(columns[0].values)))
+        left = _kept(left, [_makes_a_clock(table, c, beside) for c in left], "{} makes no even clock", notes)
+    return left, notes
 
 
 def _rises(values: Array) -> bool:
     finite = values[np.isfinite(values)]
     return len(finite) > 2 and bool(np.all(np.diff(finite) > 0.0))
+
+
+def _makes_a_clock(table: Table, column: SourceColumn, values: Array) -> bool:
+    try:
+        from_stamps(table, column, guess_time_unit(column)[0], values, resample=False)
+    except ImportProblem:
+        return False
+    return True
 
 
 def along_one_axis(
@@ -108,15 +121,17 @@ def _kind(column: SourceColumn) -> tuple[str, ...]:
 
 
 def _own(columns: Sequence[SourceColumn], said: Mapping[int, Meaning]) -> list[bool]:
-    """Return which columns are not, to within the rounding of their numbers, an earlier one of another unit times a
-    constant.
+    """Return which columns are not, to within the rounding of their numbers, another of another unit times a constant: of
+    a length and an angle the length is the one that repeats, of others the later one.
     """
 
-    def repeats(column: SourceColumn, other: SourceColumn) -> bool:
-        units = {said[c.number].unit_text for c in (column, other)}
-        return len(units) == 2 and _repeats(column.values, other.values)
+    def repeats(k: int, other: int) -> bool:
+        one, two = said[columns[k].number], said[columns[other].number]
+        second = one.angular < two.angular or (one.angular == two.angular and other < k)
+        another = one.unit_text != two.unit_text and k != other and second
+        return another and _repeats(columns[k].values, columns[other].values)
 
-    return [not any(repeats(c, b) for b in columns[:k]) for k, c in enumerate(columns)]
+    return [not any(repeats(k, other) for other in range(len(columns))) for k in range(len(columns))]
 
 
 def _repeats(values: Array, other: Array) -> bool:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from daq.importing.errors import ImportProblem
+from daq.importing.recipe import Column, Dialect, Recipe
 
 QUANTITIES = ("time", "displacement", "velocity", "acceleration", "force")
 NONE = "none"
@@ -26,7 +27,8 @@ class ImportOptions:
     `delimiter` (one character, or "blank", "tab"), `decimal` ("." or ","), `encoding` and `skip_rows`
     (lines to ignore at the top) are for text. `resample` puts samples with uneven time stamps on an even
     clock by a spline; `keep_derived` keeps a channel that was computed from another one.
-    `run` is the run to read of a file that holds several. `angle_from` names the columns of x and y from which an
+    `run` is the run to read of a file that holds several. `accept` takes what is proposed where the file does not say all.
+    `angle_from` names the columns of x and y from which an
     angle is to be taken, its zero hanging down. `start` and `stop` (s, as the file counts its time) cut the
     recording. `keep_offset` leaves gravity in an acceleration.
 
@@ -47,6 +49,7 @@ class ImportOptions:
     start: float | None = None
     stop: float | None = None
     keep_offset: bool = False
+    accept: bool = False
 
     def __post_init__(self) -> None:
         for name, mapping in (("columns", self.columns), ("units", self.units)):
@@ -72,6 +75,23 @@ class ImportOptions:
             raise ImportProblem(f"the recording cannot end at {self.stop:g} s and begin at {self.start:g} s")
         if self.angle_from is not None and "displacement" in self.columns:
             raise ImportProblem("an angle from two columns and a column of displacement were both asked for")
+
+    def as_recipe(self) -> Recipe:
+        """Return what these choices say of how a file is written, and which columns are asked for."""
+        wanted = [str(name).strip() for name in self.columns.values()]
+        return Recipe(
+            encoding=self.encoding,
+            dialect=Dialect.model_validate(
+                {
+                    "delimiter": self.delimiter,
+                    "decimalChar": self.decimal,
+                    "commentRows": range(1, self.skip_rows + 1),
+                }
+            ),
+            fields=tuple(
+                Column(name=name, role="displacement") for name in wanted if name and name.lower() != NONE
+            ),
+        )
 
 
 def ask(quantity: str, column: object) -> str:

@@ -1,6 +1,4 @@
-"""A logger that changed its rate: the row from which its time stamps follow another clock."""
-
-from dataclasses import dataclass
+"""Stamps of which only a part follows one even clock: the logger changed its rate, or lost its place."""
 
 import numpy as np
 
@@ -8,25 +6,15 @@ from daq.importing.quantisation import quantum
 from daq.recording import Array
 
 FEWEST = 20
-DIFFERENT = 1.2
 STRAY = 0.2
 """Share of a sampling interval by which stamps may stray (rms) from a clock; or by no more than their rounding."""
 
 
-@dataclass(frozen=True)
-class RateChange:
-    """Rows before `row` come at the rate `before`, those from it on at the rate `after` (Hz)."""
+def even_part(time: Array) -> tuple[int, int, tuple[float, float]] | None:
+    """Return the larger part of stamps `time` (n,), in s and never falling, that follows one clock, as (first row, one past
+    its last), and the rates (Hz) before and after the other part; None where either part is no clock.
 
-    row: int
-    before: float
-    after: float
-
-
-def rate_change(time: Array) -> RateChange | None:
-    """Return where stamps `time` (n,), in s and never falling, go over from one even clock to another; None where they
-    do not, or where either part is no clock.
-
-    The row is the one at which two lines leave least of the stamps, by least squares.
+    The parts meet at the row at which two lines leave least of the stamps, by least squares.
     """
     count = len(time)
     if count < 2 * FEWEST:
@@ -35,11 +23,10 @@ def rate_change(time: Array) -> RateChange | None:
     level = time - np.polyval(np.polyfit(index, time, 1), index)
     left, right = _left_by_a_line(level), _left_by_a_line(level[::-1])[::-1]
     row = FEWEST + int(np.argmin(left[FEWEST - 1 : count - FEWEST] + right[FEWEST : count - FEWEST + 1]))
-    rates = [_rate(part) for part in (time[:row], time[row:])]
-    before, after = rates
-    if before is None or after is None or max(before / after, after / before) < DIFFERENT:
+    before, after = _rate(time[:row]), _rate(time[row:])
+    if before is None or after is None:
         return None
-    return RateChange(row, before, after)
+    return (0, row, (before, after)) if 2 * row >= count else (row, count, (before, after))
 
 
 def _left_by_a_line(values: Array) -> Array:

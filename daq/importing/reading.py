@@ -1,22 +1,19 @@
 """Read a file of any known format: one importer a format, chosen by what the file is."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from daq.importing.accelerometer import with_moving_axis
-from daq.importing.assemble import assemble
-from daq.importing.bob import with_angle
-from daq.importing.counted_on import counted_on
+from daq.importing.apply import apply
 from daq.importing.csv_text import read_csv
-from daq.importing.degrees import agreed
-from daq.importing.errors import ImportProblem, problem
+from daq.importing.errors import problem
 from daq.importing.json_text import is_json, read_json
 from daq.importing.limits import MAX_BYTES, require_size
 from daq.importing.matlab import is_matlab, read_matlab
+from daq.importing.no_clock import NoClock
 from daq.importing.options import ImportOptions
-from daq.importing.runs import find_runs, without_still
+from daq.importing.propose import Doubtful, Proposal, propose
+from daq.importing.recipe import Recipe
 from daq.importing.table import Table
-from daq.importing.time_steps import with_stamps
 from daq.importing.uff58 import is_uff, read_uff
 from daq.recording import Recording
 
@@ -41,57 +38,76 @@ def read_file(
 
 
 def read_runs(
-    path: str | Path, options: ImportOptions | None = None, run: str | int | None = None
+    path: str | Path,
+    options: ImportOptions | None = None,
+    run: str | int | None = None,
+    recipe: Recipe | None = None,
 ) -> tuple[Recording, ...]:
     """Return the recordings in a file, one for each run in it, in the order of the file; usually there is one.
 
-    A run that cannot be read is left out, and the notes of the others say why. Raises ImportProblem as `read_file`,
-    and when no run can be read.
+    With a `recipe` the file is read by it alone. A run that cannot be read is left out, and the notes of the others say why.
+    Raises ImportProblem as `read_file`, and when no run can be read.
     """
     options = options or ImportOptions()
     if run is not None:
         options = replace(options, run=run)
-    path = Path(path)
-    tables = _chosen(path, find_runs(_table(path, _bytes(path), options), options), options)
-    tables, still = without_still(tables) if len(tables) > 1 else (tables, ())
-    made: list[Recording] = []
-    refused: list[ImportProblem] = []
-    for table in agreed(tables, options):
+    return look_at(path, options, recipe).read(accept=options.accept).recordings
+
+
+@dataclass(frozen=True, eq=False)
+class Read:
+    """The recordings in a file, and the recipe that made them."""
+
+    recipe: Recipe
+    recordings: tuple[Recording, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """A file as a table, and a recipe for it: the one given, or a proposal."""
+
+    table: Table
+    proposal: Proposal
+
+    def read(self, *, accept: bool = False) -> Read:
+        """Return the recordings. Raises Doubtful, with a recipe, where something is to be said or confirmed before."""
+        proposal = self.proposal
+        more: tuple[str, ...] = ()
         try:
-            whole = with_stamps(counted_on(table, options), options)
-            made.append(assemble(with_angle(with_moving_axis(whole, options), options), options))
-        except ImportProblem as refusal:
-            refused.append(refusal)
-    if not made:
-        raise refused[0]
-    notes = (*still, *(f"a run was left out: {refusal}" for refusal in refused))
-    return tuple(replace(recording, notes=(*recording.notes, *notes)) for recording in made)
+            made = apply(self.table, proposal.recipe)
+        except NoClock as refusal:
+            recipe = proposal.recipe.model_copy(update=dict(refusal.remedy))
+            doubt = (
+                () if refusal.certain else (str(refusal).removeprefix(self.table.path.name).lstrip(",: "),)
+            )
+            proposal = replace(proposal, recipe=recipe, doubts=(*proposal.doubts, *doubt))
+            more = (refusal.sentence,)
+            made = apply(self.table, recipe)
+        if proposal.doubts and not accept:
+            raise Doubtful(f"{self.table.path.name}: {'; and '.join(proposal.doubts)}", proposal)
+        cut = len(proposal.recipe.parts) > 1
+        told = [proposal.notes.get(one.run.rpartition(".")[0] if cut else one.run, ()) for one in made]
+        noted = [replace(one, notes=(*one.notes, *own, *more)) for one, own in zip(made, told, strict=True)]
+        return Read(proposal.recipe, tuple(noted))
 
 
-def _table(path: Path, data: bytes, options: ImportOptions) -> Table:
+def look_at(path: str | Path, options: ImportOptions | None = None, recipe: Recipe | None = None) -> Look:
+    """Return a file as a table, with a recipe for it. Raises ImportProblem where it cannot be read at all."""
+    options = options or ImportOptions()
+    table = read_table(Path(path), recipe or options.as_recipe())
+    return Look(table, propose(table, options) if recipe is None else Proposal(recipe, {}))
+
+
+def read_table(path: Path, recipe: Recipe) -> Table:
+    """Return the columns of a file, as the recipe says that it is written, else as is found out."""
+    data = _bytes(path)
     if is_matlab(data):
-        return read_matlab(path, data, options)
+        return read_matlab(path, data, recipe)
     if is_uff(data):
-        return read_uff(path, data, options)
+        return read_uff(path, data, recipe)
     if is_json(data):
-        return read_json(path, data, options)
-    return read_csv(path, data, options)
-
-
-def _chosen(path: Path, tables: list[Table], options: ImportOptions) -> list[Table]:
-    """Return the run that the operator named, or all."""
-    if options.run is None or str(options.run).casefold() == "all":
-        return tables
-    wanted = str(options.run).strip().lstrip("#").lstrip("0") or "0"
-    found = [table for table in tables if table.run.casefold() == wanted.casefold()]
-    if found:
-        return found
-    names = ", ".join(table.run for table in tables if table.run)
-    raise problem(
-        path,
-        f"has no run '{options.run}'",
-        f"it holds runs {names}" if names else "it holds one recording: leave --run out",
-    )
+        return read_json(path, data, recipe)
+    return read_csv(path, data, recipe)
 
 
 def _bytes(path: Path) -> bytes:

@@ -25,7 +25,7 @@ _BY_WORD = re.compile(
     rf"[\s,_:;./-]*(?<![a-z])(?:{_WORDS})[\s_]*(?:nr|no)?[\s._#:-]*(\d{{1,4}}|(?-i:[A-H]))(?![a-z0-9])[\s,:;_-]*",
     re.I,
 )
-_LATEST = re.compile(r"(latest)\s*:\s*", re.I)
+_STRUCTURE = re.compile(r".*\((\d{1,4})\)\.(.+)")
 _BY_NUMBER = re.compile(r"(.*[^\d\W_])[\s._#-]*(\d{1,3})")
 _BY_LETTER = re.compile(r"(.*\S)[\s_]([A-H])")
 _COPY = re.compile(r"(.*\S)\.\d{1,3}")
@@ -51,7 +51,6 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
         or _by_names(table, _letter, shared=shared)
         or _by_repetition(table)
         or _by_times(table)
-        or _by_rising(table)
         or _by_row(table)
         or _by_restart(table)
     )
@@ -88,7 +87,10 @@ def _names_its_time(table: Table, options: ImportOptions) -> bool:
 
 
 def _word(column: SourceColumn) -> Named | None:
-    match = _BY_WORD.search(column.label) or _LATEST.match(column.label)
+    structure = _STRUCTURE.fullmatch(column.label)
+    if structure is not None:
+        return structure[2], structure[1]
+    match = _BY_WORD.search(column.label)
     if match is None:
         return None
     rest = f"{column.label[: match.start()]} {column.label[match.end() :]}".strip(" ,:;_-")
@@ -124,7 +126,7 @@ def _by_names(table: Table, name_of: Callable[[SourceColumn], Named | None], *, 
     times = [c for c in rest if _is_time(c)]
     if times and (not shared or any(_is_time(c) for columns in groups.values() for c in columns)):
         return []
-    return _accepted(table, groups, times)
+    return _accepted(table, groups, times, timeless=shared)
 
 
 def _called(column: SourceColumn, name: str) -> SourceColumn:
@@ -154,7 +156,7 @@ def _by_times(table: Table) -> list[Table]:
     """
     named = [c for c in table.columns if c.bad is not None or np.isfinite(c.values).any()]
     names = [_COPY.sub(r"\1", c.label).strip().casefold() for c in named]
-    places = [i for i, name in enumerate(names) if name and name == names[0] and rises_evenly(named[i])]
+    places = [i for i, name in enumerate(names) if name == names[0] and rises_evenly(named[i])]
     if len(places) < 2 or [b - a for a, b in pairwise([*places, len(named)])] != [2] * len(places):
         return []
     said = {_motion_of(named[i + 1]) for i in places}
@@ -171,21 +173,6 @@ def _motion_of(column: SourceColumn) -> str:
     """Return what a column's name or unit says that it measures: a motion, or "" where it says none."""
     quantity = column.quantity or meaning(column.label, column.unit).quantity
     return quantity if quantity in MOTIONS else ""
-
-
-def _by_rising(table: Table) -> list[Table]:
-    """Cut a table without names at its columns of time."""
-    if any(words(c.label) for c in table.columns):
-        return []
-    groups: dict[str, list[SourceColumn]] = {}
-    for column in table.columns:
-        if rises_evenly(column):
-            groups[str(len(groups) + 1)] = [replace(column, label="time", quantity="time")]
-        elif groups:
-            groups[str(len(groups))].append(column)
-        else:
-            return []
-    return _accepted(table, groups, [])
 
 
 def rises_evenly(column: SourceColumn) -> bool:
@@ -210,7 +197,8 @@ def _by_row(table: Table) -> list[Table]:
     if not 2 <= len(pieces) <= 1000 or min(b - a for a, b in pieces) < FEWEST_ROWS:
         return []
     rest = [c for c in table.columns if c is not column]
-    return [_part(table, f"{numbers[a]:.0f}", rest, np.arange(a, b)) for a, b in pieces]
+    marked = replace(table, cut=column.number)
+    return [part_of(marked, f"{numbers[a]:.0f}", rest, np.arange(a, b)) for a, b in pieces]
 
 
 def _by_restart(table: Table) -> list[Table]:
@@ -226,24 +214,31 @@ def _by_restart(table: Table) -> list[Table]:
     alike = all(abs(time[a] - time[0]) <= 2.0 * typical for a, _ in pieces)
     if not 2 <= len(pieces) <= 1000 or min(b - a for a, b in pieces) < FEWEST_IN_A_PIECE or not alike:
         return []
-    return [_part(table, str(k), table.columns, np.arange(a, b)) for k, (a, b) in enumerate(pieces, start=1)]
+    marked = replace(table, cut=0)
+    return [
+        part_of(marked, str(k), table.columns, np.arange(a, b)) for k, (a, b) in enumerate(pieces, start=1)
+    ]
 
 
-def _accepted(table: Table, groups: dict[str, list[SourceColumn]], shared: list[SourceColumn]) -> list[Table]:
-    """Return the runs if there are several, and each has one time and something beside it."""
+def _accepted(
+    table: Table, groups: dict[str, list[SourceColumn]], shared: list[SourceColumn], *, timeless: bool = False
+) -> list[Table]:
+    """Return the runs if there are several, and each has something beside its one time; `timeless` ones may have none."""
     parts = []
     for run, columns in groups.items():
         own = [c for c in columns if _is_time(c)]
+        rising = [c for c in columns if rises_evenly(c)] if not own and not shared else []
+        if len(rising) == 1:
+            own = [replace(rising[0], quantity="time")]
+            columns = [own[0] if c is rising[0] else c for c in columns]
         times = own or shared
-        if len(times) != 1 or len(columns) == len(own):
+        if len(times) > 1 or (not times and not timeless) or len(columns) == len(own):
             return []
-        beside = [c for c in columns if c not in own]
-        there = np.isfinite(times[0].values) & np.any([np.isfinite(c.values) for c in beside], axis=0)
-        rows = np.flatnonzero(there)
-        if len(rows) < FEWEST_ROWS:
-            continue
-        kept = [c for c in [*times, *beside] if c.bad is not None or np.isfinite(c.values).any()]
-        parts.append(_part(table, run, kept, np.arange(rows[0], rows[-1] + 1)))
+        kept = [*times, *(c for c in columns if c not in times)]
+        kept = [c for c in kept if c.bad is not None or np.isfinite(c.values).any()]
+        rows = rows_of(kept, times)
+        if len(rows) >= FEWEST_ROWS:
+            parts.append(part_of(table, run, kept, rows))
     return parts if len(groups) > 1 else []
 
 
@@ -251,12 +246,19 @@ def _is_time(column: SourceColumn) -> bool:
     return column.clock or (column.quantity or meaning(column.label, column.unit).quantity) == "time"
 
 
-def _part(table: Table, run: str, columns: Sequence[SourceColumn], rows: NDArray[np.int64]) -> Table:
-    cut = tuple(replace(c, values=c.values[rows]) for c in columns)
+def rows_of(columns: Sequence[SourceColumn], times: Sequence[SourceColumn]) -> NDArray[np.int64]:
+    """Return the rows from the first to the last in which a run has its time and something beside it."""
+    beside = [np.isfinite(c.values) for c in columns if c not in times]
+    there = np.all([np.any(beside, axis=0), *(np.isfinite(c.values) for c in times)], axis=0)
+    rows = np.flatnonzero(there)
+    return np.arange(rows[0], rows[-1] + 1) if len(rows) else rows
+
+
+def part_of(table: Table, run: str, columns: Sequence[SourceColumn], rows: NDArray[np.int64]) -> Table:
+    """Return some columns and rows of a table as those of a run."""
+    cut_columns = tuple(replace(c, values=c.values[rows]) for c in columns)
     lines = None if table.lines is None else table.lines[rows]
-    numbers = ", ".join(str(c.number) for c in columns)
-    note = f"run {run} of the file: columns {numbers}, {len(rows)} rows"
-    return replace(table, columns=cut, lines=lines, run=run, notes=(*table.notes, note))
+    return replace(table, columns=cut_columns, lines=lines, run=run)
 
 
 def _asked_for(runs: list[Table], options: ImportOptions) -> list[Table]:

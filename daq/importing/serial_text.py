@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from daq.importing.limits import MAX_SENTENCES, require_few
+from daq.importing.recipe import Format
 from daq.importing.units import parse_unit
 
 _ARROW = re.compile(r"\s*(\d{1,2}:\d\d:\d\d(?:[.,]\d+)?)\s*->\s*")
@@ -35,7 +36,7 @@ class _Row(NamedTuple):
         return bool(self.clock), self.labels, self.units
 
 
-def table_of(path: Path, lines: Sequence[str]) -> tuple[list[str], str] | None:
+def table_of(path: Path, lines: Sequence[str]) -> tuple[Format, list[str], str] | None:
     """Return the lines as a table between tabs with a header, and a sentence on it; None where they are no such text.
 
     Each line stays in its place; what does not fit is blank. Where no line is free above the first row, the header comes
@@ -60,7 +61,7 @@ def table_of(path: Path, lines: Sequence[str]) -> tuple[list[str], str] | None:
     header = "\t".join([*(["time"] if clock else []), *cells])
     made = ["" if row is None else "\t".join([*([row.clock] if clock else []), *row.numbers]) for row in rows]
     made = [header, *made] if first == 0 else [*made[: first - 1], header, *made[first:]]
-    return made, f"{_what_was_read(row)} were read in each row"
+    return "serial", made, f"{_what_was_read(row)} were read in each row"
 
 
 def _alike(path: Path, lines: Sequence[str]) -> list[_Row | None] | None:

@@ -1,11 +1,12 @@
 """The common ground of all formats: named columns of numbers, before they are given a meaning."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from daq.importing.limits import LONGEST_NAME
+from daq.importing.recipe import Dialect, Format
 from daq.recording import Array
 
 
@@ -16,7 +17,9 @@ class SourceColumn:
     `number` counts from 1; `label` is the header as it stands, cut where it is too long, without a unit row's unit, which
     is in `unit`. `quantity` is set where the format itself says it (UFF). `bad` is the first cell that is
     neither a number nor empty, as (line, text). `clock` is True for dates and times of day (then in s).
-    `noun` is what the format calls a column. `gravity` is True for an accelerometer's axis with gravity in it.
+    `noun` is what the format calls a column. `gravity` is True for an accelerometer's axis with gravity in it, `wraps` the
+    range after which numbers began again that were counted on, `steps` True for a time that was summed up, `arc` the
+    numbers of the columns x and y of which this is the angle.
     """
 
     number: int
@@ -29,6 +32,9 @@ class SourceColumn:
     noun: str = "column"
     rate: float | None = None
     gravity: bool = False
+    wraps: float | None = None
+    steps: bool = False
+    arc: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         values = np.asarray(self.values, dtype=np.float64)
@@ -47,7 +53,9 @@ class SourceColumn:
 @dataclass(frozen=True, eq=False)
 class Table:
     """The columns of one file, or of one run in it, all of one length, with the line each row came from where there
-    are lines. `run` is what the file calls the run, "" where it holds one recording.
+    are lines. `run` is what the file calls the run, "" where it holds one recording; `cut` is the number of the column by
+    which runs were cut one below the other, 0 where their time begins again. `notes` are what was understood, `doubts` what
+    was not, a sentence each; `format`, `encoding` and `dialect` are how it was read.
     """
 
     path: Path
@@ -56,7 +64,12 @@ class Table:
     rate: float | None = None
     rate_source: str = ""
     notes: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
     run: str = ""
+    cut: int | None = None
+    format: Format = "text"
+    encoding: str | None = None
+    dialect: Dialect = field(default_factory=Dialect)
 
     def line(self, row: int) -> int | None:
         """Return the 1-based line of a row, or None where the format has no lines."""

@@ -41,7 +41,7 @@ def with_stamps(table: Table, options: ImportOptions) -> Table:
         f"{column.place} holds steps of about {step:.4g} {text}, not times: "
         "it was taken as the time since the line before, and summed up"
     )
-    made = replace(column, label="time", values=stamps, unit=text, quantity="time")
+    made = replace(column, label="time", values=stamps, unit=text, quantity="time", steps=True)
     columns = (*table.columns[:index], made, *table.columns[index + 1 :])
     return replace(table, columns=columns, notes=(*table.notes, note))
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from daq.importing.errors import ImportProblem, problem
-from daq.importing.options import ImportOptions
+from daq.importing.recipe import Recipe
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 
@@ -29,7 +29,7 @@ def is_uff(data: bytes) -> bool:
     return re.match(rb"(?:\s*-1[ \t]*\r?\n)+\s*\d{1,5}[bB \t\r\n]", data[:400]) is not None
 
 
-def read_uff(path: Path, data: bytes, options: ImportOptions) -> Table:
+def read_uff(path: Path, data: bytes, recipe: Recipe) -> Table:
     """Return the time traces of a universal file as columns. Raises ImportProblem."""
     sets, kinds = _sets(path, data)
     traces = [(number, trace) for number, trace in sets if _is_trace(trace)]
@@ -42,7 +42,7 @@ def read_uff(path: Path, data: bytes, options: ImportOptions) -> Table:
     notes = [f"universal file: {len(traces)} time traces in {len(kinds)} data sets"]
     if len(traces) < len(sets):
         notes.append(f"{len(sets) - len(traces)} data sets 58 are no real time responses and were left out")
-    length = _length(traces, options)
+    length = _length(traces, recipe)
     columns: list[SourceColumn] = []
     stamps = None
     for number, trace in traces:
@@ -72,7 +72,7 @@ def read_uff(path: Path, data: bytes, options: ImportOptions) -> Table:
     rates = {c.rate for c in columns if c.rate is not None}
     if len(rates) > 1:
         notes.append("the traces have different rates: " + ", ".join(f"{r:g} Hz" for r in sorted(rates)))
-    return Table(path, tuple(columns), None, None, "", tuple(notes))
+    return Table(path, tuple(columns), None, None, "", tuple(notes), format="uff")
 
 
 def _without_rate(column: SourceColumn) -> SourceColumn:
@@ -126,9 +126,9 @@ def _is_trace(trace: dict[str, Any]) -> bool:
     )
 
 
-def _length(traces: list[tuple[int, dict[str, Any]]], options: ImportOptions) -> int:
+def _length(traces: list[tuple[int, dict[str, Any]]], recipe: Recipe) -> int:
     """Return the length of the first trace asked for, else the commonest length, the longest among equals."""
-    wanted = {str(w).strip() for w in options.columns.values()}
+    wanted = {f.name or str(f.column) for f in recipe.fields if f.role != "ignored"}
     for number, trace in traces:
         if str(number) in wanted or _label(trace) in wanted:
             return int(np.size(trace["data"]))

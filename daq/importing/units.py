@@ -24,6 +24,7 @@ class Unit:
 
 
 SECOND = Unit(1.0, "s", "time")
+COUNT = Unit(1.0, "count", None)
 SI_LINEAR = {
     "time": SECOND,
     "displacement": Unit(1.0, "m", "displacement"),

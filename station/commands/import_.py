@@ -1,5 +1,6 @@
 """`station import`: recordings of other boards become sessions."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -53,6 +54,11 @@ if TYPE_CHECKING:
     "--from", "start", type=float, metavar="S", help="Leave out what is before this time of the file."
 )
 @click.option("--to", "stop", type=float, metavar="S", help="Leave out what is after this time of the file.")
+@click.option("--recipe", metavar="FILE", help="Read by this recipe alone; none: by no recipe that was kept.")
+@click.option("--ask", is_flag=True, help="Show the columns and ask what they are.")
+@click.option(
+    "--accept", is_flag=True, help="Take the recipe that is proposed where the file does not say all."
+)
 @click.option("--keep-offset", is_flag=True, help="Leave gravity in an acceleration.")
 @click.option("--specimen", help="What was tested.")
 @click.option("--operator", help="Who tested it.")
@@ -72,6 +78,8 @@ def command(
     specimen: str | None,
     operator: str | None,
     conditions: tuple[str, ...],
+    recipe: str | None,
+    ask: bool,
     as_json: bool,
     **others: Any,
 ) -> None:
@@ -81,9 +89,12 @@ def command(
     """
     from daq.importing.errors import ImportProblem
     from daq.importing.options import ImportOptions
+    from daq.importing.recipe import read_recipe, to_toml
     from station.operations.new_session import session_info
     from station.results.import_command import explained
+    from station.results.kept_recipes import NONE
     from station.results.sessions import import_file
+    from station.safe_text import harmless
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
@@ -91,10 +102,22 @@ def command(
     options = ImportOptions(
         columns=chosen, units=pairs("--unit", units), angle_from=_two("--angle-from", angle_from), **others
     )
+    alone = replace(options, accept=False) == ImportOptions()
+    if recipe not in (None, NONE) and (ask or not alone):
+        raise UsageProblem(
+            f"--recipe {recipe} says all of how the file is read: write the choice there, or leave it out"
+        )
     info = session_info(settings, mass, mass_std, specimen, operator, conditions)
     try:
-        imported = import_file(file, folder, settings.sessions, options, info)
+        given = None if recipe in (None, NONE) else read_recipe(Path(recipe or ""))
+        if ask:
+            from station.commands.asking import asked
+
+            given = asked(file, options)
+        imported = import_file(file, folder, settings.sessions, options, info, given, anew=recipe == NONE)
     except ImportProblem as refusal:
+        if not as_json and (proposed := getattr(refusal, "proposal", None)) is not None:
+            click.echo(harmless(to_toml(proposed.recipe)))
         raise explained(file, options, refusal) from refusal
     if as_json:
         print_json(_document(file, imported))
@@ -129,6 +152,8 @@ def _document(file: Path, imported: "Imported") -> dict[str, Any]:
 
 
 def _say(file: Path, imported: "Imported") -> None:
+    from daq.session_reading import RECIPE
+
     console = screen()
     for recording in imported.recordings:
         samples = recording.samples.shape[1]
@@ -142,4 +167,6 @@ def _say(file: Path, imported: "Imported") -> None:
         console.print(f"  - {note}", markup=False)
     for session in imported.sessions:
         console.print(f"session: {session.folder}", markup=False, soft_wrap=True)
+    recipe = imported.sessions[0].folder / RECIPE
+    console.print(f"recipe: {recipe} (a copy, corrected, is read by --recipe)", markup=False, soft_wrap=True)
     console.print(next_line("identify", imported.sessions[0].folder), markup=False, soft_wrap=True)

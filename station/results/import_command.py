@@ -1,23 +1,22 @@
-"""The command that would import a file which was refused: the options that were given, and those that are missing."""
+"""The command that imports a file of which something is to be confirmed, by the recipe that is proposed."""
 
 import shlex
 from pathlib import Path
 
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
+from daq.importing.propose import Doubtful
 from station.exits import UsageProblem
 
 
-def typed(file: Path, options: ImportOptions, missing: tuple[str, ...]) -> str:
-    """Return the command line `station import FILE ...` with the options given and those missing."""
-    lacking = [shlex.split(option) for option in missing]
-    named = {tuple(words[:1]) + tuple(w.split("=")[0] for w in words[1:] if "=" in w) for words in lacking}
-    given = [words for words in _given(options) if _key(words) not in named]
-    return shlex.join(["station", "import", str(file), *(w for words in (*given, *lacking) for w in words)])
-
-
-def _key(words: list[str]) -> tuple[str, ...]:
-    return (words[0], *(w.split("=")[0] for w in words[1:] if "=" in w))
+def explained(file: Path, options: ImportOptions, refusal: ImportProblem) -> UsageProblem | ImportProblem:
+    """Return a refusal with the command to type, where a recipe is proposed that would do."""
+    if not isinstance(refusal, Doubtful):
+        return refusal
+    words = [word for option in _given(options) for word in option]
+    command = shlex.join(["station", "import", str(file), *words])
+    asking = "in a terminal --ask shows the columns; to take the proposed recipe as it is, type"
+    return UsageProblem(f"{refusal}. Or {asking}: {command}")
 
 
 def _given(options: ImportOptions) -> list[list[str]]:
@@ -36,12 +35,6 @@ def _given(options: ImportOptions) -> list[list[str]]:
         "--resample": options.resample,
         "--keep-derived": options.keep_derived,
         "--keep-offset": options.keep_offset,
+        "--accept": True,
     }
     return given + [[name] for name, wanted in flags.items() if wanted]
-
-
-def explained(file: Path, options: ImportOptions, refusal: ImportProblem) -> UsageProblem | ImportProblem:
-    """Return a refusal with the command to type, where the options that would settle it are known."""
-    if not refusal.options:
-        return refusal
-    return UsageProblem(f"{refusal}. Type: {typed(file, options, refusal.options)}")

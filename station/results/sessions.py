@@ -2,14 +2,15 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
-from daq.errors import UnreadableFile
-from daq.importing import read_runs
 from daq.importing.cutting import cut
+from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
+from daq.importing.reading import Look, look_at
+from daq.importing.recipe import Recipe, to_toml
 from daq.recording import Recording
 from daq.session import Session
 from daq.session_info import SessionInfo
@@ -18,7 +19,8 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.release import Release, find_releases
 from station.exits import UsageProblem
 from station.output import progress
-from station.results.import_command import typed
+from station.results.import_command import explained
+from station.results.kept_recipes import look_with_kept
 from station.results.session_names import find_session, no_such
 from station.story.free_part import free_from
 from station.story.preparation import Options, free_decay
@@ -61,9 +63,8 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
 def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session:
     try:
         imported = import_file(file, None, sessions, ImportOptions(), info)
-    except UnreadableFile as error:
-        command = typed(file, ImportOptions(), getattr(error, "options", ()))
-        raise UsageProblem(f"{error} (options as these belong to `{command}`)") from error
+    except ImportProblem as error:
+        raise explained(file, ImportOptions(), error) from error
     for note in imported.notes:
         progress(f"{file.name}: {note}")
     first, *others = imported.sessions
@@ -74,9 +75,19 @@ def _import_on_the_way(file: Path, sessions: Path, info: SessionInfo) -> Session
 
 
 def import_file(
-    file: Path, folder: Path | None, sessions: Path, options: ImportOptions, info: SessionInfo
+    file: Path,
+    folder: Path | None,
+    sessions: Path,
+    options: ImportOptions,
+    info: SessionInfo,
+    recipe: Recipe | None = None,
+    *,
+    anew: bool = False,
 ) -> Imported:
-    """Read a file and make a session of each release in it.
+    """Read a file and make a session of each release in it, by a `recipe` where one is given.
+
+    Without options, a recipe that was confirmed for a file of this shape is used again (`kept_recipes`), unless the file is
+    to be read `anew`. The recipe is kept in each session.
 
     With one release the session is `folder`, or the file's name within `sessions`; where the file holds several runs
     `_run` and the name of the run are added, and a number where one holds several releases. Nothing is overwritten.
@@ -87,16 +98,30 @@ def import_file(
         place = file.parent
         names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
         raise UsageProblem(f"{file}: there is no such file{did_you_mean(file.name, names)}")
-    pieces, notes = _pieces(
-        read_runs(file, options), whole=options.start is not None or options.stop is not None
-    )
+    look, said = _look(file, None if anew else sessions, options, recipe)
+    read = look.read(accept=options.accept)
+    pieces, notes = _pieces(read.recordings, whole=bool(read.recipe.parts))
+    told = replace(options, run=None, start=None, stop=None) != ImportOptions()
+    confirmed = recipe is not None or told or bool(said) or read.recipe.confirmed
+    kept = to_toml(read.recipe.model_copy(update={"confirmed": confirmed}))
     first = folder or sessions / _free_name(file, sessions, [name for name, _ in pieces])
     made = []
     for name, part in pieces:
         where = first.with_name(f"{first.name}{name}")
         known = info.model_copy(update={"name": where.name})
-        made.append(Session.create_imported(where, part, file, known))
-    return Imported(tuple(made), tuple(part for _, part in pieces), notes)
+        made.append(Session.create_imported(where, part, file, known, kept))
+    return Imported(tuple(made), tuple(part for _, part in pieces), (*filter(None, [said]), *notes))
+
+
+def _look(
+    file: Path, sessions: Path | None, options: ImportOptions, recipe: Recipe | None
+) -> tuple[Look, str]:
+    """Return the file with the recipe to read it by, and a sentence where it is one that was kept."""
+    if recipe is not None:
+        return look_at(file, recipe=recipe), ""
+    if sessions is None or options != ImportOptions():
+        return look_at(file, options), ""
+    return look_with_kept(file, sessions)
 
 
 def _pieces(runs: Sequence[Recording], *, whole: bool) -> tuple[list[tuple[str, Recording]], tuple[str, ...]]:

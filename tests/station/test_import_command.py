@@ -95,12 +95,13 @@ def test_a_decay_from_the_first_sample_is_kept_whole_whatever_its_damping(capsys
 def test_the_command_in_a_refusal_works_when_it_is_typed(capsys, given):
     written("ship 1.csv", "time,x,y,phi,theta", T, T, 0.1 * T**2, 0.1 * DECAY, 0.001 * T)
     assert run(["import", "ship 1.csv", *given]) == 2
-    command = capsys.readouterr().err.split("Type: ")[1]
+    told = capsys.readouterr()
+    assert 'role = "displacement"' in told.out  # the recipe that would be used
+    command = told.err.split("type: ")[1]
     words = shlex.split(" ".join(command.split()))
     assert words[:3] == ["station", "import", "ship 1.csv"]
-    assert "displacement=phi" in words
     assert all(word in words for word in given)
-    assert run([*words[1:], "--unit", "displacement=rad"]) == 0
+    assert run(words[1:]) == 0
 
 
 def test_an_angle_from_two_columns_needs_both(capsys):
@@ -110,3 +111,74 @@ def test_an_angle_from_two_columns_needs_both(capsys):
     assert "write two columns" in capsys.readouterr().err
     answer = imported(capsys, "bob.csv", "--angle-from", "x,y")
     np.testing.assert_allclose(Session.open(answer["sessions"][0]).recording().samples[0], phi, atol=1e-5)
+
+
+SPRINGS = "Position (mm) Run #1;Position (mm) Run #2\n" + "".join(
+    f"{a:.4f};{b:.4f}\n".replace(".", ",") for a, b in zip(60 + 9 * DECAY, 33 + 5 * DECAY, strict=True)
+)
+
+
+def test_an_answer_is_given_once_and_found_again_for_the_next_file_of_that_shape(capsys):
+    for name in ("first.csv", "second.csv"):
+        with open(name, "w", encoding="utf-8") as file:
+            file.write(SPRINGS)
+    assert run(["import", "first.csv"]) == 2
+    assert "names no rate" in capsys.readouterr().err
+    answer = imported(capsys, "first.csv", "--rate", "100")
+    assert answer["runs"] == ["1", "2"]
+    again = imported(capsys, "second.csv")
+    assert (again["rate_hz"], again["runs"]) == (RATE, ["1", "2"])
+    assert "confirmed for first_run2" in again["notes"][0]
+    assert run(["import", "second.csv", "--recipe", "none"]) == 2
+
+
+def test_a_recipe_is_kept_can_be_corrected_and_says_all(capsys):
+    written("one.csv", "t (s),x (mm)", T, 9.0 * DECAY)
+    kept = Session.open(imported(capsys, "one.csv")["sessions"][0]).folder / "recipe.toml"
+    recipe = kept.read_text(encoding="utf-8")
+    with open("mine.toml", "w", encoding="utf-8") as file:
+        file.write(recipe.replace('unit = "mm"', 'unit = "0.5 mm", sign = -1, zero = 2.0'))
+    answer = imported(capsys, "one.csv", "--recipe", "mine.toml")
+    mine = Session.open(answer["sessions"][0])
+    np.testing.assert_allclose(mine.recording().samples[0], -0.0005 * (9.0 * DECAY - 2.0), atol=1e-9)
+    assert run(["verify", str(mine.folder)]) == 0
+    capsys.readouterr()
+    assert run(["import", "one.csv", "--recipe", "mine.toml", "--rate", "50"]) == 2
+    assert "says all" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("recipe = 2", "recipe: Input should be 1"),
+        ("recipe = 1\nrat = 3", "rat: Extra inputs are not permitted"),
+        ('fields = [{name = "t", role = "time", unit = "mm"}]', "fields.1: 'mm' is no unit of time"),
+        ("fields = [{", "is no recipe in TOML"),
+        ('fields = [{name = "u", role = "displacement"}]', "the recipe's displacement is in column 'u'"),
+    ],
+)
+def test_a_recipe_that_is_none_gets_a_sentence(capsys, text, said):
+    written("one.csv", "t (s),x (mm)", T, 9.0 * DECAY)
+    with open("mine.toml", "w", encoding="utf-8") as file:
+        file.write(text)
+    assert run(["import", "one.csv", "--recipe", "mine.toml"]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_asking_shows_the_columns_and_takes_corrections_until_they_look_right(capsys, monkeypatch):
+    written("odd.csv", "clock,alpha_raw,beta", T, 9.0 * DECAY, np.cos(T))
+    typed = iter(["2=speed", "7=ignored", "2=displacement mm/s", "2=displacement deg", "3=ignored", ""])
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True)
+    monkeypatch.setattr("click.prompt", lambda *_, **__: next(typed))
+    assert run(["import", "odd.csv", "--ask"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    for sentence in ("2=speed is no correction", "there is no column 7", "'mm/s' is no unit of displacement"):
+        assert sentence in out
+    recording = Session.open("sessions/odd").recording()
+    np.testing.assert_allclose(recording.samples[0], np.radians(9.0 * DECAY), atol=1e-9)
+
+
+def test_asking_needs_a_terminal(capsys):
+    written("odd.csv", "clock,alpha_raw,beta", T, 9.0 * DECAY, np.cos(T))
+    assert run(["import", "odd.csv", "--ask"]) == 2
+    assert "needs a terminal" in capsys.readouterr().err

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from daq.importing import ImportOptions, ImportProblem, read_file
+from daq.importing.reading import look_at
+from daq.importing.recipe import Recipe, read_recipe, to_toml
 from daq.recording import Array, Recording
 
 RATE = 100.0
@@ -35,8 +37,25 @@ def table(header: str, *columns: Array, delimiter: str = ",", form: str = "%.9g"
 
 
 def load(folder: Path, text: str | bytes, name: str = "a.csv", **options: object) -> Recording:
-    """Write a file and import it."""
-    return read_file(write(folder, text, name), ImportOptions(**options))  # type: ignore[arg-type]
+    """Write a file and import it; the recipe that was used, written and read again, must make the same of it."""
+    path, wanted = write(folder, text, name), ImportOptions(**options)  # type: ignore[arg-type]
+    recording = read_file(path, wanted)
+    used = look_at(path, wanted).read(accept=wanted.accept).recipe
+    (again,) = look_at(path, recipe=kept(folder, used)).read().recordings
+    assert (again.rate, again.gaps, again.run) == (recording.rate, recording.gaps, recording.run)
+    assert [(c.quantity, c.unit) for c in again.channels] == [
+        (c.quantity, c.unit) for c in recording.channels
+    ]
+    np.testing.assert_array_equal(again.samples, recording.samples)
+    np.testing.assert_array_equal(again.valid, recording.valid)
+    return recording
+
+
+def kept(folder: Path, recipe: Recipe) -> Recipe:
+    """Write a recipe as an import does, and read it again."""
+    file = folder / "recipe.toml"
+    file.write_bytes(to_toml(recipe).encode())
+    return read_recipe(file)
 
 
 def refusal(folder: Path, text: str | bytes, name: str = "a.csv", **options: object) -> str:

@@ -135,7 +135,7 @@ def test_a_row_with_too_many_cells_is_reported_by_line(tmp_path: Path) -> None:
 def test_a_file_cut_off_in_its_last_row_is_read_to_there(tmp_path: Path) -> None:
     text = table("time_s,displacement_m,acceleration_m_s2", T, U, A)
     recording = load(tmp_path, text[: text.rindex(",")])
-    assert np.flatnonzero(~recording.valid).tolist() == [199]
+    assert recording.samples.shape == (2, 199)  # the last number may be cut short, too
     assert "cut short" in said(recording)
 
 
@@ -182,7 +182,7 @@ def test_without_a_time_column_the_rate_comes_from_the_option_or_a_line_above(tm
 def test_a_rate_beside_a_time_column_takes_its_place_and_says_so(tmp_path: Path) -> None:
     recording = load(tmp_path, table("time_s,displacement_m", T, U), rate=50.0)
     assert recording.rate == 50.0
-    assert "'time_s' was not used" in said(recording)
+    assert "not used: column 1 'time_s'" in said(recording)
 
 
 def test_a_volt_stays_a_volt_and_a_scale_makes_it_a_length(tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ def test_a_channel_without_a_unit_does_not_take_that_of_the_next() -> None:
         two_channels(point=".").replace("Y_Unit_Label\tg\tVolts", "Y_Unit_Label\t\tVolts").split("\n"),
     )
     assert found is not None
-    header = next(line for line in found[0] if line)
+    header = next(line for line in found[1] if line)
     assert header.split("\t") == ["time (s)", "Acceleration", "Voltage (Volts)"]
 
 

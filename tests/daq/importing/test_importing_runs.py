@@ -138,14 +138,6 @@ def test_a_time_that_begins_again_begins_a_run(tmp_path: Path) -> None:
     np.testing.assert_allclose(runs[1].samples[0], made[1][1], rtol=1e-8, atol=1e-12)
 
 
-def test_the_latest_run_of_a_logger_has_no_number(tmp_path: Path) -> None:
-    (t, x), (u, y) = releases((200, 150))
-    header = "Latest: Time (s),Latest: Position (m),Run 1: Time (s),Run 1: Position (m)"
-    runs = read_runs(write(tmp_path, wide(header, [t, x, u, y], ",")))
-    assert [r.run for r in runs] == ["Latest", "1"]
-    assert [r.samples.shape[1] for r in runs] == [200, 150]
-
-
 def test_columns_that_are_only_called_runs_are_displacements_over_one_time(tmp_path: Path) -> None:
     (t, x), (_, y) = releases((200, 200))
     runs = read_runs(write(tmp_path, wide("t;run1;run2", [t, x, y])))

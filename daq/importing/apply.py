@@ -1,0 +1,340 @@
+"""From a table to its recordings, by a recipe alone: nothing is guessed here."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from daq.importing.bob import angle_of
+from daq.importing.counted_on import counted_on_by
+from daq.importing.cutting import cut
+from daq.importing.errors import ImportProblem, problem
+from daq.importing.recipe import Column, Part, Recipe
+from daq.importing.resampling import find_gaps, place
+from daq.importing.runs import part_of, rows_of
+from daq.importing.table import SourceColumn, Table
+from daq.importing.timebase import EVEN, Timebase, from_rate, from_stamps
+from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
+from daq.plain_text import one_line
+from daq.recording import Array, Channel, Mask, Recording
+
+MOTIONS: Final = ("displacement", "velocity", "acceleration")
+ORDER: Final = (*MOTIONS, "force")
+FEWEST_ROWS = 8
+MOST_RUNS = 1000
+FEWEST = 50
+"""Samples of five cycles with ten readings each: of fewer nothing can be told, and tables of results are as short."""
+LARGEST = 1e150
+MIN_RATE, MAX_RATE = 1e-3, 1e7
+WIDE = 40
+"""Columns from which on a recipe lists only those that have a role."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A column of one run as a quantity; its numbers times `scale` are in the unit's SI."""
+
+    column: SourceColumn
+    unit: Unit
+    field: Column
+
+    def in_si(self, table: Table, quantity: str) -> Array:
+        """Return the column in SI, shape (rows,), NaN where it is empty; ImportProblem for text or an impossible size."""
+        column = self.column
+        if column.bad is not None:
+            line, text = column.bad
+            raise problem(
+                table.path, f"'{text}' in {column.place} is not a number",
+                "repair or remove the line, or choose another column", line=line, column=column.number,
+            )  # fmt: skip
+        zero = self.field.zero if isinstance(self.field.zero, float) and not column.arc else 0.0
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = (column.values - zero) * (self.unit.scale * self.field.sign)
+        finite = np.isfinite(column.values)
+        if np.any(np.abs(values[finite]) > LARGEST):
+            row = int(np.flatnonzero(finite & ~(np.abs(values) <= LARGEST))[0])
+            raise problem(
+                table.path, f"{column.values[row]:.3g} is too large to be a measured {quantity}",
+                "repair or remove the line", line=table.line(row), column=column.number,
+            )  # fmt: skip
+        return np.where(np.isfinite(values), values, np.nan)
+
+
+def apply(table: Table, recipe: Recipe) -> tuple[Recording, ...]:
+    """Return the recordings that a recipe makes of a table: one for each run and part.
+
+    A run that cannot be read is left out, and the notes of the others say why. Raises ImportProblem when none can.
+    """
+    made: list[Recording] = []
+    refused: list[ImportProblem] = []
+    for run, fields in _runs(table, recipe):
+        try:
+            made += _recordings(run, fields, recipe)
+        except ImportProblem as refusal:
+            refused.append(refusal)
+    if not made:
+        raise refused[0]
+    left_out = tuple(f"a run was left out: {refusal}" for refusal in refused)
+    return tuple(replace(one, notes=(*one.notes, *left_out)) for one in made)
+
+
+def matched(table: Table, recipe: Recipe) -> dict[int, Column]:
+    """Return the recipe's field of each column that has one, by the column's number.
+
+    Raises ImportProblem when a field with a role is in no column, or in several.
+    """
+    found: dict[int, Column] = {}
+    for field in recipe.fields:
+        named = [
+            c for c in table.columns if not field.name or one_line(c.label).strip() == field.name.strip()
+        ]
+        same = [c for c in named if field.column in (None, c.number)]
+        if len(same) == 1:
+            found[same[0].number] = field
+        elif field.role != "ignored":
+            listed = ", ".join(c.place for c in table.columns[:8])
+            wanted = f"'{field.name}'" if field.name else f"{field.column}"
+            raise problem(
+                table.path, f"the recipe's {field.role} is in column {wanted}, and the file has {listed}",
+                "correct the recipe, or import without it",
+            )  # fmt: skip
+    return found
+
+
+def fits(table: Table, recipe: Recipe) -> bool:
+    """Return whether a recipe lists the columns of a table, neither more nor fewer: all, or those with a role of many."""
+    try:
+        found = matched(table, recipe)
+    except ImportProblem:
+        return False
+    listed = len(recipe.fields) == len(table.columns) or len(table.columns) > WIDE
+    return table.format == recipe.format and listed and len(found) == len(recipe.fields)
+
+
+def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[int, Column]]]:
+    """Return the table and the fields of each run that the recipe reads."""
+    fields = {n: f for n, f in matched(table, recipe).items() if f.role != "ignored"}
+    columns = [c for c in table.columns if c.number in fields]
+    names = list(dict.fromkeys(f.run for f in fields.values() if f.run))
+    counter = next((c for c in columns if fields[c.number].role == "run"), None)
+    if counter is not None or recipe.restarts:
+        rest = [c for c in columns if c is not counter]
+        tables = [part_of(table, name, rest, rows) for name, rows in _pieces(table, columns, fields, counter)]
+    else:
+        tables = (
+            [_side_by_side(table, columns, fields, name) for name in names]
+            if names
+            else [replace(table, columns=tuple(columns))]
+        )
+    if recipe.runs:
+        kept = [run for run in tables if run.run in recipe.runs]
+        if not kept:
+            raise problem(
+                table.path, f"has no run '{recipe.runs[0]}'",
+                f"it holds runs {', '.join(run.run for run in tables)}" if tables[0].run else
+                "it holds one recording: leave --run out",
+            )  # fmt: skip
+        tables = kept
+    return [
+        (_noted(run), MappingProxyType({c.number: fields[c.number] for c in run.columns})) for run in tables
+    ]
+
+
+def _noted(run: Table) -> Table:
+    numbers = ", ".join(str(column.number) for column in run.columns)
+    note = f"run {run.run} of the file: columns {numbers}, {len(run.columns[0].values)} rows"
+    return replace(run, notes=(*run.notes, note)) if run.run else run
+
+
+def _side_by_side(
+    table: Table, columns: Sequence[SourceColumn], fields: dict[int, Column], name: str
+) -> Table:
+    """Return the columns of a run and those of all runs, in the rows that it has."""
+    own = [c for c in columns if fields[c.number].run in ("", name)]
+    return part_of(table, name, own, rows_of(own, [c for c in own if fields[c.number].role == "time"]))
+
+
+def _pieces(
+    table: Table, columns: Sequence[SourceColumn], fields: dict[int, Column], counter: SourceColumn | None
+) -> list[tuple[str, NDArray[np.int64]]]:
+    """Return the name and the rows of each run below the other: by the column that numbers them, or where time restarts."""
+    by = counter or next((c for c in columns if fields[c.number].role == "time"), None)
+    if by is None:
+        raise problem(table.path, "the recipe cuts where the time restarts, and names no time", "name it")
+    steps = np.diff(by.values)
+    edges = np.flatnonzero(steps < 0.0 if counter is None else steps != 0.0) + 1
+    if len(edges) >= MOST_RUNS:
+        raise problem(table.path, f"has {len(edges) + 1} runs in {by.place}, more than {MOST_RUNS}", "cut it")
+    pieces = list(pairwise([0, *edges.tolist(), len(by.values)]))
+    names = [f"{by.values[a]:.6g}" if counter else str(k) for k, (a, _) in enumerate(pieces, start=1)]
+    return [(name, np.arange(a, b)) for name, (a, b) in zip(names, pieces, strict=True)]
+
+
+def readings_of(table: Table, fields: MappingProxyType[int, Column]) -> dict[str, Reading]:
+    """Return the readings of one run by their quantity. Raises ImportProblem when two columns are one quantity."""
+    found: dict[str, Reading] = {}
+    for column in table.columns:
+        field = fields[column.number]
+        column = replace(column, values=counted_on_by(column.values, field.wraps)) if field.wraps else column
+        role = "time" if field.role == "time_step" else field.role
+        if field.role == "time_step":
+            column = replace(column, values=np.cumsum(column.values) - column.values[0])
+        if role in found:
+            raise problem(
+                table.path, f"{found[role].column.place} and {column.place} cannot both be the {role}",
+                "ignore one in the recipe, or give each a run",
+            )  # fmt: skip
+        found[role] = Reading(
+            column, (parse_scaled_unit(field.unit) or SI_LINEAR.get(role, SI_LINEAR["displacement"])), field
+        )
+    x, y = found.pop("x", None), found.pop("y", None)
+    if x is not None and y is not None:
+        found["displacement"] = _angle(table, x, y)
+    if not any(quantity in found for quantity in MOTIONS):
+        raise problem(
+            table.path, "the recipe names no displacement, velocity or acceleration", "give one this role"
+        )
+    return found
+
+
+def _angle(table: Table, x: Reading, y: Reading) -> Reading:
+    across, up = x.field.zero, y.field.zero
+    pivot = (across, up) if isinstance(across, float) and isinstance(up, float) else None
+    angle, _ = angle_of(table, x.column, y.column, pivot)
+    return Reading(angle, Unit(1.0, "rad", "displacement"), x.field)
+
+
+def _recordings(table: Table, fields: MappingProxyType[int, Column], recipe: Recipe) -> list[Recording]:
+    """Return the recordings of one run: one, or one for each part that the recipe cuts."""
+    readings = readings_of(table, fields)
+    quantities = [q for q in ORDER if q in readings]
+    values = np.array([readings[q].in_si(table, q) for q in quantities])
+    parts = recipe.parts or (Part(),)
+    made = [_recording(table, readings, values, recipe, part) for part in parts]
+    if len(parts) == 1:
+        return made
+    return [replace(one, run=f"{one.run}{'.' if one.run else ''}{k}") for k, one in enumerate(made, start=1)]
+
+
+def _recording(
+    table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe, part: Part
+) -> Recording:
+    quantities = [q for q in ORDER if q in readings]
+    clock = clock_of(table, readings, values, recipe, part)
+    values = values[:, clock.rows]
+    if len(clock.rows) < FEWEST_ROWS:
+        raise problem(
+            table.path, f"has {len(clock.rows)} samples", f"a recording needs at least {FEWEST_ROWS}"
+        )
+    if not MIN_RATE <= clock.rate <= MAX_RATE:
+        raise problem(
+            table.path, f"its rate would be {clock.rate:.4g} Hz",
+            "give the unit of the time with --unit time=..., or --rate in Hz",
+        )  # fmt: skip
+    samples, valid = place(values, clock, resample=recipe.resample)
+    if not valid.any():
+        raise problem(
+            table.path, "has no sample in which all channels hold a number",
+            "leave a channel out, as in --column acceleration=none",
+        )  # fmt: skip
+    for row, quantity in enumerate(quantities):
+        if readings[quantity].field.zero == "median":
+            samples[row] -= np.nanmedian(samples[row])
+    notes = (*table.notes, *_invalid(table, quantities, values, clock), *_strays(clock, samples[0], valid))
+    if samples.shape[1] < FEWEST:
+        notes += (
+            f"{samples.shape[1]} samples only: the amplitudes or periods of swings are no recording; what is needed is the "
+            "motion itself, five cycles or more with at least ten readings each",
+        )
+    channels = tuple(Channel(readings[q].column.label or q, q, readings[q].unit.si) for q in quantities)
+    made = Recording(
+        clock.rate, channels, samples, valid, find_gaps(valid, clock), clock.rate_std, None, notes, table.run
+    )
+    return _between(table, made, clock, part)
+
+
+def _between(table: Table, recording: Recording, clock: Timebase, part: Part) -> Recording:
+    """Return the part of a recording between two times of the file."""
+    if part == Part():
+        return recording
+    count = recording.samples.shape[1]
+    first, last = clock.origin, clock.origin + (count - 1) / clock.rate
+    start = 0 if part.start is None else max(0, round((part.start - first) * clock.rate))
+    stop = count if part.stop is None else min(count, round((part.stop - first) * clock.rate) + 1)
+    if stop - start < FEWEST_ROWS or not recording.valid[start:stop].any():
+        raise problem(
+            table.path, "holds nothing between these times", f"its own go from {first:.6g} s to {last:.6g} s"
+        )
+    return cut(recording, start, stop)
+
+
+def clock_of(
+    table: Table, readings: dict[str, Reading], values: Array, recipe: Recipe, part: Part
+) -> Timebase:
+    """Return the clock: the recipe's rate, else the stamps, else the rate that the file names."""
+    rows, time = values.shape[1], readings.get("time")
+    if recipe.rate is not None:
+        return from_rate(recipe.rate, rows, f"rate {recipe.rate:g} Hz, as given")
+    if time is None:
+        rates = {r.column.rate for r in readings.values() if r.column.rate is not None}
+        if len(rates) > 1:
+            said = ", ".join(f"{rate:g} Hz" for rate in sorted(rates))
+            raise problem(
+                table.path,
+                f"the channels have different rates ({said})",
+                "leave one out with --column ...=none",
+            )
+        rate, source = (rates.pop(), "the file") if rates else (table.rate, table.rate_source)
+        if rate is None:
+            raise problem(table.path, "has no time column and names no rate", "give --rate in Hz")
+        return from_rate(rate, rows, f"rate {rate:.6g} Hz, from {source}")
+    time.in_si(table, "time")  # refuses what is no time at all
+    unit = replace(time.unit, scale=time.unit.scale * time.field.sign)
+    try:
+        return from_stamps(table, time.column, unit, values, resample=recipe.resample)
+    except ImportProblem:
+        if part == Part():
+            raise
+    start, stop = (
+        (-np.inf if part.start is None else part.start),
+        (np.inf if part.stop is None else part.stop),
+    )
+    return from_stamps(table, time.column, unit, values, resample=recipe.resample, between=(start, stop))
+
+
+def _invalid(table: Table, quantities: Sequence[str], values: Array, clock: Timebase) -> list[str]:
+    """Return sentences on samples that hold no number."""
+    notes = []
+    for quantity, channel in zip(quantities, values, strict=True):
+        holes = np.flatnonzero(~np.isfinite(channel))
+        if len(holes):
+            line = table.line(int(clock.rows[holes[0]]))
+            where = f", the first in line {line}" if line else ""
+            notes.append(
+                f"{len(holes)} of {len(channel)} samples of the {quantity} are empty or not finite{where}; "
+                "they count as invalid"
+            )
+    if max(int(np.count_nonzero(~np.isfinite(c))) for c in values) > len(clock.rows) // 2:
+        notes.append(
+            f"more than half of the samples are invalid: check whether {' and '.join(quantities)} were sampled together"
+        )
+    return notes
+
+
+def _strays(clock: Timebase, samples: Array, valid: Mask) -> tuple[str, ...]:
+    """Return the clock's sentences, with the stray as a share of the motion's period where one can be seen."""
+    if clock.stray_rms * clock.rate <= EVEN or clock.coarse or not clock.notes or samples.shape[-1] < FEWEST:
+        return clock.notes
+    filled = np.where(valid, samples, np.nan)
+    filled = np.nan_to_num(filled - np.nanmean(filled))
+    power = np.abs(np.fft.rfft(filled * np.hanning(len(filled)))) ** 2
+    peak = int(np.argmax(power[2:])) + 2 if len(power) > 4 else 0
+    if not peak or power[peak] < 20.0 * float(np.median(power[2:])):
+        return clock.notes
+    period = len(filled) / clock.rate / peak
+    share = f"the motion's period is about {period:.3g} s: the stray is {100 * clock.stray_rms / period:.2g} % of it"
+    return (*clock.notes, share)

@@ -1,0 +1,267 @@
+"""What is found out about a file: a recipe, a sentence on each guess, and what nothing says."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import cast
+
+import numpy as np
+
+from daq.importing.accelerometer import has_gravity, with_moving_axis
+from daq.importing.apply import ORDER, WIDE, clock_of, readings_of
+from daq.importing.bob import with_angle
+from daq.importing.channel_units import is_angle, of_one_kind, unit_of, without_empty
+from daq.importing.choose import Choice, choose_columns, left_out
+from daq.importing.counted_on import counted_on
+from daq.importing.degrees import agreed
+from daq.importing.derived import find_derivation
+from daq.importing.errors import ImportProblem, problem
+from daq.importing.options import ImportOptions
+from daq.importing.quantisation import rounding
+from daq.importing.recipe import Column, Part, Recipe, Role
+from daq.importing.runs import find_runs, without_still
+from daq.importing.table import Table
+from daq.importing.time_steps import with_stamps
+from daq.importing.timebase import EVEN, guess_time_unit
+from daq.importing.units import Unit
+from daq.plain_text import one_line
+
+DERIVATIVES = (
+    ("displacement", "velocity", 1),
+    ("velocity", "acceleration", 1),
+    ("displacement", "acceleration", 2),
+)
+
+Notes = Mapping[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A recipe for a file. `notes` are what was understood and guessed of each run, by its name; `doubts` what somebody
+    has to say or to confirm before the recipe is used, a sentence each.
+    """
+
+    recipe: Recipe
+    notes: Notes
+    doubts: tuple[str, ...] = ()
+
+
+class Doubtful(ImportProblem):
+    """A file of which something is to be said or confirmed first; `proposal` holds the doubts and a recipe."""
+
+    def __init__(self, sentence: str, proposal: Proposal) -> None:
+        super().__init__(sentence)
+        self.proposal = proposal
+
+
+@dataclass(frozen=True)
+class _Run:
+    table: Table
+    fields: tuple[Column, ...]
+    rate: float | None
+    notes: tuple[str, ...]
+    doubts: tuple[str, ...]
+
+
+def propose(table: Table, options: ImportOptions) -> Proposal:
+    """Return the recipe that the options, the headers and the numbers of a table suggest.
+
+    Raises ImportProblem where an option contradicts the file, or nothing in it can be a motion.
+    """
+    found = find_runs(table, options)
+    chosen = _chosen(table, found, options)
+    moving, still = without_still(chosen) if len(chosen) > 1 else (chosen, ())
+    made: list[_Run] = []
+    refused: list[ImportProblem] = []
+    for run in agreed(moving, options):
+        try:
+            made.append(_settled(run, options))
+        except ImportProblem as refusal:
+            refused.append(refusal)
+    if not made:
+        raise refused[0]
+    certain = [run for run in made if not run.doubts]
+    unclear = [problem(table.path, run.doubts[0]) for run in made if run.doubts and certain]
+    left = tuple(f"a run was left out: {refusal}" for refusal in (*refused, *unclear))
+    made = certain or made
+    notes = {run.table.run: (*run.notes[len(table.notes) :], *still, *left) for run in made}
+    recipe = _recipe(table, [run.run for run in found], made, options)
+    return Proposal(recipe, MappingProxyType(notes), made[0].doubts)
+
+
+def _chosen(table: Table, runs: list[Table], options: ImportOptions) -> list[Table]:
+    """Return the run that the operator named, or all."""
+    if options.run is None or str(options.run).casefold() == "all":
+        return runs
+    wanted = str(options.run).strip().lstrip("#").lstrip("0") or "0"
+    found = [run for run in runs if run.run.casefold() == wanted.casefold()]
+    if found:
+        return found
+    names = ", ".join(run.run for run in runs if run.run)
+    raise problem(
+        table.path, f"has no run '{options.run}'",
+        f"it holds runs {names}" if names else "it holds one recording: leave --run out",
+    )  # fmt: skip
+
+
+def _recipe(table: Table, found: Sequence[str], made: Sequence[_Run], options: ImportOptions) -> Recipe:
+    """Return what all runs are as one recipe: a column has one role, in one run or in all."""
+    cut = made[0].table.cut
+    roles: dict[int, Column] = {}
+    for run in made:
+        for field in run.fields:
+            number = field.column or 0
+            known = roles.get(number)
+            if known is None:
+                roles[number] = field.model_copy(update={"run": "" if cut is not None else run.table.run})
+            else:
+                roles[number] = known.model_copy(update={"run": "", "wraps": known.wraps or field.wraps})
+    if cut:
+        roles[cut] = Column(column=cut, role="run")
+    kept = tuple(run.table.run for run in made)
+    part = Part.model_validate({"from": options.start, "to": options.stop})
+    return Recipe(
+        format=table.format,
+        encoding=table.encoding,
+        rate=made[0].rate,
+        resample=options.resample,
+        restarts=cut == 0,
+        runs=kept if cut is not None and set(kept) != set(found) else (),
+        parts=() if part == Part() else (part,),
+        dialect=table.dialect,
+        fields=_listed(table, roles),
+    )
+
+
+def _listed(table: Table, roles: Mapping[int, Column]) -> tuple[Column, ...]:
+    """Return the fields of a table by name, with their numbers where names do not tell them apart."""
+    names = [one_line(c.label).strip() for c in table.columns]
+    fields = []
+    for column, name in zip(table.columns, names, strict=True):
+        field = roles.get(column.number, Column(column=column.number))
+        told = bool(name) and names.count(name) == 1
+        if field.role != "ignored" or len(names) <= WIDE:
+            number = None if told else column.number
+            fields.append(field.model_copy(update={"name": name, "column": number}))
+    return tuple(fields)
+
+
+def _settled(run: Table, options: ImportOptions) -> _Run:
+    """Return what each column of a run is."""
+    table = with_angle(with_moving_axis(with_stamps(counted_on(run, options), options), options), options)
+    notes, doubts = list(table.notes), list(table.doubts)
+    choices = choose_columns(table, options, notes, doubts)
+    angular = is_angle(choices, options)
+    units = {q: unit_of(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
+    choices = without_empty(table, choices, notes)
+    choices = of_one_kind(choices, {q: unit for q, (unit, _) in units.items()}, notes, doubts)
+    rate = _rate(table, choices, options, doubts)
+    fields: dict[str, tuple[Column, ...]] = {
+        q: _fields(choices[q], units[q][1]) for q in ORDER if q in choices
+    }
+    if rate is not None:
+        choices.pop("time", None)
+    if "time" in choices:
+        fields["time"] = _fields(choices["time"], _time_unit(table, choices["time"], options, notes))
+    pull = choices.get("acceleration")
+    if pull is not None and not options.keep_offset and (told := _gravity(pull, units["acceleration"][0])):
+        fields["acceleration"] = (fields["acceleration"][0].model_copy(update={"zero": "median"}),)
+        notes.append(told)
+    recipe = Recipe(rate=rate, resample=options.resample)
+    derived = () if options.keep_derived else _derived(run, choices, fields, recipe, notes)
+    notes += filter(None, [left_out(table, choices)])
+    listed = [field for q, several in fields.items() if q not in derived for field in several]
+    return _Run(run, tuple(listed), rate, tuple(notes), tuple(doubts))
+
+
+def _gravity(pull: Choice, unit: Unit) -> str:
+    """Return a sentence where an acceleration has gravity in it, else ""."""
+    values = pull.column.values * unit.scale
+    if unit.si != "m/s^2" or not (pull.column.gravity or has_gravity(values)):
+        return ""
+    return (
+        f"{pull.column.place} has gravity in it: its median, {float(np.nanmedian(values)):.4g} m/s^2, "
+        "was taken out as an offset (--keep-offset keeps it)"
+    )
+
+
+def _rate(
+    table: Table, choices: Mapping[str, Choice], options: ImportOptions, doubts: list[str]
+) -> float | None:
+    """Return the rate that takes the place of stamps: the one asked for, or 1 Hz where nothing in the file is a clock."""
+    time = choices.get("time")
+    if options.rate is not None and time is not None and time.asked:
+        raise problem(table.path, "a time column and a rate were both given", "give one of them")
+    rates = [table.rate, *(choice.column.rate for choice in choices.values())]
+    if options.rate is not None or time is not None or any(rate is not None for rate in rates):
+        return options.rate
+    doubts.append(
+        "has no time column and names no rate; name the time with --column time=... or give --rate in Hz "
+        "(at 1 Hz times count readings)"
+    )
+    return 1.0
+
+
+def _time_unit(table: Table, time: Choice, options: ImportOptions, notes: list[str]) -> str:
+    if "time" in options.units or time.unit is not None:
+        return unit_of(table, time, options, False, notes)[1]
+    unit, why = guess_time_unit(time.column)
+    clock = "; dates or times of day"
+    assumed = f"; it names no unit: {why} (change it with --unit time=...)"
+    notes.append(f"{time.column.place} read as time{clock if time.column.clock else assumed}")
+    return next(text for text, scale in TIME_UNITS.items() if scale == unit.scale)
+
+
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+
+def _fields(choice: Choice, unit: str) -> tuple[Column, ...]:
+    """Return the recipe's fields of a choice: one, or the x and y of which its angle is taken."""
+    column = choice.column
+    if column.arc is not None:
+        x, y = column.arc
+        return Column(column=x, role="x"), Column(column=y, role="y")
+    quantity = cast(Role, "time_step" if column.steps else choice.quantity)
+    return (Column(column=column.number, role=quantity, unit=unit, wraps=column.wraps),)
+
+
+def _derived(
+    run: Table,
+    choices: Mapping[str, Choice],
+    fields: Mapping[str, tuple[Column, ...]],
+    recipe: Recipe,
+    notes: list[str],
+) -> set[str]:
+    """Return the velocity or acceleration that the logger computed from another channel of the file."""
+    if not any(source in fields and target in fields for source, target, _ in DERIVATIVES):
+        return set()
+    by_number = {f.column or 0: f for several in fields.values() for f in several}
+    columns = tuple(c for c in run.columns if c.number in by_number)
+    table = replace(run, columns=columns)
+    readings = readings_of(table, MappingProxyType(by_number))
+    quantities = [q for q in ORDER if q in readings]
+    values = np.array([readings[q].in_si(table, q) for q in quantities])
+    clock = clock_of(table, readings, values, recipe, Part())
+    values = values[:, clock.rows]
+    uneven = clock.stamps is not None and clock.stray_rms * clock.rate > EVEN
+    stamps = clock.stamps if uneven and not clock.coarse else None
+    steps = {q: rounding(readings[q].column.values)[clock.rows] * readings[q].unit.scale for q in quantities}
+    drop: set[str] = set()
+    for source, target, order in DERIVATIVES:
+        if source not in quantities or target not in quantities or target in drop:
+            continue
+        one, two = values[quantities.index(source)], values[quantities.index(target)]
+        found = find_derivation(one, two, clock.rate, order, stamps, (steps[source], steps[target]))
+        said, origin = f"{choices[target].column.place} was left out: ", choices[source].column.place
+        if found:
+            drop.add(target)
+            notes.append(
+                f"{said}its numbers are a finite difference of {origin} to within their rounding "
+                f"({100 * found.residual / found.rms:.2g} % of its rms), not a sensor of its own (--keep-derived keeps it)"
+            )
+        elif choices[target].named_derived and not choices[target].asked:
+            drop.add(target)
+            notes.append(
+                f"{said}its name says that it is derived, and {origin} is there (--keep-derived keeps it)"
+            )
+    return drop

@@ -1,0 +1,160 @@
+"""A recipe: how a file is to be read, as people write it and as an import keeps it.
+
+Words of the Data Package standard (Table Dialect 2.0, Table Schema) where it has them; TOML on disk:
+
+    recipe = 1
+    rate = 100.0
+    fields = [
+      {name = "Position (mm) Run #1", role = "displacement", unit = "mm", run = "1"},
+      {name = "Position (mm) Run #2", role = "displacement", unit = "mm", run = "2"},
+    ]
+    [dialect]
+    delimiter = ";"
+    decimalChar = ","
+"""
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
+
+from daq.importing.errors import problem
+from daq.importing.limits import LONGEST_NAME, MAX_COLUMNS, MAX_LINES, MAX_RECIPE, require_size
+from daq.importing.units import parse_scaled_unit
+from daq.plain_text import Line
+
+Role = Literal[
+    "time", "time_step", "run", "displacement", "velocity", "acceleration", "force", "x", "y", "ignored"
+]
+ROLES: Final = get_args(Role)
+Format = Literal["text", "serial", "labview", "json", "matlab", "uff"]
+Name = Annotated[Line, Field(max_length=LONGEST_NAME)]
+Row = Annotated[int, Field(ge=1, le=MAX_LINES)]
+Rate = Annotated[float, Field(gt=0.0, lt=1e9)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
+
+
+class Dialect(_Part):
+    """How a text is written (Table Dialect 2.0); what is not said is found out. Rows count from 1.
+
+    `decimalChar` is Table Schema's word, said here once for all fields.
+    """
+
+    header: bool = True
+    header_rows: tuple[Row, ...] = Field(default=(), alias="headerRows", max_length=60)
+    header_join: str = Field(default=" ", alias="headerJoin", max_length=8)
+    comment_rows: tuple[Row, ...] = Field(default=(), alias="commentRows")
+    comment_char: str | None = Field(default=None, alias="commentChar", min_length=1, max_length=8)
+    delimiter: str | None = Field(default=None, min_length=1, max_length=1)
+    decimal_char: Literal[".", ","] | None = Field(default=None, alias="decimalChar")
+
+
+class Column(_Part):
+    """A column (Table Schema's field): its `name`, its number from 1 where the name does not tell it apart, what it is.
+
+    A number of the file, counted on where numbers begin again after `wraps`, less `zero`, times `sign`, is in `unit` (SI
+    without one). `zero` may be the record's median. Of `x` and `y` of a bob the angle is taken, about the pivot that
+    `zero` gives, else about the centre of their arc. A column belongs to one `run`, or to all.
+    """
+
+    name: Name = ""
+    column: int | None = Field(default=None, ge=1, le=MAX_COLUMNS)
+    role: Role = "ignored"
+    unit: str = Field(default="", max_length=60)
+    sign: Literal[1, -1] = 1
+    zero: FiniteFloat | Literal["median"] | None = None
+    wraps: FiniteFloat | None = Field(default=None, gt=0.0)
+    run: Name = ""
+
+    @model_validator(mode="after")
+    def _is_known(self) -> "Column":
+        unit = parse_scaled_unit(self.unit) if self.unit else None
+        quantity = {"time_step": "time", "x": "displacement", "y": "displacement"}.get(self.role, self.role)
+        if (
+            self.unit
+            and self.role not in ("ignored", "run")
+            and (unit is None or unit.quantity not in (None, quantity))
+        ):
+            raise ValueError(f"'{self.unit}' is no unit of {quantity} that is known here")
+        if not self.name and self.column is None:
+            raise ValueError("a field needs a name, or column, its number from 1")
+        return self
+
+
+class Part(_Part):
+    """A part of the record to be read, in the time of the file (s)."""
+
+    start: FiniteFloat | None = Field(default=None, alias="from")
+    stop: FiniteFloat | None = Field(default=None, alias="to")
+
+    @model_validator(mode="after")
+    def _goes_on(self) -> "Part":
+        if self.start is not None and self.stop is not None and not self.start < self.stop:
+            raise ValueError(f"a part cannot end at {self.stop:g} s and begin at {self.start:g} s")
+        return self
+
+
+class Recipe(_Part):
+    """All that is needed to read a file of one shape; `recipe` is the version of this form.
+
+    `confirmed` says that a person has looked at it: it is used again for the next file with these fields. `rate` (Hz) takes
+    the place of time stamps. `restarts` cuts the rows where the time begins again; `runs` names those to read, all without.
+    """
+
+    recipe: Literal[1] = 1
+    format: Format | None = None
+    confirmed: bool = False
+    encoding: str | None = Field(default=None, max_length=40)
+    rate: Rate | None = None
+    resample: bool = False
+    restarts: bool = False
+    runs: tuple[Name, ...] = Field(default=(), max_length=MAX_COLUMNS)
+    parts: tuple[Part, ...] = Field(default=(), max_length=100)
+    dialect: Dialect = Dialect()
+    fields: tuple[Column, ...] = Field(default=(), max_length=MAX_COLUMNS)
+
+
+def read_recipe(path: Path) -> Recipe:
+    """Return the recipe in a TOML file. Raises ImportProblem, one sentence, where it is none."""
+    try:
+        require_size(path, path.stat().st_size, MAX_RECIPE)
+        return Recipe.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise problem(path, f"the recipe cannot be read ({error.strerror})", "check its name") from None
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        place = ".".join(str(part + 1 if isinstance(part, int) else part) for part in first["loc"])
+        said = first["msg"].removeprefix("Value error, ")
+        raise problem(
+            path, f"{place}: {said}" if place else said, "see the form in docs/importing.md"
+        ) from None
+    except (ValueError, RecursionError) as error:
+        raise problem(path, f"is no recipe in TOML ({error})", "repair it, or import without it") from None
+
+
+def to_toml(recipe: Recipe) -> str:
+    """Return a recipe as TOML, a line for each field; what is as it is without being said is left out."""
+    said = recipe.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+    dialect = said.pop("dialect", {})
+    lines = ["recipe = 1"]
+    for key, value in said.items():
+        several = isinstance(value, list) and value and isinstance(value[0], dict)
+        rows = "".join(f"  {_toml(row)},\n" for row in value) if several else ""
+        lines.append(f"{key} = [\n{rows}]" if several else f"{key} = {_toml(value)}")
+    if dialect:
+        lines += ["[dialect]", *(f"{key} = {_toml(value)}" for key, value in dialect.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    """Return a value as TOML writes it: JSON, but for tables."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_toml(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

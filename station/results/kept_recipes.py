@@ -1,0 +1,70 @@
+"""Recipes that were confirmed once: kept in each session as `recipe.toml`, found again for the next file of that shape."""
+
+from pathlib import Path
+
+from daq.importing.apply import fits
+from daq.importing.errors import ImportProblem
+from daq.importing.propose import Doubtful, Proposal
+from daq.importing.reading import Look, look_at, read_table
+from daq.importing.recipe import Recipe, read_recipe
+from daq.importing.table import Table
+from daq.session_reading import RECIPE
+
+MOST = 200
+"""Sessions whose recipes are looked at, the newest first."""
+
+NONE = "none"
+
+
+def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
+    """Return a file with the newest confirmed recipe in `sessions` that fits it, and a sentence on it; without any, with
+    what is proposed. A file is known by the names of its columns; one without names only where it leaves a doubt.
+    """
+    tables: dict[str, Table | None] = {}
+    for place, recipe in _confirmed(sessions):
+        in_text = recipe.format in ("text", "serial", "labview", "json")
+        written = recipe.model_copy(update={"fields": ()}) if in_text else recipe
+        key = written.model_dump_json(exclude={"rate", "resample", "restarts"})
+        if key not in tables:
+            tables[key] = _table(file, written)
+        table = tables[key]
+        if table is None or not fits(table, recipe):
+            continue
+        if any(field.name for field in recipe.fields) or _is_in_doubt(file):
+            return Look(table, Proposal(recipe, {})), (
+                f"read by the recipe that was confirmed for {place.parent.name}, whose columns are the same ({place}); "
+                "--recipe none reads the file anew"
+            )
+    return look_at(file), ""
+
+
+def _is_in_doubt(file: Path) -> bool:
+    try:
+        look_at(file).read()
+    except Doubtful:
+        return True
+    except ImportProblem:
+        return False
+    return False
+
+
+def _confirmed(sessions: Path) -> list[tuple[Path, Recipe]]:
+    """Return the confirmed recipes of the newest sessions, each once, without what is of one file only."""
+    places = [(place.stat().st_mtime, place) for place in sessions.glob(f"*/{RECIPE}") if place.is_file()]
+    found: dict[str, tuple[Path, Recipe]] = {}
+    for _, place in sorted(places, reverse=True)[:MOST]:
+        try:
+            recipe = read_recipe(place)
+        except ImportProblem:
+            continue
+        if recipe.confirmed and recipe.fields:
+            general = recipe.model_copy(update={"parts": (), "runs": ()})
+            found.setdefault(general.model_dump_json(), (place, general))
+    return list(found.values())
+
+
+def _table(file: Path, written: Recipe) -> Table | None:
+    try:
+        return read_table(file, written)
+    except ImportProblem:
+        return None
