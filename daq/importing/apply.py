@@ -2,30 +2,28 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from daq.importing.bob import angle_of
 from daq.importing.counted_on import counted_on_by
 from daq.importing.cutting import cut
 from daq.importing.errors import ImportProblem, problem
+from daq.importing.named import listed
 from daq.importing.recipe import Column, Part, Recipe
 from daq.importing.resampling import find_gaps, place
-from daq.importing.runs import part_of, rows_of
+from daq.importing.runs import MOST_RUNS, part_of, pieces, rows_of
 from daq.importing.table import SourceColumn, Table
-from daq.importing.timebase import EVEN, Timebase, from_rate, from_stamps
+from daq.importing.timebase import Timebase, from_rate, from_stamps
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import one_line
-from daq.recording import Array, Channel, Mask, Recording
+from daq.recording import Array, Channel, Recording
 
 MOTIONS: Final = ("displacement", "velocity", "acceleration")
 ORDER: Final = (*MOTIONS, "force")
 FEWEST_ROWS = 8
-MOST_RUNS = 1000
 FEWEST = 50
 """Samples of five cycles with ten readings each: of fewer nothing can be told, and tables of results are as short."""
 LARGEST = 1e150
@@ -96,10 +94,9 @@ def matched(table: Table, recipe: Recipe) -> dict[int, Column]:
         if len(same) == 1:
             found[same[0].number] = field
         elif field.role != "ignored":
-            listed = ", ".join(c.place for c in table.columns[:8])
             wanted = f"'{field.name}'" if field.name else f"{field.column}"
             raise problem(
-                table.path, f"the recipe's {field.role} is in column {wanted}, and the file has {listed}",
+                table.path, f"the recipe's {field.role} is in column {wanted}, and the file has {listed(table.columns)}",
                 "correct the recipe, or import without it",
             )  # fmt: skip
     return found
@@ -122,8 +119,16 @@ def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[in
     names = list(dict.fromkeys(f.run for f in fields.values() if f.run))
     counter = next((c for c in columns if fields[c.number].role == "run"), None)
     if counter is not None or recipe.restarts:
-        rest = [c for c in columns if c is not counter]
-        tables = [part_of(table, name, rest, rows) for name, rows in _pieces(table, columns, fields, counter)]
+        by = counter or next((c for c in columns if fields[c.number].role == "time"), None)
+        if by is None:
+            raise problem(
+                table.path,
+                "the recipe cuts where the time restarts, and names no time",
+                "give one column this role",
+            )
+        tables = pieces(table, [c for c in columns if c is not counter], by, counted=counter is not None)
+        if len(tables) > MOST_RUNS:
+            raise problem(table.path, f"has more than {MOST_RUNS} runs in {by.place}", "give another role")
     else:
         tables = (
             [_side_by_side(table, columns, fields, name) for name in names]
@@ -156,22 +161,6 @@ def _side_by_side(
     """Return the columns of a run and those of all runs, in the rows that it has."""
     own = [c for c in columns if fields[c.number].run in ("", name)]
     return part_of(table, name, own, rows_of(own, [c for c in own if fields[c.number].role == "time"]))
-
-
-def _pieces(
-    table: Table, columns: Sequence[SourceColumn], fields: dict[int, Column], counter: SourceColumn | None
-) -> list[tuple[str, NDArray[np.int64]]]:
-    """Return the name and the rows of each run below the other: by the column that numbers them, or where time restarts."""
-    by = counter or next((c for c in columns if fields[c.number].role == "time"), None)
-    if by is None:
-        raise problem(table.path, "the recipe cuts where the time restarts, and names no time", "name it")
-    steps = np.diff(by.values)
-    edges = np.flatnonzero(steps < 0.0 if counter is None else steps != 0.0) + 1
-    if len(edges) >= MOST_RUNS:
-        raise problem(table.path, f"has {len(edges) + 1} runs in {by.place}, more than {MOST_RUNS}", "cut it")
-    pieces = list(pairwise([0, *edges.tolist(), len(by.values)]))
-    names = [f"{by.values[a]:.6g}" if counter else str(k) for k, (a, _) in enumerate(pieces, start=1)]
-    return [(name, np.arange(a, b)) for name, (a, b) in zip(names, pieces, strict=True)]
 
 
 def readings_of(table: Table, fields: MappingProxyType[int, Column]) -> dict[str, Reading]:
@@ -244,7 +233,7 @@ def _recording(
     for row, quantity in enumerate(quantities):
         if readings[quantity].field.zero == "median":
             samples[row] -= np.nanmedian(samples[row])
-    notes = (*table.notes, *_invalid(table, quantities, values, clock), *_strays(clock, samples[0], valid))
+    notes = (*table.notes, *_invalid(table, quantities, values, clock), *clock.notes)
     if samples.shape[1] < FEWEST:
         notes += (
             f"{samples.shape[1]} samples only: the amplitudes or periods of swings are no recording; what is needed is the "
@@ -323,18 +312,3 @@ def _invalid(table: Table, quantities: Sequence[str], values: Array, clock: Time
             f"more than half of the samples are invalid: check whether {' and '.join(quantities)} were sampled together"
         )
     return notes
-
-
-def _strays(clock: Timebase, samples: Array, valid: Mask) -> tuple[str, ...]:
-    """Return the clock's sentences, with the stray as a share of the motion's period where one can be seen."""
-    if clock.stray_rms * clock.rate <= EVEN or clock.coarse or not clock.notes or samples.shape[-1] < FEWEST:
-        return clock.notes
-    filled = np.where(valid, samples, np.nan)
-    filled = np.nan_to_num(filled - np.nanmean(filled))
-    power = np.abs(np.fft.rfft(filled * np.hanning(len(filled)))) ** 2
-    peak = int(np.argmax(power[2:])) + 2 if len(power) > 4 else 0
-    if not peak or power[peak] < 20.0 * float(np.median(power[2:])):
-        return clock.notes
-    period = len(filled) / clock.rate / peak
-    share = f"the motion's period is about {period:.3g} s: the stray is {100 * clock.stray_rms / period:.2g} % of it"
-    return (*clock.notes, share)

@@ -6,6 +6,7 @@ import numpy as np
 
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.errors import problem
+from daq.importing.named import named
 from daq.importing.options import NONE, ImportOptions, ask
 from daq.importing.still import amplitude, is_measurable
 from daq.importing.table import SourceColumn, Table
@@ -30,7 +31,7 @@ def with_angle(table: Table, options: ImportOptions) -> Table:
     lie on an arc.
     """
     if options.angle_from is not None:
-        x, y = (_named(table, wanted) for wanted in options.angle_from)
+        x, y = (named(table, wanted, "angle") for wanted in options.angle_from)
         return _replaced(table, x, y, "as asked")
     pair = _pair(table, options)
     if pair is None:
@@ -74,21 +75,6 @@ def angle_of(
         x, label="angle", values=angle, unit="rad", quantity="displacement", arc=(x.number, y.number)
     )
     return made, formula
-
-
-def _named(table: Table, wanted: str) -> SourceColumn:
-    text = str(wanted).strip()
-    found = [c for c in table.columns if c.label == text] or [
-        c
-        for c in table.columns
-        if str(c.number) == text or split_unit(c.label)[0].casefold() == text.casefold()
-    ]
-    if len(found) != 1:
-        listed = ", ".join(c.place for c in table.columns[:8])
-        raise problem(
-            table.path, f"there is no one column '{text}'; the file has {listed}", "give its number"
-        )
-    return found[0]
 
 
 def _pair(table: Table, options: ImportOptions) -> tuple[SourceColumn, SourceColumn] | None:

@@ -9,8 +9,8 @@ from daq.importing.options import NONE, ImportOptions, ask
 from daq.importing.table import Table
 from daq.importing.units import COUNT, SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
 
-FARTHEST = {"m": 20.0, "m/s^2": 2000.0}
-"""By how much no displacement or acceleration moves in SI, so that it is in counts, pixels or another unit."""
+FARTHEST = {"m": 20.0, "m/s^2": 1000.0}
+"""What no displacement or acceleration reaches in SI: it is in counts, pixels or another unit."""
 
 
 def is_angle(choices: dict[str, Choice], options: ImportOptions) -> bool:
@@ -45,15 +45,22 @@ def unit_of(
         notes.append(f"{choice.column.place} read as {quantity} in {_spelled(choice.unit_text)}{asked}")
         return choice.unit, choice.unit_text
     unit = (SI_ANGULAR if angular else SI_LINEAR)[quantity]
-    si = unit.si
-    finite = choice.column.values[np.isfinite(choice.column.values)]
-    if choice.column.bad is None and len(finite) and float(np.ptp(finite)) > FARTHEST.get(si, np.inf):
-        unit, si = COUNT, f"counts (it moves by {float(np.ptp(finite)):.3g}, more than any rig does in {si})"
+    si, far = unit.si, _reach(choice)
+    if far > FARTHEST.get(si, np.inf):
+        unit, si = COUNT, f"counts (it reaches {far:.3g}, which in {si} is more than any rig does)"
     notes.append(
         f"{choice.column.place} read as {quantity}{asked}; it names no unit: {si} was assumed "
         f"(change it with --unit {quantity}=...)"
     )
     return unit, unit.si
+
+
+def _reach(choice: Choice) -> float:
+    """Return how far a displacement moves, or how large another quantity gets, in the numbers of the file."""
+    finite = choice.column.values[np.isfinite(choice.column.values)]
+    if choice.column.bad is not None or not len(finite):
+        return 0.0
+    return float(np.ptp(finite)) if choice.quantity == "displacement" else float(np.max(np.abs(finite)))
 
 
 def _spelled(text: str) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 
 from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import problem
+from daq.importing.named import listed, named
 from daq.importing.narrow import along_one_axis, clocks, narrowed
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
@@ -159,28 +160,8 @@ def _as_choice(quantity: str, column: SourceColumn, said: Meaning, *, asked: boo
 
 def _asked(table: Table, quantity: str, wanted: str | int, meanings: dict[int, Meaning]) -> Choice:
     """Return the column that an option names, by number or by name."""
-    text = " ".join(str(wanted).split())
-    tests = (
-        lambda c: c.label == str(wanted),
-        lambda c: str(c.number) == text,
-        lambda c: " ".join(c.label.split()).casefold() == text.casefold(),
-        lambda c: " ".join(words(c.label)) == " ".join(words(text)) != "",
-        lambda c: len(text) > 2 and text.casefold() in c.label.casefold(),
-    )
-    for test in tests:
-        found = [c for c in table.columns if test(c)]
-        if len(found) == 1:
-            return _as_choice(quantity, found[0], meanings[found[0].number], asked=True)
-        if found:
-            raise problem(
-                table.path,
-                f"'{text}' could be {_listed(found)}",
-                f"give its number, as in {ask(quantity, found[0].number)}",
-            )
-    raise problem(
-        table.path, f"there is no {_noun(table)} '{text}' for the {quantity}; the file has {_listed(table.columns)}",
-        "name one of these, or give its number",
-    )  # fmt: skip
+    column = named(table, wanted, quantity)
+    return _as_choice(quantity, column, meanings[column.number], asked=True)
 
 
 def _found(
@@ -207,7 +188,7 @@ def _found(
     if len(top) > 1:
         top = [c for c in top if not set(words(c.label)) & INDEX] or top
     if len(top) > 1:
-        top, why = clocks(table, top) if quantity == "time" else narrowed(top, meanings, quantity)
+        top, why = clocks(table, top) if quantity == "time" else narrowed(top, meanings)
         notes.extend(why)
     if len(top) > 1 and quantity != "time":
         top, why = along_one_axis(top, meanings)
@@ -219,7 +200,7 @@ def _found(
     likely = _likely(top)
     leave = f", or leave it out with {ask(quantity, NONE)}" if quantity != "time" else ""
     doubts.append(
-        f"{len(top)} {top[0].noun}s could be the {quantity}: {_listed(top)}; "
+        f"{len(top)} {top[0].noun}s could be the {quantity}: {listed(top)}; "
         f"choose one, as in {ask(quantity, _name(likely))}{leave}{_or_runs(top)}"
     )
     return likely
@@ -244,19 +225,10 @@ def _name(column: SourceColumn) -> str:
     return label if 0 < len(label) <= 30 else str(column.number)
 
 
-def _noun(table: Table) -> str:
-    return table.columns[0].noun if table.columns else "column"
-
-
-def _listed(columns: Sequence[SourceColumn]) -> str:
-    shown = ", ".join(c.place for c in columns[:8])
-    return shown + (f" and {len(columns) - 8} more" if len(columns) > 8 else "")
-
-
-def _what_is_not_said(table: Table, rest: Sequence[SourceColumn]) -> str:
+def _what_is_not_said(rest: Sequence[SourceColumn]) -> str:
     if len(rest) == 1:
         return f"nothing says whether {rest[0].place} is a displacement, velocity or acceleration"
-    return f"nothing says which {_noun(table)} is a displacement, velocity or acceleration: {_listed(rest)}"
+    return f"nothing says which {rest[0].noun} is a displacement, velocity or acceleration: {listed(rest)}"
 
 
 def _of_unknown_kind(table: Table, rest: Sequence[SourceColumn], doubts: list[str]) -> SourceColumn:
@@ -269,7 +241,7 @@ def _of_unknown_kind(table: Table, rest: Sequence[SourceColumn], doubts: list[st
         )  # fmt: skip
     likely = _likely(rest)
     doubts.append(
-        f"{_what_is_not_said(table, rest)}; "
+        f"{_what_is_not_said(rest)}; "
         f"say it and its unit (mm, deg, V ...), as in {ask('displacement', _name(likely))} --unit displacement=mm"
     )
     return likely

@@ -54,16 +54,8 @@ OTHERS = frozenset({
     "momentum", "energy", "energie", "power", "confidence",
 })  # fmt: skip
 DERIVED = (
-    "ableitung",
-    "derivative",
-    "derived",
-    "derivee",
-    "derivada",
-    "derivata",
-    "afgeleide",
-    "dxdt",
-    "dvdt",
-)
+    "ableitung", "derivative", "derived", "derivee", "derivada", "derivata", "afgeleide", "dxdt", "dvdt",
+)  # fmt: skip
 ANGULAR = (
     "angle", "winkel", "angular", "angulaire", "angulo", "angolo", "hoek", "vinkel", "kulma", "угол", "角度", "rotation",
     "drehwinkel", "winkelgeschwindigkeit", "winkelbeschleunigung", "phi", "theta", "psi", "alpha", "omega", "roll",
@@ -72,44 +64,14 @@ ANGULAR = (
 INDEX = frozenset({"index", "sample", "samples", "nr", "no", "number", "n", "i", "#", "row", "point", "id"})
 _LETTERS = {
     "t": "time",
-    "x": "displacement",
-    "y": "displacement",
-    "z": "displacement",
-    "u": "displacement",
-    "d": "displacement",
-    "q": "displacement",
-    "s": "displacement",
-    "phi": "displacement",
-    "theta": "displacement",
-    "psi": "displacement",
-    "alpha": "displacement",
-    "φ": "displacement",
-    "θ": "displacement",
-    "v": "velocity",
-    "ω": "velocity",
-    "a": "acceleration",
-    "f": "force",
-}
+    **dict.fromkeys(("x", "y", "z", "u", "d", "q", "s", "phi", "theta", "psi", "alpha", "φ", "θ"), "displacement"),
+    "v": "velocity", "ω": "velocity", "a": "acceleration", "f": "force",
+}  # fmt: skip
 _LETTER = re.compile(r"(?:([va])[xyz]|([tuaxyz]|phi|theta|psi|alpha)\d{1,2}|([xyz])dd|([xyz])d)")
-KINDS = frozenset(
-    {
-        *(
-            "raw",
-            "filt",
-            "filtered",
-            "smooth",
-            "smoothed",
-            "lp",
-            "corr",
-            "corrected",
-            "cal",
-            "calibrated",
-            "mean",
-            "avg",
-        ),
-        *("x", "y", "z", "left", "right"),
-    }
-)
+KINDS = frozenset({
+    "raw", "filt", "filtered", "smooth", "smoothed", "lp", "corr", "corrected", "cal", "calibrated", "mean", "avg",
+    "x", "y", "z", "left", "right",
+})  # fmt: skip
 """Words behind a unit that say which reading it is."""
 
 _UNIT_FORMS = (

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,8 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     format, lines, how = odd if odd is not None else ("text", lines, "")
     top = max(wanted.header_rows, default=0)
     dialect = find_dialect(path, [*[""] * top, *lines[top:]] if top else lines, wanted)
+    if top or not wanted.header:  # said where the rows begin, they begin there
+        dialect = replace(dialect, start=top)
     rows = [i for i in range(dialect.start, len(lines)) if lines[i] and not lines[i].isspace()]
     require_table(path, len(rows), dialect.width)
     notes = [text for text in (said, how) if text]

@@ -1,4 +1,4 @@
-"""Angles without a unit: degrees, where they swing by more than half a turn otherwise; or an encoder's counts."""
+"""Angles without a unit: degrees, where they swing by more than half a turn otherwise."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -11,8 +11,8 @@ from daq.importing.table import SourceColumn, Table
 
 HALF_TURN = float(np.pi)
 TURN = 2.0 * HALF_TURN
-MOST_DEGREES = 360.0
-"""Few rigs swing by more than a turn to either side: whole numbers beyond are an encoder's counts."""
+MOST_DEGREES = 720.0
+"""No rig swings by more than two turns to either side: numbers beyond are an encoder's counts."""
 
 
 def agreed(tables: Sequence[Table], options: ImportOptions) -> list[Table]:
@@ -31,17 +31,14 @@ def agreed(tables: Sequence[Table], options: ImportOptions) -> list[Table]:
     wide = {label: swing for label, swing in swings.items() if swing > HALF_TURN}
     if not wide:
         return list(tables)
-    counted = [label for label, swing in wide.items() if swing > MOST_DEGREES and _are_counts(tables, label)]
-    if counted == list(wide):
-        note = f"{', '.join(wide)} swings to {max(wide.values()):.3g} in whole numbers: counts were assumed, not degrees"
-        marked = _with(tables, {"displacement": "counts"}, [label for label in swings if label not in wide])
-        return [replace(t, notes=(*t.notes, f"{note} (--unit displacement=deg)")) for t in marked]
+    far = max(wide.values())
+    unit, name = ("counts", "counts") if far > MOST_DEGREES else ("deg", "degrees")
     note = (
-        f"the angle {', '.join(wide)} swings to {max(wide.values()):.3g} and names no unit: degrees were assumed "
+        f"the angle {', '.join(wide)} swings to {far:.3g} and names no unit: {name} were assumed "
         "(change it with --unit displacement=rad)"
     )
-    units = {"displacement": "deg", "velocity": "deg/s", "acceleration": "deg/s^2"}
-    marked = _with(tables, units, [label for label in swings if label not in wide])
+    others = {} if unit == "counts" else {"velocity": "deg/s", "acceleration": "deg/s^2"}
+    marked = _with(tables, {"displacement": unit} | others, [label for label in swings if label not in wide])
     return [replace(t, notes=(*t.notes, note)) for t in marked]
 
 
@@ -58,13 +55,6 @@ def _with(tables: Sequence[Table], units: Mapping[str, str], but: Sequence[str] 
 def _is_bare(column: SourceColumn, quantity: str) -> bool:
     said = meaning(column.label, column.unit)
     return said.quantity == quantity and said.angular and said.unit is None and column.bad is None
-
-
-def _are_counts(tables: Sequence[Table], label: str) -> bool:
-    """Whether an angle's numbers are whole in all runs."""
-    values = np.concatenate([c.values for t in tables for c in t.columns if c.label == label])
-    finite = values[np.isfinite(values)]
-    return bool(np.all(finite == np.rint(finite)))
 
 
 def _swing(column: SourceColumn) -> float:

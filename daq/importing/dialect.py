@@ -117,28 +117,25 @@ def is_comment(line: str) -> bool:
 
 def _row_width(line: str, delimiter: str, decimal: str) -> int:
     """Return the number of cells of a line that begins a row of numbers, 0 for any other line."""
-    cells = split(line, delimiter)
-    if is_comment(line) or not line.strip():
-        return 0
-    found = 0
-    for cell in cells[:64]:
-        number = parse_number(cell, decimal)
-        if number is None and parse_clock(cell) is None:
-            return 0
-        found += number is None or number == number
-    return len(cells) if found else 0
+    cells, numbers, others = _counted(line, delimiter, decimal)
+    return cells if numbers and not others else 0
 
 
 def _mixed_row_width(line: str, delimiter: str, decimal: str) -> int:
     """As `_row_width`, for tables in which some column holds text: two numbers are enough."""
-    cells = split(line, delimiter)
+    cells, numbers, _ = _counted(line, delimiter, decimal)
+    return cells if numbers >= 2 else 0
+
+
+def _counted(line: str, delimiter: str, decimal: str) -> tuple[int, int, int]:
+    """Return how many cells a line has, and how many of them are numbers or neither numbers nor empty."""
     if is_comment(line) or not line.strip():
-        return 0
-    found = sum(
-        parse_clock(cell) is not None or ((n := parse_number(cell, decimal)) is not None and n == n)
-        for cell in cells[:64]
-    )
-    return len(cells) if found >= 2 else 0
+        return 0, 0, 0
+    cells = split(line, delimiter)
+    found = [parse_number(cell, decimal) for cell in cells[:64]]
+    clocks = sum(n is None and parse_clock(c) is not None for n, c in zip(found, cells[:64], strict=True))
+    missing = sum(number is None for number in found)
+    return len(cells), sum(n is not None and n == n for n in found) + clocks, missing - clocks
 
 
 def _candidates(wanted: recipe.Dialect, lines: Sequence[str]) -> list[tuple[str, str]]:

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from daq.importing.columns import meaning
 from daq.importing.dialect import BLANK, COMMENTS, Dialect, is_comment, split
@@ -22,22 +21,10 @@ _RATE = re.compile(rf"(?:{_RATE_NAMES})\W*?{_NUMBER}\s*(k?Hz)?", re.I)
 _BARE_RATE = re.compile(rf"(?<![a-z])(?:rate|freq\w*)\W*?{_NUMBER}\s*(k?Hz|S/s|samples/s|fps)", re.I)
 _FRAMES = re.compile(rf"{_NUMBER}\s*(?:fps|frames\s*(?:/|per)\s*s(?:ec\w*)?)(?![a-z])", re.I)
 _STEP = re.compile(rf"(?:{_STEP_NAMES})\W*?{_NUMBER}\s*\(?\s*(s|sec\w*|ms|us|µs)?(?![a-z])", re.I)
-_SETTING_RATE = re.compile(rf"(?:{_RATE_NAMES}|rate|rate[\s_-]*hz)(?:[\s_-]*k?hz)?", re.I)
-_SETTING_STEP = re.compile(rf"(?:{_STEP_NAMES})(?:[\s_-]*(?:s|ms|us|sec))?", re.I)
 _ALONE = re.compile(rf"\W*{_NUMBER}\s*(k?Hz|S/s|sps)\W*", re.I)
 REMARKS = ("comment", "comments", "remark", "remarks", "notes", "kommentar")
 LONGEST_STEP = 10.0  # s; a larger number is a date, or the hour of the day
 _STEP_SCALE = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6}
-_SEPARATORS = re.compile(r"[;,\t|]\s*|\s{2,}")
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A number that the lines above a table give a name: `sample_rate`, 1000, in line 2."""
-
-    name: str
-    value: float
-    line: int
 
 
 def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[str], list[str]]:
@@ -46,10 +33,9 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
     Of several lines that could be the header, that one is taken whose cells say most; the nearest of equals.
     """
     above = []
-    settings = {s.line for s in settings_above(lines, dialect)}
     for number in range(max(0, dialect.start - 60), dialect.start):
         line = lines[number]
-        if not line.strip() or {number + 1, number + 2} & settings:
+        if not line.strip():
             continue
         if width == 1 and _rate_in(line[:300], dialect.decimal) is not None:
             continue
@@ -114,47 +100,13 @@ def names_in(lines: Sequence[str], rows: Sequence[int], join: str, dialect: Dial
     return [join.join(filter(None, several)) for several in zip(*cells, strict=True)] or [""] * width
 
 
-def settings_above(lines: Sequence[str], dialect: Dialect) -> tuple[Setting, ...]:
-    """Return the settings that stand as a line of names over a line of as many numbers, above the table."""
-    found = []
-    for i in range(min(dialect.start, 200) - 1):
-        names, numbers = _cells(lines[i]), _cells(lines[i + 1])
-        values = [parse_number(cell, dialect.decimal) for cell in numbers]
-        if len(names) != len(numbers) or not names[0] or len(names) < 2:
-            continue
-        if any(parse_number(name, dialect.decimal) is not None for name in names):
-            continue
-        if all(value is not None and value == value for value in values):
-            found += [Setting(n, v, i + 2) for n, v in zip(names, values, strict=True) if v is not None]
-    return tuple(found)
-
-
-def _cells(line: str) -> list[str]:
-    text = line.strip().lstrip("".join(COMMENTS)).strip().rstrip(",;|").strip()
-    return [cell.strip().strip('"') for cell in _SEPARATORS.split(text)]
-
-
 def rate_above(lines: Sequence[str], dialect: Dialect) -> tuple[float | None, str]:
     """Return the sampling rate that the lines above the table name, and the line, or None."""
-    for setting in settings_above(lines, dialect):
-        if not 0.0 < setting.value < 1e9:
-            continue
-        if _SETTING_RATE.fullmatch(setting.name):
-            kilo = setting.name.lower().endswith("khz")
-            return setting.value * (1e3 if kilo else 1.0), f"line {setting.line}"
-        if _SETTING_STEP.fullmatch(setting.name):
-            return 1.0 / (setting.value * _step_scale(setting.name)), f"line {setting.line}"
     for i, line in enumerate(lines[: min(dialect.start, 200)]):
         rate = _rate_in(line[:300], dialect.decimal)
         if rate is not None:
             return rate, f"line {i + 1}"
     return None, ""
-
-
-def _step_scale(name: str) -> float:
-    return next(
-        (scale for unit, scale in _STEP_SCALE.items() if re.search(rf"(?<![a-z]){unit}$", name, re.I)), 1.0
-    )
 
 
 def _rate_in(line: str, decimal: str) -> float | None:

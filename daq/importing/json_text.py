@@ -2,19 +2,16 @@
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from daq.importing.columns import meaning
 from daq.importing.errors import problem
 from daq.importing.json_tables import FEWEST, table_in
 from daq.importing.limits import LONGEST_NAME, MAX_TEXT, require_size, require_table
 from daq.importing.numbers import parse_number
 from daq.importing.recipe import Recipe
-from daq.importing.runs import rises_evenly
 from daq.importing.table import SourceColumn, Table
-from daq.recording import Array
 
 MOST_MEMORY = 600_000_000
 BYTES_FOR = ((b"{", 250), (b"[", 100), (b",", 40), (b"", 5))
@@ -64,9 +61,7 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
     settings = {**_scalars(document), **_scalars(beside)}
     notes = [f"JSON{f', key {key!r}' if key else ''}: {len(columns[0])} rows, {len(columns)} columns"]
     units = _units(settings)
-    names = names or _said_names(document, beside, len(columns))
-    if names is None:
-        names = _by_units(columns, units, notes)
+    names = names or _said_names(document, beside, len(columns)) or [""] * len(columns)
     unit_of = {what.casefold(): unit for what, unit in reversed(units.items())}
     made = tuple(
         SourceColumn(i + 1, name, values, unit_of.get(name.casefold(), ""))
@@ -128,26 +123,6 @@ def _units(settings: Mapping[str, Any]) -> dict[str, str]:
         if match and isinstance(value, str):
             found[(match[1] or match[2]).strip()] = value.strip()
     return found
-
-
-def _by_units(columns: Sequence[Array], units: Mapping[str, str], notes: list[str]) -> list[str]:
-    """Name columns that have no names after the units that the file states: time, then one motion, the forces last."""
-    names = [""] * len(columns)
-    kinds = {what: meaning(what).quantity for what in units}
-    motions = [what for what, kind in kinds.items() if kind in ("displacement", "velocity", "acceleration")]
-    forces = [what for what, kind in kinds.items() if kind == "force"]
-    timed = rises_evenly(SourceColumn(1, "", columns[0]))
-    if len(motions) != 1 or not timed or len(columns) < 2 + len(forces):
-        return names
-    names[0] = next((what for what, kind in kinds.items() if kind == "time"), "time")
-    names[1] = motions[0]
-    names[len(names) - len(forces) :] = forces
-    said = ", ".join(f"column {i + 1} '{name}'" for i, name in enumerate(names) if name)
-    notes.append(
-        f"the columns have no names; after the units that the file states they were taken as {said} "
-        "(change it with --column displacement=...)"
-    )
-    return names
 
 
 def _rate(settings: Mapping[str, Any]) -> tuple[float | None, str]:

@@ -13,9 +13,6 @@ from daq.importing.timebase import from_stamps, guess_time_unit
 from daq.recording import Array
 
 TOTALS = frozenset({"absolute", "abs", "total", "norm", "resultant", "modulus", "betrag", "absolut"})
-DRIVES = frozenset({
-    "actuator", "applied", "input", "excitation", "drive", "driving", "exciter", "shaker", "erreger", "anregung", "hammer",
-})  # fmt: skip
 AXES = (frozenset("xyz"), frozenset({"roll", "pitch", "yaw"}), frozenset({"phi", "theta", "psi"}))
 """The names of one point's coordinates, and of one body's angles."""
 
@@ -26,7 +23,7 @@ FEWEST = 8
 
 
 def narrowed(
-    columns: Sequence[SourceColumn], said: Mapping[int, Meaning], quantity: str
+    columns: Sequence[SourceColumn], said: Mapping[int, Meaning]
 ) -> tuple[list[SourceColumn], list[str]]:
     """Return those of several columns that could be meant, and a sentence on each reason to leave others out."""
     notes: list[str] = []
@@ -36,10 +33,6 @@ def narrowed(
     left = _kept(left, [_varies(c.values) for c in left], "{} is one number throughout", notes)
     left = _kept(left, _moving(left, said), "{} stands still beside the others", notes)
     left = _kept(left, _own(left, said), "{} repeats another column in another unit", notes)
-    if quantity == "force":
-        drives = [bool(set(words(c.label)) & DRIVES) for c in left]
-        if sum(drives) == 1 and len(left) > 1:
-            left = _kept(left, drives, "{} is not the force that drives", notes)
     return left, notes
 
 

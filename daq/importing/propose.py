@@ -19,7 +19,7 @@ from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import ImportOptions
 from daq.importing.quantisation import rounding
 from daq.importing.recipe import Column, Part, Recipe, Role
-from daq.importing.runs import find_runs, without_still
+from daq.importing.runs import find_runs
 from daq.importing.table import Table
 from daq.importing.time_steps import with_stamps
 from daq.importing.timebase import EVEN, guess_time_unit
@@ -70,10 +70,9 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     """
     found = find_runs(table, options)
     chosen = _chosen(table, found, options)
-    moving, still = without_still(chosen) if len(chosen) > 1 else (chosen, ())
     made: list[_Run] = []
     refused: list[ImportProblem] = []
-    for run in agreed(moving, options):
+    for run in agreed(chosen, options):
         try:
             made.append(_settled(run, options))
         except ImportProblem as refusal:
@@ -84,7 +83,7 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     unclear = [problem(table.path, run.doubts[0]) for run in made if run.doubts and certain]
     left = tuple(f"a run was left out: {refusal}" for refusal in (*refused, *unclear))
     made = certain or made
-    notes = {run.table.run: (*run.notes[len(table.notes) :], *still, *left) for run in made}
+    notes = {run.table.run: (*run.notes[len(table.notes) :], *left) for run in made}
     recipe = _recipe(table, [run.run for run in found], made, options)
     return Proposal(recipe, MappingProxyType(notes), made[0].doubts)
 

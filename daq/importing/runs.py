@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.options import ImportOptions
-from daq.importing.still import moving
 from daq.importing.table import SourceColumn, Table
 
 Named = tuple[str, str]
 MOTIONS = ("displacement", "velocity", "acceleration")
 FEWEST_ROWS = 8
+MOST_RUNS = 1000
 FEWEST_IN_A_PIECE = 50
 _WORDS = (
     "run|trial|test|messung|versuch|lauf|durchgang|release|take|repeat|repetition|series|serie|reihe|essai|mesure|"
@@ -49,35 +49,11 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
         _by_names(table, _word, shared=True)
         or _by_names(table, _number, shared=shared)
         or _by_names(table, _letter, shared=shared)
-        or _by_repetition(table)
         or _by_times(table)
         or _by_row(table)
         or _by_restart(table)
     )
     return _asked_for(found, options) if found else [table]
-
-
-def without_still(runs: Sequence[Table]) -> tuple[list[Table], tuple[str, ...]]:
-    """Leave out the runs in which nothing moves beside the others; the notes say which."""
-    still = []
-    for table in runs:
-        motions = [(c.label, c) for c in table.columns if meaning(c.label, c.unit).quantity in MOTIONS]
-        alike = [[c.values for r in runs for c in r.columns if c.label == label] for label, _ in motions]
-        rests = [
-            not moving([column.values, *others])[0]
-            for (_, column), others in zip(motions, alike, strict=True)
-        ]
-        still.append(bool(rests) and all(rests))
-    notes = tuple(
-        f"run {table.run} was left out: {_listed(table)} stand still"
-        for table, rests in zip(runs, still, strict=True)
-        if rests
-    )
-    return [table for table, rests in zip(runs, still, strict=True) if not rests], notes
-
-
-def _listed(table: Table) -> str:
-    return ", ".join(c.place for c in table.columns if not _is_time(c))
 
 
 def _names_its_time(table: Table, options: ImportOptions) -> bool:
@@ -136,36 +112,24 @@ def _called(column: SourceColumn, name: str) -> SourceColumn:
     return replace(column, label="", quantity=column.quantity or "displacement")
 
 
-def _by_repetition(table: Table) -> list[Table]:
-    seen: dict[str, int] = {}
-    groups: dict[str, list[SourceColumn]] = {}
-    for column in table.columns:
-        match = _COPY.fullmatch(column.label)
-        label = match[1] if match else column.label
-        key = f"{' '.join(words(label)) or label} {column.unit}"
-        seen[key] = seen.get(key, 0) + 1
-        groups.setdefault(str(seen[key]), []).append(replace(column, label=label))
-    return _accepted(table, groups, [])
-
-
 def _by_times(table: Table) -> list[Table]:
-    """Cut a table at columns that rise evenly under one name, where one column that says what it is follows each.
+    """Cut a table at columns of time under one name, where what follows repeats its names, or is one motion each.
 
-    The name need not be known as that of a time: nothing else rises evenly in each of several runs. Where all of them are
-    the same to the last digit they are one clock, written beside each of several channels: one run.
+    The name need not be known as that of a time: nothing else rises evenly in each of several runs. Where all times are the
+    same to the last digit before columns of other names, they are one clock beside each of several channels: one run.
     """
     named = [c for c in table.columns if c.bad is not None or np.isfinite(c.values).any()]
-    names = [_COPY.sub(r"\1", c.label).strip().casefold() for c in named]
-    places = [i for i, name in enumerate(names) if name == names[0] and rises_evenly(named[i])]
-    if len(places) < 2 or [b - a for a, b in pairwise([*places, len(named)])] != [2] * len(places):
+    named = [replace(c, label=_COPY.sub(r"\1", c.label)) for c in named]
+    names = [f"{' '.join(words(c.label)) or c.label} {c.unit}" for c in named]
+    places = [i for i, c in enumerate(named) if names[i] == names[0] and (_is_time(c) or rises_evenly(c))]
+    parts = [named[a:b] for a, b in pairwise([*places, len(named)])]
+    if len(parts) < 2 or places[0] or len({len(part) for part in parts}) > 1:
         return []
-    said = {_motion_of(named[i + 1]) for i in places}
-    one_clock = all(np.array_equal(named[i].values, named[0].values, equal_nan=True) for i in places)
-    if len(said) != 1 or one_clock:
-        return []
-    groups = {
-        str(k): [replace(named[i], quantity="time"), named[i + 1]] for k, i in enumerate(places, start=1)
-    }
+    if len({tuple(names[i : i + len(parts[0])]) for i in places}) > 1:
+        one_clock = all(np.array_equal(c[0].values, named[0].values, equal_nan=True) for c in parts)
+        if len(parts[0]) != 2 or len({_motion_of(part[1]) for part in parts}) > 1 or one_clock:
+            return []
+    groups = {str(k): [replace(c[0], quantity="time"), *c[1:]] for k, c in enumerate(parts, start=1)}
     return _accepted(table, groups, [])
 
 
@@ -189,16 +153,11 @@ def _by_row(table: Table) -> list[Table]:
     column = next((c for c in table.columns if _COLUMN.fullmatch(c.label.strip())), None)
     if column is None or column.bad is not None or len(table.columns) < 2:
         return []
-    numbers = column.values
-    if not np.isfinite(numbers).all() or np.any(numbers != np.rint(numbers)):
-        return []
-    edges = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), len(numbers)]
-    pieces = list(pairwise(edges))
-    if not 2 <= len(pieces) <= 1000 or min(b - a for a, b in pieces) < FEWEST_ROWS:
+    if not np.isfinite(column.values).all() or np.any(column.values != np.rint(column.values)):
         return []
     rest = [c for c in table.columns if c is not column]
-    marked = replace(table, cut=column.number)
-    return [part_of(marked, f"{numbers[a]:.0f}", rest, np.arange(a, b)) for a, b in pieces]
+    parts = pieces(replace(table, cut=column.number), rest, column, counted=True)
+    return parts if 2 <= len(parts) <= MOST_RUNS and _shortest(parts) >= FEWEST_ROWS else []
 
 
 def _by_restart(table: Table) -> list[Table]:
@@ -207,17 +166,26 @@ def _by_restart(table: Table) -> list[Table]:
     if len(times) != 1 or times[0].bad is not None or not np.isfinite(times[0].values).all():
         return []
     time = times[0].values
-    steps = np.diff(time)
-    starts = [0, *(np.flatnonzero(steps < 0.0) + 1).tolist()]
-    pieces = list(pairwise([*starts, len(time)]))
-    typical = float(np.median(np.abs(steps))) if len(steps) else 0.0
-    alike = all(abs(time[a] - time[0]) <= 2.0 * typical for a, _ in pieces)
-    if not 2 <= len(pieces) <= 1000 or min(b - a for a, b in pieces) < FEWEST_IN_A_PIECE or not alike:
-        return []
-    marked = replace(table, cut=0)
-    return [
-        part_of(marked, str(k), table.columns, np.arange(a, b)) for k, (a, b) in enumerate(pieces, start=1)
-    ]
+    parts = pieces(replace(table, cut=0), table.columns, times[0], counted=False)
+    begins = time[np.concatenate(([0], np.flatnonzero(np.diff(time) < 0.0) + 1))]
+    alike = (
+        np.all(np.abs(begins - time[0]) <= 2.0 * np.median(np.abs(np.diff(time)))) if len(time) > 1 else False
+    )
+    return parts if 2 <= len(parts) <= MOST_RUNS and _shortest(parts) >= FEWEST_IN_A_PIECE and alike else []
+
+
+def _shortest(parts: Sequence[Table]) -> int:
+    return min(len(part.columns[0].values) for part in parts)
+
+
+def pieces(table: Table, columns: Sequence[SourceColumn], by: SourceColumn, *, counted: bool) -> list[Table]:
+    """Return the runs that stand below one another: where the column `by` that counts them changes, or as a time falls."""
+    steps = np.diff(by.values)
+    edges = (np.flatnonzero(steps != 0.0 if counted else steps < 0.0) + 1).tolist()
+    edges = edges[: MOST_RUNS + 1]
+    found = list(pairwise([0, *edges, len(by.values)]))
+    names = [f"{by.values[a]:.6g}" if counted else str(k) for k, (a, _) in enumerate(found, start=1)]
+    return [part_of(table, name, columns, np.arange(a, b)) for name, (a, b) in zip(names, found, strict=True)]
 
 
 def _accepted(

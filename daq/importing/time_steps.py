@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from daq.importing.columns import meaning, split_unit, words
+from daq.importing.columns import split_unit
 from daq.importing.options import ImportOptions
 from daq.importing.still import is_measurable
 from daq.importing.table import SourceColumn, Table
@@ -16,14 +16,12 @@ _NAMES = re.compile(
     re.I,
 )
 FEWEST = 8
-MOST_VALUES = 30
 
 
 def with_stamps(table: Table, options: ImportOptions) -> Table:
     """Return the table with its column of time steps, if that is its clock, summed up to time stamps.
 
-    Such a column is known by its name, or, without any, by whole numbers that are nearly alike, where no other
-    column is the time.
+    Such a column is known by its name.
     """
     if options.rate is not None or "time" in options.columns or table.rate is not None:
         return table
@@ -49,42 +47,18 @@ def with_stamps(table: Table, options: ImportOptions) -> Table:
 def _find(table: Table) -> int | None:
     for i, column in enumerate(table.columns):
         name = split_unit(column.label)[0].strip()
-        if _NAMES.fullmatch(name) and _are_steps(column, named=True):
+        if _NAMES.fullmatch(name) and _are_steps(column):
             return i
-    if any(
-        meaning(c.label, c.unit).quantity == "time" or c.clock or c.quantity == "time" for c in table.columns
-    ):
-        return None
-    nameless = [i for i in (len(table.columns) - 1, 0) if not words(table.columns[i].label)]
-    return next(
-        (i for i in nameless if len(table.columns) > 1 and _are_steps(table.columns[i], named=False)), None
-    )
+    return None
 
 
-def _are_steps(column: SourceColumn, *, named: bool) -> bool:
-    """Return whether a column's numbers, after the first, are positive and nearly alike."""
-    values = column.values
-    if (
-        column.bad is not None
-        or len(values) < FEWEST
-        or not np.isfinite(values).all()
-        or not is_measurable(values)
-    ):
+def _are_steps(column: SourceColumn) -> bool:
+    """Return whether a column's numbers, after the first, are positive and nearly alike, and no times."""
+    values, steps = column.values, column.values[1:]
+    if column.bad is not None or len(values) < FEWEST or not np.isfinite(values).all():
         return False
-    steps = values[1:]
     middle = float(np.median(steps))
-    if not middle > 0.0 or float(np.min(steps)) < 0.0 or values[0] < 0.0:
+    if not is_measurable(values) or not middle > 0.0 or float(np.min(values)) < 0.0:
         return False
     alike = float(np.mean(np.abs(steps - middle) <= 0.5 * middle))
-    if named:
-        return alike > 0.9 and not (np.all(steps > values[:-1]))
-    whole = bool(np.all(values == np.rint(values)))
-    different = len(np.unique(steps))
-    begins = values[0] == 0.0 or different > 1
-    return (
-        alike > 0.95
-        and whole
-        and begins
-        and different <= MOST_VALUES
-        and float(np.max(values)) < 10.0 * middle
-    )
+    return alike > 0.9 and not np.all(steps > values[:-1])

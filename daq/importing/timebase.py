@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.importing.block_stamps import Blocks, clock_of_blocks
-from daq.importing.early_seconds import with_whole_seconds
 from daq.importing.errors import problem
 from daq.importing.held_readings import Held, held_readings, repeated_readings
 from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, milli, no_clock
@@ -273,11 +272,6 @@ def _rate(rate: float, std: float) -> str:
 
 
 def _over_midnight(time: Array, notes: list[str]) -> Array:
-    time, early = with_whole_seconds(time)
-    if early:
-        notes.append(
-            f"{early} times of day lie a second too early, where the fraction rolls over; a second was added there"
-        )
     days = np.cumsum(np.diff(time, prepend=time[0]) < -DAY / 2)
     if days[-1]:
         notes.append("the time of day passes midnight; a day was added from there on")

@@ -4,6 +4,7 @@ import re
 import tempfile
 import warnings
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -68,17 +69,11 @@ def read_uff(path: Path, data: bytes, recipe: Recipe) -> Table:
         columns.append(
             SourceColumn(max(c.number for c in columns) + 1, "time", stamps, "s", "time", noun="abscissa")
         )
-        columns = [_without_rate(c) for c in columns]
+        columns = [replace(c, rate=None) for c in columns]
     rates = {c.rate for c in columns if c.rate is not None}
     if len(rates) > 1:
         notes.append("the traces have different rates: " + ", ".join(f"{r:g} Hz" for r in sorted(rates)))
     return Table(path, tuple(columns), None, None, "", tuple(notes), format="uff")
-
-
-def _without_rate(column: SourceColumn) -> SourceColumn:
-    return SourceColumn(
-        column.number, column.label, column.values, column.unit, column.quantity, noun=column.noun
-    )
 
 
 def _sets(path: Path, data: bytes) -> tuple[list[tuple[int, dict[str, Any]]], list[int]]:

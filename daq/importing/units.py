@@ -7,6 +7,7 @@ STANDARD_GRAVITY = 9.80665
 RADIAN_PER_DEGREE = 0.017453292519943295
 RADIAN_PER_TURN = 6.283185307179586
 INCH = 0.0254
+POUND = 4.4482216152605
 
 
 @dataclass(frozen=True)
@@ -40,211 +41,80 @@ SI_ANGULAR = {
     "force": Unit(1.0, "N m", "force"),
 }
 
-_LENGTHS = {
-    "m": 1.0,
-    "dm": 1e-1,
-    "cm": 1e-2,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "nm": 1e-9,
-    "km": 1e3,
-    "in": INCH,
-    "inch": INCH,
-    "ft": 12 * INCH,
-    "mil": 1e-3 * INCH,
-    "м": 1.0,
-    "см": 1e-2,
-    "мм": 1e-3,
-    "мкм": 1e-6,
-}
-_LENGTH_WORDS = {
-    "meter": 1.0,
-    "meters": 1.0,
-    "metre": 1.0,
-    "metres": 1.0,
-    "millimeter": 1e-3,
-    "millimeters": 1e-3,
-    "millimetre": 1e-3,
-    "centimeter": 1e-2,
-    "centimeters": 1e-2,
-    "micron": 1e-6,
-    "microns": 1e-6,
-    "micrometer": 1e-6,
-    "inches": INCH,
-    "feet": 12 * INCH,
-    "mils": 1e-3 * INCH,
-}
+_PREFIXES = {"": 1.0, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9}
+_LENGTHS = {f"{prefix}m": scale for prefix, scale in _PREFIXES.items()} | {
+    "in": INCH, "inch": INCH, "ft": 12 * INCH, "mil": 1e-3 * INCH, "м": 1.0, "см": 1e-2, "мм": 1e-3, "мкм": 1e-6,
+}  # fmt: skip
 _ANGLES = {
-    "rad": 1.0,
-    "mrad": 1e-3,
-    "urad": 1e-6,
-    "deg": RADIAN_PER_DEGREE,
-    "°": RADIAN_PER_DEGREE,
-    "grad": RADIAN_PER_DEGREE,
-    "degree": RADIAN_PER_DEGREE,
-    "degrees": RADIAN_PER_DEGREE,
-    "radian": 1.0,
-    "radians": 1.0,
-    "rev": RADIAN_PER_TURN,
-    "turn": RADIAN_PER_TURN,
-    "рад": 1.0,
-}
-_TIMES = {
-    "s": 1.0,
-    "sec": 1.0,
-    "secs": 1.0,
-    "second": 1.0,
-    "seconds": 1.0,
-    "sek": 1.0,
-    "sekunden": 1.0,
-    "seg": 1.0,
-    "segundos": 1.0,
-    "secondes": 1.0,
-    "secondi": 1.0,
-    "с": 1.0,
-    "сек": 1.0,
-    "秒": 1.0,
-    "ms": 1e-3,
-    "msec": 1e-3,
-    "millis": 1e-3,
-    "milliseconds": 1e-3,
-    "мс": 1e-3,
-    "us": 1e-6,
-    "usec": 1e-6,
-    "micros": 1e-6,
-    "microseconds": 1e-6,
-    "ns": 1e-9,
-    "min": 60.0,
-    "h": 3600.0,
-}
-_FORCES = {
-    "N": Unit(1.0, "N", "force"),
-    "kN": Unit(1e3, "N", "force"),
-    "mN": Unit(1e-3, "N", "force"),
-    "newton": Unit(1.0, "N", "force"),
-    "newtons": Unit(1.0, "N", "force"),
-    "lbf": Unit(4.4482216152605, "N", "force"),
-    "lb": Unit(4.4482216152605, "N", "force"),
-    "lbs": Unit(4.4482216152605, "N", "force"),
-    "kip": Unit(4448.2216152605, "N", "force"),
-    "kgf": Unit(STANDARD_GRAVITY, "N", "force"),
-    "Н": Unit(1.0, "N", "force"),
-    "Nm": Unit(1.0, "N m", "force"),
-    "N*m": Unit(1.0, "N m", "force"),
-    "mNm": Unit(1e-3, "N m", "force"),
-    "kNm": Unit(1e3, "N m", "force"),
-    "Ncm": Unit(1e-2, "N m", "force"),
-    "Nmm": Unit(1e-3, "N m", "force"),
-}
+    "rad": 1.0, "mrad": 1e-3, "urad": 1e-6, "radian": 1.0, "radians": 1.0, "рад": 1.0,
+    **dict.fromkeys(("deg", "°", "grad", "degree", "degrees"), RADIAN_PER_DEGREE),
+    "rev": RADIAN_PER_TURN, "turn": RADIAN_PER_TURN,
+}  # fmt: skip
+_WORDS = {
+    "displacement": {
+        **{f"{word}{met}{s}": scale for word, scale in (("", 1.0), ("centi", 1e-2), ("milli", 1e-3), ("micro", 1e-6))
+           for met in ("meter", "metre") for s in ("", "s")},
+        "micron": 1e-6, "microns": 1e-6, "inches": INCH, "feet": 12 * INCH, "mils": 1e-3 * INCH,
+    },
+    "time": {
+        **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "sek", "sekunden", "seg", "segundos", "secondes",
+                         "secondi", "с", "сек", "秒"), 1.0),
+        **dict.fromkeys(("ms", "msec", "millis", "milliseconds", "мс"), 1e-3),
+        **dict.fromkeys(("us", "usec", "micros", "microseconds"), 1e-6), "ns": 1e-9, "min": 60.0, "h": 3600.0,
+    },
+    "acceleration": {
+        **dict.fromkeys(("g", "gn", "g0", "g_n"), STANDARD_GRAVITY), "mg": STANDARD_GRAVITY * 1e-3,
+        "ug": STANDARD_GRAVITY * 1e-6, "gal": 1e-2,
+    },
+    "force": {
+        "N": 1.0, "kN": 1e3, "mN": 1e-3, "newton": 1.0, "newtons": 1.0, "Н": 1.0, "kgf": STANDARD_GRAVITY,
+        "kip": 1e3 * POUND, **dict.fromkeys(("lbf", "lb", "lbs"), POUND),
+    },
+    "moment": {"Nm": 1.0, "N*m": 1.0, "mNm": 1e-3, "kNm": 1e3, "Ncm": 1e-2, "Nmm": 1e-3},
+}  # fmt: skip
 _SIGNALS = {
-    "V": Unit(1.0, "V", None),
-    "mV": Unit(1e-3, "V", None),
-    "uV": Unit(1e-6, "V", None),
-    "volt": Unit(1.0, "V", None),
-    "volts": Unit(1.0, "V", None),
-    "A": Unit(1.0, "A", None),
-    "mA": Unit(1e-3, "A", None),
-    "counts": Unit(1.0, "count", None),
-    "count": Unit(1.0, "count", None),
-    "lsb": Unit(1.0, "count", None),
-    "digits": Unit(1.0, "count", None),
-    "au": Unit(1.0, "count", None),
-    "a.u": Unit(1.0, "count", None),
-    "arb": Unit(1.0, "count", None),
-    "arb.u": Unit(1.0, "count", None),
-    "ticks": Unit(1.0, "count", None),
-    "steps": Unit(1.0, "count", None),
-    "bits": Unit(1.0, "count", None),
-    "px": Unit(1.0, "px", None),
-    "pixel": Unit(1.0, "px", None),
-    "pixels": Unit(1.0, "px", None),
-    "Hz": Unit(1.0, "Hz", None),
-    "kHz": Unit(1e3, "Hz", None),
-    "%": Unit(1.0, "%", None),
-    "°C": Unit(1.0, "degC", None),
-    "degC": Unit(1.0, "degC", None),
-    "K": Unit(1.0, "K", None),
-    "Pa": Unit(1.0, "Pa", None),
-    "bar": Unit(1e5, "Pa", None),
-    "kg": Unit(1.0, "kg", None),
-}
-_ACCELERATIONS = {
-    "g": STANDARD_GRAVITY,
-    "gn": STANDARD_GRAVITY,
-    "g0": STANDARD_GRAVITY,
-    "g_n": STANDARD_GRAVITY,
-    "mg": STANDARD_GRAVITY * 1e-3,
-    "ug": STANDARD_GRAVITY * 1e-6,
-    "gal": 1e-2,
-}
+    "V": {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "volt": 1.0, "volts": 1.0},
+    "A": {"A": 1.0, "mA": 1e-3},
+    "count": dict.fromkeys(
+        ("counts", "count", "lsb", "digits", "au", "a.u", "arb", "arb.u", "ticks", "steps", "bits"), 1.0
+    ),
+    "px": dict.fromkeys(("px", "pixel", "pixels"), 1.0),
+    "Hz": {"Hz": 1.0, "kHz": 1e3}, "%": {"%": 1.0}, "degC": {"°C": 1.0, "degC": 1.0}, "K": {"K": 1.0},
+    "Pa": {"Pa": 1.0, "bar": 1e5}, "kg": {"kg": 1.0},
+}  # fmt: skip
 
 
 def _table() -> dict[str, Unit]:
-    units: dict[str, Unit] = dict(_FORCES) | dict(_SIGNALS)
-    units |= {name: Unit(scale, "s", "time") for name, scale in _TIMES.items()}
-    units |= {name: Unit(s, "m", "displacement") for name, s in (_LENGTHS | _LENGTH_WORDS).items()}
-    units |= {name: Unit(scale, "rad", "displacement") for name, scale in _ANGLES.items()}
-    units |= {name: Unit(scale, "m/s^2", "acceleration") for name, scale in _ACCELERATIONS.items()}
-    for lengths, si in ((_LENGTHS, "m"), (_ANGLES, "rad")):
-        for name, scale in lengths.items():
-            for second in ("s", "sec", "с"):
-                for form in (
-                    f"{name}/{second}",
-                    f"{name}{second}-1",
-                    f"{name}_{second}",
-                    f"{name}.{second}-1",
-                ):
-                    units[form] = Unit(scale, f"{si}/s", "velocity")
-                for form in (
-                    f"{name}/{second}2",
-                    f"{name}/{second}/{second}",
-                    f"{name}/({second}2)",
-                    f"{name}{second}-2",
-                    f"{name}.{second}-2",
-                    f"{name}_{second}2",
-                    f"{name}_{second}_2",
-                    f"{name}_{second}_{second}",
-                    f"{name}/({second}*{second})",
-                ):
-                    units[form] = Unit(scale, f"{si}/s^2", "acceleration")
-            units[f"{name}ps"] = Unit(scale, f"{si}/s", "velocity")
-            units[f"{name}ps2"] = Unit(scale, f"{si}/s^2", "acceleration")
-            units[f"{name}_per_s"] = Unit(scale, f"{si}/s", "velocity")
-            units[f"{name}_per_s2"] = Unit(scale, f"{si}/s^2", "acceleration")
+    si = SI_LINEAR | {"moment": SI_ANGULAR["force"]}
+    units = {name: Unit(k, unit, None) for unit, names in _SIGNALS.items() for name, k in names.items()}
     units |= {
+        name: Unit(k, si[q].si, si[q].quantity) for q, names in _WORDS.items() for name, k in names.items()
+    }
+    for lengths, base in ((_LENGTHS, "m"), (_ANGLES, "rad")):
+        for name, scale in lengths.items():
+            units[name] = Unit(scale, base, "displacement")
+            for s in ("s", "sec", "с"):
+                for form in (f"/{s}", f"{s}-1", f"_{s}", f".{s}-1", "ps", "_per_s"):
+                    units[name + form] = Unit(scale, f"{base}/s", "velocity")
+                for form in (
+                    f"/{s}2", f"/{s}/{s}", f"/({s}2)", f"{s}-2", f".{s}-2", f"_{s}2", f"_{s}_2", f"_{s}_{s}",
+                    f"/({s}*{s})", "ps2", "_per_s2",
+                ):  # fmt: skip
+                    units[name + form] = Unit(scale, f"{base}/s^2", "acceleration")
+    turning = RADIAN_PER_TURN / 60
+    units |= {name: Unit(turning, "rad/s", "velocity") for name in ("rpm", "1/min", "U/min")}
+    return units | {
         "dps": Unit(RADIAN_PER_DEGREE, "rad/s", "velocity"),
         "ips": Unit(INCH, "m/s", "velocity"),
         "km/h": Unit(1 / 3.6, "m/s", "velocity"),
-        "rpm": Unit(RADIAN_PER_TURN / 60, "rad/s", "velocity"),
-        "1/min": Unit(RADIAN_PER_TURN / 60, "rad/s", "velocity"),
-        "U/min": Unit(RADIAN_PER_TURN / 60, "rad/s", "velocity"),
     }
-    return units
 
 
 UNITS = _table()
 _LOWER: dict[str, Unit] = {}
 for _name, _unit in UNITS.items():
     _LOWER.setdefault(_name.lower(), _unit)
-_FOLD = str.maketrans(
-    {
-        "µ": "u",
-        "μ": "u",
-        "²": "2",
-        "³": "3",
-        "⁻": "-",
-        "¹": "1",
-        "−": "-",
-        "·": ".",
-        "⋅": ".",
-        "º": "°",
-        "^": None,
-        "{": None,
-        "}": None,
-        " ": None,
-        "\u00a0": None,
-    }
-)
+_FOLD = str.maketrans("µμ²³⁻¹−·⋅º", "uu23-1-..°", "^{} \u00a0")
 _SCALED = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*\*?\s*(\D.*)")
 
 

@@ -144,16 +144,6 @@ def test_columns_that_are_only_called_runs_are_displacements_over_one_time(tmp_p
     np.testing.assert_allclose(runs[1].samples[0], y, rtol=1e-8, atol=1e-12)
 
 
-def test_a_run_in_which_nothing_moves_is_left_out(tmp_path: Path) -> None:
-    (t, x), _ = releases((200, 200))
-    still = 504.0 + np.tile([0.0, 1.0, 0.0, -1.0], 50)
-    text = wide("Time A;Pos A;Time B;Pos B\n[s];[au];[s];[au]", [t, still, t, np.round(x * 2e4)])
-    recording = load(tmp_path, text)
-    assert recording.run == "B"
-    assert recording.channels[0].unit == "count"
-    assert "run A was left out" in said(recording)
-
-
 def test_a_channel_that_stands_still_or_repeats_another_is_not_taken(tmp_path: Path) -> None:
     t, x, _, _ = swing()
     still = np.tile([0.0, 0.017], 100)
