@@ -86,15 +86,14 @@ def matched(table: Table, recipe: Recipe) -> dict[int, Column]:
     Raises ImportProblem when a field with a role is in no column, or in several.
     """
     found: dict[int, Column] = {}
+    names = [(one_line(c.label).strip(), c) for c in table.columns]
     for field in recipe.fields:
-        named = [
-            c for c in table.columns if not field.name or one_line(c.label).strip() == field.name.strip()
-        ]
-        same = [c for c in named if field.column in (None, c.number)]
+        wanted = field.name.strip()
+        same = [c for name, c in names if wanted in ("", name) and field.column in (None, c.number)]
         if len(same) == 1:
             found[same[0].number] = field
         elif field.role != "ignored":
-            wanted = f"'{field.name}'" if field.name else f"{field.column}"
+            wanted = f"'{wanted}'" if wanted else f"{field.column}"
             raise problem(
                 table.path, f"the recipe's {field.role} is in column {wanted}, and the file has {listed(table.columns)}",
                 "correct the recipe, or import without it",
