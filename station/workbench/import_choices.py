@@ -1,57 +1,57 @@
-"""What the operator may say about a file that does not explain itself: columns, units, rate, mass."""
+"""What a dropped file's columns are: its numbers, a small plot, and select boxes filled with what is proposed."""
 
-import re
+from typing import Any
 
 from nicegui import ui
+from pydantic import ValidationError
 
+from daq.importing.recipe import ROLES, Recipe
 from station.exits import UsageProblem
+from station.workbench import widgets
+from station.workbench.small_pictures import sparkline
+from station.workbench.view_models import ImportQuestion
 
-Choices = tuple[dict[str, str | int], dict[str, str], float | None, float | None]
-
-QUANTITIES = ("time", "displacement", "velocity", "acceleration", "force")
+UNITS = ("s", "ms", "us", "m", "mm", "um", "rad", "deg", "m/s", "deg/s", "m/s^2", "g", "N", "V", "counts")
+"""The units that are offered; any other that is known may be typed."""
 
 
 class ImportChoices:
-    """Four fields that stay folded until they are needed."""
+    """The question about one file; `answered` gives the recipe."""
 
-    def build(self) -> None:
-        """Make the fields."""
-        with ui.expansion("Options for odd files").props("dense dense-toggle").classes("small"):
-            self._columns = _field("Columns", "displacement=phi, time=1")
-            self._units = _field("Units", "displacement=rad")
-            self._rate = ui.number("Rate, Hz", min=0).props("dense outlined")
-            self._mass = ui.number("Mass, kg", min=0).props("dense outlined")
+    def __init__(self, question: ImportQuestion) -> None:
+        self._recipe = question.recipe
+        self._boxes: list[tuple[ui.select, ui.select]] = []
+        widgets.label(question.sentence, "small wrap")
+        for column, field in zip(question.columns, question.recipe.fields, strict=True):
+            with ui.element("div").classes("column-asked"):
+                widgets.label(
+                    f"{column.place}{f', run {field.run}' if field.run else ''}", "small strong wrap"
+                )
+                with widgets.line():
+                    widgets.svg(sparkline(column.line))
+                    widgets.label(column.numbers, "small faint wrap")
+                with widgets.line():
+                    role = _select(f"Role of {column.place}", list(ROLES), field.role)
+                    units = list(dict.fromkeys(("", field.unit, *UNITS)))
+                    unit = _select(f"Unit of {column.place}", units, field.unit)
+                    unit.props("use-input new-value-mode=add-unique")
+            self._boxes.append((role, unit))
+        self._rate = ui.number("Rate, Hz (in place of time stamps)", value=question.recipe.rate, min=0)
+        self._rate.props("dense outlined clearable")
 
-    def given(self) -> Choices:
-        """Return what was typed; UsageProblem, in a sentence, where it cannot be read."""
-        columns = _pairs("Columns", self._columns.value or "")
-        return (
-            {name: int(value) if value.isdigit() else value for name, value in columns.items()},
-            _pairs("Units", self._units.value or ""),
-            self._rate.value or None,
-            self._mass.value or None,
-        )
-
-
-def _field(label: str, example: str) -> ui.input:
-    return ui.input(label, placeholder=example).props("dense outlined spellcheck=false autocomplete=off")
-
-
-def _pairs(label: str, text: str) -> dict[str, str]:
-    """Return "displacement=phi, time=1" as a dictionary."""
-    found = {}
-    for part in filter(None, (part.strip() for part in text.split(","))):
-        name, sign, value = (piece.strip() for piece in part.partition("="))
-        if not sign or not value or name not in QUANTITIES:
-            raise UsageProblem(
-                f"{label}: '{part}' is not QUANTITY=VALUE, as displacement=phi; quantities are {', '.join(QUANTITIES)}"
-            )
-        found[name] = value
-    return found
+    def answered(self) -> Recipe:
+        """Return the recipe as the boxes stand. Raises UsageProblem, in a sentence, where a unit does not fit a role."""
+        said: dict[str, Any] = self._recipe.model_dump(by_alias=True)
+        for field, (role, unit) in zip(said["fields"], self._boxes, strict=True):
+            field |= {"role": role.value, "unit": unit.value or ""}
+        try:
+            return Recipe.model_validate(said | {"rate": self._rate.value or None})
+        except ValidationError as error:
+            first = error.errors(include_url=False, include_input=False)[0]
+            raise UsageProblem(first["msg"].removeprefix("Value error, ")) from None
 
 
-def for_the_page(sentence: str) -> str:
-    """Return a sentence about an import that names the fields of the page where it names options of the command."""
-    said = re.sub(r"--column ", "Columns: ", sentence)
-    said = re.sub(r"--unit ", "Units: ", said)
-    return re.sub(r"--rate\b", "Rate", said)
+def _select(name: str, options: list[str], value: str) -> ui.select:
+    made = ui.select(options, value=value).props("dense outlined options-dense").classes("grow")
+    made.props["aria-label"] = name
+    return made

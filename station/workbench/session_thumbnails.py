@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from daq.errors import StationError
+from daq.recording import Array
 from daq.session import Session
 from station.text.numbers import scale_as_recorded, typeset
 from station.workbench import view_models
@@ -25,10 +26,18 @@ def thumbnail_of(folder: Path) -> view_models.Thumbnail:
     values = np.where(recording.valid, recording.samples[row], np.nan)
     if not np.isfinite(values).any():
         return view_models.Thumbnail("", [], "no samples")
-    values = values - np.nanmedian(values)
-    largest = float(np.nanmax(np.abs(values)))
     channel = recording.channels[row]
     factor, unit = scale_as_recorded(channel.quantity, channel.unit)
+    largest, line = outline(values)
+    return view_models.Thumbnail(f"{largest * factor:.3g} {typeset(unit)}", line)
+
+
+def outline(values: Array) -> tuple[float, view_models.Numbers]:
+    """Return how far values go from their median, and their upper and lower outline as shares of that; NaN leave holes."""
+    if not np.isfinite(values).any():
+        return 0.0, []
+    values = values - np.nanmedian(values)
+    largest = float(np.nanmax(np.abs(values)))
     line: list[float | None] = []
     for part in np.array_split(values, POINTS):
         finite = part[np.isfinite(part)]
@@ -36,4 +45,4 @@ def thumbnail_of(folder: Path) -> view_models.Thumbnail:
             line += [round(float(edge) / (largest or 1.0), 2) for edge in (finite.max(), finite.min())]
         else:
             line += [None, None]
-    return view_models.Thumbnail(f"{largest * factor:.3g} {typeset(unit)}", line)
+    return largest, line

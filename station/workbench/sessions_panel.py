@@ -7,14 +7,16 @@ from urllib.parse import quote
 
 from nicegui import events, ui
 
+from daq.importing.recipe import Recipe
 from station.exits import UsageProblem
 from station.operations.examples import EXAMPLES
 from station.workbench import widgets
 from station.workbench.app_state import AppState
-from station.workbench.import_choices import ImportChoices, for_the_page
+from station.workbench.import_choices import ImportChoices
 from station.workbench.session_list import Entry
 from station.workbench.small_pictures import sparkline
 from station.workbench.uploads import plain_name
+from station.workbench.view_models import ImportQuestion
 from station.workbench.worker import Cancelled, Failed, Job
 
 LARGEST = 200 << 20
@@ -37,7 +39,7 @@ class SessionsPanel:
         self._seen: tuple[Entry, ...] | None = None
         self._seen_refused: set[str] = set()
         self._job: Job | None = None
-        self._options = ImportChoices()
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     def build(self) -> None:
         """Make the panel."""
@@ -51,7 +53,9 @@ class SessionsPanel:
                     on_upload=self._dropped,
                     on_rejected=lambda: self._say("that file is too large: at most 200 MB", "bad"),
                 ).props('aria-label="Import a recording"')
-            self._options.build()
+            with widgets.line():
+                self._ask = ui.checkbox("Show the columns first").props("dense").classes("small grow")
+                self._mass = ui.number("Mass, kg", min=0).props("dense outlined")
             self._message = ui.element("div").props("aria-live=polite")
         with widgets.card("grow"):
             with widgets.line():
@@ -158,33 +162,51 @@ class SessionsPanel:
         if self._job is not None:
             self._say("another import is under way; cancel it, or wait", "bad")
             return
-        name = plain_name(given.file.name)
-        try:
-            chosen = self._options.given()
-        except UsageProblem as problem:
-            self._say(str(problem), "bad")
-            return
+        self._folder = tempfile.TemporaryDirectory(prefix="workbench-")  # one before goes with its file
+        file = Path(self._folder.name) / plain_name(given.file.name)
+        await given.file.save(file)
+        await self._import(file, None)
+
+    async def _import(self, file: Path, recipe: Recipe | None) -> None:
+        """Make sessions of a file, or show what is to be said of it first."""
         self._job = Job()
-        self._importing(name)
+        self._importing(file.name)
+        ask = recipe is None and bool(self._ask.value)
         try:
-            with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
-                file = Path(folder) / name
-                await given.file.save(file)
-                made, notes = await self._workers.do(self._job, "imports", "import", file, *chosen)
+            told = await self._workers.do(
+                self._job, "imports", "import", file, recipe, ask, self._mass.value or None
+            )
         except Cancelled:
-            self._say(f"the import of {name} was cancelled", "faint")
+            self._say(f"the import of {file.name} was cancelled", "faint")
         except (Failed, OSError) as failure:
-            self._say(for_the_page(str(failure).replace(f"{folder}/", "")), "bad")
+            self._say(str(failure).replace(f"{file.parent}/", ""), "bad")
         else:
-            first, *others = made
-            place = self._session_list.folder_of(first)
-            if place is not None:
-                said = [*notes, *([f"its other releases: {', '.join(others)}"] if others else [])]
-                self._states.at(place).notice = f"{name} was imported: {'; '.join(said)}"
+            self._message.clear()
             with self._message:
-                ui.navigate.to(address_of(first))
+                if isinstance(told, ImportQuestion):
+                    choices = ImportChoices(told)
+                    does = partial(self._answered, file, choices)
+                    widgets.button("Looks right", does, f"Read {file.name} so", strong=True)
+                else:
+                    self._made(file.name, *told)
         finally:
             self._job = None
+
+    async def _answered(self, file: Path, choices: ImportChoices) -> None:
+        try:
+            recipe = choices.answered()
+        except UsageProblem as problem:
+            ui.notify(str(problem), type="negative")
+        else:
+            await self._import(file, recipe)
+
+    def _made(self, name: str, made: list[str], notes: list[str]) -> None:
+        self.refresh()
+        widgets.label(f"{name}: {len(made)} session{'s' if len(made) > 1 else ''}", "good strong small")
+        for note in notes:
+            widgets.label(note, "small faint wrap")
+        for key in made:
+            ui.link(f"open {key}", address_of(key)).classes("small")
 
     def _importing(self, name: str) -> None:
         self._message.clear()

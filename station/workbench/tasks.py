@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from daq.importing.recipe import Recipe
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Problem
@@ -30,7 +31,7 @@ from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session
 from station.workbench.pruning import drop_needless
 from station.workbench.raw_trace import raw_traces
-from station.workbench.session_thumbnails import thumbnail_of
+from station.workbench.session_thumbnails import outline, thumbnail_of
 from station.workbench.unkept import MEASURED_CURVE, frame_of_tried
 from station.workbench.warm_up import warm_up
 
@@ -183,21 +184,42 @@ def import_file(
     settings: Settings,
     progress: Progress,
     file: Path,
-    columns: dict[str, str | int],
-    units: dict[str, str],
-    rate: float | None,
+    recipe: Recipe | None,
+    ask: bool,
     mass: float | None,
-) -> tuple[list[str], list[str]]:
-    """Import a data file; return the names of the sessions and what was understood."""
+) -> tuple[list[str], list[str]] | view_models.ImportQuestion:
+    """Import a data file; return the names of the sessions and what was understood, or what is to be said first."""
     from daq.importing.options import ImportOptions
+    from daq.importing.propose import Doubtful
     from station.operations.new_session import session_info
+    from station.results.kept_recipes import look_with_kept
     from station.results.sessions import import_file as make
 
     progress(f"reading {file.name}")
     info = session_info(settings, mass, None, None, None)
-    options = ImportOptions(columns=columns, units=units, rate=rate)
-    imported = make(file, None, settings.sessions, options, info)
+    try:
+        if ask:
+            known = look_with_kept(file, settings.sessions)[0].read().recipe
+            return _question(file, known, "what the columns seem to be:")
+        imported = make(file, None, settings.sessions, ImportOptions(), info, recipe)
+    except Doubtful as refusal:
+        return _question(file, refusal.proposal.recipe, str(refusal))
     return [session.folder.name for session in imported.sessions], list(imported.notes)
+
+
+def _question(file: Path, recipe: Recipe, sentence: str) -> view_models.ImportQuestion:
+    from daq.importing.apply import matched
+    from daq.importing.reading import read_table
+
+    table = read_table(file, recipe)
+    found = {id(field): number for number, field in matched(table, recipe).items()}
+    columns = {column.number: column for column in table.columns}
+    asked = []
+    for field in recipe.fields:
+        column = columns[found[id(field)]]
+        first = ", ".join(f"{value:.5g}" for value in column.values[:4])
+        asked.append(view_models.AskedColumn(column.place, first, outline(column.values)[1]))
+    return view_models.ImportQuestion(sentence, recipe, tuple(asked))
 
 
 def open_example(settings: Settings, progress: Progress, name: str) -> str:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
+from daq.importing.recipe import Recipe
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 
@@ -10,6 +11,24 @@ Numbers = list[float | None]
 
 MOST_CARDS = 8
 """Suspects that have a card, and so a frame."""
+
+
+@dataclass(frozen=True)
+class AskedColumn:
+    """A column of a file: what it is called, its first numbers, and all of it as a line of few."""
+
+    place: str
+    numbers: str
+    line: Numbers
+
+
+@dataclass(frozen=True)
+class ImportQuestion:
+    """What is to be said of a file: a sentence, the recipe that is proposed, and a column for each of its fields."""
+
+    sentence: str
+    recipe: Recipe
+    columns: tuple[AskedColumn, ...]
 
 
 @dataclass(frozen=True)

@@ -36,23 +36,30 @@ def test_a_recording_that_is_dropped_becomes_a_session_within_the_folder(visit, 
     page.goto(bench.address)
     named = {"name": "..\\..\\decay <b>.csv", "mimeType": "text/csv", "buffer": "\n".join(lines).encode()}
     page.locator(".drop input[type=file]").set_input_files(named)
-    page.wait_for_selector(".rung")  # it is opened
-    page.get_by_text("was imported").wait_for()
+    page.get_by_role("link", name="open decay_b").click()
+    page.wait_for_selector(".rung")
     assert (bench.folder / "sessions" / "decay_b" / "session.json").is_file()
 
 
-def test_a_file_that_does_not_explain_itself_is_imported_once_its_column_is_named(visit, bench):
+def test_a_file_that_does_not_explain_itself_shows_its_columns_and_is_read_as_they_are_said_to_be(
+    visit, bench
+):
     rows = [f"{i / 50},{0.1 * math.cos(2.4 * i / 50):.5f},{0.02 * math.sin(i / 50):.5f}" for i in range(1500)]
-    odd = {"name": "odd.csv", "mimeType": "text/csv", "buffer": "\n".join(["time,phi,theta", *rows]).encode()}
+    text = "\n".join(["time,phi,theta", *rows]).encode()
     page = visit.page
     page.goto(bench.address)
-    page.locator(".drop input[type=file]").set_input_files(odd)
-    page.get_by_text("Columns: displacement=").wait_for()
-    page.get_by_text("Options for odd files").click()
-    page.get_by_label("Columns").fill("displacement=phi")
-    page.get_by_label("Units").fill("displacement=rad")
-    page.locator(".drop input[type=file]").set_input_files(odd)
-    page.wait_for_url("**session=odd")
+    drop = page.locator(".drop input[type=file]")
+    drop.set_input_files({"name": "odd.csv", "mimeType": "text/csv", "buffer": text})
+    page.get_by_text("2 columns could be the displacement").wait_for()
+    unit = page.get_by_label("Unit of column 2 'phi'")
+    unit.click()
+    page.get_by_role("option", name="deg", exact=True).click()
+    page.get_by_role("button", name="Read odd.csv so").click()
+    page.get_by_role("link", name="open odd").wait_for()
+    recipe = (bench.folder / "sessions" / "odd" / "recipe.toml").read_text(encoding="utf-8")
+    assert '{name = "phi", role = "displacement", unit = "deg"}' in recipe
+    drop.set_input_files({"name": "next.csv", "mimeType": "text/csv", "buffer": text})
+    page.get_by_role("link", name="open next").wait_for()
 
 
 def test_a_record_that_is_too_short_says_so_and_so_does_a_damaged_one(visit, bench):
@@ -62,8 +69,9 @@ def test_a_record_that_is_too_short_says_so_and_so_does_a_damaged_one(visit, ben
     page = visit.page
     page.goto(bench.address)
     page.locator(".drop input[type=file]").set_input_files(short)
+    page.get_by_role("link", name="open short").click()
     page.get_by_text("This recording does not allow an analysis").wait_for()
-    page.get_by_text("at least three cycles").first.wait_for()
+    page.get_by_text("at least three cycles").wait_for()
     address = bench.fresh("mystery_7", "damaged")
     (bench.folder / "sessions" / "damaged" / "session.json").write_text("{")
     page.goto(address)
