@@ -22,20 +22,19 @@ class ImportChoices:
         self._recipe = question.recipe
         self._boxes: list[tuple[ui.select, ui.select]] = []
         widgets.label(question.sentence, "small wrap")
-        for column, field in zip(question.columns, question.recipe.fields, strict=True):
-            with ui.element("div").classes("column-asked"):
-                widgets.label(
-                    f"{column.place}{f', run {field.run}' if field.run else ''}", "small strong wrap"
-                )
-                with widgets.line():
-                    widgets.svg(sparkline(column.line))
-                    widgets.label(column.numbers, "small faint wrap")
-                with widgets.line():
-                    role = _select(f"Role of {column.place}", list(ROLES), field.role)
-                    units = list(dict.fromkeys(("", field.unit, *UNITS)))
-                    unit = _select(f"Unit of {column.place}", units, field.unit)
-                    unit.props("use-input new-value-mode=add-unique")
-            self._boxes.append((role, unit))
+        with ui.element("div").classes("asked"):
+            for head in ("column", "first rows", "", "what it is", "in"):
+                widgets.label(head, "small faint")
+            for column, field in zip(question.columns, question.recipe.fields, strict=True):
+                run = f", run {field.run}" if field.run else ""
+                widgets.label(f"{column.place}{run}", "small strong wrap")
+                widgets.label(column.numbers, "small faint wrap")
+                widgets.svg(sparkline(column.line))
+                role = _select(f"Role of {column.place}", list(ROLES), field.role)
+                units = list(dict.fromkeys(("", field.unit, *UNITS)))
+                unit = _select(f"Unit of {column.place}", units, field.unit)
+                unit.props("use-input hide-selected fill-input new-value-mode=add-unique")
+                self._boxes.append((role, unit))
         self._rate = ui.number("Rate, Hz (in place of time stamps)", value=question.recipe.rate, min=0)
         self._rate.props("dense outlined clearable")
 

@@ -53,9 +53,8 @@ class SessionsPanel:
                     on_upload=self._dropped,
                     on_rejected=lambda: self._say("that file is too large: at most 200 MB", "bad"),
                 ).props('aria-label="Import a recording"')
-            with widgets.line():
-                self._ask = ui.checkbox("Show the columns first").props("dense").classes("small grow")
-                self._mass = ui.number("Mass, kg", min=0).props("dense outlined")
+            self._ask = ui.checkbox("Show the columns first").props("dense").classes("small")
+            self._mass = ui.number("Mass, kg", min=0).props("dense outlined")
             self._message = ui.element("div").props("aria-live=polite")
         with widgets.card("grow"):
             with widgets.line():
@@ -184,20 +183,27 @@ class SessionsPanel:
             self._message.clear()
             with self._message:
                 if isinstance(told, ImportQuestion):
-                    choices = ImportChoices(told)
-                    does = partial(self._answered, file, choices)
-                    widgets.button("Looks right", does, f"Read {file.name} so", strong=True)
+                    self._question(file, told)
                 else:
                     self._made(file.name, *told)
         finally:
             self._job = None
 
-    async def _answered(self, file: Path, choices: ImportChoices) -> None:
+    def _question(self, file: Path, question: ImportQuestion) -> None:
+        with ui.dialog(value=True) as dialog, ui.element("div").classes("card dialog"):
+            choices = ImportChoices(question)
+            with widgets.line():
+                does = partial(self._answered, file, choices, dialog)
+                widgets.button("Looks right", does, f"Read {file.name} so", strong=True)
+                widgets.button("Cancel", dialog.close)
+
+    async def _answered(self, file: Path, choices: ImportChoices, dialog: ui.dialog) -> None:
         try:
             recipe = choices.answered()
         except UsageProblem as problem:
             ui.notify(str(problem), type="negative")
         else:
+            dialog.close()
             await self._import(file, recipe)
 
     def _made(self, name: str, made: list[str], notes: list[str]) -> None:

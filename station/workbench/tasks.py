@@ -200,10 +200,11 @@ def import_file(
     try:
         if ask:
             known = look_with_kept(file, settings.sessions)[0].read().recipe
-            return _question(file, known, "what the columns seem to be:")
+            return _question(file, known, f"{file.name}: what the columns seem to be")
         imported = make(file, None, settings.sessions, ImportOptions(), info, recipe)
     except Doubtful as refusal:
-        return _question(file, refusal.proposal.recipe, str(refusal))
+        doubts = (doubt.partition("; ")[0] for doubt in refusal.proposal.doubts)  # what to do is on the page
+        return _question(file, refusal.proposal.recipe, f"{file.name}: {'; '.join(doubts)}")
     return [session.folder.name for session in imported.sessions], list(imported.notes)
 
 
