@@ -193,6 +193,7 @@ def records(quick: bool) -> tuple[Record, ...]:
 
 def tables_of(record: Record) -> list[Table]:
     """Return the releases of a record, imported as published."""
+    from bench.recipes import recipe_of
     from daq.importing.options import ImportOptions
     from daq.session_info import SessionInfo
     from station.results.sessions import import_file
@@ -201,7 +202,8 @@ def tables_of(record: Record) -> list[Table]:
     with tempfile.TemporaryDirectory() as made:
         for file in record.files:
             path = record.folder / file
-            imported = import_file(path, None, Path(made), ImportOptions(**record.options), SessionInfo())
+            options, recipe = ImportOptions(**record.options), recipe_of(file)
+            imported = import_file(path, None, Path(made), options, SessionInfo(), recipe, anew=True)
             tables += [_table(recording) for recording in imported.recordings]
     return tables
 

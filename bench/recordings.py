@@ -104,9 +104,7 @@ def _readings() -> str:
         try:
             runs = read_runs(file)
         except ImportProblem as problem:
-            lines.append(
-                f"| {name} | asks for: {' '.join(problem.options) or str(problem).split(': ', 1)[-1]} | | |"
-            )
+            lines.append(f"| {name} | asks: {str(problem).split(': ', 1)[-1]} | | |")
             continue
         channels = ", ".join(f"{channel.quantity} in {channel.unit}" for channel in runs[0].channels)
         lengths = ", ".join(str(run.samples.shape[1]) for run in runs)

@@ -90,6 +90,7 @@ def outcome(rig: Rig, named: set[str]) -> str:
 
 def sessions_of(rig: Rig, folder: Path) -> list[str]:
     """Import the files of a rig as published and return the folders of their sessions."""
+    from bench.recipes import recipe_of
     from daq.importing.options import ImportOptions
     from daq.session_info import SessionInfo
     from station.results.sessions import import_file
@@ -98,7 +99,12 @@ def sessions_of(rig: Rig, folder: Path) -> list[str]:
     for name in rig.files:
         stem = name.replace("/", "_").replace(".", "_")
         imported = import_file(
-            DATA / name, folder / stem, folder, ImportOptions(**dict(rig.options)), SessionInfo()
+            DATA / name,
+            folder / stem,
+            folder,
+            ImportOptions(**dict(rig.options)),
+            SessionInfo(),
+            recipe_of(name),
         )
         found += [str(session.folder) for session in imported.sessions]
     return found

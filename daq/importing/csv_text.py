@@ -146,7 +146,8 @@ def _cell_by_cell(
     if footer:
         notes.append(f"{footer} lines at the end hold no numbers and were left out")
     width = max(dialect.width, 1)
-    if len(rows) > 1 and len(split(lines[rows[-1]], dialect.delimiter)) < width:
+    ends_within = len(rows) > 1 and rows[-1] == len(lines) - 1  # no line break: the file was cut off
+    if ends_within and len(split(lines[rows[-1]], dialect.delimiter)) < width:
         notes.append(f"line {rows.pop() + 1}, the last, is cut short and was left out")
     lengths = [len(split(lines[i], dialect.delimiter)) for i in rows]
     for row, length in zip(rows, lengths, strict=True):

@@ -184,6 +184,8 @@ class SessionsPanel:
             with self._message:
                 if isinstance(told, ImportQuestion):
                     self._question(file, told)
+                elif recipe is not None:  # it was looked at: the session opens
+                    ui.navigate.to(address_of(told[0][0]))
                 else:
                     self._made(file.name, *told)
         finally:

@@ -55,9 +55,10 @@ def test_a_file_that_does_not_explain_itself_shows_its_columns_and_is_read_as_th
     unit.click()
     page.get_by_role("option", name="deg", exact=True).click()
     page.get_by_role("button", name="Read odd.csv so").click()
-    page.get_by_role("link", name="open odd").wait_for()
+    page.wait_for_url("**session=odd**")
     recipe = (bench.folder / "sessions" / "odd" / "recipe.toml").read_text(encoding="utf-8")
     assert '{name = "phi", role = "displacement", unit = "deg"}' in recipe
+    page.goto(bench.address)
     drop.set_input_files({"name": "next.csv", "mimeType": "text/csv", "buffer": text})
     page.get_by_role("link", name="open next").wait_for()
 
