@@ -7,8 +7,9 @@ from daq.importing.choose import Choice
 from daq.importing.errors import problem
 from daq.importing.options import NONE, ImportOptions, ask
 from daq.importing.table import Table
-from daq.importing.units import COUNT, SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit
+from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit, parse_unit
 
+DEGREES = {"displacement": "deg", "velocity": "deg/s", "acceleration": "deg/s^2"}
 FARTHEST = {"m": 20.0, "m/s^2": 1000.0}
 """What no displacement or acceleration reaches in SI: it is in counts, pixels or another unit."""
 
@@ -26,9 +27,12 @@ def is_angle(choices: dict[str, Choice], options: ImportOptions) -> bool:
 
 
 def unit_of(
-    table: Table, choice: Choice, options: ImportOptions, angular: bool, notes: list[str]
+    table: Table, choice: Choice, options: ImportOptions, turns: str, notes: list[str]
 ) -> tuple[Unit, str]:
-    """Return the unit of a channel and its text: from the options, the header, or SI by default, and note which."""
+    """Return the unit of a channel and its text: from the options, the header, or SI by default, and note which.
+
+    `turns` is the unit of angles that name none, "" where the channels are none.
+    """
     quantity, text = choice.quantity, options.units.get(choice.quantity)
     if text is not None:
         unit = parse_scaled_unit(text)
@@ -44,15 +48,19 @@ def unit_of(
     if choice.unit is not None:
         notes.append(f"{choice.column.place} read as {quantity} in {_spelled(choice.unit_text)}{asked}")
         return choice.unit, choice.unit_text
-    unit = (SI_ANGULAR if angular else SI_LINEAR)[quantity]
-    si, far = unit.si, _reach(choice)
-    if far > FARTHEST.get(si, np.inf):
-        unit, si = COUNT, f"counts (it reaches {far:.3g}, which in {si} is more than any rig does)"
+    unit = (SI_ANGULAR if turns else SI_LINEAR)[quantity]
+    spelled, why, far = unit.si, "", _reach(choice)
+    if quantity in DEGREES and turns in ("deg", "\N{DEGREE SIGN}"):
+        spelled = DEGREES[quantity]
+    elif far > FARTHEST.get(unit.si, np.inf) or (quantity == "displacement" and turns == "counts"):
+        spelled = "counts"
+    if spelled != unit.si:
+        unit, why = parse_unit(spelled) or unit, f", for in {unit.si} {far:.3g} is more than rigs move by"
     notes.append(
-        f"{choice.column.place} read as {quantity}{asked}; it names no unit: {si} was assumed "
+        f"{choice.column.place} read as {quantity}{asked}; it names no unit: {spelled} was assumed{why} "
         f"(change it with --unit {quantity}=...)"
     )
-    return unit, unit.si
+    return unit, spelled
 
 
 def _reach(choice: Choice) -> float:
@@ -74,21 +82,6 @@ def _unit_examples(quantity: str) -> str:
         "velocity": "m/s, mm/s, rad/s, deg/s, V", "acceleration": "m/s^2, g, rad/s^2, V", "force": "N, kN, N m, V",
     }  # fmt: skip
     return f"give one of {examples[quantity]}"
-
-
-def without_empty(table: Table, choices: dict[str, Choice], notes: list[str]) -> dict[str, Choice]:
-    """Leave out the columns that hold no number; ImportProblem for one that was asked for, or when none is left."""
-    kept = {}
-    for quantity, choice in choices.items():
-        if choice.column.bad is None and not np.isfinite(choice.column.values).any():
-            if quantity == "time" or choice.asked:
-                raise problem(table.path, f"{choice.column.place} holds no numbers", "name another one")
-            notes.append(f"{choice.column.place} holds no numbers and was left out")
-            continue
-        kept[quantity] = choice
-    if not any(q in kept for q in ORDER[:3]):
-        raise problem(table.path, "no channel holds numbers", "name another column or another file")
-    return kept
 
 
 def of_one_kind(

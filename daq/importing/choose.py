@@ -161,6 +161,8 @@ def _as_choice(quantity: str, column: SourceColumn, said: Meaning, *, asked: boo
 def _asked(table: Table, quantity: str, wanted: str | int, meanings: dict[int, Meaning]) -> Choice:
     """Return the column that an option names, by number or by name."""
     column = named(table, wanted, quantity)
+    if column.bad is None and not np.isfinite(column.values).any():
+        raise problem(table.path, f"{column.place} holds no numbers", "name another one")
     return _as_choice(quantity, column, meanings[column.number], asked=True)
 
 

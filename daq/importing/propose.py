@@ -10,10 +10,10 @@ import numpy as np
 from daq.importing.accelerometer import has_gravity, with_moving_axis
 from daq.importing.apply import ORDER, WIDE, clock_of, readings_of
 from daq.importing.bob import with_angle
-from daq.importing.channel_units import is_angle, of_one_kind, unit_of, without_empty
+from daq.importing.channel_units import is_angle, of_one_kind, unit_of
 from daq.importing.choose import Choice, choose_columns, left_out
 from daq.importing.counted_on import counted_on
-from daq.importing.degrees import agreed
+from daq.importing.degrees import units_of_angles
 from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import ImportOptions
@@ -72,9 +72,10 @@ def propose(table: Table, options: ImportOptions) -> Proposal:
     chosen = _chosen(table, found, options)
     made: list[_Run] = []
     refused: list[ImportProblem] = []
-    for run in agreed(chosen, options):
+    turns = units_of_angles(chosen)
+    for run in chosen:
         try:
-            made.append(_settled(run, options))
+            made.append(_settled(run, options, turns))
         except ImportProblem as refusal:
             refused.append(refusal)
     if not made:
@@ -145,14 +146,15 @@ def _listed(table: Table, roles: Mapping[int, Column]) -> tuple[Column, ...]:
     return tuple(fields)
 
 
-def _settled(run: Table, options: ImportOptions) -> _Run:
-    """Return what each column of a run is."""
+def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _Run:
+    """Return what each column of a run is; `turns` are the units of angles that name none and are not in rad."""
     table = with_angle(with_moving_axis(with_stamps(counted_on(run, options), options), options), options)
     notes, doubts = list(table.notes), list(table.doubts)
     choices = choose_columns(table, options, notes, doubts)
-    angular = is_angle(choices, options)
+    label = choices["displacement"].column.label if "displacement" in choices else ""
+    assumed = options.units.get("displacement", turns.get(label, "rad"))
+    angular = assumed if is_angle(choices, options) else ""
     units = {q: unit_of(table, choices[q], options, angular, notes) for q in ORDER if q in choices}
-    choices = without_empty(table, choices, notes)
     choices = of_one_kind(choices, {q: unit for q, (unit, _) in units.items()}, notes, doubts)
     rate = _rate(table, choices, options, doubts)
     fields: dict[str, tuple[Column, ...]] = {
@@ -203,7 +205,7 @@ def _rate(
 
 def _time_unit(table: Table, time: Choice, options: ImportOptions, notes: list[str]) -> str:
     if "time" in options.units or time.unit is not None:
-        return unit_of(table, time, options, False, notes)[1]
+        return unit_of(table, time, options, "", notes)[1]
     unit, why = guess_time_unit(time.column)
     clock = "; dates or times of day"
     assumed = f"; it names no unit: {why} (change it with --unit time=...)"

@@ -53,7 +53,7 @@ def find_runs(table: Table, options: ImportOptions) -> list[Table]:
         or _by_row(table)
         or _by_restart(table)
     )
-    return _asked_for(found, options) if found else [table]
+    return found or [table]
 
 
 def _names_its_time(table: Table, options: ImportOptions) -> bool:
@@ -227,13 +227,3 @@ def part_of(table: Table, run: str, columns: Sequence[SourceColumn], rows: NDArr
     cut_columns = tuple(replace(c, values=c.values[rows]) for c in columns)
     lines = None if table.lines is None else table.lines[rows]
     return replace(table, columns=cut_columns, lines=lines, run=run)
-
-
-def _asked_for(runs: list[Table], options: ImportOptions) -> list[Table]:
-    """Return the runs that hold the columns which the operator chose by number, if he did."""
-    numbers = {str(wanted).strip() for wanted in options.columns.values()}
-    numbers = {text for text in numbers if text.isdigit()}
-    if not numbers:
-        return runs
-    holding = [t for t in runs if numbers <= {str(c.number) for c in t.columns}]
-    return holding or runs

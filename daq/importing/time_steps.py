@@ -19,16 +19,12 @@ FEWEST = 8
 
 
 def with_stamps(table: Table, options: ImportOptions) -> Table:
-    """Return the table with its column of time steps, if that is its clock, summed up to time stamps.
-
-    Such a column is known by its name.
-    """
+    """Return the table with its column of time steps, known by its name, summed up to time stamps, if that is its clock."""
     if options.rate is not None or "time" in options.columns or table.rate is not None:
         return table
-    index = _find(table)
-    if index is None:
+    column = next((c for c in table.columns if _is_called_so(c) and _are_steps(c)), None)
+    if column is None:
         return table
-    column = table.columns[index]
     _, text, unit = split_unit(column.label)
     if unit is None or unit.quantity != "time":
         whole = bool(np.all(column.values == np.rint(column.values)))
@@ -40,16 +36,12 @@ def with_stamps(table: Table, options: ImportOptions) -> Table:
         "it was taken as the time since the line before, and summed up"
     )
     made = replace(column, label="time", values=stamps, unit=text, quantity="time", steps=True)
-    columns = (*table.columns[:index], made, *table.columns[index + 1 :])
+    columns = tuple(made if c is column else c for c in table.columns)
     return replace(table, columns=columns, notes=(*table.notes, note))
 
 
-def _find(table: Table) -> int | None:
-    for i, column in enumerate(table.columns):
-        name = split_unit(column.label)[0].strip()
-        if _NAMES.fullmatch(name) and _are_steps(column):
-            return i
-    return None
+def _is_called_so(column: SourceColumn) -> bool:
+    return _NAMES.fullmatch(split_unit(column.label)[0].strip()) is not None
 
 
 def _are_steps(column: SourceColumn) -> bool:
