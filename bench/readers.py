@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from daq.errors import StationError
-from daq.importing import ImportOptions, read_file
+from daq.importing import ImportOptions, read_file, read_recipe
 from daq.manifest import read_manifest, verify
 from daq.port_names import fault_of
 from daq.raw_log import MAGIC, Kind, Record, pack, unpack
@@ -182,6 +182,10 @@ JSON = (
     ).encode(),
     json.dumps([{"t": i / 100, "x": np.cos(i / 5)} for i in range(40)]).encode(),
 )
+RECIPE = (
+    b"recipe = 1\nrate = 100.0\nparts = [{from = 1.0}]\nfields = [\n"
+    b'  {name = "x", role = "displacement", unit = "0.5 mm", zero = "median", wraps = 360},\n]\n[dialect]\ndelimiter = ";"\n'
+)
 MONITOR = b"".join(
     b"13:05:23.%03d -> angle: %.2f deg x=%.3f\n" % (10 * i, np.cos(i / 5), i) for i in range(40)
 )
@@ -287,6 +291,7 @@ def readers(folder: Path) -> tuple[Reader, ...]:
         Reader("station.toml", _named("station.toml", load_settings), (SETTINGS,)),
         Reader("CSV", _named("a.csv", read_file), (TEXT, TEXT.replace(b",", b";").replace(b".", b","))),
         Reader("CSV, resampled", _named("a.csv", lambda file: read_file(file, ImportOptions(resample=True))), (TEXT,)),
+        Reader("recipe", _named("a.toml", read_recipe), (RECIPE,)),
         Reader("MATLAB", _named("a.mat", read_file), _mat(folder)),
         Reader("UFF58", _named("a.uff", read_file), _uff(folder)),
         Reader("JSON", _named("a.json", read_file), JSON),

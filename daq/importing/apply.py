@@ -23,6 +23,7 @@ from daq.recording import Array, Channel, Recording
 
 MOTIONS: Final = ("displacement", "velocity", "acceleration")
 ORDER: Final = (*MOTIONS, "force")
+NO_MOTION = "the recipe names no displacement, velocity or acceleration", "give one column this role"
 FEWEST_ROWS = 8
 FEWEST = 50
 """Samples of five cycles with ten readings each: of fewer nothing can be told, and tables of results are as short."""
@@ -115,6 +116,8 @@ def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[in
     """Return the table and the fields of each run that the recipe reads."""
     fields = {n: f for n, f in matched(table, recipe).items() if f.role != "ignored"}
     columns = [c for c in table.columns if c.number in fields]
+    if all(f.role in ("run", "time", "time_step") for f in fields.values()):
+        raise problem(table.path, *NO_MOTION)
     names = list(dict.fromkeys(f.run for f in fields.values() if f.run))
     counter = next((c for c in columns if fields[c.number].role == "run"), None)
     if counter is not None or recipe.restarts:
@@ -183,9 +186,7 @@ def readings_of(table: Table, fields: MappingProxyType[int, Column]) -> dict[str
     if x is not None and y is not None:
         found["displacement"] = _angle(table, x, y)
     if not any(quantity in found for quantity in MOTIONS):
-        raise problem(
-            table.path, "the recipe names no displacement, velocity or acceleration", "give one this role"
-        )
+        raise problem(table.path, *NO_MOTION)
     return found
 
 

@@ -122,6 +122,8 @@ class Recipe(_Part):
 def read_recipe(path: Path) -> Recipe:
     """Return the recipe in a TOML file. Raises ImportProblem, one sentence, where it is none."""
     try:
+        if not path.is_file():
+            raise problem(path, "is no file", "name a recipe, as an import writes it")
         require_size(path, path.stat().st_size, MAX_RECIPE)
         return Recipe.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
     except OSError as error:

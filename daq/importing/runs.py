@@ -35,12 +35,11 @@ _COLUMN = re.compile(rf"(?:{_WORDS})[\s_]*(?:id|nr|no|number|index|#)?\.?", re.I
 def find_runs(table: Table, options: ImportOptions) -> list[Table]:
     """Return the table of each run, in the order of the file, or the table itself when it holds one recording.
 
-    Runs are found by a word and a number in the names (`Angle (rad) Run #3`), by numbers or capital letters at their
-    end (`t1 theta1 t2 theta2`, `Time A`, `Time B`), by names that repeat, by a column of time before each that is called
-    otherwise (`t;without damper;t;with damper`), by columns of time without any name, by a column that numbers the runs row
-    by row, or by a time that begins again. Where runs stand side by side, each has a
-    time of its own, or all share one (for bare numbers only where the operator asks for a run: `x1` and `x2` may be two
-    masses).
+    Runs are found by a word and a number in the names (`Angle (rad) Run #3`), by the members of a structure array, by
+    numbers or capital letters at the end of names (`t1 theta1 t2 theta2`, `Time A`, `Time B`), by columns of time under one
+    name, by a column that numbers the runs row by row, or by a time that begins again. Where runs stand side by side, each
+    has a time of its own, or all share one or have none (for bare numbers only where the operator asks for a run: `x1` and
+    `x2` may be two masses).
     """
     if _names_its_time(table, options):
         return [table]

@@ -6,7 +6,7 @@ from daq.importing.apply import fits
 from daq.importing.errors import ImportProblem
 from daq.importing.propose import Doubtful, Proposal
 from daq.importing.reading import Look, look_at, read_table
-from daq.importing.recipe import Recipe, read_recipe
+from daq.importing.recipe import Part, Recipe, read_recipe
 from daq.importing.table import Table
 from daq.session_reading import RECIPE
 
@@ -58,7 +58,8 @@ def _confirmed(sessions: Path) -> list[tuple[Path, Recipe]]:
         except ImportProblem:
             continue
         if recipe.confirmed and recipe.fields:
-            general = recipe.model_copy(update={"parts": (), "runs": ()})
+            parts = () if any(part != Part() for part in recipe.parts) else recipe.parts
+            general = recipe.model_copy(update={"parts": parts, "runs": ()})
             found.setdefault(general.model_dump_json(), (place, general))
     return list(found.values())
 

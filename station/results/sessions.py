@@ -9,6 +9,7 @@ from pathlib import Path
 from daq.importing.cutting import cut
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
+from daq.importing.propose import Doubtful
 from daq.importing.reading import Look, look_at
 from daq.importing.recipe import Recipe, to_toml
 from daq.recording import Recording
@@ -99,8 +100,15 @@ def import_file(
         names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
         raise UsageProblem(f"{file}: there is no such file{did_you_mean(file.name, names)}")
     look, said = _look(file, None if anew else sessions, options, recipe)
-    read = look.read(accept=options.accept)
-    pieces, notes = _pieces(read.recordings, whole=bool(read.recipe.parts))
+    try:
+        read = look.read(accept=options.accept)
+    except ImportProblem as refusal:
+        raise (
+            refusal if not said or isinstance(refusal, Doubtful) else ImportProblem(f"{refusal} ({said})")
+        ) from None
+    as_said = (recipe is not None or bool(said)) and bool(look.proposal.recipe.parts)
+    whole = bool(look.proposal.recipe.parts)
+    pieces, notes = _pieces(read.recordings, whole=whole, as_said=as_said)
     told = replace(options, run=None, start=None, stop=None) != ImportOptions()
     confirmed = recipe is not None or told or bool(said) or read.recipe.confirmed
     kept = to_toml(read.recipe.model_copy(update={"confirmed": confirmed}))
@@ -124,12 +132,16 @@ def _look(
     return look_with_kept(file, sessions)
 
 
-def _pieces(runs: Sequence[Recording], *, whole: bool) -> tuple[list[tuple[str, Recording]], tuple[str, ...]]:
-    """Return the recording of each release with what is added to its session's name, and what was understood."""
+def _pieces(
+    runs: Sequence[Recording], *, whole: bool, as_said: bool
+) -> tuple[list[tuple[str, Recording]], tuple[str, ...]]:
+    """Return the recording of each release with what is added to its session's name, and what was understood; where a recipe
+    says the parts, they are taken `as_said`.
+    """
     pieces = []
     notes = list(runs[0].notes)
     for run in runs:
-        parts, said = split(run, whole=whole)
+        parts, said = ([run], ()) if as_said else split(run, whole=whole)
         name = f"_run{run.run}" if len(runs) > 1 else ""
         pieces += [
             (name if len(parts) == 1 else f"{name}_{number}", part)

@@ -147,6 +147,18 @@ def test_a_recipe_is_kept_can_be_corrected_and_says_all(capsys):
     assert "says all" in capsys.readouterr().err
 
 
+def test_the_parts_of_a_recipe_are_sessions_and_not_cut_further(capsys):
+    again = np.concatenate([DECAY, DECAY])
+    written("two.csv", "t (s),x (mm)", np.arange(2 * N) / RATE, 9.0 * again)
+    assert len(imported(capsys, "two.csv")["sessions"]) == 2
+    with open("mine.toml", "w", encoding="utf-8") as file:
+        file.write(
+            'fields = [{name = "t (s)", role = "time"}, {name = "x (mm)", role = "displacement", unit = "mm"}]\n'
+        )
+        file.write("parts = [{}]\n")
+    assert len(imported(capsys, "two.csv", "--recipe", "mine.toml")["sessions"]) == 1
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

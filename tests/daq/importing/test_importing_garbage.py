@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from import_files import swing, table
 from scipy.io import savemat
 
-from daq.importing import ImportOptions, ImportProblem, read_file
+from daq.importing import ImportOptions, ImportProblem, Recipe, read_file, read_recipe, read_runs
+from daq.importing.recipe import ROLES, to_toml
 from daq.recording import Recording
 
 T, U, V, A = swing(60)
@@ -232,3 +233,86 @@ def test_any_names_over_any_columns_do_no_harm(tmp_path: Path, data: st.DataObje
         for i in range(60)
     ]
     attempt(tmp_path, "\n".join([";".join(names), *rows]).encode())
+
+
+FIELDS = st.fixed_dictionaries(
+    {"column": st.integers(-1, 5), "role": st.sampled_from([*ROLES, "speed"])},
+    optional={
+        "name": st.sampled_from(["", "x", "time_s", "displacement_m"]),
+        "unit": st.sampled_from(["", "mm", "deg", "ms", "1e-300 m", "9e29 m", "no unit"]),
+        "zero": st.one_of(st.floats(), st.sampled_from(["median", "mean"])),
+        "wraps": st.floats(),
+        "sign": st.integers(-2, 2),
+        "run": st.sampled_from(["", "1", "2"]),
+    },
+)
+RECIPES = st.fixed_dictionaries(
+    {"fields": st.lists(FIELDS, max_size=5)},
+    optional={
+        "rate": st.floats(),
+        "resample": st.booleans(),
+        "restarts": st.booleans(),
+        "runs": st.lists(st.sampled_from(["1", "2", "9"]), max_size=2),
+        "parts": st.lists(
+            st.dictionaries(st.sampled_from(["from", "to"]), st.floats(-1.0, 9.0), max_size=2), max_size=3
+        ),
+        "encoding": st.sampled_from(["utf-8", "utf-16", "no such", "punycode"]),
+        "dialect": st.fixed_dictionaries(
+            {},
+            optional={
+                "header": st.booleans(),
+                "headerRows": st.lists(st.integers(-1, 99), max_size=3),
+                "commentRows": st.lists(st.integers(0, 99), max_size=3),
+                "commentChar": st.sampled_from(["#", "0", ""]),
+                "delimiter": st.sampled_from([",", "tab", " ", "0"]),
+                "decimalChar": st.sampled_from([".", ",", "-"]),
+            },
+        ),
+    },
+)
+
+
+@FUZZ
+@given(said=RECIPES)
+def test_any_recipe_reads_or_is_refused_in_a_sentence(tmp_path: Path, said: dict[str, object]) -> None:
+    file, written = tmp_path / "good.csv", tmp_path / "fuzz.toml"
+    file.write_bytes(GOOD)
+    written.write_text("".join(f"{key} = {_toml(value)}\n" for key, value in said.items()), encoding="utf-8")
+    try:
+        recipe = read_recipe(written)
+        assert read_recipe_again(tmp_path, recipe) == recipe
+        recordings = read_runs(file, recipe=recipe)
+    except ImportProblem as refused:
+        message = str(refused)
+        recordings = ()
+    else:
+        message = "good.csv"
+    assert message.startswith(("fuzz.toml", "good.csv"))
+    assert "\n" not in message
+    assert all(np.isfinite(one.samples[:, one.valid]).all() for one in recordings)
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_toml(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return str(value) if isinstance(value, float) else json.dumps(value)
+
+
+def read_recipe_again(folder: Path, recipe: Recipe) -> Recipe:
+    """Write a recipe as an import does, and read it."""
+    (folder / "again.toml").write_text(to_toml(recipe), encoding="utf-8")
+    return read_recipe(folder / "again.toml")
+
+
+@FUZZ
+@given(content=st.binary(max_size=300))
+def test_any_bytes_are_no_recipe_or_one(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "fuzz.toml").write_bytes(content)
+    message = ""
+    try:
+        read_recipe(tmp_path / "fuzz.toml")
+    except ImportProblem as refused:
+        message = str(refused)
+    assert "\n" not in message
