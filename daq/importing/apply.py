@@ -108,8 +108,8 @@ def fits(table: Table, recipe: Recipe) -> bool:
         found = matched(table, recipe)
     except ImportProblem:
         return False
-    listed = len(recipe.fields) == len(table.columns) or len(table.columns) > WIDE
-    return table.format == recipe.format and listed and len(found) == len(recipe.fields)
+    all_of_it = len(recipe.fields) == len(table.columns) or len(table.columns) > WIDE
+    return table.format == recipe.format and all_of_it and len(found) == len(recipe.fields)
 
 
 def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[int, Column]]]:

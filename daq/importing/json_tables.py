@@ -35,7 +35,11 @@ def table_in(node: Any, key: str = "", depth: int = 0) -> Found | None:
     if depth > DEEPEST:
         return None
     if isinstance(node, list):
-        return _from_list(node, key) or _from_channels(node, key) or _from_runs(enumerated(node), key, depth)
+        return (
+            _from_list(node, key)
+            or _from_channels(node, key)
+            or _from_runs(list(zip(map(str, range(1, 1001)), node, strict=False)), key, depth)
+        )
     if not isinstance(node, dict):
         return None
     columns = {
@@ -55,11 +59,6 @@ def table_in(node: Any, key: str = "", depth: int = 0) -> Found | None:
     inner = [found for name, value in node.items() if (found := table_in(value, str(name), depth + 1))]
     best = max(inner, key=lambda found: len(found.columns[0]) * len(found.columns), default=None)
     return None if best is None else best._replace(beside=best.beside or node)
-
-
-def enumerated(node: list[Any]) -> list[tuple[str, Any]]:
-    """Return the members of a list with their numbers from 1."""
-    return [(str(i), member) for i, member in enumerate(node[:1000], start=1)]
 
 
 def _from_runs(members: Sequence[tuple[str, Any]], key: str, depth: int) -> Found | None:

@@ -10,6 +10,7 @@ from daq.importing.quantisation import quantum
 from daq.importing.still import amplitude, moving
 from daq.importing.table import SourceColumn, Table
 from daq.importing.timebase import from_stamps, guess_time_unit
+from daq.importing.units import SECOND, parse_unit
 from daq.recording import Array
 
 TOTALS = frozenset({"absolute", "abs", "total", "norm", "resultant", "modulus", "betrag", "absolut"})
@@ -54,7 +55,7 @@ def _rises(values: Array) -> bool:
 
 def _makes_a_clock(table: Table, column: SourceColumn, values: Array) -> bool:
     try:
-        from_stamps(table, column, guess_time_unit(column)[0], values, resample=False)
+        from_stamps(table, column, parse_unit(guess_time_unit(column)[0]) or SECOND, values, resample=False)
     except ImportProblem:
         return False
     return True

@@ -210,10 +210,7 @@ def _time_unit(table: Table, time: Choice, options: ImportOptions, notes: list[s
     clock = "; dates or times of day"
     assumed = f"; it names no unit: {why} (change it with --unit time=...)"
     notes.append(f"{time.column.place} read as time{clock if time.column.clock else assumed}")
-    return next(text for text, scale in TIME_UNITS.items() if scale == unit.scale)
-
-
-TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+    return unit
 
 
 def _fields(choice: Choice, unit: str) -> tuple[Column, ...]:

@@ -61,7 +61,7 @@ def table_of(path: Path, lines: Sequence[str]) -> tuple[Format, list[str], str] 
     header = "\t".join([*(["time"] if clock else []), *cells])
     made = ["" if row is None else "\t".join([*([row.clock] if clock else []), *row.numbers]) for row in rows]
     made = [header, *made] if first == 0 else [*made[: first - 1], header, *made[first:]]
-    return "serial", made, f"{_what_was_read(row)} were read in each row"
+    return "serial", made, "what stands beside the numbers in each row was read: times, labels or units"
 
 
 def _alike(path: Path, lines: Sequence[str]) -> list[_Row | None] | None:
@@ -98,15 +98,6 @@ def _zeros_follow_commas(lines: Sequence[str]) -> bool:
             widths.add(tuple(len(tail) for tail in tails))
             zeros += sum(len(tail) > 1 and tail.startswith("0") for tail in tails)
     return len(widths) == 1 and zeros > 0
-
-
-def _what_was_read(row: _Row) -> str:
-    parts = (
-        ("time stamps of a serial monitor", row.clock),
-        ("labels", any(row.labels)),
-        ("units", any(row.units)),
-    )
-    return " and ".join(word for word, there in parts if there)
 
 
 def _row(line: str) -> _Row | None:

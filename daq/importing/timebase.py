@@ -13,7 +13,7 @@ from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, milli, no_clock
 from daq.importing.quantisation import quantum, rounding
 from daq.importing.rounded_stamps import nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
-from daq.importing.units import SECOND, Unit
+from daq.importing.units import Unit
 from daq.recording import Array
 
 Index = NDArray[np.int64]
@@ -52,26 +52,23 @@ def from_rate(rate: float, rows: int, note: str) -> Timebase:
     return Timebase(rate, None, every, every, rows, notes=(note,))
 
 
-def guess_time_unit(column: SourceColumn) -> tuple[Unit, str]:
-    """Return the unit of stamps that do not say it: seconds, unless whole numbers with long steps say otherwise.
+def guess_time_unit(column: SourceColumn) -> tuple[str, str]:
+    """Return the unit of stamps that do not say it, and why: seconds, unless whole numbers with long steps say otherwise.
 
     A free decay is sampled at 5 Hz or faster: whole steps of 1 to 200 are then milliseconds, longer ones
     microseconds, and above a million (of an epoch) nanoseconds.
     """
-    if column.clock:
-        return SECOND, ""
     finite = column.values[np.isfinite(column.values)]
     steps = np.diff(finite[:100_000])
     steps = np.abs(steps[steps != 0.0])
     step = float(np.median(steps)) if len(steps) else 0.0
     whole = bool(np.all(finite[:1000] == np.round(finite[:1000])))
-    if whole and step >= 1.0:
-        if step <= 200.0:
-            return Unit(1e-3, "s", "time"), f"whole steps of {step:g} were taken for milliseconds"
-        if step <= 200_000.0:
-            return Unit(1e-6, "s", "time"), f"whole steps of {step:g} were taken for microseconds"
-        return Unit(1e-9, "s", "time"), f"whole steps of {step:g} were taken for nanoseconds"
-    return SECOND, "seconds were assumed"
+    if column.clock or not whole or step < 1.0:
+        return "s", "seconds were assumed"
+    unit, name = (
+        ("ms", "milli") if step <= 200.0 else ("us", "micro") if step <= 200_000.0 else ("ns", "nano")
+    )
+    return unit, f"whole steps of {step:g} were taken for {name}seconds"
 
 
 def from_stamps(

@@ -38,7 +38,7 @@ def test_labels_and_units_in_each_row_are_understood(tmp_path: Path, row: str, a
     assert [(c.quantity, c.unit) for c in recording.channels] == [("displacement", "m")]
     assert recording.rate == pytest.approx(100.0)
     np.testing.assert_allclose(recording.samples[0], x / 100.0, atol=6e-5)
-    assert "were read in each row" in said(recording)
+    assert "in each row was read" in said(recording)
 
 
 @pytest.mark.parametrize(
