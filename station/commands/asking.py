@@ -20,8 +20,9 @@ from station.exits import UsageProblem
 from station.output import screen
 
 FIRST_ROWS = 4
-HELP = "Enter: looks right. Else a correction, as  2=displacement mm  or  3=ignored  or  rate=100"
-_CORRECTION = re.compile(r"\s*(\d+|rate)\s*=\s*(\S+)\s*(.*?)\s*")
+HELP = "Enter: looks right. Or as  2=displacement mm,  3=ignored,  displacement=mm,  rate=100"
+WORDS = ("rate", "time", "displacement", "velocity", "acceleration", "force")
+_CORRECTION = re.compile(r"\s*(\d{1,4}|[a-z]+)\s*=\s*(\S+)\s*(.*?)\s*")
 
 
 def asked(file: Path, options: ImportOptions) -> Recipe:
@@ -53,34 +54,32 @@ def asked(file: Path, options: ImportOptions) -> Recipe:
 def corrected(look: Look, recipe: Recipe, line: str) -> Recipe:
     """Return a recipe after a correction as it is typed. Raises UsageProblem, in a sentence, where it is none."""
     match = _CORRECTION.fullmatch(line)
-    if match is None or (match[1] != "rate" and match[2] not in ROLES):
+    name, value, unit = match.groups() if match else ("", "", "")
+    number = int(name) if name.isdigit() else None
+    if match is None or (number is not None and value not in ROLES) or (number is None and name not in WORDS):
         raise UsageProblem(
             f"{line.strip()} is no correction: NUMBER=ROLE UNIT, with a role of {', '.join(ROLES)}"
         )
+    if number is not None and number not in [column.number for column in look.table.columns]:
+        raise UsageProblem(f"there is no column {number}")
     fields = matched(look.table, recipe)
-    numbers = [column.number for column in look.table.columns]
+    old = fields.get(number or 0, Column(column=number or 1))
+    said: dict[str, Any] = recipe.model_dump(by_alias=True)
+    if name == "rate":
+        said["rate"] = value
+    elif number is None:
+        said["fields"] = [f | ({"unit": value} if f["role"] == name else {}) for f in said["fields"]]
+    else:
+        kept = old.unit if value == old.role else ""
+        new = old.model_dump(by_alias=True) | {"role": value, "unit": unit or kept}
+        there = old in recipe.fields
+        fields_now = [new if f is old else s for f, s in zip(recipe.fields, said["fields"], strict=True)]
+        said["fields"] = fields_now if there else [*fields_now, new]
     try:
-        if match[1] == "rate":
-            return Recipe.model_validate({**_said(recipe), "rate": match[2]})
-        if int(match[1]) not in numbers:
-            raise UsageProblem(f"there is no column {match[1]}")
-        old = fields.get(int(match[1]), Column(column=int(match[1])))
-        new = Column.model_validate(
-            {
-                **old.model_dump(by_alias=True),
-                "role": match[2],
-                "unit": match[3] or old.unit * (match[2] == old.role),
-            }
-        )
+        return Recipe.model_validate(said)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         raise UsageProblem(first["msg"].removeprefix("Value error, ")) from None
-    fields_left = [new if field is old else field for field in recipe.fields]
-    return recipe.model_copy(update={"fields": (*fields_left, *(() if old in recipe.fields else (new,)))})
-
-
-def _said(recipe: Recipe) -> dict[str, Any]:
-    return recipe.model_dump(by_alias=True)
 
 
 def _show(look: Look, recipe: Recipe) -> None:

@@ -179,7 +179,9 @@ def test_a_recipe_that_is_none_gets_a_sentence(capsys, text, said):
 
 def test_asking_shows_the_columns_and_takes_corrections_until_they_look_right(capsys, monkeypatch):
     written("odd.csv", "clock,alpha_raw,beta", T, 9.0 * DECAY, np.cos(T))
-    typed = iter(["2=speed", "7=ignored", "2=displacement mm/s", "2=displacement deg", "3=ignored", ""])
+    typed = iter(
+        ["2=speed", "7=ignored", "2=displacement mm/s", "2=displacement", "displacement=deg", "3=ignored", ""]
+    )
     monkeypatch.setattr("sys.stdin.isatty", lambda: True)
     monkeypatch.setattr("click.prompt", lambda *_, **__: next(typed))
     assert run(["import", "odd.csv", "--ask"]) == 0
