@@ -51,8 +51,7 @@ class Reading:
                 "repair or remove the line, or choose another column", line=line, column=column.number,
             )  # fmt: skip
         zero = self.field.zero if isinstance(self.field.zero, float) and not column.arc else 0.0
-        with np.errstate(over="ignore", invalid="ignore"):
-            values = (column.values - zero) * (self.unit.scale * self.field.sign)
+        values = (column.values - zero) * (self.unit.scale * self.field.sign)
         finite = np.isfinite(column.values)
         if np.any(np.abs(values[finite]) > LARGEST):
             row = int(np.flatnonzero(finite & ~(np.abs(values) <= LARGEST))[0])
@@ -63,6 +62,7 @@ class Reading:
         return np.where(np.isfinite(values), values, np.nan)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # numbers too large to be measured are refused
 def apply(table: Table, recipe: Recipe) -> tuple[Recording, ...]:
     """Return the recordings that a recipe makes of a table: one for each run and part.
 

@@ -63,6 +63,7 @@ class _Run:
     doubts: tuple[str, ...]
 
 
+@np.errstate(over="ignore", invalid="ignore")  # absurd numbers are refused where they are used
 def propose(table: Table, options: ImportOptions) -> Proposal:
     """Return the recipe that the options, the headers and the numbers of a table suggest.
 
