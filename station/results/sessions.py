@@ -109,7 +109,8 @@ def import_file(
     as_said = (recipe is not None or bool(said)) and bool(look.proposal.recipe.parts)
     whole = bool(look.proposal.recipe.parts)
     pieces, notes = _pieces(read.recordings, whole=whole, as_said=as_said)
-    told = replace(options, run=None, start=None, stop=None) != ImportOptions()
+    run = "all" if options.run == "all" else None  # one run of a file, as its times, says nothing of the next
+    told = replace(options, run=run, start=None, stop=None) != ImportOptions()
     confirmed = recipe is not None or told or bool(said) or read.recipe.confirmed
     kept = to_toml(read.recipe.model_copy(update={"confirmed": confirmed}))
     first = folder or sessions / _free_name(file, sessions, [name for name, _ in pieces])

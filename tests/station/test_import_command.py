@@ -132,6 +132,15 @@ def test_an_answer_is_given_once_and_found_again_for_the_next_file_of_that_shape
     assert run(["import", "second.csv", "--recipe", "none"]) == 2
 
 
+def test_bare_numbers_are_runs_once_somebody_says_so(capsys):
+    for name in ("two.csv", "next.csv"):
+        written(name, "t (s),x1 (mm),x2 (mm)", T, 9.0 * DECAY, 5.0 * DECAY)
+    assert run(["import", "two.csv"]) == 2
+    assert "if they are releases of one rig, --run all" in capsys.readouterr().err
+    assert imported(capsys, "two.csv", "--run", "all")["runs"] == ["1", "2"]
+    assert imported(capsys, "next.csv")["runs"] == ["1", "2"]
+
+
 def test_a_recipe_is_kept_can_be_corrected_and_says_all(capsys):
     written("one.csv", "t (s),x (mm)", T, 9.0 * DECAY)
     kept = Session.open(imported(capsys, "one.csv")["sessions"][0]).folder / "recipe.toml"
