@@ -179,12 +179,11 @@ def readings_of(table: Table, fields: MappingProxyType[int, Column]) -> dict[str
                 table.path, f"{found[role].column.place} and {column.place} cannot both be the {role}",
                 "ignore one in the recipe, or give each a run",
             )  # fmt: skip
-        found[role] = Reading(
-            column, (parse_scaled_unit(field.unit) or SI_LINEAR.get(role, SI_LINEAR["displacement"])), field
-        )
+        unit = parse_scaled_unit(field.unit) or SI_LINEAR.get(role, SI_LINEAR["displacement"])
+        found[role] = Reading(column, unit, field)
     x, y = found.pop("x", None), found.pop("y", None)
     if x is not None and y is not None:
-        found["displacement"] = _angle(table, x, y)
+        found.setdefault("displacement", _angle(table, x, y))
     if not any(quantity in found for quantity in MOTIONS):
         raise problem(table.path, *NO_MOTION)
     return found
@@ -193,6 +192,7 @@ def readings_of(table: Table, fields: MappingProxyType[int, Column]) -> dict[str
 def _angle(table: Table, x: Reading, y: Reading) -> Reading:
     across, up = x.field.zero, y.field.zero
     pivot = (across, up) if isinstance(across, float) and isinstance(up, float) else None
+    y.in_si(table, "displacement")  # refuses text; that in x is refused with the angle
     angle, _ = angle_of(table, x.column, y.column, pivot)
     return Reading(angle, Unit(1.0, "rad", "displacement"), x.field)
 
