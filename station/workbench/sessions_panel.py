@@ -209,12 +209,13 @@ class SessionsPanel:
             await self._import(file, recipe)
 
     def _made(self, name: str, made: list[str], notes: list[str]) -> None:
-        self.refresh()
-        widgets.label(f"{name}: {len(made)} session{'s' if len(made) > 1 else ''}", "good strong small")
-        for note in notes:
-            widgets.label(note, "small faint wrap")
-        for key in made:
-            ui.link(f"open {key}", address_of(key)).classes("small")
+        """Open the first session that was made, with a notice of the others and of what was guessed."""
+        first, *others = made
+        place = self._session_list.folder_of(first)
+        if place is not None:
+            said = [*notes, *([f"its other releases: {', '.join(others)}"] if others else [])]
+            self._states.at(place).notice = f"{name} was imported: {'; '.join(said)}"
+        ui.navigate.to(address_of(first))
 
     def _importing(self, name: str) -> None:
         self._message.clear()
