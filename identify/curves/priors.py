@@ -36,7 +36,7 @@ BENDS_OVER = 0.8
 LEAKS = (0.1, 0.1, 1.0)
 """Share of what a window's harmonic motion leaves of the reading that is an error of its amplitude, phase and centre."""
 
-DRIFTS = 2.0
+DRIFTS = 1.0
 """Nats against a law of time beside the random walks that every hypothesis has: few rigs drift by a law."""
 
 DOUBT = 0.02
