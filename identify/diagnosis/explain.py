@@ -154,7 +154,7 @@ def _line_in_words(line: Suspect) -> str:
 
 
 def _named(baseline: Baseline, top: Suspect, together: tuple[str, ...], settled: Baseline) -> str:
-    cause = "Missing is" if top.kind == "physics" else "A sensor is at fault:"
+    cause = "The missing effect is" if top.kind == "physics" else "A sensor is at fault:"
     numbers = ", ".join(quantities(top.parameters))
     if not top.strength_known:
         numbers = "how strong, this record does not tell"
@@ -227,7 +227,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
         return f"No other effect explains anything of it. {shows}"
     return (
         f"The next best, {plain_name(best.effect.name)}, would explain {share_words(share)} of it and leaves "
-        f"{three_figures(best.error_after)} times the noise. {shows}"
+        f"{_times_the_noise(best.error_after)}. {shows}"
     )
 
 
@@ -259,9 +259,14 @@ def _explained(baseline: Baseline, suspect: Suspect) -> float:
     return (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
 
 
+def _times_the_noise(reduced: float) -> str:
+    """Return the rms of a residual as a multiple of the noise, from its reduced chi-square."""
+    return f"{three_figures(float(np.sqrt(reduced)))} times the noise"
+
+
 def _left(baseline: Baseline, found: Fit, chi_square: float) -> str:
     """Return what a fit leaves, in % of the motion and beside the noise; beside the noise alone at a sure floor."""
-    times = f"{three_figures(chi_square)} times the noise"
+    times = _times_the_noise(chi_square)
     return (
         times
         if baseline.floor_is_sure

@@ -23,7 +23,7 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
         numbers = ", ".join(quantities(suspect.parameters))
         alike = f"; {_among(effect.rivals)} would explain it nearly as well" if effect.rivals else ""
         sentences.append(
-            f"Missing is {plain_name(suspect.effect.name)} ({numbers}), which moves "
+            f"The missing effect is {plain_name(suspect.effect.name)} ({numbers}), which moves "
             f"{_KINDS[effect.explains]} with the amplitude: the error of prediction falls from "
             f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion. The evidence against a "
             f"drift of the rig, or a law without a name, is {effect.nats:.0f} nats{alike}."
