@@ -79,7 +79,9 @@ def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmati
     reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
     open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
     rivals = found.effects[0].rivals if len(found.effects) == 1 else ()  # not told from it by curves
-    open_to_it = open_to_it and not found.effects
+    if found.effects:  # what curves name denies it, unless it alone reaches the floor
+        whole = fit_confirmed(baseline, found)
+        open_to_it = reaches_it and (whole is None or not baseline.adequate(whole))
     if best.name in found.names or (clear and (open_to_it or best.name in rivals)):
         return replace(alone, confirmation=found)
     return by_curves(baseline, alone.ranked, found, best.fit)
