@@ -7,8 +7,8 @@ TOOLS := $(VENV)/.installed-dev
 WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
 INSTALL := STATION_VENV=$(VENV) $(PYTHON) install.py
 
-DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, diagnose explanation few_releases judgement \
-  line_beside off_the_floor own_linear places release_by_release shares user_effects))
+DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, curve_evidence diagnose explanation few_releases judgement \
+  line_beside off_the_floor own_linear places shares user_effects))
 
 .PHONY: help install launcher demo test slow check kernel bench constraints docs clean
 
