@@ -15,7 +15,7 @@ from identify.curves.curve_search import CurveSearch
 from identify.curves.held_out import HeldOut
 from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.likelihood import CurveLikelihood, Hypothesis, _Products
-from identify.curves.priors import DRIFTS, HALF, LARGE, MOST_ALIKE, RARE, SPOILS
+from identify.curves.priors import DRIFTS, LARGE, LEAVES, MOST_ALIKE, RARE, SPOILS
 from identify.effects.effect import Effect, Scales
 from identify.errors import NotIdentifiable
 from identify.model.model import Model, Term
@@ -193,13 +193,13 @@ def _corrected(likelihood: CurveLikelihood, before: Hypothesis, one: _Suspect) -
 
 
 def _bears_out(search: CurveSearch, column: int, before: HeldOut, after: HeldOut) -> bool:
-    """Whether what was left out bears a law out: it removes an error that matters, half of one kind, and spoils no other."""
+    """Whether what was left out bears a law out: it removes an error that matters, most of one kind, and spoils no other."""
     removed = before.mean("motion") - after.mean("motion")
     left = {kind: after.mean(kind) / before.mean(kind) for kind in _CHANNELS.values()}
     return (
         search.plausible(column, after)
         and removed >= LARGE
-        and min(left.values()) <= HALF
+        and min(left.values()) <= LEAVES
         and max(left.values()) <= SPOILS
     )
 

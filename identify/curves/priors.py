@@ -48,7 +48,7 @@ MOST_ALIKE = 4
 LARGE = 0.5
 """Error of prediction, in % of the motion, that a law must remove to be large enough for a name."""
 
-HALF = 0.4
+LEAVES = 0.4
 """Share of the error of its frequency or loss, in parts that were left out, that a law may leave to be borne out."""
 
 SPOILS = 1.1

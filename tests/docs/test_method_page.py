@@ -51,7 +51,7 @@ def value(module, name):
         ("curves.priors", "DOUBT", lambda x: f"leave out {100 * x:g} % of the probability"),
         ("curves.priors", "MOST_ALIKE", lambda x: f"of any {WORDS[x]} laws below"),
         ("curves.priors", "LARGE", lambda x: "remove half a percent of the motion" if x == 0.5 else "?"),
-        ("curves.priors", "HALF", lambda x: "leave two fifths at most" if x == 0.4 else "?"),
+        ("curves.priors", "LEAVES", lambda x: "leave two fifths at most" if x == 0.4 else "?"),
         ("diagnosis.not_enough", "FEWEST_CYCLES", lambda x: f"fewer than {WORDS[x]} cycles"),
         ("diagnosis.listed_suspects", "_HELD_OUT", lambda x: f"The first {WORDS[x]} suspects"),
         (
