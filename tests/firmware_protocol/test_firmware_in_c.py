@@ -97,7 +97,7 @@ def test_it_says_who_it_is_and_what_it_measures(host: BenchHost) -> None:
     host.hello()
     describe = host.next(Describe)
     (hello,) = host.messages(Hello)
-    assert (hello.major, hello.minor, hello.board) == (1, 0, "hardware_host")
+    assert (hello.major, hello.minor, hello.board) == (1, 1, "hardware_host")
     assert [channel.quantity for channel in describe.channels] == ["displacement", "acceleration"]
     assert [channel.unit for channel in describe.channels] == ["m", "m/s^2"]
     assert {channel.rate_hz for channel in describe.channels} == {256.0}
