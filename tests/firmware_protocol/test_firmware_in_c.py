@@ -11,7 +11,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from bench_host import BenchHost
+from bench_host import BenchHost, Board
 from c_compiler import C_FOLDER, ROOT, SANITIZE, STRICT, build, compiler
 from wire_messages import frame
 
@@ -48,27 +48,6 @@ DRY, VISCOUS, RELEASED_AT = 0.13, 0.277, 0.020
 @pytest.fixture(scope="module")
 def firmware(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build(tmp_path_factory.mktemp("c") / "firmware", SOURCES, STRICT + SANITIZE)
-
-
-class Board:
-    """A running firmware; a complaint of the sanitizers or a crash shows in its exit code."""
-
-    def __init__(self, program: Path, *options: str) -> None:
-        self.process = subprocess.Popen(
-            [program, *options],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        assert self.process.stdout is not None
-        line = self.process.stdout.readline()
-        assert line.startswith("port: "), line
-        self.path = line.removeprefix("port: ").strip()
-
-    def end(self) -> None:
-        _, complaint = self.process.communicate(timeout=10)
-        assert self.process.returncode == 0, complaint
 
 
 @pytest.fixture
