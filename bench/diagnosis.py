@@ -34,7 +34,7 @@ HIDDEN_AT_ONE_FREQUENCY = "maxwell_element"
 
 STRENGTHS = (0.0003, 0.001, 0.003, 0.01, 0.03)
 WANDERED = (0.00003, 0.0001, 0.0003, 0.001)
-"""Strengths of a wander; after one second it has about half of it."""
+"""Strengths of a random walk; after one second it has about half of it."""
 
 PAIRS = (
     "freeplay+cubic_damping",
@@ -220,7 +220,7 @@ def _pairs(outcomes: list[Outcome]) -> str:
     ]
     return (
         f"Two effects at once, {len(outcomes)} records climbed by `--auto`: both found in {100 * len(both) / len(outcomes):.0f} %, "
-        f"in at most three rungs and below chi-square 1.2 in {100 * len(within) / len(outcomes):.0f} %. Misses: {'; '.join(missed) or 'none'}."
+        f"in at most three steps and below chi-square 1.2 in {100 * len(within) / len(outcomes):.0f} %. Misses: {'; '.join(missed) or 'none'}."
     )
 
 
@@ -245,7 +245,7 @@ def _outside(outcomes: list[Outcome]) -> str:
 
 
 def _wanders(outcomes: list[Outcome]) -> str:
-    lines = ["| what wanders | strength | named | verdicts |", "|---|---|---|---|"]
+    lines = ["| what drifts | strength | named | verdicts |", "|---|---|---|---|"]
     for what in WANDERS:
         for strength in WANDERED:
             own = [o for o in outcomes if o.case.hidden == what and o.case.strength == strength]
@@ -253,7 +253,7 @@ def _wanders(outcomes: list[Outcome]) -> str:
             named = sum(bool(o.named) for o in own)
             words = ", ".join(f"{v} x{n}" for v, n in said.items())
             lines.append(f"| {what} | {100 * strength:g} % | {named} of {len(own)} | {words} |")
-    return "A spring or a damper that wanders, and nothing else: a name is false.\n\n" + "\n".join(lines)
+    return "A spring or a damper that drifts, and nothing else: a name is false.\n\n" + "\n".join(lines)
 
 
 def _parameters(outcomes: list[Outcome]) -> str:

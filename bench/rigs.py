@@ -1,4 +1,4 @@
-"""Real rigs with a known effect: what is named on each, singly and over several releases, and what that foretells."""
+"""Real rigs with a known effect: what is named on each, singly and over several releases, and what that predicts."""
 
 import os
 import statistics
@@ -36,7 +36,7 @@ class Rig:
 
     What is there is what its authors say. What else may be named was widened with results in view (joints of a tower and
     bearings of a wheel have presliding and hysteresis), and so it is counted apart. Dahl's friction on the second wheel was
-    added when it was named there: its constants agree between the currents, and it foretells each current from each
+    added when it was named there: its constants agree between the currents, and it predicts each current from each
     other one better than the usual model does. On the disc it was added when two releases together named it beside drag:
     what one release shows predicts the frequency of the other, an error of 19 % of the motion against 1 %.
     """
@@ -116,7 +116,7 @@ class Said:
 
     verdict: str
     named: set[str]
-    foretold: str
+    predicted: str
     left: str
     seconds: float
     found: "Diagnosis | None" = None
@@ -124,7 +124,7 @@ class Said:
 
 @dataclass(frozen=True)
 class Pair:
-    """What is foretold of one release from another, error in % of the motion, by the usual model and by the named one."""
+    """What is predicted of one release from another, error in % of the motion, by the usual model and by the named one."""
 
     rig: str
     usual: float
@@ -143,16 +143,16 @@ def _said(names: list[str]) -> Said:
     except NotIdentifiable as refusal:
         return Said("refused", set(), "", str(refusal)[:80], time.perf_counter() - began)
     told = found.confirmation
-    foretold = ""
+    predicted = ""
     if told is not None:
-        foretold = f"{told.usual.typical('motion'):.3g} → {told.found.typical('motion'):.3g}"
-        foretold += f" ({told.better}/{told.parts})" if told.effects else ""
+        predicted = f"{told.usual.typical('motion'):.3g} → {told.found.typical('motion'):.3g}"
+        predicted += f" ({told.better}/{told.parts})" if told.effects else ""
     left = f"{found.baseline.fit.reduced:.3g} → {found.final.reduced:.3g}"
-    return Said(found.verdict, set(found.named), foretold, left, time.perf_counter() - began, found)
+    return Said(found.verdict, set(found.named), predicted, left, time.perf_counter() - began, found)
 
 
 def pairs_of(rig: str, alone: Sequence[Said]) -> list[Pair]:
-    """Return what each release of a rig, where something is named on it alone, foretells of each other one."""
+    """Return what each release of a rig, where something is named on it alone, predicts of each other one."""
     from identify.fitting.validation import validate
 
     pairs = []
@@ -176,7 +176,7 @@ def _of_pairs(pairs: list[Pair]) -> str:
         usual, named = (statistics.median(getattr(pair, kind) for pair in own) for kind in ("usual", "named"))
         rows.append(f"| {rig} | {len(own)} | {_better(own)} | {usual:.3g} | {named:.3g} |")
     return (
-        "What is named on one release alone, and what that foretells of each other release of the rig; both models are "
+        "What is named on one release alone, and what that predicts of each other release of the rig; both models are "
         "fitted to the one release, the other's start, and within priors its spring and viscous damping, refitted:\n\n"
         + "\n".join([head, *rows])
         + f"\n\nThe named model predicts better on {_better(pairs)} of {len(pairs)} pairs."
@@ -213,7 +213,7 @@ def run(quick: bool) -> str:
                 which = "all" if len(chosen) > 1 else f"{place or 1}"
                 rows.append(
                     f"| {rig.title} | {which} of {len(names)} | {said.verdict} | {' + '.join(sorted(said.named))} "
-                    f"| {result} | {said.foretold} | {said.left} | {said.seconds:.1f} |"
+                    f"| {result} | {said.predicted} | {said.left} | {said.seconds:.1f} |"
                 )
                 print(rows[-1], flush=True)
             pairs += pairs_of(rig.title, alone)
