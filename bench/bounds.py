@@ -82,9 +82,8 @@ def run(quick: bool) -> str:
     ratio = np.sqrt(np.mean(z**2, axis=0))
     words = ", ".join(f"{n} {r:.2f}" for n, r in zip(("K", "mu_0", "mu_1", "lag"), ratio, strict=True))
     return (
-        "What the best model of stiffness, dry and viscous friction leaves of a record with a fiftieth of the noise, in units of the noise of "
-        f"the working point (20 mm, median of {seeds} seeds): the most that any method can go by, since the drop of chi-square is "
-        f"twice the logarithm of the likelihood ratio. Half are named where it reaches {SEEN:.0f}.\n\n"
+        "The largest drop of chi-square that any method can use: the residual of the usual model on a record with a fiftieth of "
+        f"the noise, in units of the working point's noise (20 mm, median of {seeds} seeds). Half are named where it reaches {SEEN:.0f}.\n\n"
         + "\n".join(lines)
         + f"\n\nRms errors over the Cramer-Rao bound, {len(z)} records with nothing hidden: {words} (wanted at most 1.2)."
     )

@@ -88,7 +88,6 @@ def run(quick: bool) -> str:
             "|---|---:|---:|---:|",
             *(export_row(form, seconds) for form in FORMATS for seconds in (9.0, 120.0)),
             "",
-            "Lines of three columns, read from memory to samples in SI units; two channels of random numbers at 256 Hz in "
-            "every export.",
+            "Lines of three columns, from memory to SI units; exports of two channels of random numbers at 256 Hz.",
         ]
     )

@@ -116,12 +116,10 @@ def run(quick: bool) -> str:
             mega[-1],
             launchpad[-1],
             "",
-            "Two channels of 16 bits. The Mega's image runs in simavr, cycle by cycle, with its UART at 115200 baud; the "
-            "LM3S6965's in QEMU, whose UART sends at once: what the line would carry is in the column of bytes. Missed: "
-            "not read in time. Jitter: the latest less the earliest start of a sample, as the board itself reports it by "
-            "EVENT; in QEMU with the clock driven by the number of instructions, since otherwise it is this computer's. "
-            "A LaunchPad's converter is triggered in hardware, so there it moves no sample, and none is missed while "
-            "the jitter is less than half a period; QEMU's never misses one.",
+            "Two channels of 16 bits. The Mega runs in simavr, cycle by cycle, with its UART at 115200 baud; the LM3S6965 in "
+            "QEMU, whose UART sends at once. Missed: not read in time. Jitter: latest less earliest start of a sample, as the "
+            "board reports it; in QEMU by counted instructions. A LaunchPad's converter is triggered in hardware, so jitter "
+            "there moves no sample.",
         ]
     )
 
