@@ -161,9 +161,11 @@ def _by_strength(outcomes: list[Outcome]) -> str:
         + " |\n|---|"
         + "---|" * len(STRENGTHS)
     )
+    always = [e for e in EFFECTS if all(table[e][s] == seeds for s in STRENGTHS)]
     rows = [
         f"| {e} | " + " | ".join(f"{100 * table[e][s] / seeds:.0f}" for s in STRENGTHS) + " |"
         for e in EFFECTS
+        if e not in always
     ]
     total = [sum(table[e][s] for e in EFFECTS) / seeds / len(EFFECTS) for s in STRENGTHS]
     rows.append("| **all** | " + " | ".join(f"**{100 * t:.1f}**" for t in total) + " |")
@@ -181,7 +183,7 @@ def _by_strength(outcomes: list[Outcome]) -> str:
     return (
         f"First of the suspects, % of {seeds} seeds, by strength (rms of the effect's force over the total):\n\n"
         + "\n".join([head, *rows])
-        + f"\n\nMedian time of a diagnosis: {seconds:.1f} s."
+        + f"\n\nFirst in all: {', '.join(always) or 'none'}. Median time of a diagnosis: {seconds:.1f} s."
     )
 
 

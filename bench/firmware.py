@@ -93,8 +93,8 @@ def launchpad_rows(folder: Path, seconds: float) -> list[str]:
 def _row(name: str, rate: float, found: Captured, jitter_us: float, ring: int) -> str:
     share = found.bytes_per_s / LINE_BYTES_PER_S
     return (
-        f"| {name} | {rate:.0f} | {found.samples} | {found.missed} | {found.dropped - found.missed} | {found.lost} | "
-        f"{jitter_us:.1f} | {found.bytes_per_s:.0f} | {100 * share:.0f} % | {ring / rate:.1f} |"
+        f"| {name} | {rate:.0f} | {found.samples} | {found.missed}/{found.dropped - found.missed}/{found.lost} | "
+        f"{jitter_us:.1f} | {100 * share:.0f} % | {ring / rate:.1f} |"
     )
 
 
@@ -105,9 +105,8 @@ def run(quick: bool) -> str:
         mega, launchpad = mega_rows(Path(folder), seconds), launchpad_rows(Path(folder), seconds)
     return "\n".join(
         [
-            "| board | rate, Hz | samples | missed | overrun | lost on the wire | jitter, us | bytes/s | of 115200 baud"
-            " | kept, s |",
-            "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|",
+            "| board | rate, Hz | samples | missed/overrun/lost on the wire | jitter, us | of 115200 baud | kept, s |",
+            "|---|---:|---:|---:|---:|---:|---:|",
             *mega[:-1],
             *launchpad[:-1],
             "",

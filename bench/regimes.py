@@ -46,7 +46,6 @@ def run(quick: bool) -> str:
             "without a name is reported as missing; *several*, three and nine releases together. "
             f"Effects of {strength}: *found*, named, and nothing else but faults that the sensors have.",
             _table("noise", of_one | of_several | found),
-            _table("point", of_one | found),
             f"False or without a name: {_said(false)}. Effects not found: {_said([o for o in effects if not o.found])}. "
             f"Crashes: {crashed} of {len(every)}.",
             f"Three effects of {100 * OF_EACH_OF_THREE:g} % at once, white noise, 4 Hz: found in {_share(three, 'found')}. "

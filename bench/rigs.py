@@ -193,7 +193,7 @@ def run(quick: bool) -> str:
     if not DATA.is_dir():
         return "The recordings are not here (`../shared/data`, or the folder named by `STATION_DATA`)."
     only = os.environ.get("RIGS", "")
-    rows, counts = [], Counter[str]()
+    rows, silent, counts = list[str](), list[str](), Counter[str]()
     pairs: list[Pair] = []
     with tempfile.TemporaryDirectory() as made:
         for rig in RIGS:
@@ -218,13 +218,17 @@ def run(quick: bool) -> str:
                     flush=True,
                 )
             together = len(sets[0]) > 1
-            rows.append(_row(rig, every, ended, together))
+            if set(ended) == {"silent"}:
+                silent.append(f"{rig.title} ({len(ended)})")
+            else:
+                rows.append(_row(rig, every, ended, together))
             counts.update(ended)
             pairs += pairs_of(rig.title, every[together:])
     return (
         "| rig | together | each alone | named | prediction error, % of the motion | chi-square |\n|---|---|---|---|---|---|\n"
         + "\n".join(rows)
-        + f"\n\nErrors and chi-square: usual model → named model, of all releases together. Of {counts.total()} diagnoses: "
+        + "\n\nErrors and chi-square: usual model → named model, of all releases together. Silent in every diagnosis: "
+        + f"{'; '.join(silent) or 'none'}. Of {counts.total()} diagnoses: "
         + "; ".join(f"{counts[kind]} {kind} ({meaning})" for kind, meaning in OUTCOMES.items())
         + "."
         + (f"\n\n{_of_pairs(pairs)}" if pairs else "")
