@@ -222,7 +222,7 @@ def _diagnosis() -> bytes:
 
 def _ladder() -> bytes:
     error = {"force_mse_percent": 0.1, "motion_percent": 0.2, "chi2": 1.0}
-    rung = {
+    step = {
         "added": "",
         "removed": "",
         "model": MODEL,
@@ -232,7 +232,7 @@ def _ladder() -> bytes:
     }
     ladder = {
         "format": 1,
-        "rungs": [rung],
+        "steps": [step],
         "present": 0,
         "floor": error,
         "stopped_because": "",

@@ -28,13 +28,12 @@ def mystery(folder: Path) -> Solved:
 
 def block(solved: Solved) -> str:
     """Return what stands between the markers: the figures in words, the commands, and the ladder."""
-    named, (first, *_, last) = solved.found[0], solved.ladder.rungs
+    named, (first, *_, last) = solved.found[0], solved.ladder.steps
     words = (
-        f"The usual model (stiffness, dry and viscous friction) leaves {three_figures(first.error.motion_percent)} % of the motion.\n"
-        f"That sounds good, and is {times(first.error.chi2)} times the noise of the sensors:\n"
-        f"`station compare mystery_{SEED} --model usual`. Of all the effects that\n"
-        f"`station diagnose mystery_{SEED} --model usual` tries, only {plain_name(named)} reaches the noise. It is added by\n"
-        f"`station refine mystery_{SEED} --add {named}`, which leaves {times(last.error.chi2)} times the noise:\n"
+        f"The usual model (stiffness, dry and viscous friction) leaves {three_figures(first.error.motion_percent)} % of the motion,\n"
+        f"which is {times(first.error.chi2)} times the noise of the sensors (`station compare mystery_{SEED} --model usual`).\n"
+        f"`station diagnose mystery_{SEED} --model usual` tries every effect; only {plain_name(named)} reaches the noise.\n"
+        f"`station refine mystery_{SEED} --add {named}` adds it and leaves {times(last.error.chi2)} times the noise:\n"
     )
     return f"{words}\n```\n{_ladder(solved)}\n```\n"
 
@@ -45,7 +44,7 @@ def _ladder(solved: Solved) -> str:
     console = Console(file=written, width=WIDTH, highlight=False, no_color=True)
     show_ladder(console, solved.session.folder.name, solved.ladder)
     lines = [line.rstrip() for line in written.getvalue().splitlines()]
-    first = next(i for i, line in enumerate(lines) if line.split()[:1] == ["rung"]) - 1
+    first = next(i for i, line in enumerate(lines) if line.split()[:1] == ["step"]) - 1
     last = next(i for i, line in enumerate(lines) if "noise alone" in line)
     return "\n".join(lines[first : last + 1])
 

@@ -22,14 +22,14 @@ CLOCK = """() => { window.clock = (kind, counts, done) => { window.clocked = new
 
 PREVIEW = """name => clock("mouseover", at => at.closest("[data-preview]")?.dataset.preview === name,
   () => bench.state.preview === name && bench.shown() === bench.state.frames[bench.state.suspects[name]]
-    && document.querySelector("#ghost-rung.shown .value").textContent === bench.state.says[name].chi2)"""
+    && document.querySelector("#ghost-step.shown .value").textContent === bench.state.says[name].chi2)"""
 """The map, the residual and the ghost bar of a suspect, its fading included."""
 
-ANOTHER = """() => { const said = () => JSON.stringify([bench.state.rungs, bench.state.present]), before = said();
-  const rungs = () => [...document.querySelectorAll(".rung")];
-  clock("click", () => true, () => said() !== before && rungs().length === bench.state.rungs.length
-    && rungs().findIndex(rung => rung.classList.contains("present")) === bench.state.present) }"""
-"""Another model's curve and map, and the ladder with its rung."""
+ANOTHER = """() => { const said = () => JSON.stringify([bench.state.steps, bench.state.present]), before = said();
+  const steps = () => [...document.querySelectorAll(".step")];
+  clock("click", () => true, () => said() !== before && steps().length === bench.state.steps.length
+    && steps().findIndex(step => step.classList.contains("present")) === bench.state.present) }"""
+"""Another model's curve and map, and the ladder with its step."""
 
 READY = "!document.querySelector('[inert]') && bench.plots?.left?.names"
 FIRST = "bench.state.suspects[document.querySelector('button.card-suspect').dataset.preview]"
@@ -63,7 +63,7 @@ def run(quick: bool) -> str:
         adds, backs = [], []
         for _ in range(repetitions):
             adds.append(_until_drawn(page, page.get_by_role("button", name="Add Stribeck friction")))
-            backs.append(_until_drawn(page, page.locator(".rung").first))
+            backs.append(_until_drawn(page, page.locator(".step").first))
         opened = []
         for _ in range(repetitions):
             before = time.perf_counter()
@@ -72,8 +72,8 @@ def run(quick: bool) -> str:
             opened.append(time.perf_counter() - before)
     rows = [
         ("pointing at a suspect to its map, residual and ghost bar", previews, "0.1 s"),
-        ("click on Add to the new rung and its curve, 8 s session, warm", adds, "1 s"),
-        ("click on a rung to its curve", backs, "1 s"),
+        ("click on Add to the new step and its curve, 8 s session, warm", adds, "1 s"),
+        ("click on a step to its curve", backs, "1 s"),
         ("address to all pictures, session known", opened, ""),
     ]
     return "\n".join(_table(rows, (diagnosis, first_preview, previews_ready), repetitions))
@@ -93,9 +93,8 @@ def _table(rows, found: tuple[float, float, float], repetitions: int) -> list[st
     return [
         *lines,
         "",
-        f"{repetitions} clicks and {4 * repetitions} suspects in Debian's Chromium, from the mouse's event to the drawn frame. It draws without "
-        f"a graphics card on the cores that compute, which had {load:.1f} times the work "
-        "that they can do at once (1 or less: a computer of one's own).",
+        f"{repetitions} clicks and {4 * repetitions} suspects in Debian's Chromium without a graphics card, from the mouse's event to the "
+        f"drawn frame; load {load:.1f} a core.",
     ]
 
 

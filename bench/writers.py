@@ -87,9 +87,9 @@ def two_refinements(folder: Path) -> str:
     ]  # fmt: skip
     said = [command.communicate()[1] for command in commands]
     codes = sorted(command.returncode for command in commands)
-    rungs = len(json.loads((folder / "results" / "ladder.json").read_text())["rungs"])
-    if rungs - 1 != codes.count(0) or any(code not in (0, 9) for code in codes):
-        return f"exit codes {codes}, {rungs} rungs: {' '.join(said)[-200:]}"
+    steps = len(json.loads((folder / "results" / "ladder.json").read_text())["steps"])
+    if steps - 1 != codes.count(0) or any(code not in (0, 9) for code in codes):
+        return f"exit codes {codes}, {steps} steps: {' '.join(said)[-200:]}"
     return "" if verify(folder).ok else "; ".join(verify(folder).problems)
 
 
@@ -112,6 +112,6 @@ def rows(folder: Path, quick: bool) -> tuple[list[str], list[str]]:
         f"| two processes write results into one session at once | {2 * each} | {2 * each - missing} |",
         f"| `kill -9` while results are written, then `station recover`: whole and of one change ({sum(cut for cut, _ in killed)} were cut off half-way) | {kills} | "
         f"{sum(not what for _, what in killed)} |",
-        f"| two `station refine --add` at once: each rung that was said to be added is there, the loser is told | {pairs} | "
+        f"| two `station refine --add` at once: each step that was said to be added is there, the loser is told | {pairs} | "
         f"{sum(not what for what in refined)} |",
     ], bad

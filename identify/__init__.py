@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from identify.curves.laid_over import DecayCurves, decay_curves
     from identify.diagnosis.diagnose import Diagnosis, diagnose
     from identify.diagnosis.found_laws import found_laws
-    from identify.diagnosis.ladder import Ladder, Rung, add_effect, first_rung, remove_effect
+    from identify.diagnosis.ladder import Ladder, Step, add_effect, first_step, remove_effect
     from identify.diagnosis.refine import refine
     from identify.diagnosis.suspect import Suspect
     from identify.effects.effect import Effect, Parameter
@@ -56,7 +56,7 @@ __all__ = [
     "Prediction",
     "PreparedDecay",
     "RestoringForceResult",
-    "Rung",
+    "Step",
     "Suspect",
     "Term",
     "Validation",
@@ -67,7 +67,7 @@ __all__ = [
     "decay_curves",
     "diagnose",
     "find_effect",
-    "first_rung",
+    "first_step",
     "found_laws",
     "identify_restoring_force",
     "identify_wavelet",
@@ -86,7 +86,7 @@ _HOMES = {
     "curves.laid_over": ("DecayCurves", "decay_curves"),
     "diagnosis.diagnose": ("Diagnosis", "diagnose"),
     "diagnosis.found_laws": ("found_laws",),
-    "diagnosis.ladder": ("Ladder", "Rung", "add_effect", "first_rung", "remove_effect"),
+    "diagnosis.ladder": ("Ladder", "Step", "add_effect", "first_step", "remove_effect"),
     "diagnosis.refine": ("refine",),
     "diagnosis.suspect": ("Suspect",),
     "effects.effect": ("Effect", "Parameter"),

@@ -35,7 +35,7 @@ COMMANDS = (
     Entry("identify", "identify", "Find stiffness, friction and damping in a session."),
     Entry("diagnose", "diagnose", "Find out which effect a model lacks."),
     Entry("refine", "refine", "Add an effect and watch the error fall."),
-    Entry("validate", "validate", "Say how well a model foretells other sessions."),
+    Entry("validate", "validate", "Say how well a model predicts other sessions."),
     Entry("compare", "compare", "Say by how much a model fails on a session, and where."),
     Entry("effects", "effects", "List the effects a model may lack, or describe one."),
     Entry("workbench", "workbench", "Open the page on which all of this is done by mouse."),

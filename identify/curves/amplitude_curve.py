@@ -41,7 +41,7 @@ class AmplitudeCurve:
 
         The errors are found from the scatter of neighbouring points: the rms of their third differences over nine
         neighbours, over sqrt(20), as of values that err each for itself: a smooth bend counts little. Errors of readings
-        make neighbours err in opposite directions, which makes this up to 1.3 times too large; a wandering slower than
+        make neighbours err in opposite directions, which makes this up to 1.3 times too large; a drift slower than
         four points is not in it.
         """
         curve = _thinned(curve)

@@ -222,6 +222,6 @@ def _effect(
         before=before.typical(channel),
         after=after.typical(channel),
         better=after.better(before, channel),
-        parts=len(after.foretold),
+        parts=len(after.predicted),
         evidence=evidence,
     )

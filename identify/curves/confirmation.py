@@ -172,8 +172,8 @@ class Confirmation:
 
     @property
     def parts(self) -> int:
-        """Number of parts that were left out and foretold."""
-        return len(self.found.foretold)
+        """Number of parts that were left out and predicted."""
+        return len(self.found.predicted)
 
     @property
     def better(self) -> int:

@@ -25,7 +25,7 @@ _FOLLOWS = 5.0
 
 _TURNED = 2.0
 _ECHO = 0.49
-"""Correlation of neighbouring differences, a little short of 1/2, for slow forces wander too."""
+"""Correlation of neighbouring differences, a little short of 1/2, for slow forces drift too."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +231,7 @@ class CurveRegression:
             return float((0.1 * self.typical_loss) ** 2)
         return float(np.mean(np.diff(loss, 2) ** 2) / 6.0) + (1e-3 * self.typical_loss) ** 2
 
-    def foretell(self, strengths: Strengths, release: int, rows: Rows) -> Strengths:
+    def predict(self, strengths: Strengths, release: int, rows: Rows) -> Strengths:
         """Return the strengths for a release that was not fitted: its linear laws refitted, all others held."""
         at = np.array(strengths.columns, dtype=int)
         free = np.flatnonzero(self.linear[at])

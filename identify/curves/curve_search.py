@@ -65,7 +65,7 @@ class CurveSearch:
         return law.term.effect.plausible(values, self.scales)
 
     def hold_out(self, columns: tuple[int, ...], rows: Sequence[Rows]) -> HeldOut:
-        """Return what some laws foretell of each part from the others."""
+        """Return what some laws predict of each part from the others."""
         return hold_out(self.regression, columns, rows, one_record=self.one_record)
 
     def corrected(self, columns: tuple[int, ...], held: HeldOut) -> tuple[Rows, ...]:

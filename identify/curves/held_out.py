@@ -1,7 +1,7 @@
-"""Held out: what laws that were fitted to some curves foretell of the others.
+"""Held out: what laws that were fitted to some curves predict of the others.
 
 With several releases each is left out in turn, and its linear spring and damper alone are refitted. One release is cut
-in two at the geometric mean of its amplitudes: the large amplitudes foretell the small ones, and back, nothing refitted.
+in two at the geometric mean of its amplitudes: the large amplitudes predict the small ones, and back, nothing refitted.
 """
 
 from collections.abc import Sequence
@@ -18,20 +18,20 @@ _FEWEST = 5
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Errors of some laws: `foretold` one for each part that was left out.
+    """Errors of some laws: `predicted` one for each part that was left out.
 
-    Of `one_record` cut in two the means count the small amplitudes, foretold from the large ones: the way back asks
+    Of `one_record` cut in two the means count the small amplitudes, predicted from the large ones: the way back asks
     small amplitudes for what they hardly show.
     """
 
     strengths: Strengths
-    foretold: tuple[MotionError, ...]
+    predicted: tuple[MotionError, ...]
     one_record: bool
 
     @property
     def counted(self) -> tuple[MotionError, ...]:
         """The errors of prediction that means are taken of."""
-        return self.foretold[1:] if self.one_record else self.foretold
+        return self.predicted[1:] if self.one_record else self.predicted
 
     def mean(self, channel: str) -> float:
         """Return the rms over parts of one kind of error ("envelope", "phase", "centre", "motion"), % of the motion."""
@@ -43,7 +43,7 @@ class HeldOut:
 
     def better(self, other: "HeldOut", channel: str) -> int:
         """Return on how many parts the prediction is better than another's."""
-        pairs = zip(self.foretold, other.foretold, strict=True)
+        pairs = zip(self.predicted, other.predicted, strict=True)
         return sum(getattr(mine, channel) < getattr(theirs, channel) for mine, theirs in pairs)
 
 
@@ -76,7 +76,7 @@ def hold_out(
         others = [i for i in everything if i != left]
         found = regression.solve(columns, others, rows, one_record=one_record)
         if not one_record:
-            found = regression.foretell(found, left, rows[left])
+            found = regression.predict(found, left, rows[left])
         predicted.append(regression.error(found.shared, columns, left, rows[left]))
     whole = regression.solve(columns, everything, rows, one_record=one_record)
     return HeldOut(whole, tuple(predicted), one_record)

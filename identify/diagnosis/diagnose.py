@@ -8,10 +8,10 @@ import numpy as np
 
 from identify.curves.confirm import confirm_releases
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_wander import wander_sentence
+from identify.diagnosis.beside_walk import walk_sentence
 from identify.diagnosis.explain import explain
-from identify.diagnosis.judgement import judge, worth_naming
-from identify.diagnosis.ladder import Ladder, Progress, add_found, rung_of, without_needless_effects
+from identify.diagnosis.judgement import judge, large_enough
+from identify.diagnosis.ladder import Ladder, Progress, add_found, step_of, without_needless_effects
 from identify.diagnosis.listed_suspects import listed_suspects
 from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.nonparametric_force import NonparametricForce
@@ -37,16 +37,16 @@ from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.fit import Fit
 from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
+from identify.fitting.random_walk import RandomWalk
 from identify.fitting.release_values import ReleaseValue, release_values
 from identify.fitting.segments import largest_first, prepared_of, segments_of, what_was_used
-from identify.fitting.wandering_spring import Wander
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.summary import Summarised, Summary
 
-_MOST_RUNGS = 5
+_MOST_STEPS = 5
 _SHOWN = 6
 _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_missing")
 
@@ -59,12 +59,12 @@ class Diagnosis(Summarised):
     names a second effect when it takes two to reach the floor. `findings` are sensors' faults that are corrected in
     every fit but ought to be mended. `final` is the fit with what was found, against the floor that its own residual
     shows. `shape` is the free form, when something is missing that has no name. `confirmation` is what the curves of
-    the decay foretell, None where they were not asked. `decays` are the whole releases, the largest first. `shares` say
+    the decay predict, None where they were not asked. `decays` are the whole releases, the largest first. `shares` say
     what each effect of the final model does at the largest and at the smallest amplitude; none where something without a
     name is missing. `harmonics` tells, near a floor that is a guess, whether what is left stands at the motion's harmonics;
     None where the floor itself decides. `modes` are other modes of the structure that what is left shows. Forces that
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
-    `wander` is a slow walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
+    `walk` is a random walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
     """
 
     baseline: Baseline
@@ -84,7 +84,7 @@ class Diagnosis(Summarised):
     modes: tuple[OtherMode, ...] = ()
     worth: float = 0.0
     too_small: float = 0.0
-    wander: Wander | None = None
+    walk: RandomWalk | None = None
 
     @property
     def of_releases(self) -> tuple[ReleaseValue, ...]:
@@ -104,35 +104,35 @@ class Diagnosis(Summarised):
             return ()
         return (self.suspects[0].effect.name, *self.together)
 
-    def refine(self, progress: Progress = lambda rung, words: None) -> Ladder:
+    def refine(self, progress: Progress = lambda step, words: None) -> Ladder:
         """Add what is named, diagnose again, until nothing that has a name is missing; return the ladder.
 
         Effects that are no longer needed once others have come are taken out, and at the end those of the model to begin
-        with, beyond the usual ones, that explain nothing. `progress` is called with each new rung and a sentence.
+        with, beyond the usual ones, that explain nothing. `progress` is called with each new step and a sentence.
         """
-        rungs, found = [rung_of(self.baseline)], self
-        own = set(rungs[0].effects)
-        progress(rungs[0], "the model to begin with")
-        while not (reason := found._reason_to_stop(len(rungs))):
+        steps, found = [step_of(self.baseline)], self
+        own = set(steps[0].effects)
+        progress(steps[0], "the model to begin with")
+        while not (reason := found._reason_to_stop(len(steps))):
             for suspect in found.named_suspects:
-                rung = add_found(rungs[-1], suspect, found.final)
-                if rung.fit.chi_square >= rungs[-1].fit.chi_square:
-                    return Ladder(tuple(rungs), f"{rung.added} does not lower the error", found.verdict)
-                rungs.append(rung)
-                progress(rung, f"added {rung.added}")
-            for rung in without_needless_effects(rungs[-1], own | {rungs[-1].added}):
-                rungs.append(rung)
-                progress(rung, f"removed {rung.removed}: it is no longer needed")
-            top = rungs[-1].fit
+                step = add_found(steps[-1], suspect, found.final)
+                if step.fit.chi_square >= steps[-1].fit.chi_square:
+                    return Ladder(tuple(steps), f"{step.added} does not lower the error", found.verdict)
+                steps.append(step)
+                progress(step, f"added {step.added}")
+            for step in without_needless_effects(steps[-1], own | {steps[-1].added}):
+                steps.append(step)
+                progress(step, f"removed {step.removed}: it is no longer needed")
+            top = steps[-1].fit
             known = top.point
             found = diagnose(self.decays, top.model, library=self.library, known=known, worth=self.worth)
-        named = {rung.added for rung in rungs}
-        for rung in without_needless_effects(rungs[-1], named | set(base_model().names)):
-            rungs.append(rung)
-            progress(rung, f"removed {rung.removed}: it explains nothing")
-        return Ladder(tuple(rungs), reason, found.verdict)
+        named = {step.added for step in steps}
+        for step in without_needless_effects(steps[-1], named | set(base_model().names)):
+            steps.append(step)
+            progress(step, f"removed {step.removed}: it explains nothing")
+        return Ladder(tuple(steps), reason, found.verdict)
 
-    def _reason_to_stop(self, rungs: int) -> str:
+    def _reason_to_stop(self, steps: int) -> str:
         if self.verdict == "nothing_missing" and (
             self.too_small or not self.baseline.adequate(self.baseline.fit)
         ):
@@ -142,13 +142,13 @@ class Diagnosis(Summarised):
         if self.verdict == "unknown_effect":
             return "something is missing that the library does not name; see the free form"
         if self.verdict == "unconfirmed":
-            return "something is left that no effect of the library foretells"
+            return "something is left that no effect of the library predicts"
         if self.verdict == "driven":
             return "the motion is driven: a free decay is needed to name a force"
         if self.verdict == "not_enough_data":
             return "the record is too short to tell more effects apart"
-        if rungs > _MOST_RUNGS:
-            return f"{_MOST_RUNGS} effects were added; one with more would fit any record"
+        if steps > _MOST_STEPS:
+            return f"{_MOST_STEPS} effects were added; one with more would fit any record"
         return ""
 
     def brief(self) -> Summary:
@@ -202,7 +202,7 @@ def diagnose(
     first = fit_baseline(segments_of(whole), model or base_model(), known)
     whole = tuple(with_floor(prepared, first.spread) for prepared in whole)
     baseline, judgement = _searched(first, whole, library, progress)
-    judgement = worth_naming(baseline, judgement, worth)
+    judgement = large_enough(baseline, judgement, worth)
     if baseline is not first:  # other noise, another floor
         whole = carried(whole, baseline)
     settled = baseline
@@ -235,7 +235,7 @@ def diagnose(
         modes=() if verdict == "driven" else other_modes(settled.fit),
         worth=worth,
         too_small=judgement.too_small,
-        wander=judgement.wander,
+        walk=judgement.walk,
     )
 
 
@@ -248,7 +248,7 @@ def _why(
     settled: Baseline,
     harmonics: HarmonicResidual | None,
 ) -> str:
-    """Return why the verdict is what it is, what wanders, what stands at the harmonics, and by how much releases differ."""
+    """Return why the verdict is what it is, what drifts, what stands at the harmonics, and by how much releases differ."""
     why = explain(
         baseline,
         verdict,
@@ -261,7 +261,7 @@ def _why(
         too_small=judgement.too_small,
     )
     releases = 1 + max(prepared.window.release for prepared in baseline.decays)
-    walk = wander_sentence(judgement.wander, named=verdict == "missing_effect", releases=releases)
+    walk = walk_sentence(judgement.walk, named=verdict == "missing_effect", releases=releases)
     return " ".join(
         filter(None, (why, walk, harmonics.sentence if harmonics else "", how_they_differ(settled)))
     )
@@ -278,8 +278,8 @@ def _searched(
     That is not the `first` where releases differ, or where the noise is seen only once what hides it is fitted.
     """
     baseline = where_releases_differ(first)
-    foretell = cache(lambda: foretold(baseline, whole, library))
-    fitted = _worth_a_fit(baseline, library, foretell)
+    predict = cache(lambda: predicted(baseline, whole, library))
+    fitted = _worth_a_fit(baseline, library, predict)
     progress("finding what each effect would explain by chance")
     chance = chances(baseline, fitted)
     tried = singles(baseline, chance, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
@@ -288,12 +288,12 @@ def _searched(
     if _hides_noise(baseline, ranked):
         baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
     progress("judging whether one effect explains it, or several together")
-    judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, foretell)
+    judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, predict)
     if judgement.verdict == "unknown_effect" and baseline.floor_is_sure:
         before, (baseline, ranked) = baseline, _seen_again(baseline, judgement.final, ranked, fitted)
         if baseline is not before:
             judgement = judge(
-                baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, foretell
+                baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, predict
             )
     return baseline, judgement
 
@@ -317,7 +317,7 @@ def _hides_noise(baseline: Baseline, ranked: tuple[Ranked, ...]) -> bool:
 
 
 def _worth_a_fit(
-    baseline: Baseline, library: tuple[Effect, ...], foretell: Callable[[], Confirmation | None]
+    baseline: Baseline, library: tuple[Effect, ...], predict: Callable[[], Confirmation | None]
 ) -> tuple[Effect, ...]:
     """Return the effects to fit by free run: all, or, on long records with a guessed floor, what the curves leave open.
 
@@ -327,14 +327,14 @@ def _worth_a_fit(
     """
     if baseline.floor_is_sure or not any(window.segment for window in baseline.fit.windows):
         return library
-    found = foretell()
+    found = predict()
     if found is None:
         return library
     unseen = not found.effects
     return tuple(e for e in library if e.name in found.mentioned or (unseen and not found.has_law(e.name)))
 
 
-def foretold(
+def predicted(
     baseline: Baseline, whole: tuple[PreparedDecay, ...], library: tuple[Effect, ...]
 ) -> Confirmation | None:
     """Return what the curves of whole releases confirm beyond a fitted model; None where they cannot tell."""

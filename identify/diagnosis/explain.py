@@ -321,13 +321,13 @@ def _unknown(
     baseline: Baseline,
     best: Suspect | None,
     shape: NonparametricForce | None,
-    foretold: Confirmation | None,
+    predicted: Confirmation | None,
     suspects: tuple[Suspect, ...],
 ) -> str:
     first = _what_is_missing(baseline, best, suspects)
-    if not baseline.floor_is_sure and foretold is None and baseline.decays[0].window.force is None:
+    if not baseline.floor_is_sure and predicted is None and baseline.decays[0].window.force is None:
         first += (
-            " The record holds too few cycles for its large amplitudes to foretell its small ones, so no name is "
+            " The record holds too few cycles for its large amplitudes to predict its small ones, so no name is "
             "confirmed: diagnose it together with another release."
         )
     if best is not None and baseline.adequate(best.fit):

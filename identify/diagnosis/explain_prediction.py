@@ -14,7 +14,7 @@ _KINDS = {"frequency": "the frequency", "loss": "the loss per cycle"}
 
 
 def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str:
-    """Return what is missing, what it foretells, and what has no name."""
+    """Return what is missing, what it predicts, and what has no name."""
     sentences = []
     for suspect in suspects:
         effect = suspect.confirmed
@@ -32,14 +32,14 @@ def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str
 
 
 def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], before: float) -> str:
-    """Return that something is left which no effect foretells, how much it is, and what may be behind it.
+    """Return that something is left which no effect predicts, how much it is, and what may be behind it.
 
     `before` is the reduced chi-square of the model as it is.
     """
     size = three_figures(_share(found))
     others = "the other" if found.parts == 2 else "all the others"
     basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
-    words = [f"The model leaves {size} % of the motion when it foretells {basis}."]
+    words = [f"The model leaves {size} % of the motion when it predicts {basis}."]
     words += _undecided(found) or [
         "No effect of the library explains it better than a drift of the rig would."
     ]
@@ -52,7 +52,7 @@ def _unclear(suspect: Suspect, before: float) -> str:
     strength = suspect.parameters.get(suspect.effect.strength.name)
     if suspect.kind != "physics" or not suspect.claimed or share < _NEARLY_ALL or strength is None:
         return ""
-    if is_clear(suspect.fit, suspect.term, foretold=False):
+    if is_clear(suspect.fit, suspect.term, predicted=False):
         return ""
     return (
         f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves, but "

@@ -6,7 +6,7 @@ What does not reach the floor on a few releases does not reach it on all, and ev
 from dataclasses import dataclass
 from typing import Self
 
-from identify.diagnosis.suspects import Candidate, judged, residual_lines
+from identify.diagnosis.suspects import Candidate, residual_lines, score_candidate
 from identify.diagnosis.weak_presence import states_of_term
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
@@ -46,7 +46,9 @@ class FewReleases:
         baseline = Baseline(decays, base, tuple(whole.floors[i] for i in places))
         scales = scales_of(decays[0], residual_lines(base))
         goal = baseline.highest * base.degrees
-        few = tuple(judged(_refitted(c.fit, places, windows, goal), base, c.term, scales) for c in tried)
+        few = tuple(
+            score_candidate(_refitted(c.fit, places, windows, goal), base, c.term, scales) for c in tried
+        )
         return cls(whole, baseline, tuple(sorted(few, key=lambda c: c.score)), places)
 
     @classmethod
@@ -78,7 +80,7 @@ class FewReleases:
             return found
         base = self.whole.fit
         scales = scales_of(self.whole.decays[0], residual_lines(base))
-        return judged(self.on_all(found.fit), base, found.term, scales)
+        return score_candidate(self.on_all(found.fit), base, found.term, scales)
 
 
 def _own_linear(base: Fit, found: Fit) -> dict[str, float]:

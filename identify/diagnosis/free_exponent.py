@@ -6,7 +6,7 @@ fitted already, and the best of them is near.
 
 from collections.abc import Iterator
 
-from identify.diagnosis.suspects import Candidate, judged, residual_lines, try_terms
+from identify.diagnosis.suspects import Candidate, residual_lines, score_candidate, try_terms
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family
 from identify.fitting.baseline import Baseline
@@ -47,7 +47,7 @@ def _from_members(
         start = _start(baseline.decays, family, term, member)
         model = Model((*baseline.fit.model.terms, term))
         whole = fit(model, baseline.fit.windows, start, baseline.fit.frequency, near=True, goal=goal)
-        yield judged(whole, baseline.fit, term, scales)
+        yield score_candidate(whole, baseline.fit, term, scales)
 
 
 def _start(

@@ -1,15 +1,15 @@
 """The judgement: what is claimed, what is not told apart, what is to be said. It is decided here and nowhere else.
 
-Here where the floor is reached or sure; off it in `off_the_floor`. What each candidate's reason is worth: `ranking`.
+Here where the floor is reached or sure; off it in `floor_not_reached`. What each candidate's reason is worth: `ranking`.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_wander import named_beside_wander, told_from_wander, with_wander
+from identify.diagnosis.beside_walk import more_than_a_walk, named_beside_walk, with_walk
+from identify.diagnosis.floor_not_reached import by_curves, if_predicted, unclaimed
 from identify.diagnosis.line_beside import line_beside
-from identify.diagnosis.off_the_floor import by_curves, if_foretold, unclaimed
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.search import Pair
 from identify.diagnosis.several_effects import several_effects
@@ -29,32 +29,32 @@ def judge(
     ranked: tuple[Ranked, ...],
     faults: tuple[CorrectedFault, ...],
     library: tuple[Effect, ...],
-    foretell: Callable[[], Confirmation | None],
+    predict: Callable[[], Confirmation | None],
 ) -> Judgement:
     """Return what is to be said: of nothing claimed, of one effect that reaches the floor, of two, or of no name.
 
-    Where the floor is not reached, or could only be guessed, chi-square names nothing: `foretell` is asked what the
+    Where the floor is not reached, or could only be guessed, chi-square names nothing: `predict` is asked what the
     curves of the decay confirm. There a line of a sensor is allowed for beside a force.
     """
     faulty = _faulty(baseline, faults)
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
-        judged = _judged(beside.baseline, beside.ranked, True, library, foretell)  # a sensor has a line
+        judged = _judged(beside.baseline, beside.ranked, True, library, predict)  # a sensor has a line
         alone = ranked[0].candidate.fit
         as_good = baseline.adequate(alone) and alone.reduced <= judged.final.reduced
         if judged.verdict == "missing_effect" and not as_good:  # two are not preferred to a better one
             return beside.named_with(judged)
-    judged = _judged(baseline, ranked, faulty, library, foretell)
+    judged = _judged(baseline, ranked, faulty, library, predict)
     if (
         judged.verdict == "nothing_missing" and judged.final is not baseline.fit
     ):  # a line is excused, and explains its part
         faulty = _faulty(baseline, unnamed_faults(baseline.decays, judged.final))
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
         return replace(judged, verdict="sensor_fault", corrected=True)
-    return with_wander(baseline, judged)
+    return with_walk(baseline, judged)
 
 
-def worth_naming(baseline: Baseline, judgement: Judgement, worth: float) -> Judgement:
+def large_enough(baseline: Baseline, judgement: Judgement, worth: float) -> Judgement:
     """Return the judgement, which names no force that removes less than `worth` % of the motion: sure is not yet large.
 
     What curves confirm removes error of prediction, all else misfit of the free run.
@@ -82,12 +82,12 @@ def _judged(
     ranked: tuple[Ranked, ...],
     faulty: bool,
     library: tuple[Effect, ...],
-    foretell: Callable[[], Confirmation | None],
+    predict: Callable[[], Confirmation | None],
 ) -> Judgement:
     """Return what is to be said of a model as it is."""
     top = ranked[0] if ranked else None
     if top is None or not top.claimed:
-        return _without_claim(baseline, ranked, foretell)
+        return _without_claim(baseline, ranked, predict)
     best = top.candidate
     if best.term.effect.kind == "physics" and top.evidence < _DECISIVE and faulty:
         return Judgement("sensor_fault", ranked, baseline.fit, corrected=True)
@@ -97,16 +97,16 @@ def _judged(
             return Judgement("unknown_effect", ranked, best.fit, shape=shape)
         alone = Judgement(verdict_of(best), ranked, best.fit)
         if not baseline.floor_is_sure:
-            return if_foretold(baseline, alone, foretell())
-        return _unless_it_wanders(baseline, alone)
-    return _beyond_one(baseline, ranked, library, foretell)
+            return if_predicted(baseline, alone, predict())
+        return _unless_it_walks(baseline, alone)
+    return _beyond_one(baseline, ranked, library, predict)
 
 
 def _without_claim(
-    baseline: Baseline, ranked: tuple[Ranked, ...], foretell: Callable[[], Confirmation | None]
+    baseline: Baseline, ranked: tuple[Ranked, ...], predict: Callable[[], Confirmation | None]
 ) -> Judgement:
     if not baseline.adequate(baseline.fit):
-        return by_curves(baseline, ranked, foretell(), baseline.fit)
+        return by_curves(baseline, ranked, predict(), baseline.fit)
     return Judgement("nothing_missing", ranked, baseline.fit)
 
 
@@ -114,31 +114,31 @@ def _beyond_one(
     baseline: Baseline,
     ranked: tuple[Ranked, ...],
     library: tuple[Effect, ...],
-    foretell: Callable[[], Confirmation | None],
+    predict: Callable[[], Confirmation | None],
 ) -> Judgement:
     """Judge where no single effect reaches the floor: a law between the names, two or three together, or the curves.
 
     More than one effect is fitted to chi-square only where the floor is sure: two follow any guess of it.
     """
     if not baseline.floor_is_sure:
-        return by_curves(baseline, ranked, foretell(), ranked[0].candidate.fit)
+        return by_curves(baseline, ranked, predict(), ranked[0].candidate.fit)
     found = several_effects(baseline, tuple(entry.candidate for entry in ranked), library)
     if found.law is not None:
         law = Ranked(found.law, 0.5 * found.law.gain, float("nan"), True)
-        return _unless_it_wanders(baseline, Judgement("missing_effect", (law, *ranked), found.law.fit))
+        return _unless_it_walks(baseline, Judgement("missing_effect", (law, *ranked), found.law.fit))
     several = found.pair or found.triple
     if several is not None:
         judged = _of_pair(ranked, several) if isinstance(several, Pair) else _of_three(ranked, several)
-        return _unless_it_wanders(baseline, judged)
-    beside = named_beside_wander(baseline, ranked)
-    return beside or by_curves(baseline, ranked, foretell(), found.closest)
+        return _unless_it_walks(baseline, judged)
+    beside = named_beside_walk(baseline, ranked)
+    return beside or by_curves(baseline, ranked, predict(), found.closest)
 
 
-def _unless_it_wanders(baseline: Baseline, judged: Judgement) -> Judgement:
-    """Return a judgement whose forces are told from a wander; else of one that is beside a wander, or without a name."""
-    if told_from_wander(baseline, judged):
+def _unless_it_walks(baseline: Baseline, judged: Judgement) -> Judgement:
+    """Return a judgement whose forces are distinguishable from a random walk; else one beside a walk, or without a name."""
+    if more_than_a_walk(baseline, judged):
         return judged
-    alone = named_beside_wander(baseline, judged.ranked) if judged.together else None
+    alone = named_beside_walk(baseline, judged.ranked) if judged.together else None
     shape = free_form(baseline, baseline.fit)
     return alone or Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape)
 

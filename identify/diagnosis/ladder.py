@@ -1,4 +1,4 @@
-"""The ladder: effects are added or removed one by one, and the error falls to the floor, rung by rung."""
+"""The ladder: effects are added or removed one by one, and the error falls to the floor, step by step."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -22,11 +22,11 @@ from identify.summary import Summarised, Summary
 _STILL_NEEDED = 12.0
 """Chi-square by which an effect must lower the misfit to keep its place once others have come."""
 
-Progress = Callable[["Rung", str], None]
+Progress = Callable[["Step", str], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Rung:
+class Step:
     """One step of the ladder: what was added or removed, the model as fitted, and its errors."""
 
     added: str
@@ -36,7 +36,7 @@ class Rung:
 
     @property
     def fit(self) -> Fit:
-        """The fitted model of this rung."""
+        """The fitted model of this step."""
         return self.baseline.fit
 
     @property
@@ -57,32 +57,32 @@ class Rung:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ladder(Summarised):
-    """The error, rung by rung, why it ends (empty while it may go on), and the verdict on the last rung."""
+    """The error, step by step, why it ends (empty while it may go on), and the verdict on the last step."""
 
-    rungs: tuple[Rung, ...]
+    steps: tuple[Step, ...]
     stopped_because: str = ""
     verdict: str = ""
 
     @property
-    def top(self) -> Rung:
+    def top(self) -> Step:
         """The present model."""
-        return self.rungs[-1]
+        return self.steps[-1]
 
     def brief(self) -> Summary:
-        """Return the errors of each rung, and why the ladder ends."""
+        """Return the errors of each step, and why the ladder ends."""
         rows = [
             (
-                f"+ {rung.added}"
-                if rung.added
-                else f"- {rung.removed}"
-                if rung.removed
+                f"+ {step.added}"
+                if step.added
+                else f"- {step.removed}"
+                if step.removed
                 else "model to begin with",
-                three_figures(rung.error.force_mse_percent),
-                three_figures(rung.error.motion_percent),
-                three_figures(rung.error.chi_square),
-                "yes" if rung.at_floor else "no",
+                three_figures(step.error.force_mse_percent),
+                three_figures(step.error.motion_percent),
+                three_figures(step.error.chi_square),
+                "yes" if step.at_floor else "no",
             )
-            for rung in self.rungs
+            for step in self.steps
         ]
         reason = (
             f"{self.stopped_because[:1].upper()}{self.stopped_because[1:]}." if self.stopped_because else ""
@@ -95,41 +95,41 @@ class Ladder(Summarised):
         )
 
 
-def first_rung(
+def first_step(
     decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
     model: Model | None = None,
     known: dict[str, float] | None = None,
-) -> Rung:
-    """Return the rung on which a ladder stands: a model (the base model unless given) as fitted."""
-    return rung_of(fit_baseline(segments_of(decays), model or base_model(), known))
+) -> Step:
+    """Return the step on which a ladder stands: a model (the base model unless given) as fitted."""
+    return step_of(fit_baseline(segments_of(decays), model or base_model(), known))
 
 
-def add_found(rung: Rung, suspect: Suspect, found: Fit) -> Rung:
-    """Return the next rung: the model with an effect that a diagnosis named, from the values that it found.
+def add_found(step: Step, suspect: Suspect, found: Fit) -> Step:
+    """Return the next step: the model with an effect that a diagnosis named, from the values that it found.
 
     `found` is the fit with all that was named. The effect is also tried afresh, and the better end counts.
     """
-    effect, base = suspect.effect, rung.fit
+    effect, base = suspect.effect, step.fit
     if isinstance(effect, SensorFault) and effect.corrected_in_every_fit:
-        return _name_corrected_fault(rung, effect)
+        return _name_corrected_fault(step, effect)
     model = base.model.plus(suspect.term)
     values = {u.name: found.point[u.name] for u in found.unknowns if u.id.effect == effect.name}
     ends = [fit(model, base.windows, base.point | values, base.frequency)]
-    ends += [c.fit for c in try_terms(rung.baseline.decays, base, (suspect.term,))]
+    ends += [c.fit for c in try_terms(step.baseline.decays, base, (suspect.term,))]
     best = min(ends, key=lambda end: end.chi_square)
-    return replace(rung_of(refit_at_floor(rung.baseline.decays, best)), added=effect.name)
+    return replace(step_of(refit_at_floor(step.baseline.decays, best)), added=effect.name)
 
 
-def add_effect(rung: Rung, effect: Effect) -> Rung:
-    """Return the next rung: the model with one more effect in its best variant.
+def add_effect(step: Step, effect: Effect) -> Step:
+    """Return the next step: the model with one more effect in its best variant.
 
     Raises ValueError when the effect is in the model, NotIdentifiable when this record cannot show it.
     """
-    baseline = rung.baseline
+    baseline = step.baseline
     if effect.name in baseline.fit.model:
         raise ValueError(f"{effect.name} is in the model already")
     if isinstance(effect, SensorFault) and effect.corrected_in_every_fit:
-        return _name_corrected_fault(rung, effect)
+        return _name_corrected_fault(step, effect)
     unit = baseline.fit.windows[0].unit
     if not effect.has_meaning_for(unit):
         raise NotIdentifiable(
@@ -139,38 +139,38 @@ def add_effect(rung: Rung, effect: Effect) -> Rung:
     tried = try_terms(baseline.decays, baseline.fit, terms)
     if not tried:
         raise NotIdentifiable(f"This record has no channel that could show {effect.name}.")
-    return replace(rung_of(refit_at_floor(baseline.decays, tried[0].fit)), added=effect.name)
+    return replace(step_of(refit_at_floor(baseline.decays, tried[0].fit)), added=effect.name)
 
 
-def remove_effect(rung: Rung, name: str) -> Rung:
-    """Return the next rung: the model without an effect; KeyError when it has none of that name."""
-    baseline = rung.baseline
+def remove_effect(step: Step, name: str) -> Step:
+    """Return the next step: the model without an effect; KeyError when it has none of that name."""
+    baseline = step.baseline
     model = baseline.fit.model.minus(name)
     found = fit(model, baseline.fit.windows, baseline.fit.point, baseline.fit.frequency)
-    return replace(rung_of(refit_at_floor(baseline.decays, found)), removed=name)
+    return replace(step_of(refit_at_floor(baseline.decays, found)), removed=name)
 
 
-def share_explained(rung: Rung, name: str) -> float | None:
+def share_explained(step: Step, name: str) -> float | None:
     """Return the share, 0 to 1, of what the model leaves without an effect that it takes away; None where it is needed.
 
     An effect is needed where chi-square rises by more without it than chance lets any effect lower it.
     """
-    without = remove_effect(rung, name)
-    if _needed(rung, without):
+    without = remove_effect(step, name)
+    if _needed(step, without):
         return None
-    gain = without.fit.chi_square - rung.fit.chi_square
+    gain = without.fit.chi_square - step.fit.chi_square
     return max(gain / without.fit.chi_square, 0.0)
 
 
-def _needed(rung: Rung, without: Rung) -> bool:
-    return without.fit.chi_square >= rung.fit.chi_square + _STILL_NEEDED * max(rung.fit.reduced, 1.0)
+def _needed(step: Step, without: Step) -> bool:
+    return without.fit.chi_square >= step.fit.chi_square + _STILL_NEEDED * max(step.fit.reduced, 1.0)
 
 
-def without_needless_effects(rung: Rung, kept: set[str]) -> list[Rung]:
-    """Return rungs that drop the effects without which the misfit hardly rises, the least useful first."""
-    dropped: list[Rung] = []
+def without_needless_effects(step: Step, kept: set[str]) -> list[Step]:
+    """Return steps that drop the effects without which the misfit hardly rises, the least useful first."""
+    dropped: list[Step] = []
     while True:
-        here = dropped[-1] if dropped else rung
+        here = dropped[-1] if dropped else step
         tried = [remove_effect(here, name) for name in here.effects if name not in kept]
         tried = [r for r in tried if not _needed(here, r)]
         if not tried:
@@ -178,16 +178,16 @@ def without_needless_effects(rung: Rung, kept: set[str]) -> list[Rung]:
         dropped.append(min(tried, key=lambda r: r.fit.chi_square))
 
 
-def _name_corrected_fault(rung: Rung, effect: Effect) -> Rung:
+def _name_corrected_fault(step: Step, effect: Effect) -> Step:
     """Name in the model a fault that every fit has corrected already."""
-    baseline = rung.baseline
+    baseline = step.baseline
     found = [
         f.term for f in corrected_faults(baseline.decays, baseline.fit) if f.term.effect.name == effect.name
     ]
     model = baseline.fit.model.plus(found[0] if found else Term(effect))
-    return replace(rung_of(replace(baseline, fit=replace(baseline.fit, model=model))), added=effect.name)
+    return replace(step_of(replace(baseline, fit=replace(baseline.fit, model=model))), added=effect.name)
 
 
-def rung_of(baseline: Baseline) -> Rung:
-    """Return a fitted model as a rung, with its errors."""
-    return Rung("", "", baseline, errors_of(baseline))
+def step_of(baseline: Baseline) -> Step:
+    """Return a fitted model as a step, with its errors."""
+    return Step("", "", baseline, errors_of(baseline))

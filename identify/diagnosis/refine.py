@@ -17,7 +17,7 @@ def refine(
     library: tuple[Effect, ...] | None = None,
     known: dict[str, float] | None = None,
     worth: float = 0.0,
-    progress: Progress = lambda rung, words: None,
+    progress: Progress = lambda step, words: None,
 ) -> Ladder:
     """Add what is missing until nothing is, and take out again what is no longer needed; see `diagnose`."""
     return diagnose(decays, model, library=library, known=known, worth=worth).refine(progress)

@@ -23,8 +23,8 @@ class Suspect:
     that chance gives any suspect of the library as good a reason, nan where no chance was drawn; `claimed` says that the
     effect is claimed. `rivals` are claimed effects whose evidence is as good: this record does not tell them apart.
     `held_out_gain` is the drop of chi-square on cycles that were not fitted, None when it was not asked. `plausible` is
-    False where another effect is the better name for the same force. `confirmed` says what the effect foretells of
-    readings that it was not fitted to, None where that was not asked or it foretells nothing.
+    False where another effect is the better name for the same force. `confirmed` says what the effect predicts of
+    readings that it was not fitted to, None where that was not asked or it predicts nothing.
     """
 
     effect: Effect

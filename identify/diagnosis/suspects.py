@@ -243,7 +243,7 @@ def _begin_weakly(
 ) -> _Beginning | None:
     """Return the best of what a force of hardly any strength grows to at its likeliest places; None where there are none.
 
-    The first step is as long as the linear gain foretells: without damping, however alike it is to what the model has.
+    The first step is as long as the linear gain predicts: without damping, however alike it is to what the model has.
     """
     best: _Beginning | None = None
     for place in likeliest[:_BY_LINEAR_GAIN]:
@@ -292,7 +292,7 @@ def _finish(base: Fit, begun: _Beginning, scales: Scales, goal: float) -> Candid
     start = {u.name: float(t) for u, t in zip(begun.problem.unknowns, begun.theta, strict=True)}
     near = begun.cost <= base.chi_square
     found = fit(begun.problem.model, base.windows, start, base.frequency, near=near, goal=goal)
-    return judged(found, base, begun.term, scales)
+    return score_candidate(found, base, begun.term, scales)
 
 
 def _leave(base: Fit, near: Slope | None, begun: _Beginning, scales: Scales) -> Candidate:
@@ -301,7 +301,7 @@ def _leave(base: Fit, near: Slope | None, begun: _Beginning, scales: Scales) -> 
         slope = _from_slope(near, problem, begun.theta, np.zeros(len(begun.theta), dtype=bool))
     elif problem.windows is not base.windows:
         problem = Problem(problem.model, base.windows, base.frequency, coarse=True)
-    return judged(fit_at(problem, begun.theta, slope), base, begun.term, scales)
+    return score_candidate(fit_at(problem, begun.theta, slope), base, begun.term, scales)
 
 
 def _is_inner(unknown: ParameterId, term: Term) -> bool:
@@ -309,7 +309,7 @@ def _is_inner(unknown: ParameterId, term: Term) -> bool:
     return own and unknown.parameter in term.effect.inner
 
 
-def judged(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
+def score_candidate(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
     """Weigh a refit against the fit without the term."""
     extra = len(found.names) - len(base.names)
     score = found.chi_square + extra * float(np.log(found.degrees))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.diagnosis.screening import Begun, promising_triples
-from identify.diagnosis.suspects import candidate_terms, judged, residual_lines, try_terms
+from identify.diagnosis.suspects import candidate_terms, residual_lines, score_candidate, try_terms
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
@@ -77,4 +77,4 @@ def _is_needed(baseline: Baseline, found: Fit, begun: Begun) -> bool:
     scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     strength = found.of(begun.term)[begun.term.effect.strength.name]
     clear = np.isfinite(strength.std) and abs(strength.value) > _CLEAR * strength.std
-    return bool(clear) and judged(found, baseline.fit, begun.term, scales).plausible
+    return bool(clear) and score_candidate(found, baseline.fit, begun.term, scales).plausible

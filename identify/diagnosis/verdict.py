@@ -9,7 +9,7 @@ from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
 from identify.fitting.baseline import Baseline, force_along_motion
 from identify.fitting.fit import Fit
-from identify.fitting.wandering_spring import Wander
+from identify.fitting.random_walk import RandomWalk
 
 Verdict = Literal[
     "missing_effect",
@@ -26,7 +26,7 @@ HEADLINES: dict[Verdict, str] = {
     "sensor_fault": "A sensor is at fault",
     "nothing_missing": "Nothing is missing",
     "unknown_effect": "Something is missing that has no name here",
-    "unconfirmed": "A misfit that no effect here foretells",
+    "unconfirmed": "A misfit that no effect here predicts",
     "driven": "The motion is driven",
     "not_enough_data": "Not enough data",
 }
@@ -39,7 +39,7 @@ class Judgement:
     `ranked` are the candidates, what the verdict names first; `together` the second effect where it takes two; `final`
     the fit with what was found; `shape` the free form, when something is missing that has no name. `corrected` tells
     that a fault which every fit corrects decides, not a candidate that was tried. `confirmation` is what curves
-    foretell, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
+    predict, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
     too small to be named; 0 where that is not so. `wander` is what a slow walk of spring and damper explains, where a
     name is not told from it, or where it is what is left beside a name; None elsewhere.
     """
@@ -52,7 +52,7 @@ class Judgement:
     corrected: bool = False
     confirmation: Confirmation | None = None
     too_small: float = 0.0
-    wander: Wander | None = None
+    walk: RandomWalk | None = None
 
 
 def verdict_of(candidate: Candidate) -> Verdict:

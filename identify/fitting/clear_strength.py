@@ -13,21 +13,21 @@ _RIDGE = 1e-9
 """Added to a correlation matrix of parameters, so that it has an inverse."""
 
 
-def is_clear(whole: Fit, term: Term, *, foretold: bool) -> bool:
+def is_clear(whole: Fit, term: Term, *, predicted: bool) -> bool:
     """Whether the strength of an effect differs from none by some errors of the misfit that is there.
 
-    Of one that curves have `foretold` the inner parameters are held at their values: at no strength they mean nothing, and
+    Of one that curves have `predicted` the inner parameters are held at their values: at no strength they mean nothing, and
     with them free a strength that they trade with (a friction's stiffness and the displacement over which it gives way)
     is unsure however sure the force is (Davies 1977). Of any other they count as fitted: they bend to any guess. Of a
-    foretold one the misfit counts as white noise: the prediction is its evidence, and the free run need only bear it out.
+    predicted one the misfit counts as white noise: the prediction is its evidence, and the free run need only bear it out.
     """
-    errors = as_white_misfit(whole) if foretold else with_misfit_errors(whole)
+    errors = as_white_misfit(whole) if predicted else with_misfit_errors(whole)
     name = str(term.strength)
     strength = errors.values[name]
     if not np.isfinite(strength.std):
         return False
     sureness = 1.0
-    if foretold:
+    if predicted:
         own = [
             i
             for i, u in enumerate(errors.unknowns)

@@ -1,6 +1,6 @@
 """Cycle by cycle: what a residual and the columns of its Jacobian hold at the frequency of the motion.
 
-What a model leaves beyond noise wanders slowly beside the motion, in amplitude and phase. In each cycle of the modelled
+What a model leaves beyond noise drifts slowly beside the motion, in amplitude and phase. In each cycle of the modelled
 motion two numbers hold that, along an orthonormal pair of its cosine and sine; so a record of thousands of readings is
 small enough for the correlation of its misfit to be measured.
 """

@@ -54,7 +54,7 @@ class _Step:
 
     @property
     def as_predicted(self) -> bool:
-        """Whether the Jacobian foretold the gain well enough to be kept."""
+        """Whether the Jacobian predicted the gain well enough to be kept."""
         return self.gained > _AS_PREDICTED * self.predicted
 
 
@@ -94,7 +94,7 @@ def minimise(
         slow = slow + 1 if goal > 0.0 and step.gained < _CREEPS * (cost - goal) else 0
         if (
             settled or slow > 1
-        ):  # the Jacobian that foretold so small a step holds at its end, unless damping made it small
+        ):  # the Jacobian that predicted so small a step holds at its end, unless damping made it small
             exact = exact and step.damping <= _UNDAMPED and settled
             break
         if step.as_predicted:

@@ -11,9 +11,9 @@ import numpy as np
 
 from identify.arrays import Array, Mask
 from identify.fitting.cycle_sums import CycleSums, cycle_sums
+from identify.fitting.drifting_misfit import scatter_of_scores
 from identify.fitting.fit import Fit
 from identify.fitting.release_spread import spread_of_releases
-from identify.fitting.wandering_misfit import scatter_of_scores
 
 _REACH = 0.5
 """Distance, in units of the motion's frequency, up to which a bin counts."""

@@ -1,4 +1,4 @@
-"""Prediction: what physics that is held foretells of a release that it was not fitted to."""
+"""Prediction: what physics that is held predicts of a release that it was not fitted to."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -48,7 +48,7 @@ def predict(
     *,
     hold: bool = False,
 ) -> Prediction:
-    """Return what a model with its values foretells of one release; long ones in the segments that a fit sees.
+    """Return what a model with its values predicts of one release; long ones in the segments that a fit sees.
 
     A long one may be given as its segments.
 
@@ -81,7 +81,7 @@ def predict_windows(
     start: Mapping[str, float],
     frequency: float,
 ) -> Prediction:
-    """Return what `held` values foretell of the windows of one release; arguments as `predict`.
+    """Return what `held` values predict of the windows of one release; arguments as `predict`.
 
     `start` are values of all unknowns by name, as they are called in a fit of these windows alone; the motion has an
     angular `frequency` (rad/s). Spring and damper may differ where the windows say so.

@@ -1,7 +1,7 @@
 """Segments: a long record is fitted in pieces, each with a start of its own.
 
 Over hundreds of cycles a clock, a temperature or a draught may move the phase by more than any force does, and a free
-run from one start would take it for a force. Pieces share the physics and forgive the wandering between them. A start
+run from one start would take it for a force. Pieces share the physics and forgive the drift between them. A start
 of its own costs a piece the phase that ties it to the others: the stiffness from p pieces is p times less certain than
 from one. So pieces are as long as the phase keeps in step, which the record itself tells.
 """
@@ -12,12 +12,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from identify.fitting.phase_wander import wanders
+from identify.fitting.phase_walk import drifts
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 
 _LONG_CYCLES = 60.0
-_WANDERING_CYCLES = 12.0
+_DRIFTING_CYCLES = 12.0
 _SHORTEST_CYCLES = 4.0
 _MOST = 6
 """Pieces: each has six unknowns of its own, and what they cost grows with the square of their number."""
@@ -64,7 +64,7 @@ def segments_by_release(decays: Sequence[PreparedDecay]) -> tuple[tuple[int, ...
 def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
     """Return a long release as segments that cover it without a gap; a short one as it is.
 
-    Segments have 60 cycles, the last what remains; or, where the phase wanders, twelve cycles or more, all of one length,
+    Segments have 60 cycles, the last what remains; or, where the phase drifts, twelve cycles or more, all of one length,
     at most six of them. Of a release of more than 240 cycles as many are taken, spread evenly
     over it. A driven motion is kept in step by its force, and stays whole.
     """
@@ -72,7 +72,7 @@ def segments(prepared: PreparedDecay) -> tuple[PreparedDecay, ...]:
     cycle = 2.0 * np.pi / prepared.frequency * window.rate
     if window.segment or window.force is not None or n / cycle < _LONG_CYCLES:
         return (prepared,)
-    bounds = _bounds(n, cycle, wandering=wanders(prepared))
+    bounds = _bounds(n, cycle, drifting=drifts(prepared))
     share = sum(last - first for first, last in bounds) / n
     return tuple(_segment(prepared, first, last, share) for first, last in bounds)
 
@@ -117,14 +117,14 @@ def _counted(prepared: PreparedDecay, release: int) -> PreparedDecay:
     return replace(prepared, window=window.with_(release=release))
 
 
-def _bounds(n: int, cycle: float, *, wandering: bool) -> list[tuple[int, int]]:
+def _bounds(n: int, cycle: float, *, drifting: bool) -> list[tuple[int, int]]:
     """Return the first sample of each segment and one past its last."""
     if n / cycle > _MOST_CYCLES:
-        count = _MOST if wandering else round(_MOST_CYCLES / _LONG_CYCLES)
+        count = _MOST if drifting else round(_MOST_CYCLES / _LONG_CYCLES)
         length = int(_MOST_CYCLES / count * cycle)
         return [(int(first), int(first) + length) for first in np.linspace(0, n - length, count)]
-    if wandering:
-        count = min(int(n / cycle / _WANDERING_CYCLES), _MOST)
+    if drifting:
+        count = min(int(n / cycle / _DRIFTING_CYCLES), _MOST)
         return list(pairwise(np.linspace(0, n, count + 1).astype(int).tolist()))
     edges = np.arange(0.0, n - _SHORTEST_CYCLES * cycle, _LONG_CYCLES * cycle).astype(int).tolist()
     return list(pairwise([*edges, n]))

@@ -1,4 +1,4 @@
-"""Validation: whether a model foretells releases that it was not fitted to, and better than the usual model does."""
+"""Validation: whether a model predicts releases that it was not fitted to, and better than the usual model does."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -32,13 +32,13 @@ STRANGE = 50.0
 BASIS: dict[UsualFrom, str] = {
     "the_same_releases": "the usual model was fitted to the same releases as the model",
     "the_other_releases": "the usual model has the medians of what it finds on each of the other releases",
-    "the_release_itself": "the usual model was fitted to this very release and foretells nothing, which favours it",
+    "the_release_itself": "the usual model was fitted to this very release and predicts nothing, which favours it",
 }
 
 
 @dataclass(frozen=True)
 class Validated:
-    """What a model and the usual one foretell of release `index` (from 0)."""
+    """What a model and the usual one predict of release `index` (from 0)."""
 
     index: int
     model: Prediction
@@ -57,7 +57,7 @@ class Validated:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Validation(Summarised):
-    """What a model foretells of some releases, beside the usual model; `usual_from` says what that was fitted to.
+    """What a model predicts of some releases, beside the usual model; `usual_from` says what that was fitted to.
 
     `held` tells that the linear spring and damper were held too.
     """
@@ -145,7 +145,7 @@ def validate(
     hold: bool = False,
     progress: Callable[[Validated], None] = lambda one: None,
 ) -> Validation:
-    """Return what a model with its values foretells of releases, beside the usual model under the same rule.
+    """Return what a model with its values predicts of releases, beside the usual model under the same rule.
 
     `values` and `hold` are as for `predict`. `fitted_to` are the releases that the model was fitted to: the usual model
     is fitted to them too. Where they are not at hand it takes the medians of what it finds on each of the other
@@ -154,7 +154,7 @@ def validate(
     """
     whole = prepared_of(decays)
     if not whole:
-        raise NotIdentifiable("There is no release to foretell.")
+        raise NotIdentifiable("There is no release to predict.")
     _check_units(model, whole)
     each = [fit_baseline(segments_of(decay), base_model()) for decay in whole]
     usual, basis = _usual(each, prepared_of(fitted_to))
@@ -189,7 +189,7 @@ def at_floor(found: Baseline) -> tuple[PreparedDecay, ...]:
 def _usual(
     alone: Sequence[Baseline], fitted_to: tuple[PreparedDecay, ...]
 ) -> tuple[list[dict[str, float]], UsualFrom]:
-    """Return the parameters of the usual model with which each release is foretold, and where they are from.
+    """Return the parameters of the usual model with which each release is predicted, and where they are from.
 
     `alone` are its fits to each release by itself.
     """

@@ -7,7 +7,7 @@ from identify.arrays import Array, Mask
 
 PENALTY_ORDER = 4
 _RISE = 1.4
-_WANDERS = 0.75
+_DRIFTS = 0.75
 """Share of the misfit left by a corner 1.4 times as high: 0.43 for a jump in the acceleration, 0.84 for a random walk."""
 
 _PENALTY = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
@@ -55,7 +55,7 @@ def smooth_to_noise(
 
     `frequency` of the oscillation and the corner are in cycles per sample. The corner starts at five times the frequency,
     where the oscillation itself loses 3e-6, and rises until the misfit is the noise within four per cent, or hardly
-    falls any more: a motion's harmonics fall quickly, if only as the jumps of dry friction do, a sensor's wandering slowly.
+    falls any more: a motion's harmonics fall quickly, if only as the jumps of dry friction do, a sensor drifts slowly.
     Of a `loud` channel it starts where the oscillation loses a tenth of the noise: closer by, noise is all that is added.
     """
     weights = np.ones(len(values), dtype=bool) if known is None else known
@@ -66,7 +66,7 @@ def smooth_to_noise(
     while corner < 0.3 and misfit > 1.04 * noise:
         closer = smooth(values, _RISE * corner, known)
         left = _rms((values - closer)[weights])
-        if left > _WANDERS * misfit:
+        if left > _DRIFTS * misfit:
             break
         corner, smoothed, misfit = _RISE * corner, closer, left
     return smoothed, min(corner, 0.5)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 @click.option(
     "--auto", is_flag=True, help="Add what is missing until the noise floor is reached; say why it stops."
 )
-@click.option("--to", "number", type=click.IntRange(min=0), metavar="N", help="Go back to rung N.")
+@click.option("--to", "number", type=click.IntRange(min=0), metavar="N", help="Go back to step N.")
 @click.option("--reset", is_flag=True, help="Begin the ladder again.")
 @MODEL
 @EFFECTS
@@ -53,7 +53,7 @@ def command(
 ) -> None:
     """Add an effect to the model of SESSION and watch the error fall.
 
-    The model, and every rung of the ladder that led to it, are kept in the
+    The model, and every step of the ladder that led to it, are kept in the
     session. Without an option the ladder is printed.
     """
     _refuse_several({"--add": added, "--remove": removed, "--auto": auto, "--to": number is not None})
@@ -95,7 +95,7 @@ def command(
         from station.operations import viewer_tabs
 
         if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
-            progress("the viewer shows the ladder: one tab a rung")
+            progress("the viewer shows the ladder: one tab a step")
 
 
 def _refuse_several(steps: "Mapping[str, object]") -> None:

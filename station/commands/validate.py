@@ -1,4 +1,4 @@
-"""`station validate`: what a model foretells of sessions that it was not fitted to."""
+"""`station validate`: what a model predicts of sessions that it was not fitted to."""
 
 from pathlib import Path
 
@@ -23,12 +23,12 @@ def command(
     hold: bool,
     as_json: bool,
 ) -> None:
-    """Say how well a model foretells sessions that it was not fitted to.
+    """Say how well a model predicts sessions that it was not fitted to.
 
     MODEL is a model file, or a session that was refined or diagnosed. Its
     physics is held; start, zero, lag, gain and offsets of each SESSION are
     refitted, and the linear spring and viscous part within 1 % and 100 %.
-    The usual model foretells under the same rule.
+    The usual model predicts under the same rule.
     """
     from station.operations.validating import validate_sessions
     from station.settings import load_settings

@@ -13,7 +13,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.results.documents import read_document
 from station.results.identification_document import NAME, IdentificationDocument
-from station.results.ladder import KeptRung, read_ladder
+from station.results.ladder import KeptStep, read_ladder
 from station.results.models import KnownModel, known_model, read_model, starting_values
 
 USUAL, IDENTIFIED, REFINED = "usual", "identified", "refined"
@@ -53,7 +53,7 @@ def current_model(
     if None in tops or len({tuple(top.effects) for top in tops if top}) > 1:
         remark = "The sessions were refined differently. To begin with the model of one: --model FILE."
         return CurrentModel(base_model(), remark=remark)
-    return model_of_rung(next(top for top in tops if top), library)
+    return model_of_step(next(top for top in tops if top), library)
 
 
 def first_model(
@@ -77,15 +77,15 @@ def first_model(
     if name == REFINED:
         tops = _refined(sessions)
         _alike(sessions, [() if top is None else tuple(top.effects) for top in tops], "refined", "refine")
-        return model_of_rung(next(top for top in tops if top), library)
+        return model_of_step(next(top for top in tops if top), library)
     known = read_model(file, library)
     return CurrentModel(known.model, f"the model of {file}", known.values, known.expressions)
 
 
-def model_of_rung(rung: KeptRung, library: tuple[Effect, ...] = LIBRARY) -> CurrentModel:
-    """Return the model of a rung of a ladder, with its values."""
-    known = known_model(rung.model, "the ladder", library)
-    return CurrentModel(known.model, rung.begun_with or f"the {rung.name}", known.values, known.expressions)
+def model_of_step(step: KeptStep, library: tuple[Effect, ...] = LIBRARY) -> CurrentModel:
+    """Return the model of a step of a ladder, with its values."""
+    known = known_model(step.model, "the ladder", library)
+    return CurrentModel(known.model, step.begun_with or f"the {step.name}", known.values, known.expressions)
 
 
 def kept_identification(session: Session) -> IdentificationDocument | None:
@@ -104,7 +104,7 @@ def model_of(names: Sequence[str]) -> Model:
     return Model(tuple(Term(find_effect(name)) for name in names))
 
 
-def _refined(sessions: Sequence[Session]) -> list[KeptRung | None]:
+def _refined(sessions: Sequence[Session]) -> list[KeptStep | None]:
     ladders = [read_ladder(session) for session in sessions]
     return [None if ladder is None else ladder.top for ladder in ladders]
 

@@ -16,7 +16,7 @@ from station.results.identification_document import NAME, IdentificationDocument
 from station.settings import Settings
 from station.story.adequacy import recording_doubt
 from station.story.identification import Identification
-from station.story.pipeline import identify, judged
+from station.story.pipeline import identify, with_adequacy
 from station.story.preparation import Options, options_for, prepare_recording
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def identify_session(session: Session, options: Options) -> tuple[Identification
     result = identify(recording, options)
     try:
         prepared = with_floor(session, prepare_recording(recording, options))
-        result = judged(result, prepared, _doubt(session))
+        result = with_adequacy(result, prepared, _doubt(session))
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result, options)

@@ -97,7 +97,7 @@ def play(
 
         opened = open_refinement(solved.session, settings)
         if show(opened, url):
-            progress("the viewer shows the ladder: one tab a rung")
+            progress("the viewer shows the ladder: one tab a step")
 
 
 def solve(

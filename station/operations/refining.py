@@ -7,7 +7,7 @@ import numpy as np
 
 from daq.session import Session
 from identify.diagnosis.curve_of_rest import curve_of_rest
-from identify.diagnosis.ladder import Rung, add_effect, first_rung, remove_effect, share_explained
+from identify.diagnosis.ladder import Step, add_effect, first_step, remove_effect, share_explained
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
 from identify.formatting import plain_name, three_figures
@@ -18,7 +18,7 @@ from station.operations.current_model import first_model
 from station.operations.record_floor import prepare_with_floor
 from station.operations.session_set import whole_library
 from station.results.documents import Errors, seen
-from station.results.ladder import LADDER, KeptLadder, KeptRung, kept_rung, read_ladder, write_ladder
+from station.results.ladder import LADDER, KeptLadder, KeptStep, kept_step, read_ladder, write_ladder
 from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
 from station.story.pipeline import Progress, refine
@@ -58,21 +58,21 @@ def open_refinement(
     prepared = prepare_with_floor(session, settings, gain_percent)
     if ladder is None:
         begun = first_model((session,), model_file, library)
-        rung = first_rung((prepared,), begun.model, begun.start((prepared,)))
+        step = first_step((prepared,), begun.model, begun.start((prepared,)))
         ladder = KeptLadder(
             format=1,
-            rungs=(kept_rung(rung, begun.expressions, begun.words),),
+            steps=(kept_step(step, begun.expressions, begun.words),),
             present=0,
-            floor=floor_of(prepared, rung),
+            floor=floor_of(prepared, step),
             gain_percent=gain_percent,
             seen=replaced,
         )
     return Refinement(session, prepared, library, ladder)
 
 
-def floor_of(prepared: PreparedDecay, rung: Rung) -> Errors:
+def floor_of(prepared: PreparedDecay, step: Step) -> Errors:
     """Return what noise alone leaves of the three errors."""
-    motion, window = prepared.motion, rung.fit.windows[0]
+    motion, window = prepared.motion, step.fit.windows[0]
     used = moving(motion)
     channel = window.channels[0]
     noise = motion.noise_acceleration or 0.0
@@ -85,10 +85,10 @@ def floor_of(prepared: PreparedDecay, rung: Rung) -> Errors:
     )
 
 
-def rung_again(refinement: Refinement, rung: KeptRung) -> Rung:
-    """Return a kept rung with its fit, found again from its values."""
-    known = known_model(rung.model, "the ladder", refinement.library)
-    return first_rung((refinement.prepared,), known.model, known.values | rung.nuisances)
+def step_again(refinement: Refinement, step: KeptStep) -> Step:
+    """Return a kept step with its fit, found again from its values."""
+    known = known_model(step.model, "the ladder", refinement.library)
+    return first_step((refinement.prepared,), known.model, known.values | step.nuisances)
 
 
 def add(refinement: Refinement, wanted: str) -> KeptLadder:
@@ -97,7 +97,7 @@ def add(refinement: Refinement, wanted: str) -> KeptLadder:
     `measured_curve` adds what the model leaves as a spline over the coordinate that it depends on.
     """
     expressions = refinement.ladder.top.model.expressions
-    top = rung_again(refinement, refinement.ladder.top)
+    top = step_again(refinement, refinement.ladder.top)
     effect: Effect
     if wanted == MEASURED_CURVE:
         effect, line = curve_of_rest(top.baseline, _free_name(top.effects))
@@ -108,10 +108,10 @@ def add(refinement: Refinement, wanted: str) -> KeptLadder:
     else:
         effect = _found(wanted, refinement.library)
     try:
-        rung = add_effect(top, effect)
+        step = add_effect(top, effect)
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
-    return _extended(refinement, (kept_rung(rung, expressions),), _added(rung, effect.name))
+    return _extended(refinement, (kept_step(step, expressions),), _added(step, effect.name))
 
 
 def _free_name(taken: tuple[str, ...]) -> str:
@@ -123,22 +123,22 @@ def _free_name(taken: tuple[str, ...]) -> str:
 
 def remove(refinement: Refinement, name: str) -> KeptLadder:
     """Take an effect out of the present model."""
-    top = rung_again(refinement, refinement.ladder.top)
+    top = step_again(refinement, refinement.ladder.top)
     if name not in top.effects:
         raise UsageProblem(
             f"{name} is not in the model ({', '.join(top.effects)}){did_you_mean(name, top.effects)}"
         )
     if len(top.effects) == 1:
         raise UsageProblem(f"{name} is all that the model has; add something before removing it")
-    rung = remove_effect(top, name)
+    step = remove_effect(top, name)
     expressions = refinement.ladder.top.model.expressions
     return _extended(
-        refinement, (kept_rung(rung, expressions),), _manual(rung, f"{plain_name(name)} was taken out")
+        refinement, (kept_step(step, expressions),), _manual(step, f"{plain_name(name)} was taken out")
     )
 
 
 def refine_to_floor(refinement: Refinement, progress: Progress) -> KeptLadder:
-    """Add what is missing until nothing is; each rung is reported to `progress`."""
+    """Add what is missing until nothing is; each step is reported to `progress`."""
     top = refinement.ladder.top
     known = known_model(top.model, "the ladder", refinement.library)
     found = refine(
@@ -148,33 +148,33 @@ def refine_to_floor(refinement: Refinement, progress: Progress) -> KeptLadder:
         library=refinement.library,
         progress=progress,
     )
-    new = tuple(kept_rung(rung, top.model.expressions) for rung in found.rungs[1:])
+    new = tuple(kept_step(step, top.model.expressions) for step in found.steps[1:])
     return _extended(refinement, new, (found.stopped_because, found.verdict))
 
 
 def go_to(refinement: Refinement, number: int) -> KeptLadder:
-    """Make rung `number` (0 is the first) the present model; the rungs above it stay until something is added."""
+    """Make step `number` (0 is the first) the present model; the steps above it stay until something is added."""
     ladder = refinement.ladder
-    if not 0 <= number < len(ladder.rungs):
-        raise UsageProblem(f"--to {number}: the ladder has rungs 0 to {len(ladder.rungs) - 1}")
-    changed = ladder.with_(present=number, stopped_because=f"gone back to rung {number}", verdict=None)
+    if not 0 <= number < len(ladder.steps):
+        raise UsageProblem(f"--to {number}: the ladder has steps 0 to {len(ladder.steps) - 1}")
+    changed = ladder.with_(present=number, stopped_because=f"gone back to step {number}", verdict=None)
     if number == ladder.present:
         changed = ladder
     return write_ladder(refinement.session, changed)
 
 
-def _extended(refinement: Refinement, new: tuple[KeptRung, ...], why: tuple[str, str | None]) -> KeptLadder:
+def _extended(refinement: Refinement, new: tuple[KeptStep, ...], why: tuple[str, str | None]) -> KeptLadder:
     ladder = refinement.ladder
-    rungs = (*ladder.rungs[: ladder.present + 1], *new)
-    changed = ladder.with_(rungs=rungs, present=len(rungs) - 1, stopped_because=why[0], verdict=why[1])
+    steps = (*ladder.steps[: ladder.present + 1], *new)
+    changed = ladder.with_(steps=steps, present=len(steps) - 1, stopped_because=why[0], verdict=why[1])
     return write_ladder(refinement.session, changed)
 
 
-def _added(rung: Rung, name: str) -> tuple[str, str | None]:
+def _added(step: Step, name: str) -> tuple[str, str | None]:
     """Say what an effect that was added is worth."""
-    share = share_explained(rung, name)
+    share = share_explained(step, name)
     if share is None:
-        return _manual(rung, f"{plain_name(name)} was added")
+        return _manual(step, f"{plain_name(name)} was added")
     percent = "less than 0.01" if share < 1e-4 else three_figures(100.0 * share)
     return (
         f"{plain_name(name)} explains nothing ({percent} % of what is left, no more than chance would): take it out "
@@ -182,11 +182,11 @@ def _added(rung: Rung, name: str) -> tuple[str, str | None]:
     ), None
 
 
-def _manual(rung: Rung, done: str) -> tuple[str, str | None]:
-    if rung.at_floor:
+def _manual(step: Step, done: str) -> tuple[str, str | None]:
+    if step.at_floor:
         return f"{done}; the noise floor is reached", None
     return (
-        f"{done}; the model leaves {residual_words(rung.error.motion_percent, rung.error.chi_square)}",
+        f"{done}; the model leaves {residual_words(step.error.motion_percent, step.error.chi_square)}",
         None,
     )
 

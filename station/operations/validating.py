@@ -1,4 +1,4 @@
-"""Validate a model: what it foretells of sessions that it was not fitted to, beside the usual model."""
+"""Validate a model: what it predicts of sessions that it was not fitted to, beside the usual model."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,7 +50,7 @@ def validate_sessions(
     hold: bool = False,
     progress: Progress = silent,
 ) -> ValidationDocument:
-    """Foretell sessions by a model (a file, or a session that keeps one); keep the document in each of them.
+    """Predict sessions by a model (a file, or a session that keeps one); keep the document in each of them.
 
     Sessions that hold too little, and those that the model was fitted to, are skipped, which is said. Raises
     NotIdentifiable where all hold too little, UsageProblem where the model does not suit a session.
@@ -64,7 +64,7 @@ def validate_sessions(
     names = tuple(session.folder.name for session, _ in ready)
     decays = tuple(decay for _, decay in ready)
     own = _own_decays(given, settings)
-    progress(f"fitting the usual model, and foretelling {len(decays)} session{'s' * (len(decays) != 1)}")
+    progress(f"fitting the usual model, and predicting {len(decays)} session{'s' * (len(decays) != 1)}")
 
     def report(one: Validated) -> None:
         progress(
@@ -145,7 +145,7 @@ def _diagnosed_together(session: Session, diagnosis: DiagnosisDocument) -> tuple
 def _prepared(
     opened: tuple[Session, ...], given: GivenModel, settings: Settings, progress: Progress
 ) -> tuple[list[tuple[Session, PreparedDecay]], dict[str, str]]:
-    """Return the sessions that can be foretold, prepared, and why others cannot."""
+    """Return the sessions that can be predicted, prepared, and why others cannot."""
     own = {session.folder.resolve() for session in given.fitted_to}
     ready: list[tuple[Session, PreparedDecay]] = []
     skipped: dict[str, str] = {}
@@ -167,7 +167,7 @@ def _prepared(
         if set(skipped.values()) == {OWN}:
             raise UsageProblem(f"{', '.join(skipped)}: {OWN}; give sessions that it has not seen")
         raise NotIdentifiable(
-            f"no session can be foretold: {'; '.join(f'{n}: {r}' for n, r in skipped.items())}"
+            f"no session can be predicted: {'; '.join(f'{n}: {r}' for n, r in skipped.items())}"
         )
     return ready, skipped
 

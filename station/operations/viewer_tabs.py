@@ -7,7 +7,7 @@ from daq.session import Session
 from identify.diagnosis.diagnose import Diagnosis
 from station.exits import UsageProblem
 from station.operations.comparing import compare_session
-from station.operations.refining import Refinement, open_refinement, rung_again
+from station.operations.refining import Refinement, open_refinement, step_again
 from station.operations.session_curves import curves_as_measured, kept_curves
 from station.operations.session_set import SessionSet
 from station.output import progress
@@ -50,12 +50,12 @@ def kept_suspects_tab(refinement: Refinement) -> "Tab | None":
 
 
 def ladder_tab(refinement: Refinement, root: str = "/ladder") -> "Tab":
-    """Return the Ladder tab of a session; each rung's fit is found again from its values."""
+    """Return the Ladder tab of a session; each step's fit is found again from its values."""
     from station.views import ladder
     from station.views.tab import Tab
 
     kept = refinement.ladder
-    fits = tuple(rung_again(refinement, rung).fit for rung in kept.rungs[: kept.present + 1])
+    fits = tuple(step_again(refinement, step).fit for step in kept.steps[: kept.present + 1])
     fitted = ladder.FittedLadder(refinement.session.folder.name, kept, fits)
     return Tab(
         ladder.NAME, lambda stream: ladder.write(stream, fitted, root), lambda: ladder.tab(fitted, root)
@@ -140,7 +140,7 @@ def show_suspects(sessions: SessionSet, found: Diagnosis, document: DiagnosisDoc
 def show_ladder(refinement: Refinement, at: str | None = None) -> bool:
     """Show the ladder in the viewer `at` a URL, else in the one that is open, or in a new one; False where there is none.
 
-    Every call draws under a path of its own, since what a viewer has drawn of a rung before may differ.
+    Every call draws under a path of its own, since what a viewer has drawn of a step before may differ.
     """
     from station.views.open_viewer import url_or_new
 

@@ -11,7 +11,7 @@ from station.results.diagnosis_document import CurveDocument, DiagnosisDocument
 from station.results.diagnosis_fits import DiagnosisFits
 from station.results.ladder import KeptLadder
 from station.story.measured_curves import MeasuredCurve
-from station.text.ladder_text import step
+from station.text.ladder_text import step_words
 from station.views import plots
 from station.views.curve_panels import draw_panels
 from station.views.plots import PAPER, literal
@@ -27,11 +27,11 @@ def errors(document: DiagnosisDocument) -> str | None:
     return _residuals(known[: MOST_BARS + 1], spread, " with it added")
 
 
-def rungs(ladder: KeptLadder) -> str | None:
-    """Draw the residual rung by rung down to the floor."""
+def steps(ladder: KeptLadder) -> str | None:
+    """Draw the residual step by step down to the floor."""
     rows = [
-        (f"{place}: {step(rung)}", rung.error.chi2)
-        for place, rung in enumerate(ladder.rungs[: ladder.present + 1])
+        (f"{place}: {step_words(step)}", step.error.chi2)
+        for place, step in enumerate(ladder.steps[: ladder.present + 1])
     ]
     return _residuals([(n, v) for n, v in rows if v is not None], ladder.top.chi2_std, "")
 

@@ -62,7 +62,7 @@ def caution(compared: Compared) -> str:
         return ""
     return (
         f"This model leaves {residual_words(error.motion_percent, error.chi_square)}. The standard errors "
-        "allow for that as for a slow wander of the motion; a force that is missing may have moved the parameters by more."
+        "allow for that as for a slow drift of the motion; a force that is missing may have moved the parameters by more."
     )
 
 

@@ -9,7 +9,7 @@ from daq.session import Session
 from identify.errors import NotIdentifiable
 from station.exits import Problem, UsageProblem
 from station.operations.comparing import compare_session, compared_with
-from station.operations.current_model import model_of_rung
+from station.operations.current_model import model_of_step
 from station.operations.diagnosing import diagnose_sessions, keep
 from station.operations.identifying import identify_session, kept_options
 from station.operations.record_floor import prepare_with_floor
@@ -136,6 +136,6 @@ def _first(found: Findings, refinement: Refinement, settings: Settings) -> None:
     """Take the ladder, and compare the model that it began with."""
     ladder = found.ladder = refinement.ladder
     if ladder.present > 0 and found.compared is not None:
-        first = model_of_rung(ladder.rungs[0], refinement.library)
+        first = model_of_step(ladder.steps[0], refinement.library)
         mass = found.options.mass
         found.first = compared_with(found.session, settings, first, refinement.prepared, mass)

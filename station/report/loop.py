@@ -9,14 +9,14 @@ from station.text.curves_text import curves_caption
 from station.text.diagnosis_text import (
     STRENGTH_UNKNOWN,
     confirmed_by,
-    foretells,
     found_in_sensor,
     headline,
-    not_told_apart,
+    not_distinguishable,
+    predicts,
     shown_suspects,
     used,
 )
-from station.text.ladder_text import step
+from station.text.ladder_text import step_words
 from station.text.layout import sentence
 from station.text.numbers import (
     DASH,
@@ -29,8 +29,8 @@ from station.text.numbers import (
 from station.text.shares_text import WHICH, at_amplitude
 
 SUSPECTS = "Suspects: which effect is missing"
-LADDER = "The ladder: the error, rung by rung"
-FORETOLD = ("motion_percent", "phase_percent", "envelope_percent")
+LADDER = "The ladder: the error, step by step"
+PREDICTED = ("motion_percent", "phase_percent", "envelope_percent")
 MODELS = ("as it was", "with it")
 APART = "What could not be told apart, and the next recording"
 
@@ -50,7 +50,7 @@ def suspects(found: Findings) -> Section:
         parts.append(
             Paragraph(f"Beside the motion's, {seen}; one mode is followed here.", label="Other modes")
         )
-    parts += _foretold(document)
+    parts += _predicted(document)
     if document.suspects:
         rows = tuple(
             (
@@ -63,9 +63,7 @@ def suspects(found: Findings) -> Section:
             )
             for suspect in shown_suspects(document)
         )
-        reasons = (
-            ("explains, of the mean square",) if document.confirmation is None else ("foretells better",)
-        )
+        reasons = ("explains, of the mean square",) if document.confirmation is None else ("predicts better",)
         residual = ("residual [% of motion]", "residual / noise")
         head = ("effect", "what it is", *residual, *reasons, "parameters")
         parts.append(
@@ -90,14 +88,14 @@ def suspects(found: Findings) -> Section:
 
 
 def _reasons(document: DiagnosisDocument, suspect: SuspectDocument) -> tuple[str, ...]:
-    """Return why a suspect is one: by what it foretells where that was asked, else by what it would explain."""
+    """Return why a suspect is one: by what it predicts where that was asked, else by what it would explain."""
     if document.confirmation is not None:
-        return (foretells(document, suspect),)
+        return (predicts(document, suspect),)
     return (would_explain(document.error.chi2, suspect.error_after),)
 
 
-def _foretold(document: DiagnosisDocument) -> list[Part]:
-    """Show how well each release, or half of one, was foretold from the others."""
+def _predicted(document: DiagnosisDocument) -> list[Part]:
+    """Show how well each release, or half of one, was predicted from the others."""
     found = document.confirmation
     if found is None or found.driven:
         return []
@@ -110,13 +108,13 @@ def _foretold(document: DiagnosisDocument) -> list[Part]:
     rows = tuple(
         (
             name,
-            *(typeset_figures(getattr(errors, kind)) for kind in FORETOLD for errors in (usual, with_named)),
+            *(typeset_figures(getattr(errors, kind)) for kind in PREDICTED for errors in (usual, with_named)),
         )
         for name, usual, with_named in (*each, *whole)
     )
     head = (
         "left out",
-        *(f"{kind.removesuffix('_percent')}, {model}" for kind in FORETOLD for model in MODELS),
+        *(f"{kind.removesuffix('_percent')}, {model}" for kind in PREDICTED for model in MODELS),
     )
     caption = (
         "Error of the prediction of what was not fitted, in % of the motion: by the model that was asked about, and with "
@@ -178,12 +176,12 @@ def ladder(found: Findings) -> Section:
         return Section("ladder", LADDER, (left_out(found.left_out["ladder"]),))
     kept = found.ladder
     rows: list[tuple[str, ...]] = []
-    for place, rung in enumerate(kept.rungs[: kept.present + 1]):
-        before = kept.rungs[place - 1].error.times_noise if place else None
-        error = rung.error
+    for place, step in enumerate(kept.steps[: kept.present + 1]):
+        before = kept.steps[place - 1].error.times_noise if place else None
+        error = step.error
         rows.append(
             (
-                str(place), step(rung), typeset_figures(error.motion_percent), times(error.chi2),
+                str(place), step_words(step), typeset_figures(error.motion_percent), times(error.chi2),
                 change(before, error.times_noise) if place else "",
             )
         )  # fmt: skip
@@ -191,11 +189,11 @@ def ladder(found: Findings) -> Section:
     rows.append(
         ("", "noise alone", typeset_figures(floor.motion_percent), floor_words(kept.top.chi2_std), "")
     )  # fmt: skip
-    head = ("rung", "effect", "residual [% of motion]", "residual / noise", "change")
+    head = ("step", "effect", "residual [% of motion]", "residual / noise", "change")
     parts: list[Part] = [Table("The ladder", head, tuple(rows), texts=2)]
-    picture = draw.rungs(kept)
+    picture = draw.steps(kept)
     if picture is not None:
-        parts.append(Figure("The residual rung by rung (band: two standard errors of the floor).", picture))
+        parts.append(Figure("The residual step by step (band: two standard errors of the floor).", picture))
     if kept.stopped_because:
         parts.append(Paragraph(sentence(kept.stopped_because)))
     return Section("ladder", LADDER, tuple(parts))
@@ -207,10 +205,10 @@ def apart(found: Findings) -> Section:
     document = found.diagnosis
     if document is not None:
         if document.rivals:
-            parts.append(Paragraph(sentence(not_told_apart(document)), label="Not told apart"))
+            parts.append(Paragraph(sentence(not_distinguishable(document)), label="Not told apart"))
         elif document.named:
             others = (
-                "no other effect foretells it nearly as well."
+                "no other effect predicts it nearly as well."
                 if document.confirmed
                 else "every other suspect leaves clearly more than the one that was named."
             )

@@ -23,14 +23,14 @@ class PartErrors(PredictionErrors):
     part: str
 
 
-class ForetoldErrors(PredictionErrors):
+class PredictedErrors(PredictionErrors):
     """The medians over all releases, or the small amplitudes of one record; and each part."""
 
     by_part: list[PartErrors]
 
 
 class ConfirmedEffectDocument(Part):
-    """An effect that foretells: the error of what it explains, in % of the motion, without and with it.
+    """An effect that predicts: the error of what it explains, in % of the motion, without and with it.
 
     It is better on so many of the `parts` that were left out. Its evidence against the model without it is `nats`; `rivals`
     are not distinguishable from it.
@@ -60,8 +60,8 @@ class ConfirmationDocument(Part):
     driven: bool
     parts: int
     better: int
-    usual: ForetoldErrors
-    found: ForetoldErrors
+    usual: PredictedErrors
+    found: PredictedErrors
     effects: list[ConfirmedEffectDocument]
     undecided: dict[str, list[str]]
 
@@ -109,14 +109,14 @@ def _names(found: Confirmation, sessions: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(f"release {number}" for number in range(1, found.parts + 1))
 
 
-def _errors(held: HeldOut, names: tuple[str, ...]) -> ForetoldErrors:
+def _errors(held: HeldOut, names: tuple[str, ...]) -> PredictedErrors:
     by_part = [
         PartErrors(
             part=name, envelope_percent=one.envelope, phase_percent=one.phase, motion_percent=one.motion
         )
-        for name, one in zip(names, held.foretold, strict=True)
+        for name, one in zip(names, held.predicted, strict=True)
     ]
-    return ForetoldErrors(
+    return PredictedErrors(
         envelope_percent=held.typical("envelope"),
         phase_percent=held.typical("phase"),
         motion_percent=held.typical("motion"),

@@ -32,7 +32,7 @@ from station.results.documents import (
 )
 from station.results.models import ModelFile, model_file
 from station.results.shares_document import SharesDocument
-from station.results.wander_document import WanderDocument
+from station.results.walk_document import WalkDocument
 
 NAME = "diagnosis.json"
 MOST_POINTS = 40
@@ -86,8 +86,8 @@ class NoiseFloorDocument(Part):
 class SuspectDocument(Part):
     """One effect that the model may lack; `model` is the whole model with it, None where it is not fitted with it.
 
-    `confirmed` says whether it foretells what it was not fitted to, None where that was not asked or curves cannot show
-    it; `rivals` are effects that explain the record, or foretell, as well. `motion_percent` is what the model refitted
+    `confirmed` says whether it predicts what it was not fitted to, None where that was not asked or curves cannot show
+    it; `rivals` are effects that explain the record, or predict, as well. `motion_percent` is what the model refitted
     with it leaves of the motion, `error_after` the same as chi2.
     """
 
@@ -194,13 +194,13 @@ class ModeDocument(Part):
 class DiagnosisDocument(Document):
     """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named.
 
-    `confirmed` are those named effects that foretell what they were not fitted to, `confirmation` how well, None where
+    `confirmed` are those named effects that predict what they were not fitted to, `confirmation` how well, None where
     it was not asked. `fitted` is the model that was asked about, `final` the one with all that is named; None where nothing
     is.
     `differences` say in what several sessions, each alone, do not share their physics; None where it was not looked at.
     `used` says which part of each record was analysed; `modes` are other modes of the structure that it shows.
     `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
-    `wander` is a slow walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
+    `walk` is a random walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     `model_is` says which model it is that was diagnosed, `model_remark` why it is not the one that was identified.
     """
@@ -228,7 +228,7 @@ class DiagnosisDocument(Document):
     shares: list[SharesDocument] = Field(default_factory=list)
     used: list[UsedDocument] = Field(default_factory=list)
     of_sessions: list[ReleaseValueDocument] = Field(default_factory=list)
-    wander: WanderDocument | None = None
+    walk: WalkDocument | None = None
     modes: list[ModeDocument] = Field(default_factory=list)
     model_is: str = "the usual model"
     model_remark: str = ""
@@ -271,7 +271,7 @@ def diagnosis_document(
             "final": model_file(baseline.stated(found.final), expressions) if found.named else None,
             "shares": found.shares,
             "modes": found.modes,
-            "wander": found.wander,
+            "walk": found.walk,
             "used": _used(names, found),
             "of_sessions": [{"session": names[one.index]} | vars(one) for one in found.of_releases],
         }
@@ -282,7 +282,7 @@ def in_order(found: Diagnosis) -> list[Suspect]:
     """Return the suspects as they are shown everywhere: what is named, then its rivals, then by what each leaves.
 
     Those with values that make no sense, as hum at the motion's own frequency, come last. Where curves were asked, what
-    they foretell decides, and the diagnosis' own order stays.
+    they predict decides, and the diagnosis' own order stays.
     """
     if found.confirmation is not None:
         return list(found.suspects)

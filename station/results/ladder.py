@@ -1,4 +1,4 @@
-"""The ladder as it is kept in a session: every rung with its model, so that each can be gone back to."""
+"""The ladder as it is kept in a session: every step with its model, so that each can be gone back to."""
 
 from typing import Any, Self
 
@@ -6,7 +6,7 @@ from pydantic import Field
 
 from daq.session import Session
 from daq.storage import digest
-from identify.diagnosis.ladder import Rung
+from identify.diagnosis.ladder import Step
 from station.exits import UsageProblem
 from station.results.documents import Document, Errors, Part, read_with_checksum, to_text
 from station.results.models import ModelFile, Value, model_file, written
@@ -17,11 +17,11 @@ MODEL = "model.json"
 REMEDY = "begin again with --reset"
 
 
-class KeptRung(Part):
-    """One rung: what was added or removed, the model with its values, and its errors.
+class KeptStep(Part):
+    """One step: what was added or removed, the model with its values, and its errors.
 
     `nuisances` are the release's own values (state at the start, lag, gain, offsets), from which the same fit is
-    found again at once. `begun_with` says which model it is that the ladder began with; "" above that rung.
+    found again at once. `begun_with` says which model it is that the ladder began with; "" above that step.
     """
 
     added: str = ""
@@ -59,12 +59,12 @@ class KeptRung(Part):
 
 
 class KeptLadder(Document):
-    """All rungs, the place of the present one, the floor, and why the refinement stopped.
+    """All steps, the place of the present one, the floor, and why the refinement stopped.
 
     `seen` is the checksum of the file that it was read from, or is to replace (None for no file); it is not kept.
     """
 
-    rungs: tuple[KeptRung, ...] = Field(min_length=1)
+    steps: tuple[KeptStep, ...] = Field(min_length=1)
     present: int = Field(ge=0)
     floor: Errors
     gain_percent: float | None = None
@@ -73,24 +73,24 @@ class KeptLadder(Document):
     seen: str | None = Field(default=None, exclude=True)
 
     @property
-    def top(self) -> KeptRung:
-        """The present rung."""
-        return self.rungs[self.present]
+    def top(self) -> KeptStep:
+        """The present step."""
+        return self.steps[self.present]
 
     def with_(self, **changes: Any) -> Self:
         """Return a copy with some fields replaced."""
         return self.model_copy(update=changes)
 
 
-def kept_rung(rung: Rung, expressions: tuple[str, ...], begun_with: str = "") -> KeptRung:
-    """Return a rung as it is kept; `begun_with` says of the first which model it is."""
-    return KeptRung(
-        added=rung.added,
-        removed=rung.removed,
-        model=model_file(rung.stated, expressions),
-        error=Errors.model_validate(rung.error),
-        chi2_std=rung.error.floor_std,
-        nuisances={name: found.value for name, found in rung.fit.nuisances.items()},
+def kept_step(step: Step, expressions: tuple[str, ...], begun_with: str = "") -> KeptStep:
+    """Return a step as it is kept; `begun_with` says of the first which model it is."""
+    return KeptStep(
+        added=step.added,
+        removed=step.removed,
+        model=model_file(step.stated, expressions),
+        error=Errors.model_validate(step.error),
+        chi2_std=step.error.floor_std,
+        nuisances={name: found.value for name, found in step.fit.nuisances.items()},
         begun_with=begun_with,
     )
 
@@ -101,9 +101,9 @@ def read_ladder(session: Session) -> KeptLadder | None:
     if found is None:
         return None
     ladder, checksum = found
-    if ladder.present >= len(ladder.rungs):
+    if ladder.present >= len(ladder.steps):
         raise UsageProblem(
-            f"{session.folder.name}: the present rung of results/{LADDER} is not among its {len(ladder.rungs)}; {REMEDY}"
+            f"{session.folder.name}: the present step of results/{LADDER} is not among its {len(ladder.steps)}; {REMEDY}"
         )
     return ladder.with_(seen=checksum)
 
@@ -120,24 +120,24 @@ def write_ladder(session: Session, ladder: KeptLadder) -> KeptLadder:
 
 
 def ladder_document(session: Session, ladder: KeptLadder) -> dict[str, Any]:
-    """Return the ladder under the keys that other programs rely on; the last rung is the present model."""
-    rungs = ladder.rungs[: ladder.present + 1]
+    """Return the ladder under the keys that other programs rely on; the last step is the present model."""
+    steps = ladder.steps[: ladder.present + 1]
     return {
         "format": ladder.format,
         "session": session.folder.name,
-        "rungs": [
+        "steps": [
             {
-                "added": rung.added or None,
-                "removed": rung.removed or None,
-                "effects": rung.effects,
-                "error": rung.error.model_dump() | {"chi2_std": rung.chi2_std},
-                "parameters": {name: value.model_dump() for name, value in rung.parameters.items()},
+                "added": step.added or None,
+                "removed": step.removed or None,
+                "effects": step.effects,
+                "error": step.error.model_dump() | {"chi2_std": step.chi2_std},
+                "parameters": {name: value.model_dump() for name, value in step.parameters.items()},
             }
-            for rung in rungs
+            for step in steps
         ],
         "floor": ladder.floor.model_dump(),
         "stopped_because": ladder.stopped_because,
         "verdict": ladder.verdict,
-        "rungs_above": len(ladder.rungs) - len(rungs),
+        "steps_above": len(ladder.steps) - len(steps),
         "model_file": str(session.results / MODEL),
     }

@@ -22,7 +22,7 @@ class PredictionDocument(Part):
 
 
 class ValidatedDocument(Part):
-    """One session: what the model and the usual one foretell of it, and whether the model's is clearly better or worse."""
+    """One session: what the model and the usual one predict of it, and whether the model's is clearly better or worse."""
 
     session: str
     model: PredictionDocument
@@ -32,14 +32,14 @@ class ValidatedDocument(Part):
 
 
 class SkippedDocument(Part):
-    """A session that was not foretold, and why."""
+    """A session that was not predicted, and why."""
 
     session: str
     reason: str
 
 
 class ValidationDocument(Document):
-    """What a model foretells of sessions that it was not fitted to, beside the usual model.
+    """What a model predicts of sessions that it was not fitted to, beside the usual model.
 
     `source` is the file or session that the model is from and `fitted_to` the sessions that it was fitted to, as far as
     that is known; `usual_from` says where the usual model's values are from; `held` that linear spring and damper were
@@ -69,7 +69,7 @@ def validation_document(
     names: tuple[str, ...],
     skipped: dict[str, str],
 ) -> ValidationDocument:
-    """Return a validation as it is kept; `names` are those of the sessions foretold, `skipped` says why others were not."""
+    """Return a validation as it is kept; `names` are those of the sessions predicted, `skipped` says why others were not."""
     return ValidationDocument(
         format=1,
         source=source,

@@ -16,7 +16,7 @@ class Compared:
     is not another.
 
     `judged` is the fit by which the model is judged, as everywhere: that of the pieces of a long record, in which the
-    phase wanders by more than forces move it; of a short one `baseline` itself, one free run over the whole record.
+    phase drifts by more than forces move it; of a short one `baseline` itself, one free run over the whole record.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Compared:
             f"The record is long: it is judged in {self.pieces} pieces that share the physics, each begun anew. "
             f"In one run over {seen.horizon_cycles:.0f} cycles the same model leaves "
             f"{residual_words(seen.motion_error, seen.chi_square)}, since "
-            "there the phase may wander with clock and temperature; places and cycles are those of that run."
+            "there the phase may drift with clock and temperature; places and cycles are those of that run."
         )
 
     @property

@@ -1,11 +1,11 @@
 """The whole way from a recording to the ladder, one function a step; each takes the values that the last one returned.
 
 - `identify`: recording -> release, noise, alignment, wavelet, restoring force
-- `judged`: identification, prepared decay -> the same with the judgement on its own model
+- `with_adequacy`: identification, prepared decay -> the same with the judgement on its own model
 - `prepare_session`: session -> a release that can be fitted (station.story.preparation)
 - `compare`: prepared decay, model -> the fitted model, and where it fails
 - `diagnose`: prepared decays, model -> what the model lacks
-- `refine`: prepared decay, model -> the ladder: the error, rung by rung, as effects are added
+- `refine`: prepared decay, model -> the ladder: the error, step by step, as effects are added
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from daq.recording import Recording
 from identify.comparison.compare import compare_fitted as compare_baseline
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.diagnose import diagnose as diagnose_decays
-from identify.diagnosis.ladder import Ladder, Rung
+from identify.diagnosis.ladder import Ladder, Step
 from identify.diagnosis.refine import refine as refine_decay
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
@@ -124,7 +124,7 @@ def _with_the_same_orders(
     return wavelet, force
 
 
-def judged(result: Identification, prepared: PreparedDecay, doubt: str = "") -> Identification:
+def with_adequacy(result: Identification, prepared: PreparedDecay, doubt: str = "") -> Identification:
     """Return an identification with the judgement on its own model; as it is where nothing was identified.
 
     `doubt` is what the verdict on the recording holds against its values.
@@ -195,11 +195,11 @@ def refine(
     library: tuple[Effect, ...] = LIBRARY,
     progress: Progress = silent,
 ) -> Ladder:
-    """Add what is missing until nothing is; the first rung is the model itself."""
+    """Add what is missing until nothing is; the first step is the model itself."""
 
-    def on_rung(rung: Rung, sentence: str) -> None:
-        names = " + ".join(plain_name(name) for name in rung.effects)
-        left = residual_words(rung.error.motion_percent, rung.error.chi_square)
+    def on_step(step: Step, sentence: str) -> None:
+        names = " + ".join(plain_name(name) for name in step.effects)
+        left = residual_words(step.error.motion_percent, step.error.chi_square)
         progress(f"{sentence}: {left} ({names})")
 
-    return refine_decay(prepared, model, library=library, known=known, progress=on_rung)
+    return refine_decay(prepared, model, library=library, known=known, progress=on_step)

@@ -59,28 +59,28 @@ def show_diagnosis(
 
 def _residuals(document: DiagnosisDocument, floor: NoiseFloorDocument, full: bool) -> Table:
     """Return what the model leaves, what it leaves with each suspect, in their order, and what noise alone leaves."""
-    foretold = document.confirmation is not None
+    predicted = document.confirmation is not None
     error, named = document.error, document.error_with_named
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
     table.add_column(f"residual of a free run\nover {error.horizon_s or 0.0:.1f} s", overflow="fold")
-    for head in ("% of the\nmotion", "times the\nnoise", *["foretells"] * foretold, *["chi-\nsquare"] * full):
+    for head in ("% of the\nmotion", "times the\nnoise", *["predicts"] * predicted, *["chi-\nsquare"] * full):
         table.add_column(head, justify="right", no_wrap=True)
     rows = [(document.model_is, error.motion_percent, error.chi2, "", "")]
     if named is not None and len(document.named) > 1:
         rows.append(("+ all that is named", named.motion_percent, named.chi2, "", ""))
     rows += [
-        (f"+ {s.effect}", s.motion_percent, s.error_after, foretells(document, s), "" if s.claimed else "dim")
+        (f"+ {s.effect}", s.motion_percent, s.error_after, predicts(document, s), "" if s.claimed else "dim")
         for s in shown_suspects(document, MOST_SUSPECTS if full else FEW_SUSPECTS)
     ]
     for name, motion, chi2, word, style in rows:
-        cells = [name, three_figures(motion), times(chi2), *[word] * foretold, *[three_figures(chi2)] * full]
+        cells = [name, three_figures(motion), times(chi2), *[word] * predicted, *[three_figures(chi2)] * full]
         table.add_row(*(Text(cell, style=style) for cell in cells))
     table.add_row(Text("noise alone"), "", Text(floor_words(floor.chi2_std)), style="green")
     return table
 
 
-def foretells(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
-    """Return on how many of the parts that were left out a suspect foretells better, in a word or two; "-" if not asked."""
+def predicts(document: DiagnosisDocument, suspect: SuspectDocument) -> str:
+    """Return on how many of the parts that were left out a suspect predicts better, in a word or two; "-" if not asked."""
     found = document.confirmation
     if found is None or suspect.confirmed is None:
         return DASH
@@ -97,7 +97,7 @@ def confirmed_by(document: DiagnosisDocument) -> str:
     found = document.confirmation
     if found is None or not document.confirmed:
         return ""
-    where = "parts of the record, each foretold from the rest" if found.one_record else "other releases"
+    where = "parts of the record, each predicted from the rest" if found.one_record else "other releases"
     what = "all but the large amplitudes" if found.one_record else "the prediction"
     before, after = found.usual.motion_percent, found.found.motion_percent
     return (
@@ -106,7 +106,7 @@ def confirmed_by(document: DiagnosisDocument) -> str:
     )
 
 
-def foretold_parts(document: DiagnosisDocument) -> str:
+def predicted_parts(document: DiagnosisDocument) -> str:
     """Return the error of the prediction on each part that was left out, in % of the motion; "" where it was not asked."""
     found = document.confirmation
     if found is None or found.driven:
@@ -189,11 +189,11 @@ def _facts(document: DiagnosisDocument, full: bool) -> list[tuple[str, str]]:
     if document.modes:
         seen = " and ".join(mode.words for mode in document.modes)
         facts.append(("modes", f"beside the motion's, {seen}; one mode is followed here"))
-    foretold = foretold_parts(document) if full else ""
-    if foretold:
-        facts.append(("foretold", foretold))
+    predicted = predicted_parts(document) if full else ""
+    if predicted:
+        facts.append(("predicted", predicted))
     if document.rivals:
-        facts.append(("the same", not_told_apart(document)))
+        facts.append(("the same", not_distinguishable(document)))
     facts += [
         ("sensor", f"{found_in_sensor(finding)}; {finding.what_to_do}") for finding in document.findings
     ]
@@ -241,7 +241,7 @@ def used(document: DiagnosisDocument) -> str:
     return "; ".join([whole, *cut])
 
 
-def not_told_apart(document: DiagnosisDocument) -> str:
+def not_distinguishable(document: DiagnosisDocument) -> str:
     """Return which suspects explain the record as well as the one that is named."""
     records = "this record does" if len(document.sessions) < 2 else "these records do"
     rivals = among([plain_name(name) for name in document.rivals], "or")

@@ -1,4 +1,4 @@
-"""The ladder in the terminal: rung by rung what was added, the three errors, what changed; the floor comes last."""
+"""The ladder in the terminal: step by step what was added, the three errors, what changed; the floor comes last."""
 
 import math
 
@@ -7,7 +7,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from station.results.ladder import KeptLadder, KeptRung
+from station.results.ladder import KeptLadder, KeptStep
 from station.story.engineering_values import Weighing
 from station.story.residual import floor_words, times
 from station.text.layout import sentence
@@ -18,12 +18,12 @@ NOTICED = 2.0
 
 
 def show_ladder(console: Console, name: str, ladder: KeptLadder, weighing: Weighing | None = None) -> None:
-    """Print the ladder of a session up to the present rung, and which rungs are above it.
+    """Print the ladder of a session up to the present step, and which steps are above it.
 
     With a `weighing` the strengths that changed stand in N, kg and s beside those per unit mass.
     """
     console.print()
-    console.print(Text(f" {name}: the error, rung by rung", style="bold"))
+    console.print(Text(f" {name}: the error, step by step", style="bold"))
     console.print()
     console.print(Padding(_table(ladder), (0, 0, 0, 1)))
     console.print()
@@ -34,25 +34,25 @@ def show_ladder(console: Console, name: str, ladder: KeptLadder, weighing: Weigh
 
 def _table(ladder: KeptLadder) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
-    table.add_column("rung", justify="right")
+    table.add_column("step", justify="right")
     table.add_column("effect", no_wrap=True)
     table.add_column("residual, %\nof the motion", justify="right")
     table.add_column("times the\nnoise", justify="right", no_wrap=True)
     table.add_column("change", justify="right")
-    before: KeptRung | None = None
-    for place, rung in enumerate(ladder.rungs):
+    before: KeptStep | None = None
+    for place, step in enumerate(ladder.steps):
         above = place > ladder.present
         style = "dim" if above else "bold" if place == ladder.present else ""
-        error = rung.error
+        error = step.error
         cells = (
             str(place),
-            step(rung),
+            step_words(step),
             three_figures(error.motion_percent),
             times(error.chi2),
             "" if before is None else change(before.error.times_noise, error.times_noise),
         )
         table.add_row(*(Text(cell, style=style) for cell in cells))
-        before = rung
+        before = step
     floor = (
         "",
         "noise alone",
@@ -64,16 +64,16 @@ def _table(ladder: KeptLadder) -> Table:
     return table
 
 
-def step(rung: KeptRung) -> str:
-    """Return what a rung did to the model."""
-    if rung.added:
-        return f"+ {rung.added}"
-    if rung.removed:
-        return f"- {rung.removed}"
-    return rung.began
+def step_words(step: KeptStep) -> str:
+    """Return what a step did to the model."""
+    if step.added:
+        return f"+ {step.added}"
+    if step.removed:
+        return f"- {step.removed}"
+    return step.began
 
 
-def changed_parameters(before: KeptRung, after: KeptRung, weighing: Weighing | None = None) -> list[str]:
+def changed_parameters(before: KeptStep, after: KeptStep, weighing: Weighing | None = None) -> list[str]:
     """Return the parameters that the step changed most, in standard errors of the fit before, and those it added."""
     found = []
     weighed = {} if weighing is None else _beside(after, weighing)
@@ -92,14 +92,14 @@ def changed_parameters(before: KeptRung, after: KeptRung, weighing: Weighing | N
     return [text for _, text in found[: new + MOST_CHANGED]]
 
 
-def _beside(rung: KeptRung, weighing: Weighing) -> dict[str, str]:
-    return {name: f", with the mass {words}" for name, words in with_mass(rung, weighing).items()}
+def _beside(step: KeptStep, weighing: Weighing) -> dict[str, str]:
+    return {name: f", with the mass {words}" for name, words in with_mass(step, weighing).items()}
 
 
-def with_mass(rung: KeptRung, weighing: Weighing) -> dict[str, str]:
-    """Return the strengths of a rung with the mass in them, as "13012 ± 2 N/m", by "effect.parameter"."""
+def with_mass(step: KeptStep, weighing: Weighing) -> dict[str, str]:
+    """Return the strengths of a step with the mass in them, as "13012 ± 2 N/m", by "effect.parameter"."""
     found = {}
-    for entry in rung.model.effects:
+    for entry in step.model.effects:
         name, value = next(iter(entry.parameters.items()), (None, None))
         if name is None or value is None:
             continue
@@ -112,11 +112,11 @@ def with_mass(rung: KeptRung, weighing: Weighing) -> dict[str, str]:
 def _below(ladder: KeptLadder, weighing: Weighing | None) -> list[str]:
     lines = []
     if ladder.present > 0:
-        before = ladder.rungs[ladder.present - 1]
+        before = ladder.steps[ladder.present - 1]
         lines += [f"changed: {text}" for text in changed_parameters(before, ladder.top, weighing)]
     if ladder.stopped_because:
         lines.append(sentence(ladder.stopped_because))
-    above = len(ladder.rungs) - 1 - ladder.present
+    above = len(ladder.steps) - 1 - ladder.present
     if above:
-        lines.append(f"{above} rung{'s' if above > 1 else ''} above: `--to N` goes there, adding drops them.")
+        lines.append(f"{above} step{'s' if above > 1 else ''} above: `--to N` goes there, adding drops them.")
     return lines

@@ -1,4 +1,4 @@
-"""The Ladder tab: a tab for each rung, whatever the time is; the model closes in, the bars fall to the floor."""
+"""The Ladder tab: a tab for each step, whatever the time is; the model closes in, the bars fall to the floor."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -9,9 +9,9 @@ import rerun.blueprint as rrb
 
 from identify.fitting.fit import Fit
 from identify.formatting import plain_name
-from station.results.ladder import KeptLadder, KeptRung
+from station.results.ladder import KeptLadder, KeptStep
 from station.story.measured_curves import MeasuredCurve, measured_curves
-from station.text.ladder_text import changed_parameters, step
+from station.text.ladder_text import changed_parameters, step_words
 from station.text.layout import sentence
 from station.text.numbers import scale, three_figures, with_unit
 from station.views import log, palette, plots
@@ -36,20 +36,20 @@ ERRORS = (
 
 @dataclass(frozen=True, eq=False)
 class FittedLadder:
-    """What the tab shows: the ladder of the session `name`, and the fit of each rung up to the present one."""
+    """What the tab shows: the ladder of the session `name`, and the fit of each step up to the present one."""
 
     name: str
     ladder: KeptLadder
     fits: tuple[Fit, ...]
 
     @property
-    def rungs(self) -> tuple[KeptRung, ...]:
-        """The rungs up to the present one."""
-        return self.ladder.rungs[: len(self.fits)]
+    def steps(self) -> tuple[KeptStep, ...]:
+        """The steps up to the present one."""
+        return self.ladder.steps[: len(self.fits)]
 
 
 def write(stream: rr.RecordingStream, fitted: FittedLadder, root: str = ROOT) -> None:
-    """Log each rung under a path of its own; `root` is another one each time the ladder has changed."""
+    """Log each step under a path of its own; `root` is another one each time the ladder has changed."""
     close_up = _close_up(fitted)
     reach = _reach(fitted)
     for place in range(len(fitted.fits)):
@@ -57,7 +57,7 @@ def write(stream: rr.RecordingStream, fitted: FittedLadder, root: str = ROOT) ->
         window = fitted.fits[place].windows[0]
         left = {c: fitted.fits[place].residual(c) for c in window.channels}
         log.picture(stream, f"{here}/motion", _motion(fitted, place, close_up, reach), left)
-        errors = {name: [getattr(fitted.rungs[place].error, name)] for name, _ in ERRORS}
+        errors = {name: [getattr(fitted.steps[place].error, name)] for name, _ in ERRORS}
         log.picture(stream, f"{here}/errors", _errors(fitted, place), errors)
         for curve in _curves(fitted, place):
             drawn, (axis,) = figure(5.4, 3.6)
@@ -67,8 +67,8 @@ def write(stream: rr.RecordingStream, fitted: FittedLadder, root: str = ROOT) ->
 
 
 def _curves(fitted: FittedLadder, place: int) -> tuple[MeasuredCurve, ...]:
-    """Return the measured curve of a rung, the last one where there are several; nothing where there is none."""
-    return measured_curves(fitted.fits[place], fitted.rungs[place].model.expressions)[-1:]
+    """Return the measured curve of a step, the last one where there are several; nothing where there is none."""
+    return measured_curves(fitted.fits[place], fitted.steps[place].model.expressions)[-1:]
 
 
 def _close_up(fitted: FittedLadder) -> slice:
@@ -85,7 +85,7 @@ def _close_up(fitted: FittedLadder) -> slice:
 
 
 def _reach(fitted: FittedLadder) -> float:
-    """Return how far the residual's axis goes on all rungs, SI."""
+    """Return how far the residual's axis goes on all steps, SI."""
     window = fitted.fits[0].windows[0]
     channel = window.channels[0]
     largest = max(
@@ -108,7 +108,7 @@ def _motion(fitted: FittedLadder, place: int, close_up: slice, reach: float) -> 
     _overlay(whole, time, measured * factor, model * factor, 1.0)
     whole.axvspan(time[close_up][0], time[close_up][-1], color=palette.FAINT, alpha=0.35, lw=0)
     whole.set(ylabel=literal(f"{channel} [{unit}]"), xlim=(time[0], time[-1]))
-    whole.set_title(f"rung {place}: {step(fitted.rungs[place])}", loc="left", fontsize=13)
+    whole.set_title(f"step {place}: {step_words(fitted.steps[place])}", loc="left", fontsize=13)
     _overlay(close, time[close_up], measured[close_up] * factor, model[close_up] * factor, 4.0)
     close.set(ylabel=literal(f"{channel} [{unit}]"), xlim=(time[close_up][0], time[close_up][-1]))
     close.set_title("where the first model is farthest off", loc="left")
@@ -145,9 +145,9 @@ def _overlay(axis: "Axes", time: Array, measured: Array, model: Array, dot: floa
 
 def _errors(fitted: FittedLadder, place: int) -> "Figure":
     drawn, axes = figure(5.8, 7.0, len(ERRORS), 1)
-    labels = [f"{n}: {step(rung)}" for n, rung in enumerate(fitted.rungs)]
+    labels = [f"{n}: {step_words(step)}" for n, step in enumerate(fitted.steps)]
     for axis, (name, title) in zip(axes, ERRORS, strict=True):
-        values = np.array([getattr(rung.error, name) or np.nan for rung in fitted.rungs])
+        values = np.array([getattr(step.error, name) or np.nan for step in fitted.steps])
         floor = getattr(fitted.ladder.floor, name) or np.nan
         shown_values = values[: place + 1]
         colours = [palette.css(palette.REFERENCE)] * place + [palette.css(palette.FORCE)]
@@ -168,39 +168,39 @@ def _errors(fitted: FittedLadder, place: int) -> "Figure":
 
 
 def summary(fitted: FittedLadder, place: int) -> str:
-    """Return what one rung did, as markdown."""
-    rung, floor = fitted.rungs[place], fitted.ladder.floor
+    """Return what one step did, as markdown."""
+    step, floor = fitted.steps[place], fitted.ladder.floor
     lines = [
-        f"# {fitted.name}, rung {place}",
+        f"# {fitted.name}, step {place}",
         "",
-        f"**{step(rung)}**: {' + '.join(plain_name(name) for name in rung.effects)}",
+        f"**{step_words(step)}**: {' + '.join(plain_name(name) for name in step.effects)}",
         "",
     ]
-    lines += ["| error | this rung | before | floor |", "|---|---:|---:|---:|"]
-    before = fitted.rungs[place - 1].error if place else None
+    lines += ["| error | this step | before | floor |", "|---|---:|---:|---:|"]
+    before = fitted.steps[place - 1].error if place else None
     for name, title in ERRORS:
         old = "" if before is None else three_figures(getattr(before, name))
         lines.append(
-            f"| {title} | {three_figures(getattr(rung.error, name))} | {old} | {three_figures(getattr(floor, name))} |"
+            f"| {title} | {three_figures(getattr(step.error, name))} | {old} | {three_figures(getattr(floor, name))} |"
         )
     if place:
         lines += ["", "## What changed", ""]
-        lines += [f"- {text}" for text in changed_parameters(fitted.rungs[place - 1], rung)]
-    lines += ["", "## The model", "", f"`{rung.model.equation}`", ""]
-    lines += [f"- {name} = {with_unit(value)}" for name, value in rung.parameters.items()]
-    if place == len(fitted.rungs) - 1 and fitted.ladder.stopped_because:
+        lines += [f"- {text}" for text in changed_parameters(fitted.steps[place - 1], step)]
+    lines += ["", "## The model", "", f"`{step.model.equation}`", ""]
+    lines += [f"- {name} = {with_unit(value)}" for name, value in step.parameters.items()]
+    if place == len(fitted.steps) - 1 and fitted.ladder.stopped_because:
         lines += ["", f"**{sentence(fitted.ladder.stopped_because)}**"]
     return "\n".join(lines)
 
 
 def tab(fitted: FittedLadder, root: str = ROOT) -> rrb.Container:
-    """Return the layout of the tab: the present rung is in front."""
-    rungs = [_rung(fitted, place, f"{root}/{place}") for place in range(len(fitted.fits))]
-    return rrb.Tabs(*rungs, active_tab=len(rungs) - 1, name=NAME)
+    """Return the layout of the tab: the present step is in front."""
+    steps = [_step(fitted, place, f"{root}/{place}") for place in range(len(fitted.fits))]
+    return rrb.Tabs(*steps, active_tab=len(steps) - 1, name=NAME)
 
 
-def _rung(fitted: FittedLadder, place: int, root: str) -> rrb.Container:
-    words: rrb.View | rrb.Container = log.document("This rung", f"{root}/summary")
+def _step(fitted: FittedLadder, place: int, root: str) -> rrb.Container:
+    words: rrb.View | rrb.Container = log.document("This step", f"{root}/summary")
     if _curves(fitted, place):
         curve = log.shown_picture("The measured curve", f"{root}/curve")
         words = rrb.Vertical(words, curve, row_shares=[1.6, 1.0])
@@ -209,5 +209,5 @@ def _rung(fitted: FittedLadder, place: int, root: str) -> rrb.Container:
         log.shown_picture("The errors fall to the floor", f"{root}/errors"),
         words,
         column_shares=[1.35, 0.9, 0.75],
-        name=f"{place}: {step(fitted.rungs[place])}",
+        name=f"{place}: {step_words(fitted.steps[place])}",
     )

@@ -179,11 +179,11 @@ def _curves(found: DecayCurves) -> Picture:
 
 def _ladder(found: Ladder) -> Picture:
     names = [
-        f"+ {rung.added}" if rung.added else f"- {rung.removed}" if rung.removed else "model to begin with"
-        for rung in found.rungs
+        f"+ {step.added}" if step.added else f"- {step.removed}" if step.removed else "model to begin with"
+        for step in found.steps
     ]
-    rows = [(name, rung.error.chi_square) for name, rung in zip(names, found.rungs, strict=True)]
-    colours = [MODEL if rung.at_floor else MEASURED for rung in found.rungs]
+    rows = [(name, step.error.chi_square) for name, step in zip(names, found.steps, strict=True)]
+    colours = [MODEL if step.at_floor else MEASURED for step in found.steps]
     picture, (axis,) = _axes(0.5 * len(names) + 1.0)
     plots.residuals(axis, rows, found.top.error.floor_std, PAPER, colours)
     return picture

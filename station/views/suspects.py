@@ -13,7 +13,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from station.results.diagnosis_document import DiagnosisDocument, ShapeDocument, SuspectDocument
 from station.results.diagnosis_fits import DiagnosisFits
 from station.story.residual import residual_words, times
-from station.text.diagnosis_text import STRENGTH_UNKNOWN, found_in_sensor, headline, not_told_apart
+from station.text.diagnosis_text import STRENGTH_UNKNOWN, found_in_sensor, headline, not_distinguishable
 from station.text.layout import sentence
 from station.text.numbers import scale, three_figures, with_unit
 from station.views import log, palette, plots
@@ -118,7 +118,7 @@ def summary(document: DiagnosisDocument) -> str:
     """Return the verdict, the reasons and the suspects as markdown."""
     lines = [f"# {headline(document)}", "", f"In {document.model_is}. {document.explanation}", ""]
     if document.rivals:
-        lines += [f"**{sentence(not_told_apart(document))}**", ""]
+        lines += [f"**{sentence(not_distinguishable(document))}**", ""]
     lines += ["| with | residual, % of motion | times the noise |", "|---|---:|---:|"]
     lines += [
         f"| {plain_name(s.effect)} | {three_figures(s.motion_percent)} | {times(s.error_after)} |"

@@ -47,12 +47,12 @@ def make(
     nicegui_app.on_startup(lambda: background_tasks.create(workers.warm()))
 
     @ui.page("/")
-    def page(request: Request, session: str | None = None, rung: int | None = None) -> None:
+    def page(request: Request, session: str | None = None, step: int | None = None) -> None:
         ui.add_head_html('<link rel="stylesheet" href="/static/bench/bench.css">')
         for name in SCRIPTS:
             ui.add_head_html(f'<script src="/static/bench/{name}.js"></script>')
         ui.colors(primary="#00659e")
-        Page(state, session, request.headers["host"], rung).build()
+        Page(state, session, request.headers["host"], step).build()
 
     ui.run_with(
         app,

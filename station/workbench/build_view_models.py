@@ -95,7 +95,7 @@ def for_eye(values: Array) -> view_models.Numbers:
 
 def equations_of(ladder: KeptLadder) -> dict[str, str]:
     """Return the equations of the effects of the library, and of the user's own in the ladder, by the effect's name."""
-    own = dict.fromkeys(text for rung in ladder.rungs for text in rung.model.expressions)
+    own = dict.fromkeys(text for step in ladder.steps for text in step.model.expressions)
     effects = (*LIBRARY, *(parsed_effect(text) for text in own))
     return {effect.name: typeset(effect.equation) for effect in effects}
 

@@ -7,7 +7,7 @@ from nicegui import ui
 from station.results.diagnosis_document import DiagnosisDocument, SuspectDocument
 from station.results.ladder import KeptLadder
 from station.story.residual import explained_words
-from station.text.diagnosis_text import foretold_parts, found_in_sensor, not_told_apart
+from station.text.diagnosis_text import found_in_sensor, not_distinguishable, predicted_parts
 from station.text.layout import sentence
 from station.text.numbers import typeset
 from station.workbench import view_models, widgets
@@ -101,11 +101,11 @@ class CardsPanel:
             ui.element("div").classes("why"),
         ):
             widgets.label(typeset(document.explanation), "wrap")
-            foretold = foretold_parts(document)
-            if foretold:
-                widgets.label(sentence(foretold), "small wrap")
+            predicted = predicted_parts(document)
+            if predicted:
+                widgets.label(sentence(predicted), "small wrap")
             if document.rivals:
-                widgets.label(sentence(not_told_apart(document)), "small wrap strong")
+                widgets.label(sentence(not_distinguishable(document)), "small wrap strong")
             for finding in document.findings:
                 widgets.label(f"Sensor: {found_in_sensor(finding)}; {finding.what_to_do}", "small wrap bad")
             widgets.label("Record next", "small strong")

@@ -40,8 +40,8 @@ class FloorCard:
             return
         self._words.text = (
             f"The {top.name} leaves {top.error.words} (noise alone: "
-            f"{floor_words(top.chi2_std)}). Added to the {view.ladder.rungs[0].began}: "
-            f"{', '.join(plain(n) for n in top.effects if n not in view.ladder.rungs[0].effects) or 'nothing'}."
+            f"{floor_words(top.chi2_std)}). Added to the {view.ladder.steps[0].began}: "
+            f"{', '.join(plain(n) for n in top.effects if n not in view.ladder.steps[0].effects) or 'nothing'}."
         )
         self._equation.text = typeset(top.model.equation)
         self._values.clear()

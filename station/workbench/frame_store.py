@@ -10,7 +10,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.refining import Refinement
 from station.results.diagnosis_document import DiagnosisDocument
-from station.results.ladder import KeptLadder, KeptRung
+from station.results.ladder import KeptLadder, KeptStep
 from station.results.models import ModelFile, known_model, starting_values
 from station.story.pipeline import Progress
 from station.workbench import view_models
@@ -42,11 +42,11 @@ class FrameStore:
         return self.frames[name]
 
 
-def of_rung(store: FrameStore, refinement: Refinement, rung: KeptRung) -> None:
-    """Draw a rung of the ladder: fitted to the whole release at once, from its own values."""
-    name = frame_id(rung.model)
+def of_step(store: FrameStore, refinement: Refinement, step: KeptStep) -> None:
+    """Draw a step of the ladder: fitted to the whole release at once, from its own values."""
+    name = frame_id(step.model)
     if name not in store.frames:
-        store.put(name, refinement.prepared, fit_of(refinement, rung.model, rung.nuisances))
+        store.put(name, refinement.prepared, fit_of(refinement, step.model, step.nuisances))
 
 
 def fit_of(refinement: Refinement, model: ModelFile, nuisances: dict[str, float]) -> Fit:
@@ -65,10 +65,10 @@ def _fit_near(base: Fit, refinement: Refinement, model: ModelFile) -> Fit:
 
 
 def of_ladder(store: FrameStore, refinement: Refinement, ladder: KeptLadder, progress: Progress) -> None:
-    """Draw all rungs."""
-    for number, rung in enumerate(ladder.rungs):
-        progress(f"drawing rung {number + 1} of {len(ladder.rungs)}")
-        of_rung(store, refinement, rung)
+    """Draw all steps."""
+    for number, step in enumerate(ladder.steps):
+        progress(f"drawing step {number + 1} of {len(ladder.steps)}")
+        of_step(store, refinement, step)
 
 
 def of_suspects(
@@ -76,7 +76,7 @@ def of_suspects(
 ) -> Iterator[view_models.Drawn]:
     """Draw the model with each of the first suspects, and yield each as soon as it is drawn."""
     top = refinement.ladder.top
-    of_rung(store, refinement, top)
+    of_step(store, refinement, top)
     base = store.fits[frame_id(top.model)]
     shown = [suspect for suspect in document.suspects if suspect.model is not None][: view_models.MOST_CARDS]
     for suspect in shown:

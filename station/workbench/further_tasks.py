@@ -18,7 +18,7 @@ from station.story.residual import times
 from station.text.numbers import three_figures
 from station.workbench import identified, view_models
 from station.workbench.export import fitted_samples
-from station.workbench.frame_store import of_rung
+from station.workbench.frame_store import of_step
 from station.workbench.frames import frame_id, frame_of
 from station.workbench.opened_session import Opened, open_session
 from station.workbench.unkept import frame_of_tried
@@ -57,7 +57,7 @@ def reveal(settings: Settings, progress: Progress, folder: Path) -> str:
 
 def _present_fit(opened: Opened) -> Fit:
     top = opened.refinement.ladder.top
-    of_rung(opened.store, opened.refinement, top)
+    of_step(opened.store, opened.refinement, top)
     return opened.store.fits[frame_id(top.model)]
 
 
@@ -104,7 +104,7 @@ def preview(settings: Settings, progress: Progress, folder: Path, wanted: str) -
 def validate(
     settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]
 ) -> tuple[str, view_models.TextTable]:
-    """Foretell other sessions by the present model; return the sentence and the errors, session by session."""
+    """Predict other sessions by the present model; return the sentence and the errors, session by session."""
     document = validate_sessions(
         str(folder), tuple(str(other) for other in others), settings, progress=progress
     )
@@ -115,7 +115,7 @@ def validate(
         rows.append((one.session, *errors, word))
     rows += [(one.session, "", "", f"skipped: {one.reason}") for one in document.skipped]
     head = ("release", "usual model, % of the motion", "this model, % of the motion", "this model is")
-    return document.sentence, view_models.TextTable("Foretold, not fitted", head, tuple(rows))
+    return document.sentence, view_models.TextTable("Predicted, not fitted", head, tuple(rows))
 
 
 def _left(value: float | None) -> str:

@@ -10,7 +10,7 @@ LEAST = 0.5
 
 def share(chi_square: float | None, ladder: KeptLadder) -> tuple[float, float]:
     """Return the length of a bar and the place of the floor, in % of the track."""
-    largest = max([rung.error.chi2 or 1.0 for rung in ladder.rungs] + [2.0])
+    largest = max([step.error.chi2 or 1.0 for step in ladder.steps] + [2.0])
     whole = math.log(largest / LEAST)
 
     def place(value: float) -> float:

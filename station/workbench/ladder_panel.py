@@ -27,19 +27,19 @@ class LadderPanel:
         with ui.element("section").classes("card ladder").props('aria-label="Ladder of errors"'):
             with widgets.line():
                 with ui.element("div").classes("grow"):
-                    widgets.head("Rung by rung")
+                    widgets.head("Step by step")
                 self._undo = widgets.button("Undo", self._session.undo, "Undo the last change of the model")
             widgets.label(
                 "residual, times the noise (bars logarithmic; green line: noise alone)", "small faint"
             )
-            self._rungs = ui.element("div")
+            self._steps = ui.element("div")
             self._ghost()
             self._film = ui.element("div").classes("film")
         self._floor.build()
         self._model.build()
 
     def _ghost(self) -> None:
-        row = ui.element("div").classes("rung-ghost").props("id=ghost-rung aria-hidden=true")
+        row = ui.element("div").classes("step-ghost").props("id=ghost-step aria-hidden=true")
         with row:
             widgets.label("+", "faint")
             widgets.label("", "what")
@@ -54,58 +54,58 @@ class LadderPanel:
         self._undo.set_enabled(bool(self._session.earlier))
         _, floor = share(None, ladder)
         self._ghost_floor.style(f"left:{floor:.1f}%")
-        self._rungs.clear()
-        with self._rungs:
-            for place in range(len(ladder.rungs)):
-                self._rung(ladder, place)
+        self._steps.clear()
+        with self._steps:
+            for place in range(len(ladder.steps)):
+                self._step(ladder, place)
         self._film.clear()
         with self._film:
             self._slider(ladder)
         self._floor.show(view)
         self._model.show(view)
 
-    def _rung(self, ladder: KeptLadder, place: int) -> None:
-        rung = ladder.rungs[place]
+    def _step(self, ladder: KeptLadder, place: int) -> None:
+        step = ladder.steps[place]
         kind = "present" if place == ladder.present else "above" if place > ladder.present else ""
-        floor = " reached" if rung.at_floor else ""
-        row = ui.element("button").classes(f"rung {kind}{floor}").on("click", partial(self._go, place))
+        floor = " reached" if step.at_floor else ""
+        row = ui.element("button").classes(f"step {kind}{floor}").on("click", partial(self._go, place))
         row.props["type"] = "button"
         row.props["aria-label"] = (
-            f"go to rung {place}: {_step(ladder, place)}, {times(rung.error.chi2)} times the noise"
+            f"go to step {place}: {_step(ladder, place)}, {times(step.error.chi2)} times the noise"
         )
         if place == ladder.present:
             row.props["aria-current"] = "step"
         with row:
             widgets.label(str(place), "faint")
             widgets.label(_step(ladder, place), "what")
-            widgets.label(times(rung.error.chi2), "value strong")
-            filled, at = share(rung.error.chi2, ladder)
+            widgets.label(times(step.error.chi2), "value strong")
+            filled, at = share(step.error.chi2, ladder)
             with ui.element("div").classes("track"):
                 ui.element("div").classes("fill").style(f"width:{filled:.1f}%")
                 ui.element("div").classes("floor").style(f"left:{at:.1f}%")
 
     def _slider(self, ladder: KeptLadder) -> None:
-        last = len(ladder.rungs) - 1
+        last = len(ladder.steps) - 1
         if last == 0:
             return
         slider = ui.element("input").props(
             f"id=film type=range min=0 max={last} step=1 value={ladder.present}"
         )
-        slider.props["aria-label"] = "Look at the rungs one after another"
+        slider.props["aria-label"] = "Look at the steps one after another"
         with widgets.line("small"):
-            widgets.label("slide through the rungs; a click on one goes back to it", "faint grow")
+            widgets.label("slide through the steps; a click on one goes back to it", "faint grow")
             widgets.label("", "strong").props("id=film-words")
 
     def _go(self, number: int) -> None:
         ladder = self._session.view.ladder if self._session.view else None
         if ladder is not None and number != ladder.present:
-            self._session.start(f"Going to rung {number}", "go", number)
+            self._session.start(f"Going to step {number}", "go", number)
 
 
 def _step(ladder: KeptLadder, place: int) -> str:
-    rung = ladder.rungs[place]
-    if rung.added:
-        return f"+ {plain(rung.added)}"
-    if rung.removed:
-        return f"− {plain(rung.removed)}"
-    return rung.began if place == 0 else title("model")
+    step = ladder.steps[place]
+    if step.added:
+        return f"+ {plain(step.added)}"
+    if step.removed:
+        return f"− {plain(step.removed)}"
+    return step.began if place == 0 else title("model")

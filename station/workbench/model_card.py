@@ -42,7 +42,7 @@ class ModelCard:
 
     def show(self, view: view_models.View) -> None:
         """Show the present model, and the effects that were taken out on the way to it."""
-        now = (view.ladder.present, view.ladder.rungs)
+        now = (view.ladder.present, view.ladder.steps)
         if now == self._shown:
             return
         self._shown = now
@@ -141,18 +141,18 @@ class ModelCard:
 
 
 def switched_off(ladder: KeptLadder) -> list[str]:
-    """Return effects that stood in the model on the way to the present rung, and do not now."""
+    """Return effects that stood in the model on the way to the present step, and do not now."""
     here = set(ladder.top.effects)
     found: dict[str, None] = {}
-    for rung in ladder.rungs[: ladder.present + 1]:
-        found |= {name: None for name in rung.effects if name not in here}
+    for step in ladder.steps[: ladder.present + 1]:
+        found |= {name: None for name in step.effects if name not in here}
     return list(found)
 
 
 def expression_of(ladder: KeptLadder, name: str) -> str:
     """Return the user's own text of an effect; "" where the library has it."""
-    for rung in ladder.rungs:
-        for text in rung.model.expressions:
+    for step in ladder.steps:
+        for text in step.model.expressions:
             if name_of(text) == name:
                 return text
     return ""

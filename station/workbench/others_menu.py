@@ -1,4 +1,4 @@
-"""Other releases: which sessions are diagnosed, tabulated or foretold together with the one that is open."""
+"""Other releases: which sessions are diagnosed, tabulated or predicted together with the one that is open."""
 
 from collections.abc import Callable
 from pathlib import Path

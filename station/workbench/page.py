@@ -33,8 +33,8 @@ STORY, DETAILS, NUMBERS, RERUN = "Story", "Curves", "Identification", "3-D / Rer
 class Page:
     """One browser tab."""
 
-    def __init__(self, state: AppState, key: str | None, host: str, rung: int | None = None) -> None:
-        self._state, self._key, self._host, self._rung = state, key, host, rung
+    def __init__(self, state: AppState, key: str | None, host: str, step: int | None = None) -> None:
+        self._state, self._key, self._host, self._step = state, key, host, step
         folder = state.session_list.folder_of(key) if key else None
         self._session: SessionState | None = state.sessions.at(folder) if folder else None
         self._seen = -1
@@ -226,6 +226,6 @@ class Page:
         if self._head_tabs.value == NUMBERS:
             background_tasks.create(self._identified.open())
         self._feed.send()
-        if self._rung is not None and 0 <= self._rung < len(view.ladder.rungs) and self._feed.whole:
-            run(f"bench.filmTo({self._rung})")
-            self._rung = None
+        if self._step is not None and 0 <= self._step < len(view.ladder.steps) and self._feed.whole:
+            run(f"bench.filmTo({self._step})")
+            self._step = None

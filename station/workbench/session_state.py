@@ -140,7 +140,7 @@ class SessionState:
             self.details = None  # of another model
         if before is not None and found.diagnosis != before.diagnosis:  # by the page or by a command
             self.suspect_frames, self._suspects_drawn = {}, False
-        wanted = {*found.rung_frames, *self.suspect_frames.values()}
+        wanted = {*found.step_frames, *self.suspect_frames.values()}
         self.frames = {name: frame for name, frame in self.frames.items() if name in wanted} | found.frames
 
     async def _complete_details(self) -> None:
@@ -157,13 +157,13 @@ class SessionState:
             self.version += 1
 
     async def _complete_frames(self) -> None:
-        """Let the frames be drawn that are not at hand: of other rungs, and of the suspects."""
+        """Let the frames be drawn that are not at hand: of other steps, and of the suspects."""
         view = self.view
         if view is None:
             return
         document = view.diagnosis if view.about_present else None
         suspects = document is not None and bool(document.suspects) and not self._suspects_drawn
-        if not suspects and all(name in self.frames for name in view.rung_frames):
+        if not suspects and all(name in self.frames for name in view.step_frames):
             return
         try:
             found = await self.ask(Job(), "frames", document, progress=partial(self._on_drawn, view))
@@ -216,7 +216,7 @@ class SessionState:
 
 def _steps(ladder: KeptLadder) -> object:
     """Return what makes two ladders different to the operator."""
-    return ladder.present, ladder.rungs
+    return ladder.present, ladder.steps
 
 
 @dataclass

@@ -21,9 +21,9 @@ class StageFeed:
 
     @property
     def whole(self) -> bool:
-        """Whether every rung's frame was sent."""
+        """Whether every step's frame was sent."""
         view = self._session.view
-        return view is not None and all(name in self._sent for name in view.rung_frames)
+        return view is not None and all(name in self._sent for name in view.step_frames)
 
     def send(self) -> None:
         """Send what is new since the last time."""
@@ -31,7 +31,7 @@ class StageFeed:
         if view is None or view.stage is None:
             return
         news: dict[str, Any] = {
-            "rungs": list(view.rung_frames),
+            "steps": list(view.step_frames),
             "present": view.ladder.present,
             "busy": self._session.busy,
             "suspects": self._offered(view),
@@ -47,7 +47,7 @@ class StageFeed:
             news["stage"] = asdict(view.stage)
             self._sent.clear()
         self._stage = view.stage
-        wanted = {*view.rung_frames, *news["suspects"].values()}
+        wanted = {*view.step_frames, *news["suspects"].values()}
         fresh = {n: f for n, f in self._session.frames.items() if n in wanted and n not in self._sent}
         self._sent = (self._sent | fresh.keys()) & (wanted | self._sent)
         news["frames"] = {name: asdict(frame) for name, frame in fresh.items()}

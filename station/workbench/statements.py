@@ -3,7 +3,7 @@
 from typing import Any
 
 from station.results.diagnosis_document import SuspectDocument
-from station.results.ladder import KeptLadder, KeptRung
+from station.results.ladder import KeptLadder, KeptStep
 from station.story.residual import explained_words, times
 from station.text.diagnosis_text import STRENGTH_UNKNOWN
 from station.text.numbers import three_figures, with_unit
@@ -13,26 +13,26 @@ from station.workbench.names import plain
 
 
 def says_of(view: view_models.View, details: view_models.Details | None = None) -> dict[str, dict[str, Any]]:
-    """Return the words of each rung, as "rung0", and of each suspect, by its effect.
+    """Return the words of each step, as "step0", and of each suspect, by its effect.
 
     `details` tell where the present model fails, as soon as they are known.
     """
     summary = f"{details.picture.summary} " if details is not None else ""
     found: dict[str, dict[str, Any]] = {}
-    for place, rung in enumerate(view.ladder.rungs):
-        found[f"rung{place}"] = _rung(view, place, rung, summary)
+    for place, step in enumerate(view.ladder.steps):
+        found[f"step{place}"] = _step(view, place, step, summary)
     if view.diagnosis is not None:
         for suspect in view.diagnosis.suspects:
             found[suspect.effect] = _suspect(view, suspect)
     return found
 
 
-def _rung(view: view_models.View, place: int, rung: KeptRung, summary: str) -> dict[str, Any]:
-    error, floor = rung.error, rung.at_floor
+def _step(view: view_models.View, place: int, step: KeptStep, summary: str) -> dict[str, Any]:
+    error, floor = step.error, step.at_floor
     present = place == view.ladder.present
-    name = f"the {rung.name}" if present else f"rung {place}"
+    name = f"the {step.name}" if present else f"step {place}"
     what = f"of the motion: residual of {name}, {times(error.chi2)} times the noise"
-    more = " + ".join(plain(name) for name in rung.effects)
+    more = " + ".join(plain(name) for name in step.effects)
     if present and floor:
         more = f"Nothing but noise is left. {more}"
     elif present and summary:

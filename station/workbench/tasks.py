@@ -26,7 +26,7 @@ from station.workbench import further_tasks, view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
 from station.workbench.climbing import climb
 from station.workbench.decay_curves import curves_of
-from station.workbench.frame_store import of_ladder, of_rung, of_suspects
+from station.workbench.frame_store import of_ladder, of_step, of_suspects
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session
 from station.workbench.pruning import drop_needless
@@ -44,11 +44,11 @@ def look(settings: Settings, progress: Progress, folder: Path) -> view_models.Vi
 
 
 def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models.View:
-    """Return what the page shows; the frame of the present rung comes with it, the others when `frames` is asked."""
+    """Return what the page shows; the frame of the present step comes with it, the others when `frames` is asked."""
     session, store = opened.refinement.session, opened.store
     diagnosis = kept_diagnosis(session)
-    names = tuple(frame_id(rung.model) for rung in ladder.rungs)
-    of_rung(store, opened.refinement, ladder.top)
+    names = tuple(frame_id(step.model) for step in ladder.steps)
+    of_step(store, opened.refinement, ladder.top)
     return view_models.View(
         ladder,
         diagnosis,
@@ -93,15 +93,15 @@ def remove_effect(settings: Settings, progress: Progress, folder: Path, name: st
     return _view(settings, opened, remove(opened.refinement, name))
 
 
-def go_to_rung(settings: Settings, progress: Progress, folder: Path, number: int) -> view_models.View:
-    """Make a rung of the ladder the present model."""
-    progress(f"going to rung {number}")
+def go_to_step(settings: Settings, progress: Progress, folder: Path, number: int) -> view_models.View:
+    """Make a step of the ladder the present model."""
+    progress(f"going to step {number}")
     opened = open_session(settings, folder)
     return _view(settings, opened, go_to(opened.refinement, number))
 
 
 def refine_to_floor(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
-    """Add what is missing until nothing is; each rung is sent as a view as soon as it is found."""
+    """Add what is missing until nothing is; each step is sent as a view as soon as it is found."""
     progress("looking for what is missing")
     opened = open_session(settings, folder)
 
@@ -158,7 +158,7 @@ def diagnose(
 def frames(
     settings: Settings, progress: Progress, folder: Path, document: DiagnosisDocument | None = None
 ) -> view_models.Drawn:
-    """Return the frames of all rungs and of a diagnosis' suspects; each suspect's is sent as soon as it is drawn."""
+    """Return the frames of all steps and of a diagnosis' suspects; each suspect's is sent as soon as it is drawn."""
     opened = open_session(settings, folder)
     refinement, store = opened.refinement, opened.store
     of_ladder(store, refinement, refinement.ladder, progress)
@@ -264,7 +264,7 @@ TASKS: dict[str, Callable[..., Any]] = {
     "look": look,
     "add": add_effect,
     "remove": remove_effect,
-    "go": go_to_rung,
+    "go": go_to_step,
     "refine": refine_to_floor,
     "again": begin_again,
     "diagnose": diagnose,

@@ -6,7 +6,7 @@ from typing import cast
 
 from daq.session import Session
 from station.operations.refining import Refinement, add
-from station.results.ladder import KeptRung
+from station.results.ladder import KeptStep
 from station.workbench import view_models
 from station.workbench.frame_store import FrameStore, fit_of
 from station.workbench.frames import frame_id
@@ -31,8 +31,8 @@ class Unkept:
         """Write nothing."""
 
 
-def tried(refinement: Refinement, wanted: str) -> KeptRung:
-    """Return the rung that adding `wanted` would give; raises what `add` raises."""
+def tried(refinement: Refinement, wanted: str) -> KeptStep:
+    """Return the step that adding `wanted` would give; raises what `add` raises."""
     nowhere = cast(Session, Unkept(refinement.session.folder))
     return add(replace(refinement, session=nowhere), wanted).top
 
@@ -41,10 +41,10 @@ def frame_of_tried(
     store: FrameStore, refinement: Refinement, wanted: str, called: str
 ) -> tuple[str, view_models.Frame]:
     """Return the frame of the present model with `wanted` added, which is kept nowhere, and the frame's name."""
-    rung = tried(refinement, wanted)
-    name = frame_id(rung.model)
-    frame = store.put(name, refinement.prepared, fit_of(refinement, rung.model, rung.nuisances))
+    step = tried(refinement, wanted)
+    name = frame_id(step.model)
+    frame = store.put(name, refinement.prepared, fit_of(refinement, step.model, step.nuisances))
     more = "Fitted to this release; Add keeps it."
-    error = rung.error
+    error = step.error
     says = with_effect(refinement.ladder, called, error.motion_percent, error.chi2, more)
     return name, replace(frame, says=says)

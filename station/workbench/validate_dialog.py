@@ -1,4 +1,4 @@
-"""Validate: the present model foretells releases that it was not fitted to."""
+"""Validate: the present model predicts releases that it was not fitted to."""
 
 from nicegui import ui
 
@@ -11,7 +11,7 @@ from station.workbench.worker import Cancelled, Failed, Job
 
 
 class ValidateDialog:
-    """Choose releases, and read how well they are foretold."""
+    """Choose releases, and read how well they are predicted."""
 
     def __init__(self, session: SessionState, session_list: SessionList) -> None:
         self._session = session
@@ -24,7 +24,7 @@ class ValidateDialog:
             widgets.label("Validate on another release", "strong")
             widgets.label(
                 "The physics of the model stays as it is; only the start, the zero and the lag of the other release are "
-                "fitted. A model that is right foretells it better than the usual one.",
+                "fitted. A model that is right predicts it better than the usual one.",
                 "small wrap",
             )
             with widgets.line():
@@ -53,7 +53,7 @@ class ValidateDialog:
         self._body.clear()
         with self._body, widgets.line():
             widgets.spinner()
-            widgets.label("foretelling", "small grow")
+            widgets.label("predicting", "small grow")
         try:
             sentence, table = await self._session.ask(self._job, "validate", self._session.others)
         except Cancelled:

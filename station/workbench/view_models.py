@@ -127,7 +127,7 @@ class Frame:
     """What one model leaves: its readings and the misfit of each channel, and the force that it lacks in each cell.
 
     Forces and their standard errors are in the stage's unit, None where nothing is known. `says` is what to say of a model
-    that is on no rung.
+    that is on no step.
     """
 
     model: tuple[Numbers, ...]
@@ -188,7 +188,7 @@ class Details:
 class View:
     """What the page shows of a session: ladder, last diagnosis, equations by effect.
 
-    `frames` are those at hand, by the name of `rung_frames` (one for each rung). `note` is what a task has to say,
+    `frames` are those at hand, by the name of `step_frames` (one for each step). `note` is what a task has to say,
     `with_mass` the strengths of the present model with the mass in them, by "effect.parameter", where it is known;
     `mystery` says that a simulated board hid something.
     """
@@ -199,7 +199,7 @@ class View:
     stamp: tuple[int, ...] = ()
     stage: Stage | None = None
     frames: dict[str, Frame] = field(default_factory=dict)
-    rung_frames: tuple[str, ...] = ()
+    step_frames: tuple[str, ...] = ()
     note: str = ""
     with_mass: dict[str, str] = field(default_factory=dict)
     mystery: bool = False

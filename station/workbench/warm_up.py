@@ -3,7 +3,7 @@
 import numpy as np
 
 from identify.comparison.compare import compare_fitted
-from identify.diagnosis.ladder import add_effect, first_rung
+from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.force_effect import ForceEffect
 from identify.effects.library import LIBRARY
 from identify.free_decay import FreeDecay
@@ -23,5 +23,5 @@ def warm_up() -> None:
     a = a + 0.01 * draw.standard_normal(len(time))
     prepared = prepare(FreeDecay(rate=RATE, displacement=u, acceleration=a))
     friction = next(e for e in LIBRARY if isinstance(e, ForceEffect) and e.friction is not None and e.inner)
-    rung = add_effect(first_rung((prepared,)), friction)
-    compare_fitted(rung.baseline)
+    step = add_effect(first_step((prepared,)), friction)
+    compare_fitted(step.baseline)

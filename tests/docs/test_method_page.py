@@ -34,7 +34,7 @@ def value(module, name):
         ("fitting.baseline", "DOUBT", lambda x: f"and {x:g} if it had to be guessed"),
         ("fitting.harmonic_residual", "SPEAKS_AGAINST", lambda x: rf"only if $p \ge {x:g}$"),
         ("fitting.segments", "_LONG_CYCLES", lambda x: f"more than {x:g} cycles"),
-        ("fitting.segments", "_WANDERING_CYCLES", lambda x: f"of {WORDS[x]} cycles or more"),
+        ("fitting.segments", "_DRIFTING_CYCLES", lambda x: f"of {WORDS[x]} cycles or more"),
         ("fitting.segments", "_MOST", lambda x: f"at most {WORDS[x]}. Whether"),
         ("fitting.segments", "_MOST_CYCLES", lambda x: f"of more than {x:g} cycles as many"),
         ("preprocessing.averaged_decay", "BLOCKS_A_CYCLE", lambda x: f"to {x} to {2 * x} a cycle"),
@@ -44,7 +44,7 @@ def value(module, name):
         ("fitting.baseline", "ALPHA_GUESSED", lambda x: rf"$p < {1e4 * x:g}\cdot10^{{-4}}$"),
         ("diagnosis.ranking", "RIVALS_WITHIN", lambda x: f"{x:g} are odds of 100 to 1"),
         (
-            "diagnosis.off_the_floor",
+            "diagnosis.floor_not_reached",
             "_LINE_LEAVES",
             lambda x: f"leaves less than {100 * x:g} % of chi-square",
         ),

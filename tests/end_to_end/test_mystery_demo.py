@@ -72,7 +72,7 @@ def test_the_mystery_that_newcomers_run_is_solved(told, monkeypatch):
     assert document["seed"] == 7
     assert document["right"]
     assert document["diagnosis"]["named"] == [hidden["effect"]]
-    top = document["ladder"]["rungs"][-1]
+    top = document["ladder"]["steps"][-1]
     assert abs(top["error"]["chi2"] - 1.0) < 4 * top["error"]["chi2_std"]
     for name, value in hidden["parameters"][hidden["effect"]].items():
         found = top["parameters"][f"{hidden['effect']}.{name}"]
@@ -116,11 +116,11 @@ def test_the_figures_of_the_readme_are_those_that_the_mystery_gives(told):
 def test_two_hidden_effects_are_both_found_by_climbing(folder):
     file = HIDDEN / "release_02.csv"
     ladder = json.loads(station("refine", file, "--auto", "--json", "--no-viewer"))
-    added = {rung["added"] for rung in ladder["rungs"] if rung["added"]}
+    added = {step["added"] for step in ladder["steps"] if step["added"]}
     assert added == set(TRUTH[file.name]["hidden"].split("+"))
     assert ladder["verdict"] == "nothing_missing"
     assert "floor" in ladder["stopped_because"]
-    errors = [rung["error"]["chi2"] for rung in ladder["rungs"]]
+    errors = [step["error"]["chi2"] for step in ladder["steps"]]
     assert errors == sorted(errors, reverse=True)
     assert errors[-1] < 1.2
     viewed = json.loads(station("view", "release_02", "--no-viewer", "--json"))

@@ -56,7 +56,7 @@ def test_a_column_of_one_window_is_split_into_what_its_own_unknowns_leave_and_wh
     assert free @ free - across @ across == pytest.approx(left @ left, rel=1e-12)
 
 
-def test_a_mended_jacobian_foretells_the_step_that_it_was_mended_with_in_every_window(jacobian):
+def test_a_mended_jacobian_predicts_the_step_that_it_was_mended_with_in_every_window(jacobian):
     random = np.random.default_rng(5)
     step, size, surprise = random.standard_normal(7), random.uniform(0.5, 2.0, 7), random.standard_normal(100)
     mended = jacobian.mended(step, size, surprise)

@@ -1,4 +1,4 @@
-"""Curves of one mode: against closed forms, through the same windows, and what they foretell."""
+"""Curves of one mode: against closed forms, through the same windows, and what they predict."""
 
 import numpy as np
 import pytest
@@ -123,7 +123,7 @@ def test_a_record_is_cut_in_three_equal_ratios_of_amplitude_and_a_short_one_in_t
 @pytest.mark.parametrize(
     "name", [pytest.param("cubic_stiffness", marks=pytest.mark.slow), "quadratic_damping"]
 )
-def test_an_effect_foretells_the_small_amplitudes_and_is_named(name):
+def test_an_effect_predicts_the_small_amplitudes_and_is_named(name):
     found = confirmed((displacement_only(name, 0.03, 11, amplitude=0.02, mu_0=0.01),))
     assert found.one_record
     assert name in found.mentioned
@@ -141,7 +141,7 @@ def test_nothing_hidden_confirms_nothing():
     assert found.usual.typical("motion") < 0.5
 
 
-def test_what_three_releases_share_foretells_the_one_left_out():
+def test_what_three_releases_share_predicts_the_one_left_out():
     k3 = {"cubic_stiffness": {"k3": 1.2e5}}
     decays = tuple(
         displacement_only("cubic_stiffness", 0.03, 20 + i, amplitude=a, mu_0=0.02, parameters=k3)

@@ -3,7 +3,7 @@ import pytest
 from releases import CALIBRATED, drawn, hidden
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.ladder import add_effect, first_rung, remove_effect
+from identify.diagnosis.ladder import add_effect, first_step, remove_effect
 from identify.diagnosis.refine import refine
 from identify.effects.library import LIBRARY
 from identify.effects.user import own_effect, parse_effect
@@ -101,7 +101,7 @@ def test_the_ladder_falls_to_the_floor_and_finds_both_effects():
     prepared, _ = drawn("freeplay+cubic_damping", 0.02, seed=44)
     ladder = refine(prepared)
     assert set(ladder.top.effects[BASE:]) == {"freeplay", "cubic_damping"}
-    sizes = [rung.error.chi_square for rung in ladder.rungs]
+    sizes = [step.error.chi_square for step in ladder.steps]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[-1] < 1.2
     assert ladder.verdict == "nothing_missing"
@@ -109,7 +109,7 @@ def test_the_ladder_falls_to_the_floor_and_finds_both_effects():
 
 def test_an_effect_added_and_removed_leaves_the_model_as_it_was():
     prepared, _ = drawn("cubic_stiffness", 0.01, seed=45)
-    ground = first_rung((prepared,))
+    ground = first_step((prepared,))
     there = add_effect(ground, next(e for e in LIBRARY if e.name == "cubic_stiffness"))
     back = remove_effect(there, "cubic_stiffness")
     assert there.error.chi_square < 1.3 < ground.error.chi_square

@@ -18,7 +18,7 @@ FEW = (find_effect("quadratic_damping"),)
 
 @pytest.fixture(scope="module")
 def short():
-    """Seven cycles of a cubic spring in one channel: too few for a curve that foretells."""
+    """Seven cycles of a cubic spring in one channel: too few for a curve that predicts."""
     sample = draw("cubic_stiffness", 0.1, 8, amplitude=0.02)
     cut = slice(None, int(sample.rate * 2.4))
     return diagnose(FreeDecay(sample.rate, displacement=sample.displacement[cut]), library=FEW)
@@ -45,7 +45,7 @@ def test_a_suspects_parameters_have_the_errors_to_state_and_are_found_once(short
 def test_what_is_left_is_said_in_percent_of_the_motion_where_the_floor_is_a_guess(short):
     assert short.verdict == "unknown_effect"
     assert "% of the motion (" in short.explanation
-    assert "too few cycles for its large amplitudes to foretell its small ones" in short.explanation
+    assert "too few cycles for its large amplitudes to predict its small ones" in short.explanation
 
 
 def pendulum() -> FreeDecay:

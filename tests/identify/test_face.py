@@ -55,8 +55,8 @@ def test_two_arrays_lead_to_the_hidden_effect_and_to_the_floor(
     diagnosis: identify.Diagnosis, ladder: identify.Ladder
 ):
     assert diagnosis.named == ("cubic_stiffness",)
-    assert [rung.at_floor for rung in ladder.rungs] == [False, True]
-    assert ladder.rungs[1].added == "cubic_stiffness"
+    assert [step.at_floor for step in ladder.steps] == [False, True]
+    assert ladder.steps[1].added == "cubic_stiffness"
 
 
 def test_a_release_that_was_prepared_before_gives_the_same(decay: identify.FreeDecay):

@@ -49,5 +49,5 @@ def test_a_force_that_is_sure_but_small_is_named_with_what_it_removes_or_not_whe
         f"Cubic stiffness is sure, but removes {removed:.3g} % of the motion only"
     )
     ladder = small.refine()
-    assert len(ladder.rungs) == 1
+    assert len(ladder.steps) == 1
     assert ladder.stopped_because == "what is left is too little of the motion to be worth a name"

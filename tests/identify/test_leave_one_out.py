@@ -56,7 +56,7 @@ def test_a_release_in_segments_is_left_out_as_a_whole():
     found = fit_baseline(segments_of((long, short)), base_model()).fit
     left = leave_one_out(found, places)
     assert [one.index for one in left] == [0, 1]
-    # Nothing is hidden: each release is foretold by the other, to the floor and the held physics' own error.
+    # Nothing is hidden: each release is predicted by the other, to the floor and the held physics' own error.
     assert [one.chi_square for one in left] == pytest.approx([1.0, 1.0], abs=0.5)
 
 

@@ -7,7 +7,7 @@ import pytest
 from decays_in_closed_form import exponential
 
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.phase_wander import wanders
+from identify.fitting.phase_walk import drifts
 from identify.fitting.segments import segments, what_was_used
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
@@ -53,10 +53,10 @@ def test_what_is_not_fitted_of_a_very_long_record_is_said():
 
 def test_a_phase_that_keeps_in_step_leaves_the_pieces_long_and_one_that_wanders_does_not():
     steady, wandering = prepare(viscous(40.0)), prepare(viscous(40.0, wander=3e-3))
-    assert not wanders(steady)
-    assert wanders(wandering)
+    assert not drifts(steady)
+    assert drifts(wandering)
     assert len(segments(steady)) < len(segments(wandering))
-    assert not wanders(prepare(viscous(1.3)))  # one cycle between the ends tells nothing
+    assert not drifts(prepare(viscous(1.3)))  # one cycle between the ends tells nothing
 
 
 @pytest.mark.slow

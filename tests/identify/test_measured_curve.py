@@ -6,7 +6,7 @@ from releases import drawn
 from scipy.interpolate import BSpline
 
 from identify.diagnosis.curve_of_rest import curve_of_rest
-from identify.diagnosis.ladder import add_effect, rung_of
+from identify.diagnosis.ladder import add_effect, step_of
 from identify.effects.user import parse_effect
 from identify.effects.user.measured_curve import CurveForm, read_curve
 from identify.fitting.baseline import fit_baseline
@@ -52,10 +52,10 @@ def test_another_formula_is_no_curve():
 @pytest.mark.slow
 def test_a_spring_that_is_known_to_the_double_is_found_as_a_curve():
     prepared, truth = drawn("cubic_stiffness", 0.02, 11)
-    rung = rung_of(fit_baseline((prepared,), base_model()))
-    effect, line = curve_of_rest(rung.baseline, "curve")
+    step = step_of(fit_baseline((prepared,), base_model()))
+    effect, line = curve_of_rest(step.baseline, "curve")
     assert line.startswith("curve = spline(u, ")
-    fitted = add_effect(rung, effect)
+    fitted = add_effect(step, effect)
     assert fitted.at_floor
     form = read_curve(line.partition("=")[2])
     values = [fitted.fit.values[f"curve.{p.name}"].value for p in effect.parameters]

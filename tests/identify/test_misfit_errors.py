@@ -1,4 +1,4 @@
-"""Standard errors off the floor hold the truth where the misfit wanders beside the motion, and where releases differ."""
+"""Standard errors off the floor hold the truth where the misfit drifts beside the motion, and where releases differ."""
 
 from dataclasses import replace
 from functools import cache
@@ -8,9 +8,9 @@ import pytest
 
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.cycle_sums import CycleSums
+from identify.fitting.drifting_misfit import scatter_of_scores
 from identify.fitting.misfit_errors import misfit_density, with_misfit_errors
 from identify.fitting.segments import segments_of
-from identify.fitting.wandering_misfit import scatter_of_scores
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare

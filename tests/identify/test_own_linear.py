@@ -119,7 +119,7 @@ def test_the_pieces_of_a_long_release_share_its_spring():
     assert own.of_release(3)["linear_stiffness.k"] == pytest.approx(second.value.value)
 
 
-def test_a_release_that_was_left_out_is_foretold_with_its_own_spring(unlike):
+def test_a_release_that_was_left_out_is_predicted_with_its_own_spring(unlike):
     shared, own = unlike
     assert min(one.chi_square for one in leave_one_out(shared)) > 30.0
     assert [one.chi_square for one in leave_one_out(own)] == pytest.approx([1.0] * 3, abs=0.4)

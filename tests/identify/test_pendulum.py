@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk, j1
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.ladder import add_effect, first_rung
+from identify.diagnosis.ladder import add_effect, first_step
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.effect import Scales
 from identify.effects.library import LIBRARY, find_effect
@@ -79,7 +79,7 @@ def diagnosed():
 
 
 def test_the_pendulum_is_at_the_floor_with_its_effect_and_far_above_without():
-    ground = first_rung((swung(),))
+    ground = first_step((swung(),))
     there = add_effect(ground, find_effect("pendulum_stiffness"))
     assert ground.error.chi_square > 20.0
     assert there.at_floor
@@ -120,7 +120,7 @@ def test_to_add_it_to_a_displacement_in_metres_is_refused_with_the_reason():
     with pytest.raises(
         NotIdentifiable, match="pendulum_stiffness acts on displacements in rad; this record is in m"
     ):
-        add_effect(first_rung((prepared,)), find_effect("pendulum_stiffness"))
+        add_effect(first_step((prepared,)), find_effect("pendulum_stiffness"))
 
 
 def test_its_signature_is_that_of_the_bessel_function():

@@ -1,4 +1,4 @@
-"""Prediction: the right physics foretells the next release, a wrong pair that fitted as well does not."""
+"""Prediction: the right physics predicts the next release, a wrong pair that fitted as well does not."""
 
 from dataclasses import replace
 
@@ -49,7 +49,7 @@ def fitted(names: tuple[str, ...], decay):
     return model, fit_baseline((decay,), model).fit
 
 
-def test_the_true_values_foretell_to_the_noise_with_nothing_but_the_start_refitted(small):
+def test_the_true_values_predict_to_the_noise_with_nothing_but_the_start_refitted(small):
     seen = identify.predict(model_of(*RIGHT), truth(), small, hold=True)
     # The floor is known to a tenth; the double's gain errors and lags are nuisances, and refitted.
     assert seen.chi_square == pytest.approx(1.0, abs=0.3)
@@ -58,7 +58,7 @@ def test_the_true_values_foretell_to_the_noise_with_nothing_but_the_start_refitt
     assert {name: seen.values[name] for name in truth()} == truth()
 
 
-def test_the_right_effect_foretells_the_next_release_and_a_wrong_pair_that_fitted_as_well_does_not(
+def test_the_right_effect_predicts_the_next_release_and_a_wrong_pair_that_fitted_as_well_does_not(
     large, small
 ):
     usual = identify.predict(identify.base_model(), fitted((), large)[1].parameters, small)
@@ -91,7 +91,7 @@ def test_a_wrong_model_cannot_bend_the_spring_at_will(large):
     assert seen.motion_percent > 20.0
 
 
-def test_a_long_release_is_foretold_in_the_segments_that_a_fit_sees():
+def test_a_long_release_is_predicted_in_the_segments_that_a_fit_sees():
     long = prepared(5, 0.02, seconds=24.0, mu_0=0.02, mu_1=0.05)
     known = truth() | {"coulomb_friction.mu_0": 0.02, "viscous_damping.mu_1": 0.05}
     seen = identify.predict(model_of(*RIGHT), known, long, hold=True)
@@ -142,7 +142,7 @@ def test_an_effect_without_a_meaning_in_the_unit_is_refused(small):
         identify.validate(model_of("pendulum_stiffness"), {}, small)
 
 
-def test_a_model_without_all_of_its_values_foretells_nothing(small):
+def test_a_model_without_all_of_its_values_predicts_nothing(small):
     with pytest.raises(ValueError, match=r"no value is given for cubic_stiffness\.k3"):
         identify.predict(
             model_of(*RIGHT), {n: v for n, v in truth().items() if not n.startswith("cubic")}, small

@@ -5,7 +5,7 @@ import pytest
 from releases import drawn, ready
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.ladder import add_effect, first_rung
+from identify.diagnosis.ladder import add_effect, first_step
 from identify.effects.library import find_effect
 from identify.errors import NotIdentifiable
 from mocks.generate import draw
@@ -24,7 +24,7 @@ def bent(channel, kind, share, seed=9300):
 @pytest.mark.parametrize(("channel", "kind"), [("displacement", "quadratic"), ("acceleration", "cubic")])
 def test_a_sensor_that_bends_is_corrected_by_what_it_bends(channel, kind):
     prepared, true = bent(channel, kind, 0.005)
-    there = add_effect(first_rung((prepared,)), find_effect("sensor_nonlinearity"))
+    there = add_effect(first_step((prepared,)), find_effect("sensor_nonlinearity"))
     assert there.fit.model.terms[-1].channel == channel
     assert there.at_floor
     found = there.fit.values[f"sensor_nonlinearity.{kind}"]
@@ -53,7 +53,7 @@ def test_one_channel_cannot_show_it(name):
     sample = draw(None, 0.0, 9300)
     alone = ready(sample.rate, sample.displacement, None)
     with pytest.raises(NotIdentifiable, match=f"no channel that could show {name}"):
-        add_effect(first_rung((alone,)), find_effect(name))
+        add_effect(first_step((alone,)), find_effect(name))
 
 
 def test_the_roll_off_is_that_of_a_first_order_filter():

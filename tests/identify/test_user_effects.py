@@ -8,7 +8,7 @@ from releases import drawn
 from scipy.integrate import solve_ivp
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.ladder import add_effect, first_rung
+from identify.diagnosis.ladder import add_effect, first_step
 from identify.diagnosis.suspects import try_terms
 from identify.effects.effect import Parameter, Scales
 from identify.effects.library import LIBRARY
@@ -406,7 +406,7 @@ def test_memory_of_ones_own_takes_part_and_is_found():
 
 def test_a_formula_can_be_added_by_hand_and_the_error_falls_to_the_floor():
     setting, _ = drawn("one_way_cable", 0.01, seed=63)
-    ground = first_rung((setting,))
+    ground = first_step((setting,))
     added = add_effect(ground, parse_effect("cable = kc*max(u, 0)*(1 + sgn(v))/2"))
     assert added.error.chi_square < 1.2 < ground.error.chi_square
 

@@ -73,12 +73,12 @@ def test_a_session_is_compared_with_its_current_model_or_the_one_that_is_asked_f
     assert identified["error"]["chi2"] == pytest.approx(own["chi2"], abs=0.05)
     assert run(["compare", "cubic", "--model", "refined"]) == 2
     assert "no model was refined yet" in capsys.readouterr().err
-    (_, rung) = said("refine", "cubic", "--add", "cubic_stiffness", "--no-viewer")["rungs"]
+    (_, step) = said("refine", "cubic", "--add", "cubic_stiffness", "--no-viewer")["steps"]
     for line in (("compare", "cubic"), ("compare", "cubic", "--model", "refined")):
         refined = said(*line)
         assert refined["model_is"] == "the refined model"
-        assert refined["model"]["effects"] == rung["effects"]
-        assert refined["error"]["chi2"] == pytest.approx(rung["error"]["chi2"], abs=0.05)
+        assert refined["model"]["effects"] == step["effects"]
+        assert refined["error"]["chi2"] == pytest.approx(step["error"]["chi2"], abs=0.05)
     assert said("compare", "cubic", "--model", "usual")["error"]["chi2"] == first["error"]["chi2"]
     assert run(["info", "cubic"]) == 0
     assert "the refined model: linear stiffness" in capsys.readouterr().out

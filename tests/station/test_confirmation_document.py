@@ -18,7 +18,7 @@ from identify.model.model import Term, base_model
 from station.report.loop import suspects
 from station.results.confirmation_document import confirmation_document
 from station.results.diagnosis_document import DiagnosisDocument, refused_document
-from station.text.diagnosis_text import confirmed_by, foretold_parts, show_diagnosis
+from station.text.diagnosis_text import confirmed_by, predicted_parts, show_diagnosis
 
 NAMES = ("first", "second", "third")
 NONE = Strengths((), np.zeros(0), {})
@@ -130,7 +130,7 @@ def test_a_document_that_an_older_version_wrote_is_still_read():
     read = DiagnosisDocument.model_validate(old)
     assert (read.confirmed, read.confirmation) == ([], None)
     assert read.suspects[0].confirmed is None
-    assert (confirmed_by(read), foretold_parts(read)) == ("", "")
+    assert (confirmed_by(read), predicted_parts(read)) == ("", "")
     assert "times the" in printed(read)
     assert "decisive" not in printed(read)
 
@@ -140,7 +140,7 @@ def test_it_is_said_on_how_many_other_releases_and_in_percent_of_the_motion():
     assert confirmed_by(found) == (
         "confirmed on 2 of 3 other releases: error of the prediction 6.00 to 2.00 % of the motion"
     )
-    parts = foretold_parts(found)
+    parts = predicted_parts(found)
     assert "first 5.00 to 1.00 %, second 6.00 to 9.00 %, third 10.0 to 2.00 %" in parts
     assert parts.endswith("(median: phase 6.00 to 2.00 %, envelope 3.00 to 0.00 %)")
     alone = document(confirmation(one_record=True), ("first",))
@@ -148,7 +148,7 @@ def test_it_is_said_on_how_many_other_releases_and_in_percent_of_the_motion():
     assert confirmed_by(alone).endswith("error of all but the large amplitudes 6.00 to 2.00 % of the motion")
 
 
-def test_the_terminal_says_percent_of_the_motion_and_times_the_noise_and_what_each_suspect_foretells():
+def test_the_terminal_says_percent_of_the_motion_and_times_the_noise_and_what_each_suspect_predicts():
     text = printed(document(confirmation()))
     assert max(len(line.rstrip()) for line in text.splitlines()) <= 80
     assert re.search(r"the usual model +57\.3 +824", text)  # the root of chi-square
@@ -160,15 +160,15 @@ def test_the_terminal_says_percent_of_the_motion_and_times_the_noise_and_what_ea
     assert " - " in rows["offset_drift"]
 
 
-def test_a_misfit_that_nothing_foretells_is_said_with_its_size_and_no_name():
+def test_a_misfit_that_nothing_predicts_is_said_with_its_size_and_no_name():
     found = document(confirmation(effects=False))
     text = printed(found)
-    assert text.strip().startswith("A MISFIT THAT NO EFFECT HERE FORETELLS")
+    assert text.strip().startswith("A MISFIT THAT NO EFFECT HERE PREDICTS")
     assert confirmed_by(found) == ""
-    assert "first 5.00 %, second 6.00 %, third 10.0 % (median: phase 6.00 %, " in foretold_parts(found)
+    assert "first 5.00 %, second 6.00 %, third 10.0 % (median: phase 6.00 %, " in predicted_parts(found)
 
 
-def test_the_report_has_a_table_of_what_was_foretold():
+def test_the_report_has_a_table_of_what_was_predicted():
     without_pictures = document(confirmation()).model_copy(update={"suspects": []})
     section = suspects(SimpleNamespace(diagnosis=without_pictures, fits=None, curves=None, left_out={}))
     (table,) = [part for part in section.parts if part.kind == "table"]

@@ -20,5 +20,5 @@ def test_the_document_of_two_long_releases_has_a_line_for_each_session():
     assert len(found.final.windows) == 4  # two segments of each
     document = diagnosis_document(("large", "small"), found, left_out=left_out)
     assert [one.session for one in document.held_out] == ["large", "small"]
-    # Nothing is hidden: each is foretold to the floor, and to the own error of the physics that is held.
+    # Nothing is hidden: each is predicted to the floor, and to the own error of the physics that is held.
     assert [one.chi2 for one in document.held_out] == pytest.approx([1.0, 1.0], abs=0.5)

@@ -160,35 +160,35 @@ def test_a_session_given_twice_is_refused(bench, diagnosis, capsys):
 
 def test_the_ladder_falls_to_the_floor_and_can_be_gone_back_on(bench, diagnosis, capsys):
     first = told(capsys, "refine", DUFFING.stem, "--reset")
-    assert len(first["rungs"]) == 1
+    assert len(first["steps"]) == 1
     second = told(capsys, "refine", DUFFING.stem, "--add", "cubic_stiffness")
-    assert second["rungs"][0] == first["rungs"][0]
-    assert [rung["added"] for rung in second["rungs"]] == [None, "cubic_stiffness"]
+    assert second["steps"][0] == first["steps"][0]
+    assert [step["added"] for step in second["steps"]] == [None, "cubic_stiffness"]
     for name in ("force_mse_percent", "motion_percent", "chi2"):
-        errors = [rung["error"][name] for rung in second["rungs"]]
+        errors = [step["error"][name] for step in second["steps"]]
         assert errors[1] < errors[0] / 3
         assert errors[1] < 1.5 * second["floor"][name]
     assert "floor is reached" in second["stopped_because"]
     removed = told(capsys, "refine", DUFFING.stem, "--remove", "coulomb_friction")
-    assert removed["rungs"][-1]["removed"] == "coulomb_friction"
-    assert removed["rungs"][-1]["error"]["chi2"] > 100
+    assert removed["steps"][-1]["removed"] == "coulomb_friction"
+    assert removed["steps"][-1]["error"]["chi2"] > 100
     back = told(capsys, "refine", DUFFING.stem, "--to", "1")
-    assert back["rungs"] == second["rungs"]
-    assert back["rungs_above"] == 1
+    assert back["steps"] == second["steps"]
+    assert back["steps_above"] == 1
     again = told(capsys, "refine", DUFFING.stem, "--add", "quadratic_damping")
-    assert [rung["added"] for rung in again["rungs"]] == [None, "cubic_stiffness", "quadratic_damping"]
-    assert again["rungs_above"] == 0
+    assert [step["added"] for step in again["steps"]] == [None, "cubic_stiffness", "quadratic_damping"]
+    assert again["steps_above"] == 0
 
 
 def test_the_present_model_is_a_file_that_leaves_nothing_missing(bench, diagnosis, capsys):
     told(capsys, "refine", DUFFING.stem, "--reset")
     ladder = told(capsys, "refine", DUFFING.stem, "--add", "cubic_stiffness")
     document = told(capsys, "diagnose", DUFFING.stem, "--model", ladder["model_file"])
-    assert document["model"]["effects"] == ladder["rungs"][-1]["effects"]
+    assert document["model"]["effects"] == ladder["steps"][-1]["effects"]
     assert document["verdict"] == "nothing_missing"
     chi_square = told(capsys, "compare", DUFFING.stem, "--model", ladder["model_file"])["error"]["chi2"]
     assert chi_square == pytest.approx(
-        ladder["rungs"][-1]["error"]["chi2"], rel=0.02
+        ladder["steps"][-1]["error"]["chi2"], rel=0.02
     )  # the floor is settled once more
 
 
@@ -210,7 +210,7 @@ def test_the_ladder_fits_a_terminal_and_ends_with_the_floor(bench, diagnosis, ca
         (["--add", "magic"], "no effect is called 'magic'"),
         (["--remove", "magic"], "not in the model"),
         (["--add", "coulomb_friction"], "in the model already"),
-        (["--to", "99"], "the ladder has rungs 0 to"),
+        (["--to", "99"], "the ladder has steps 0 to"),
         (["--add", "end_stop", "--auto"], "do not go together"),
     ],
 )
@@ -226,10 +226,10 @@ def test_a_step_that_cannot_be_done_is_refused_and_changes_nothing(
 def test_a_damaged_ladder_is_told_and_can_be_begun_again(bench, diagnosis, capsys):
     told(capsys, "refine", DUFFING.stem, "--reset")
     file = bench / "sessions" / DUFFING.stem / "results" / "ladder.json"
-    file.write_text('{"format": 1, "rungs": []}')
+    file.write_text('{"format": 1, "steps": []}')
     assert run(["refine", DUFFING.stem]) == exits.USAGE
     assert "--reset" in capsys.readouterr().err
-    assert len(told(capsys, "refine", DUFFING.stem, "--reset")["rungs"]) == 1
+    assert len(told(capsys, "refine", DUFFING.stem, "--reset")["steps"]) == 1
 
 
 def test_numbers_are_written_for_people():

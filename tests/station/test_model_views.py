@@ -1,4 +1,4 @@
-"""The tabs Suspects and Ladder, read back: what they show is what was found, and every rung has a tab."""
+"""The tabs Suspects and Ladder, read back: what they show is what was found, and every step has a tab."""
 
 import shutil
 import socket
@@ -64,18 +64,18 @@ def texts(file, path):
     return found
 
 
-def test_every_rung_has_a_tab_with_its_errors_whatever_the_time_is(file, refinement):
-    for place, rung in enumerate(refinement.ladder.rungs):
-        assert column(file, f"/ladder/{place}/errors/numbers", "times_noise") == [rung.error.times_noise]
+def test_every_step_has_a_tab_with_its_errors_whatever_the_time_is(file, refinement):
+    for place, step in enumerate(refinement.ladder.steps):
+        assert column(file, f"/ladder/{place}/errors/numbers", "times_noise") == [step.error.times_noise]
         assert chunks(file, f"/ladder/{place}/motion")
     timelines = {name for batch in chunks(file, "/ladder/**") for name in batch.schema.names}
-    assert not timelines & {"time", "rung"}
+    assert not timelines & {"time", "step"}
     tab = next(tab for tab in viewer_tabs.kept_tabs(refinement) if tab.name == "Ladder").layout()
     assert [one.name for one in tab.contents] == ["0: usual model", "1: + cubic_stiffness"]
     assert tab.active_tab == 1
 
 
-def test_each_rung_tells_what_it_added_and_why_the_climb_stopped(file):
+def test_each_step_tells_what_it_added_and_why_the_climb_stopped(file):
     (first,), (second,) = (texts(file, f"/ladder/{place}/summary") for place in (0, 1))
     assert "usual model" in first
     assert "+ cubic_stiffness" in second
@@ -87,7 +87,7 @@ def test_the_suspects_tab_shows_the_errors_that_were_found(file, refinement):
     assert "A FORCE IS MISSING: cubic stiffness" in verdict
     shown = column(file, "/suspects/errors/numbers", "chi2_after")
     assert shown[0] == pytest.approx(
-        refinement.ladder.rungs[0].error.chi2, rel=0.05
+        refinement.ladder.steps[0].error.chi2, rel=0.05
     )  # each settles its own floor
     assert shown[1] == min(shown)
 
@@ -102,9 +102,9 @@ def test_the_force_map_of_the_right_suspect_is_that_of_the_residual(file, refine
 
 def test_the_force_map_of_a_cubic_spring_is_a_cubic_less_what_a_line_can_follow(refinement):
     from identify.diagnosis.force_map import force_added
-    from station.operations.refining import rung_again
+    from station.operations.refining import step_again
 
-    base, top = (rung_again(refinement, rung).fit for rung in refinement.ladder.rungs)
+    base, top = (step_again(refinement, step).fit for step in refinement.ladder.steps)
     prepared = refinement.prepared
     added = force_added(prepared, base, top, top.model.terms[-1])
     u = prepared.motion.displacement

@@ -66,7 +66,7 @@ def test_every_command_begins_with_the_orders_that_were_chosen(chosen, capsys):
 def test_the_usual_model_can_be_asked_for_all_the_same(chosen, capsys):
     assert said(capsys, "compare", "duffing", "--model", "usual", "--json")["model"]["effects"] == USUAL
     ladder = said(capsys, "refine", "duffing", "--model", "usual", *QUIET)
-    assert ladder["rungs"][0]["effects"] == USUAL
+    assert ladder["steps"][0]["effects"] == USUAL
 
 
 def test_orders_that_nobody_chose_leave_the_usual_model_to_begin_with_and_say_so(chosen, capsys):
@@ -109,7 +109,7 @@ def test_one_record_has_one_floor_whatever_model_is_judged(chosen, capsys):
     usual = said(capsys, "compare", "duffing", "--model", "usual", "--json")
     refinement = open_refinement(chosen, Settings(), reset=True)
     ladder = add(refinement, "quadratic_damping")
-    stated = [kept["adequacy"]["chi2_std"], usual["error"]["chi2_std"], *(r.chi2_std for r in ladder.rungs)]
+    stated = [kept["adequacy"]["chi2_std"], usual["error"]["chi2_std"], *(r.chi2_std for r in ladder.steps)]
     assert stated == pytest.approx([width] * len(stated))
 
 
@@ -118,9 +118,7 @@ def test_a_long_record_is_judged_in_its_pieces_by_every_command_and_one_run_says
     tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
-    time = np.arange(
-        0.0, 70.0, 0.02
-    )  # 105 cycles of a viscous decay whose phase wanders, which no force does
+    time = np.arange(0.0, 70.0, 0.02)  # 105 cycles of a viscous decay whose phase drifts, which no force does
     phase = 2.0 * np.pi * 1.5 * time + 0.15 * np.sin(2.0 * np.pi * time / 23.0)
     noise = np.random.default_rng(3).normal(0.0, 2e-5, len(time))
     table = np.column_stack([time, 0.02 * np.exp(-0.01 * time) * np.cos(phase) + noise])

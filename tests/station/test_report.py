@@ -157,11 +157,11 @@ def test_the_equation_has_the_parameters_of_the_present_model(page, kept):
 
 
 def test_the_errors_of_the_comparison_and_the_ladder_are_those_of_the_json(page, kept):
-    rungs = kept("ladder")["rungs"]
-    first = rungs[0]["error"]
+    steps = kept("ladder")["steps"]
+    first = steps[0]["error"]
     assert page.row("0")[2:4] == [typeset_figures(x) for x in (first["motion_percent"], first["chi2"] ** 0.5)]
     error = kept("comparison")["error"]  # of the current model
-    assert error["motion_percent"] == pytest.approx(rungs[-1]["error"]["motion_percent"], rel=0.01)
+    assert error["motion_percent"] == pytest.approx(steps[-1]["error"]["motion_percent"], rel=0.01)
     assert page.row("motion")[1] == f"{typeset_figures(error['motion_percent'])} %"
 
 

@@ -1,4 +1,4 @@
-"""Validate: a model file, or what a session keeps, foretells other sessions; what does not suit is said in a sentence."""
+"""Validate: a model file, or what a session keeps, predicts other sessions; what does not suit is said in a sentence."""
 
 import io
 import json
@@ -14,7 +14,7 @@ from daq.session import Session
 from mocks.generate import draw
 from station import exits
 from station.cli import run
-from station.results.ladder import KeptLadder, KeptRung, write_ladder
+from station.results.ladder import KeptLadder, KeptStep, write_ladder
 from station.results.models import EffectEntry, ModelFile, Value, written
 from station.results.validation_document import NAME, ValidationDocument, read_validation
 from station.text.validation_text import show_validation
@@ -57,10 +57,10 @@ def bench(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def kept(bench):
-    """Return the bench where the session "a" keeps the true model as its ladder's present rung."""
-    rung = KeptRung(model=model_file(), error={}, chi2_std=0.05, nuisances={})
+    """Return the bench where the session "a" keeps the true model as its ladder's present step."""
+    step = KeptStep(model=model_file(), error={}, chi2_std=0.05, nuisances={})
     write_ladder(
-        Session.open(bench / "sessions" / "a"), KeptLadder(format=1, rungs=(rung,), present=0, floor={})
+        Session.open(bench / "sessions" / "a"), KeptLadder(format=1, steps=(step,), present=0, floor={})
     )
     return bench
 
@@ -102,7 +102,7 @@ def test_a_wrong_model_predicts_worse_and_that_is_no_failure(bench, capsys):
     assert all(one["model"]["varied_percent"] == {} for one in found["sessions"])
 
 
-def test_a_session_gives_the_model_of_its_ladder_and_is_not_foretold_itself(kept, capsys):
+def test_a_session_gives_the_model_of_its_ladder_and_is_not_predicted_itself(kept, capsys):
     found = told(capsys, "a", "a", "b")
     assert (found["source"], found["fitted_to"], found["usual_from"]) == ("a", ["a"], "the_same_releases")
     assert found["skipped"] == [{"session": "a", "reason": "the model was fitted to it"}]
@@ -121,8 +121,8 @@ def test_it_fits_a_terminal_with_the_verdict_first(bench, capsys):
     assert any(line.strip().startswith("skipped") and "short" in line for line in lines)
 
 
-def test_nothing_that_can_be_foretold_ends_with_8(bench, capsys):
-    assert "no session can be foretold: short: " in refused(
+def test_nothing_that_can_be_predicted_ends_with_8(bench, capsys):
+    assert "no session can be predicted: short: " in refused(
         capsys, "right.json", "short", code=exits.NOT_IDENTIFIABLE
     )
 

@@ -28,5 +28,5 @@ def test_an_example_is_opened_from_the_empty_page(empty_page):
     assert offered.count() == len(EXAMPLES)
     page.get_by_role("button", name=re.compile("Open the example simulated_stribeck")).click()
     page.wait_for_url(re.compile("session=simulated_stribeck"))
-    page.wait_for_selector(".rung")
-    assert float(page.locator(".rung .value").first.inner_text()) > 10
+    page.wait_for_selector(".step")
+    assert float(page.locator(".step .value").first.inner_text()) > 10

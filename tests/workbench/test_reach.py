@@ -81,7 +81,7 @@ def test_from_the_first_page_to_the_report_with_the_keyboard_alone(visit, bench)
     tab_to(page, "^keys")
     page.keyboard.press("Enter")
     page.wait_for_url(re.compile("session=keys"))
-    page.wait_for_selector(".rung")
+    page.wait_for_selector(".step")
     tab_to(page, "^Diagnose$")
     page.keyboard.press("Enter")
     page.wait_for_selector("button.card-suspect")
@@ -101,22 +101,22 @@ def test_from_the_first_page_to_the_report_with_the_keyboard_alone(visit, bench)
 
 
 @pytest.mark.slow
-def test_the_film_keeps_its_scales_the_address_its_rung_and_undo_takes_a_step_back(solved, bench):
+def test_the_film_keeps_its_scales_the_address_its_step_and_undo_takes_a_step_back(solved, bench):
     page = solved
     page.locator("button.card-suspect").first.click()
-    page.wait_for_function("document.querySelectorAll('.rung').length == 2")
+    page.wait_for_function("document.querySelectorAll('.step').length == 2")
     page.get_by_text("At the noise floor").wait_for()
     scales = "JSON.stringify([bench.state.reach, bench.plots.left.y, bench.plots.map.x])"
     at_floor = page.evaluate(scales)
     page.locator("#film").focus()
     page.keyboard.press("ArrowLeft")
-    page.get_by_text("looking at rung 0").wait_for()
+    page.get_by_text("looking at step 0").wait_for()
     assert page.evaluate(scales) == at_floor
-    assert page.evaluate("bench.address()").endswith("rung=0")
+    assert page.evaluate("bench.address()").endswith("step=0")
     page.goto(page.evaluate("bench.address()"))
-    page.get_by_text("looking at rung 0").wait_for()
+    page.get_by_text("looking at step 0").wait_for()
     page.get_by_role("button", name="Undo the last change").click()
-    page.wait_for_function("document.querySelectorAll('.rung').length == 1")
+    page.wait_for_function("document.querySelectorAll('.step').length == 1")
 
 
 @pytest.mark.slow
@@ -137,7 +137,7 @@ def test_two_cursors_give_the_decrement_between_them(solved):
     cursors = "JSON.stringify(bench.cursors)"
     before = page.evaluate(cursors)
     page.locator("button.card-suspect").first.click()
-    page.wait_for_function("document.querySelectorAll('.rung').length == 2")
+    page.wait_for_function("document.querySelectorAll('.step').length == 2")
     page.get_by_text("At the noise floor").wait_for()
     assert page.evaluate(cursors) == before  # they stay when another model's pictures come, and other samples
     page.evaluate("""() => { const every = (kept, i) => i % 2 === 0, s = bench.state.stage, halved = {};
@@ -171,10 +171,10 @@ def test_what_is_looked_at_stays_while_further_pictures_come(solved):
     page.wait_for_function("!document.querySelector('[inert]')")
     page.locator("#film").focus()
     page.keyboard.press("ArrowLeft")
-    page.get_by_text("looking at rung 0").wait_for()
+    page.get_by_text("looking at step 0").wait_for()
     again = """({present}) => { const s = bench.state;
-      bench.own({frame: s.frames[s.rungs[0]], says: s.says.rung0, name: "own"});
-      bench.receive({rungs: [...s.rungs], present, busy: false, suspects: {}, says: {...s.says}, names: {}});
+      bench.own({frame: s.frames[s.steps[0]], says: s.says.step0, name: "own"});
+      bench.receive({steps: [...s.steps], present, busy: false, suspects: {}, says: {...s.says}, names: {}});
       return [s.film, s.suspects["(own)"] ?? null] }"""
     assert page.evaluate(again, {"present": 1}) == [0, "(own)"]
     assert page.evaluate(again, {"present": 0}) == [None, None]  # another model: the film starts from it

@@ -43,7 +43,7 @@ def tick_the_other(page):
 def test_two_releases_of_one_bench_are_diagnosed_together_and_both_keep_the_answer(visit, bench, pair):
     page = visit.page
     page.goto(bench.session(NAMES[0]))
-    page.wait_for_selector(".rung")
+    page.wait_for_selector(".step")
     tick_the_other(page)
     page.get_by_role("button", name="Diagnose", exact=True).click()
     page.wait_for_selector("button.card-suspect")
@@ -70,7 +70,7 @@ def numbers(row):
 def test_table_2_gives_the_mean_of_the_releases_that_are_chosen(visit, bench, pair):
     page = visit.page
     page.goto(bench.session(NAMES[0]))
-    page.wait_for_selector(".rung")
+    page.wait_for_selector(".step")
     page.get_by_role("tab", name="Identification").click()
     page.get_by_text("Table 1.").wait_for()
     assert page.get_by_text("its values may be quoted").count() == 1

@@ -36,7 +36,7 @@ def test_a_recording_that_is_dropped_becomes_a_session_within_the_folder(visit, 
     page.goto(bench.address)
     named = {"name": "..\\..\\decay <b>.csv", "mimeType": "text/csv", "buffer": "\n".join(lines).encode()}
     page.locator(".drop input[type=file]").set_input_files(named)
-    page.wait_for_selector(".rung")  # it is opened
+    page.wait_for_selector(".step")  # it is opened
     page.get_by_text("was imported").wait_for()
     assert (bench.folder / "sessions" / "decay_b" / "session.json").is_file()
 
@@ -102,7 +102,7 @@ def test_a_session_that_a_stranger_named_is_only_text(visit, bench):
     try:
         page.goto(bench.address)
         page.locator(".session", has_text="<img").click()
-        page.wait_for_selector(".rung")
+        page.wait_for_selector(".step")
         assert page.locator(".bench-session").inner_text() == name
         assert page.locator("img").count() == 0
     finally:

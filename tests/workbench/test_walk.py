@@ -24,12 +24,12 @@ def shown(page):
 def stain(page):
     return page.evaluate(
         f"""(() => {{ const s = bench.state, of = {STAIN}, names = Object.values(s.suspects);
-        return {{model: of(s.frames[s.rungs[s.present]]), second: of(s.frames[names[1]])}} }})()"""
+        return {{model: of(s.frames[s.steps[s.present]]), second: of(s.frames[names[1]])}} }})()"""
     )
 
 
-def residual_of_rungs(page):
-    return [float(text) for text in page.locator(".rung .value").all_inner_texts()]
+def residual_of_steps(page):
+    return [float(text) for text in page.locator(".step .value").all_inner_texts()]
 
 
 def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
@@ -37,8 +37,8 @@ def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
     bench.fresh("mystery_7", "walk")
     page.goto(bench.address)
     page.get_by_role("link", name=re.compile("walk")).click()
-    page.wait_for_selector(".rung")
-    before = residual_of_rungs(page)
+    page.wait_for_selector(".step")
+    before = residual_of_steps(page)
     assert len(before) == 1
     assert before[0] > 10
     page.mouse.move(300, 600)
@@ -59,24 +59,24 @@ def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
     cards.first.hover()
     assert shown(page) < 2.0
     cards.first.click()
-    page.wait_for_function("document.querySelectorAll('.rung').length == 2")
-    assert abs(residual_of_rungs(page)[1] - 1.0) < 0.3  # four standard errors of a floor that is known to 7 %
+    page.wait_for_function("document.querySelectorAll('.step').length == 2")
+    assert abs(residual_of_steps(page)[1] - 1.0) < 0.3  # four standard errors of a floor that is known to 7 %
     page.get_by_text("At the noise floor").wait_for()
     page.get_by_role("button", name="Reveal the mystery").click()
     page.get_by_text("The simulated board hid Stribeck friction").wait_for()
     page.reload()
-    page.wait_for_function("document.querySelectorAll('.rung').length == 2")
+    page.wait_for_function("document.querySelectorAll('.step').length == 2")
 
     told = subprocess.run(
         [sys.executable, "-m", "station", "refine", "walk", "--json", "--no-viewer"],
         cwd=bench.folder, capture_output=True, text=True, timeout=180, check=True,
     )  # fmt: skip
-    rungs = json.loads(told.stdout)["rungs"]
-    assert [rung["added"] for rung in rungs] == [None, "stribeck_friction"]
-    assert abs(rungs[1]["error"]["chi2"] ** 0.5 - residual_of_rungs(page)[1]) < 0.001
+    steps = json.loads(told.stdout)["steps"]
+    assert [step["added"] for step in steps] == [None, "stribeck_friction"]
+    assert abs(steps[1]["error"]["chi2"] ** 0.5 - residual_of_steps(page)[1]) < 0.001
 
-    page.locator(".rung").first.click()
-    page.wait_for_selector(".rung.above")
+    page.locator(".step").first.click()
+    page.wait_for_selector(".step.above")
     assert json.loads((bench.results("walk") / "ladder.json").read_text())["present"] == 0
 
 
@@ -84,7 +84,7 @@ def test_a_newcomer_finds_the_hidden_effect_and_reaches_the_floor(visit, bench):
 def test_the_report_of_a_session_is_written_from_the_page(visit, bench):
     page = visit.page
     page.goto(bench.fresh("mystery_7", "reported"))
-    page.wait_for_selector(".rung")
+    page.wait_for_selector(".step")
     page.get_by_role("button", name="Write the report of this session").click()
     report = page.get_by_role("link", name="Open the report")
     report.wait_for()
@@ -96,7 +96,7 @@ def test_the_report_of_a_session_is_written_from_the_page(visit, bench):
 def test_every_axis_has_a_unit_and_the_same_moment_is_marked_in_all_pictures(visit, bench):
     page = visit.page
     page.goto(bench.fresh("mystery_12", "linked"))
-    page.wait_for_selector(".rung")
+    page.wait_for_selector(".step")
     page.wait_for_function("Object.values(window.bench.plots ?? {}).filter(p => p.names).length == 3")
     names = [name for pair in page.evaluate("Object.values(bench.plots).map(p => p.names)") for name in pair]
     assert len(names) == 6
@@ -112,7 +112,7 @@ def test_every_axis_has_a_unit_and_the_same_moment_is_marked_in_all_pictures(vis
 def test_an_effect_of_ones_own_is_checked_as_it_is_typed_and_can_be_switched_off_and_on(visit, bench):
     page = visit.page
     page.goto(bench.fresh("mystery_12", "own"))
-    page.wait_for_selector(".rung")
+    page.wait_for_selector(".step")
     field = page.get_by_role("textbox", name="Effect of your own")
     add = page.get_by_role("button", name="Add the effect of your own")
     field.fill("drag = c*w(v)")
@@ -123,34 +123,34 @@ def test_an_effect_of_ones_own_is_checked_as_it_is_typed_and_can_be_switched_off
         page.locator(":enabled")
     ).wait_for()  # the sentence changes as soon as it is fitted and previewed
     add.click()
-    page.wait_for_function("document.querySelectorAll('.rung').length == 2")
-    assert abs(residual_of_rungs(page)[1] - 1.0) < 0.3
+    page.wait_for_function("document.querySelectorAll('.step').length == 2")
+    assert abs(residual_of_steps(page)[1] - 1.0) < 0.3
     page.get_by_role("switch", name="drag in the model").click()
-    page.wait_for_function("document.querySelectorAll('.rung').length == 3")
-    assert residual_of_rungs(page)[2] > 10
+    page.wait_for_function("document.querySelectorAll('.step').length == 3")
+    assert residual_of_steps(page)[2] > 10
     page.get_by_role("switch", name="drag in the model").click()
-    page.wait_for_function("document.querySelectorAll('.rung').length == 4")
-    assert abs(residual_of_rungs(page)[3] - 1.0) < 0.3
+    page.wait_for_function("document.querySelectorAll('.step').length == 4")
+    assert abs(residual_of_steps(page)[3] - 1.0) < 0.3
 
 
 @pytest.mark.slow
 def test_a_computation_is_cancelled_and_the_next_one_works(visit, bench):
     page = visit.page
     page.goto(bench.fresh("mystery_7", "cancelled"))
-    page.wait_for_selector(".rung")
+    page.wait_for_selector(".step")
     page.wait_for_function(
         "/the measured motion/.test(document.querySelector('#statement .more').textContent)"
     )
     kept = {path.name: path.read_bytes() for path in bench.results("cancelled").iterdir()}
-    rungs = page.locator(".rung").count()
+    steps = page.locator(".step").count()
     page.get_by_role("button", name="Diagnose").click()
     page.get_by_role("button", name="Cancel", exact=True).click()
     page.get_by_text("cancelled; nothing was changed").wait_for()
     assert {path.name: path.read_bytes() for path in bench.results("cancelled").iterdir()} == kept
     page.get_by_role("textbox", name="Effect of your own").fill("extra = q*u**5")
     page.get_by_role("button", name="Add the effect of your own").click()
-    page.wait_for_function("document.querySelector('.rung.present')?.innerText.includes('extra')")
-    assert page.locator(".rung").count() <= rungs + 1
+    page.wait_for_function("document.querySelector('.step.present')?.innerText.includes('extra')")
+    assert page.locator(".step").count() <= steps + 1
 
 
 @pytest.mark.slow
@@ -159,12 +159,12 @@ def test_two_tabs_on_two_sessions_do_not_disturb_each_other(visit, bench):
     first.goto(bench.fresh("mystery_7", "tab_one"))
     second.goto(bench.fresh("mystery_12", "tab_two"))
     for page in (first, second):
-        page.wait_for_selector(".rung")
-    rungs = second.locator(".rung").count()
+        page.wait_for_selector(".step")
+    steps = second.locator(".step").count()
     first.get_by_role("button", name="Diagnose").click()
-    second.locator(".rung").first.click()
-    second.wait_for_selector(".rung.present:first-of-type")
-    assert second.locator(".rung").count() == rungs
+    second.locator(".step").first.click()
+    second.wait_for_selector(".step.present:first-of-type")
+    assert second.locator(".step").count() == steps
     first.wait_for_selector("button.card-suspect")
     first.get_by_role("button", name="Diagnose again").click()
     first.wait_for_function("!document.querySelector('[inert]')")
@@ -177,19 +177,19 @@ def test_two_tabs_on_one_session_show_the_same(visit, bench):
     address = bench.fresh("mystery_12", "shared")
     for page in (first, second):
         page.goto(address)
-        page.wait_for_selector(".rung")
+        page.wait_for_selector(".step")
     first.get_by_role("textbox", name="Effect of your own").fill("shared = c*v*abs(v)")
     first.get_by_role("button", name="Add the effect of your own").click()
     for page in (first, second):
-        page.wait_for_function("document.querySelectorAll('.rung').length == 2")
-    assert residual_of_rungs(first) == residual_of_rungs(second)
+        page.wait_for_function("document.querySelectorAll('.step').length == 2")
+    assert residual_of_steps(first) == residual_of_steps(second)
 
 
 @pytest.mark.slow
 def test_reruns_viewer_opens_in_the_page_and_asks_nobody_else(visit, bench):
     page = visit.page
     page.goto(bench.fresh("mystery_12", "viewed"))
-    page.wait_for_selector(".rung")
+    page.wait_for_selector(".step")
     with (
         page.expect_response(lambda answer: answer.url.endswith("re_viewer_bg.wasm")) as got,
         page.expect_response(lambda answer: "/viewer/recording/" in answer.url) as read,

@@ -74,7 +74,7 @@ class Top:
 
     top: Named
     present: int = 0
-    rungs: tuple[str, ...] = ()
+    steps: tuple[str, ...] = ()
 
 
 @dataclass
@@ -94,8 +94,8 @@ class Looked:
     about_present: bool = True
     at_floor: bool = False
     note: str = ""
-    frames: dict[str, str] = field(default_factory=lambda: {"rung": "drawn"})
-    rung_frames: tuple[str, ...] = ("rung",)
+    frames: dict[str, str] = field(default_factory=lambda: {"step": "drawn"})
+    step_frames: tuple[str, ...] = ("step",)
 
 
 @dataclass

@@ -64,10 +64,10 @@ document.documentElement.lang = "en";
   document.addEventListener("mousedown", (event) => { if (!event.target.closest("#rail, .rail-button, .q-menu")) closeRail(); });
   document.addEventListener("keydown", (event) => { if (event.key === "Escape") closeRail(); });
 
-  // The address of what is shown: the session and the rung.
+  // The address of what is shown: the session and the step.
   bench.address = () => {
     const here = new URL(location.href), S = bench.state;
-    if (S.stage) here.searchParams.set("rung", S.film === null ? S.present : S.film);
+    if (S.stage) here.searchParams.set("step", S.film === null ? S.present : S.film);
     return here.href;
   };
 

@@ -44,7 +44,7 @@
   }
 
   bench.drawMap = (p, frame, stage) => {
-    S.base = S.frames[S.rungs[0]] || frame;
+    S.base = S.frames[S.steps[0]] || frame;
     p.begin([0, 1], [0, 1], ["", ""]);
     frameOfAxes(p, stage);
     const time = S.map === "time", axes = time ? stage.over_time : stage.cycle;
@@ -133,7 +133,7 @@
 
   // The force that a suspect takes off the map, as a small disc on its card.
   bench.fingerprints = () => {
-    const base = S.frames[S.rungs[S.present]];
+    const base = S.frames[S.steps[S.present]];
     if (!S.stage || !base) return;
     const colour = mixer(), axes = S.stage.cycle, rows = axes.rows.length - 1, columns = axes.columns.length - 1;
     document.querySelectorAll("canvas.fingerprint").forEach((canvas) => {

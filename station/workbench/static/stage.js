@@ -3,7 +3,7 @@
 (() => {
   const bench = (window.bench = window.bench || {});
   const S = (bench.state = {
-    stage: null, frames: {}, rungs: [], present: 0, suspects: {}, says: {}, names: {}, film: null, preview: null, pinned: null,
+    stage: null, frames: {}, steps: [], present: 0, suspects: {}, says: {}, names: {}, film: null, preview: null, pinned: null,
     trial: null, map: "plane", channel: 0, fitScale: false, zoom: null,
   });
   const plots = (bench.plots = {});
@@ -15,13 +15,13 @@
     const wanted = bench.previewed();
     if (wanted && frameOf(S.suspects[wanted])) return frameOf(S.suspects[wanted]);
     if (S.trial) return S.trial;
-    return frameOf(S.rungs[filmAt()]) || frameOf(S.rungs[S.present]);
+    return frameOf(S.steps[filmAt()]) || frameOf(S.steps[S.present]);
   };
   bench.ghost = () => {
-    if ((bench.previewed() && frameOf(S.suspects[bench.previewed()])) || S.trial) return frameOf(S.rungs[S.present]);
-    return filmAt() > 0 ? frameOf(S.rungs[filmAt() - 1]) : null;
+    if ((bench.previewed() && frameOf(S.suspects[bench.previewed()])) || S.trial) return frameOf(S.steps[S.present]);
+    return filmAt() > 0 ? frameOf(S.steps[filmAt() - 1]) : null;
   };
-  const first = () => frameOf(S.rungs[0]) || bench.shown();
+  const first = () => frameOf(S.steps[0]) || bench.shown();
 
   // What the server sends: only what changed.
   bench.receive = (news) => {
@@ -31,10 +31,10 @@
       bench.keepMoments(before);
     }
     Object.assign(S.frames, news.frames || {});
-    const another = news.rungs && (news.present !== S.present || news.rungs.join() !== S.rungs.join());
+    const another = news.steps && (news.present !== S.present || news.steps.join() !== S.steps.join());
     for (const key of ["suspects", "says", "names"])
       if (news[key]) S[key] = !another && "(own)" in S[key] ? { ...news[key], "(own)": S[key]["(own)"] } : news[key];
-    if (news.rungs) S.rungs = news.rungs;
+    if (news.steps) S.steps = news.steps;
     if (another) { S.present = news.present; S.film = S.trial = null; }  // what is looked at stays while further pictures come
     if (another || news.busy === false) S.pinned = null;
     if (news.trial !== undefined) S.trial = news.trial;
@@ -107,7 +107,7 @@
   // The sentence above, and the ghost on the ladder.
   bench.say = () => {
     const wanted = bench.previewed(), found = wanted && S.suspects[wanted] ? wanted : null;
-    const says = S.trial && !found ? S.trial.says : found ? S.says[found] : S.says["rung" + filmAt()];
+    const says = S.trial && !found ? S.trial.says : found ? S.says[found] : S.says["step" + filmAt()];
     const place = document.getElementById("statement");
     if (place && says) {
       place.dataset.kind = S.trial && !found ? "trial" : found ? "preview" : S.film !== null && S.film !== S.present ? "film" : says.floor ? "floor" : "present";
@@ -115,7 +115,7 @@
       place.querySelector(".what").textContent = says.what;
       place.querySelector(".more").textContent = says.more;
     }
-    const row = document.getElementById("ghost-rung");
+    const row = document.getElementById("ghost-step");
     if (row) {
       row.classList.toggle("shown", !!found);
       row.querySelector(".what").textContent = found ? "with " + S.names[found] : "(point at a card)";
@@ -123,11 +123,11 @@
       row.querySelector(".fill").style.width = found ? S.says[found].share + "%" : "0";
     }
     document.querySelectorAll(".card-suspect").forEach((el) => el.classList.toggle("pointed", el.dataset.preview === found));
-    document.querySelectorAll(".rung").forEach((el, i) => el.classList.toggle("looked", i === filmAt() && !found));
+    document.querySelectorAll(".step").forEach((el, i) => el.classList.toggle("looked", i === filmAt() && !found));
     const film = document.getElementById("film");
     if (film && document.activeElement !== film) film.value = filmAt();
     const words = document.getElementById("film-words");
-    if (words) words.textContent = S.film === null || S.film === S.present ? "" : `looking at rung ${S.film}`;
+    if (words) words.textContent = S.film === null || S.film === S.present ? "" : `looking at step ${S.film}`;
   };
 
   // An expression of the user's own, fitted: it is shown at once, and again when its card is pointed at.

@@ -1,7 +1,7 @@
-"""Phase wander: whether a long decay keeps in step with itself, or a clock, a warming or a draught moves its phase.
+"""Phase drift: whether a long decay keeps in step with itself, or a clock, a warming or a draught moves its phase.
 
 Whatever forces act, the frequency of a free decay is a function of its amplitude, and if they change, they change
-slowly. Cycle by cycle, the phase less the integral of such a function is the noise of the readings, or it wanders.
+slowly. Cycle by cycle, the phase less the integral of such a function is the noise of the readings, or it drifts.
 """
 
 import numpy as np
@@ -16,13 +16,13 @@ _ENDS = 2
 """Cycles at either end of the motion that are not looked at."""
 
 _NORMAL = 0.6745
-"""Median of a standard normal variable's size: a jump of the phase is no wandering."""
+"""Median of a standard normal variable's size: a jump of the phase is no drift."""
 
 _SHARE_OF_NOISE = 0.3
-"""Wandering that moves the readings by this share of their noise raises a reduced chi-square by a twentieth."""
+"""A drift that moves the readings by this share of their noise raises a reduced chi-square by a twentieth."""
 
 
-def wanders(prepared: PreparedDecay) -> bool:
+def drifts(prepared: PreparedDecay) -> bool:
     """Return whether the phase strays from every law of the amplitude by more than a share of the readings' noise."""
     phase, amplitude = _phase_by_cycle(prepared)
     if len(phase) <= len(_POWERS) + 3:  # as many as the law has coefficients: nothing is left to stray

@@ -1,4 +1,4 @@
-"""A name beside a wander: whether effects explain more than a spring and damper that never stay quite the same.
+"""A name beside a random walk: whether effects explain more than a spring and damper that never stay quite the same.
 
 Where the floor is sure, some law of the library follows nearly any slow walk of the spring to within the noise, with
 thousands of nats. What tells a law is what it explains beyond the walk, each with its evidence. A law that is there
@@ -12,27 +12,27 @@ from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
 from identify.diagnosis.verdict import Judgement, free_form
 from identify.fitting.baseline import NEXT_TO_NOTHING, Baseline
 from identify.fitting.fit import Fit, fit
-from identify.fitting.wandering_spring import Wander, wander_beside
+from identify.fitting.random_walk import RandomWalk, walk_beside
 
 _BEYOND = 12.0
 """Nats by which an effect must be better than a walk: it was the best of many, and its values were fitted."""
 
 
 @dataclass(frozen=True)
-class BesideWander:
+class BesideWalk:
     """Two fits, the second with one effect more or several, and what a walk of spring and damper does beside each.
 
     `gain` (nats) is what the effects explain beyond a walk: its evidence and theirs against its alone.
     """
 
-    before: Wander
-    after: Wander
+    before: RandomWalk
+    after: RandomWalk
     gain: float
 
     @classmethod
-    def of(cls, before: Fit, after: Fit, alone: Wander | None = None) -> "BesideWander":
+    def of(cls, before: Fit, after: Fit, alone: RandomWalk | None = None) -> "BesideWalk":
         """Return what is gained from the first fit to the second; `alone` is the walk beside the first, where known."""
-        first, second = alone or wander_beside(before), wander_beside(after)
+        first, second = alone or walk_beside(before), walk_beside(after)
         lower = 0.5 * (before.chi_square - after.chi_square)
         return cls(first, second, lower + second.evidence - first.evidence)
 
@@ -41,20 +41,20 @@ class BesideWander:
         return self.before.evidence < 0.0 or self.gain > effects * _BEYOND
 
 
-def told_from_wander(baseline: Baseline, judged: Judgement) -> bool:
-    """Whether the forces that are named at a sure floor are told from a wander: all together, and each beside the others."""
+def more_than_a_walk(baseline: Baseline, judged: Judgement) -> bool:
+    """Whether forces named at a sure floor are distinguishable from a random walk, together and each beside the others."""
     before, final = baseline.fit, judged.final
     forces = [t.effect.name for t in final.model.terms if t.is_force and t.effect.name not in before.model]
     if not forces:
         return True
-    if not BesideWander.of(before, final).told_apart(1 + len(judged.together)):
+    if not BesideWalk.of(before, final).told_apart(1 + len(judged.together)):
         return False
     without = (fit(final.model.minus(name), final.windows, final.point, final.frequency) for name in forces)
-    return not judged.together or all(BesideWander.of(less, final).told_apart() for less in without)
+    return not judged.together or all(BesideWalk.of(less, final).told_apart() for less in without)
 
 
-def named_beside_wander(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
-    """Return the judgement that names one force where it leaves next to nothing, and a wander explains that; or None.
+def named_beside_walk(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
+    """Return the judgement that names one force where it leaves next to nothing, and a random walk explains that; or None.
 
     No other force may do so nearly as well.
     """
@@ -71,8 +71,8 @@ def named_beside_wander(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judge
     ]
     if not near:
         return None
-    alone = wander_beside(baseline.fit)
-    beside = {entry: BesideWander.of(baseline.fit, entry.candidate.fit, alone) for entry in near}
+    alone = walk_beside(baseline.fit)
+    beside = {entry: BesideWalk.of(baseline.fit, entry.candidate.fit, alone) for entry in near}
     best, *others = sorted(near, key=lambda entry: -beside[entry].gain)
     found = beside[best]
     alike = any(beside[other].gain > found.gain - _BEYOND for other in others)
@@ -81,28 +81,28 @@ def named_beside_wander(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judge
     rest = tuple(entry for entry in ranked if entry is not best)
     final = best.candidate.fit
     shape = free_form(baseline, final)
-    return Judgement("missing_effect", (best, *rest), final, shape=shape, wander=found.after)
+    return Judgement("missing_effect", (best, *rest), final, shape=shape, walk=found.after)
 
 
-def with_wander(baseline: Baseline, judged: Judgement) -> Judgement:
-    """Return a judgement without a name, with the wander that explains all of the misfit, where one does."""
+def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:
+    """Return a judgement without a name, with the random walk that explains all of the misfit, where one does."""
     near = baseline.floor_is_sure and baseline.fit.reduced < LINEAR_UP_TO
     if judged.verdict != "unknown_effect" or not near:
         return judged
-    alone = wander_beside(baseline.fit)
+    alone = walk_beside(baseline.fit)
     enough = alone.evidence > RIVALS_WITHIN and alone.reduced <= baseline.highest
-    return replace(judged, wander=alone) if enough else judged
+    return replace(judged, walk=alone) if enough else judged
 
 
-def wander_sentence(wander: Wander | None, *, named: bool, releases: int) -> str:
+def walk_sentence(walk: RandomWalk | None, *, named: bool, releases: int) -> str:
     """Return what a walk explains, of what a name leaves or instead of a name; "" where none is told of."""
-    if wander is None or not (wander.stiffness or wander.damping):
+    if walk is None or not (walk.stiffness or walk.damping):
         return ""
     drifts = []
-    if wander.stiffness:
-        drifts.append(f"in stiffness of about {_one_figure(100.0 * wander.stiffness)} %")
-    if wander.damping:
-        drifts.append(f"in damping ratio of about {_one_figure(0.5 * wander.damping)}")
+    if walk.stiffness:
+        drifts.append(f"in stiffness of about {_one_figure(100.0 * walk.stiffness)} %")
+    if walk.damping:
+        drifts.append(f"in damping ratio of about {_one_figure(0.5 * walk.damping)}")
     drift = f"a random drift {' and '.join(drifts)} in one second"
     if named:
         return f"What is left is what {drift} would leave."

@@ -1,4 +1,4 @@
-"""A rung is worth what it explains: a useless one is said to be, and taken out; the measured curve is a rung too."""
+"""A step is worth what it explains: a useless one is said to be, and taken out; the measured curve is a step too."""
 
 import json
 import shutil
@@ -47,12 +47,12 @@ def test_a_useless_effect_is_said_to_be_one_and_auto_takes_it_out(place, capsys)
 
 
 @pytest.mark.slow
-def test_the_measured_curve_of_a_magnet_is_kept_and_foretells_the_next_release(place, capsys):
+def test_the_measured_curve_of_a_magnet_is_kept_and_predicts_the_next_release(place, capsys):
     released("one.csv", 0.02)
     released("two.csv", 0.018)
     refined(capsys, "one.csv", "--add", "measured_curve")
     kept = json.loads((place / "sessions/one/results/ladder.json").read_text())
-    before, after = (rung["error"]["chi2"] for rung in kept["rungs"])
+    before, after = (step["error"]["chi2"] for step in kept["steps"])
     assert after < 0.1 * before
     model = json.loads((place / "sessions/one/results/model.json").read_text())
     assert model["expressions"][0].startswith("measured_curve = spline(u, ")

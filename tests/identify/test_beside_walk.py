@@ -1,12 +1,12 @@
-"""A spring and damper that wander: how strong a walk is found, and that no law is named that only follows one."""
+"""A spring and damper that walk at random: how strong a walk is found, and that no law is named that only follows one."""
 
 import pytest
 from releases import ready
 
-from identify.diagnosis.beside_wander import BesideWander
+from identify.diagnosis.beside_walk import BesideWalk
 from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.wandering_spring import wander_beside
+from identify.fitting.random_walk import walk_beside
 from identify.model.model import base_model
 from mocks.generate import draw
 
@@ -27,7 +27,7 @@ def walk(truth, name):
 )
 def test_the_strength_of_a_walk_is_found(name, found):
     prepared, truth = release(name, 0.0003, 1)
-    wander = wander_beside(fit_baseline((prepared,), base_model()).fit)
+    wander = walk_beside(fit_baseline((prepared,), base_model()).fit)
     assert wander.evidence > 10.0
     assert wander.reduced < 1.1
     # One walk of eight seconds tells its strength to about a factor of two.
@@ -36,7 +36,7 @@ def test_the_strength_of_a_walk_is_found(name, found):
 
 def test_white_noise_shows_no_wander():
     prepared, _ = release(None, 0.0, 4)
-    wander = wander_beside(fit_baseline((prepared,), base_model()).fit)
+    wander = walk_beside(fit_baseline((prepared,), base_model()).fit)
     assert wander.evidence < 0.0  # the odds are against one
 
 
@@ -65,8 +65,8 @@ def test_what_is_not_told_from_a_wander_is_said_with_its_size():
     prepared, _ = release("wandering_stiffness", 0.0003, 1)
     found = diagnose((prepared,))
     assert (found.verdict, found.named) == ("unknown_effect", ())
-    assert found.wander is not None
-    assert found.wander.stiffness > 0.0
+    assert found.walk is not None
+    assert found.walk.stiffness > 0.0
     assert (
         "a random drift in stiffness of about 0.01 % in one second explains it as well" in found.explanation
     )
@@ -89,7 +89,7 @@ def test_a_law_alone_needs_no_wander():
     before = fit_baseline((prepared,), base_model())
     found = diagnose((prepared,))
     assert found.named == ("cubic_stiffness",)
-    beside = BesideWander.of(before.fit, found.final)
+    beside = BesideWalk.of(before.fit, found.final)
     assert beside.after.evidence < 1.0
     assert beside.told_apart()
     assert not beside.told_apart(effects=1000)

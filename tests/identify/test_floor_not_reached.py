@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.ladder import add_effect, first_rung
-from identify.diagnosis.off_the_floor import is_foretold
+from identify.diagnosis.floor_not_reached import is_predicted
+from identify.diagnosis.ladder import add_effect, first_step
 from identify.diagnosis.suspects import Candidate
 from identify.effects.library import find_effect
 from identify.free_decay import FreeDecay
@@ -32,13 +32,13 @@ def test_a_spring_leads_though_the_noise_is_unknown_and_small_forces_are_beside_
     found = diagnose(FreeDecay(50.0, noisy, unit="rad"), library=tuple(find_effect(n) for n in springs))
     assert not found.baseline.floor_is_sure
     assert found.suspects[0].effect.name == name
-    # Gravity's strength is foretold by the spring; a cubic's is not, and a record alone need not vouch for it.
+    # Gravity's strength is predicted by the spring; a cubic's is not, and a record alone need not vouch for it.
     assert found.named in (((name,),) if name == "pendulum_stiffness" else ((name,), ()))
 
 
-@pytest.mark.parametrize(("gravity", "added", "foretold"), [(38.0, 0.0, True), (30.0, 8.0, False)])
+@pytest.mark.parametrize(("gravity", "added", "predicted"), [(38.0, 0.0, True), (30.0, 8.0, False)])
 def test_gravity_alone_has_the_strength_of_the_whole_linear_spring(
-    gravity: float, added: float, foretold: bool
+    gravity: float, added: float, predicted: bool
 ):
     """A pendulum, and one with a spring at its axis: u" + (gravity + added) u is its motion at small angles."""
     time = np.arange(600) / 50.0
@@ -47,12 +47,12 @@ def test_gravity_alone_has_the_strength_of_the_whole_linear_spring(
         (0.0, 12.0), [1.2, 0.0], t_eval=time, rtol=1e-9, atol=1e-11,
     )  # fmt: skip
     noisy = run.y[0] + 1e-3 * np.random.default_rng(1).standard_normal(len(time))
-    ground = first_rung((prepare(FreeDecay(50.0, noisy, unit="rad")),))
+    ground = first_step((prepare(FreeDecay(50.0, noisy, unit="rad")),))
     found = add_effect(ground, find_effect("pendulum_stiffness")).fit
     candidate = Candidate(found.model.terms[-1], found, found.chi_square, 0.0, True)
-    assert is_foretold(candidate) == foretold
+    assert is_predicted(candidate) == predicted
     cubic = add_effect(ground, find_effect("cubic_stiffness")).fit
-    assert not is_foretold(Candidate(cubic.model.terms[-1], cubic, cubic.chi_square, 0.0, True))
+    assert not is_predicted(Candidate(cubic.model.terms[-1], cubic, cubic.chi_square, 0.0, True))
 
 
 def test_one_release_of_a_disc_whose_frequency_may_drift_or_depend_on_the_amplitude_has_no_name():

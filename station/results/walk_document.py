@@ -3,7 +3,7 @@
 from station.results.documents import Number, Part
 
 
-class WanderDocument(Part):
+class WalkDocument(Part):
     """A walk's `evidence` (nats), its standard deviations after one second, and the reduced chi-square beside it.
 
     `stiffness` is relative to the linear stiffness, `damping` to the angular frequency: twice that of the damping ratio.

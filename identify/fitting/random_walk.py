@@ -1,4 +1,4 @@
-"""A linear spring and damper that wander: how much of a misfit their random walk explains, by its evidence.
+"""A linear spring and damper that walk at random: how much of a misfit their random walk explains, by its evidence.
 
 On a rig neither is quite constant: it warms, creeps, rubs here and there. What they do slowly, and never twice alike, any
 law of the amplitude or of time can follow in part. So before a law is named it must be better than such a walk. Its
@@ -40,7 +40,7 @@ _JUMP = 0.5
 
 
 @dataclass(frozen=True)
-class Wander:
+class RandomWalk:
     """What a walk of the linear spring and damper explains of the misfit of a fit.
 
     `evidence` is the logarithm (nats) of the odds for a walk of unknown strength, or none, against none. `stiffness` and
@@ -54,7 +54,7 @@ class Wander:
     reduced: float
 
 
-def wander_beside(found: Fit) -> Wander:
+def walk_beside(found: Fit) -> RandomWalk:
     """Return what a walk of spring and damper explains of what a fit leaves."""
     problem = Problem(found.model, found.windows, found.frequency)
     residual, jacobian = linearise(problem, found.theta)
@@ -66,7 +66,7 @@ def wander_beside(found: Fit) -> Wander:
     misfit, walk = free[:, 0], free[:, 1:]
     square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
     is_spring = np.concatenate(of_spring)
-    best, likelihood = Wander(0.0, 0.0, 0.0, square / max(found.degrees, 1)), []
+    best, likelihood = RandomWalk(0.0, 0.0, 0.0, square / max(found.degrees, 1)), []
     for stiffness in _STRENGTHS:
         for damping in _STRENGTHS:
             scale = np.where(is_spring, stiffness, damping)
@@ -77,7 +77,7 @@ def wander_beside(found: Fit) -> Wander:
             gain -= _EACH * np.count_nonzero([stiffness, damping])
             if gain > best.evidence:
                 left = (square - explained) / max(found.degrees, 1)
-                best = Wander(gain, float(stiffness), float(damping), left)
+                best = RandomWalk(gain, float(stiffness), float(damping), left)
     most = max(likelihood)
     mean = np.mean(np.exp(np.array(likelihood) - most))
     evidence = most + np.log(0.5 * np.exp(-most) + 0.5 * mean)

@@ -1,6 +1,6 @@
 """The judgement off the floor: where it is not reached, or could only be guessed.
 
-Chi-square alone names nothing there. Effects are named that foretell what they were not fitted to; or one force whose
+Chi-square alone names nothing there. Effects are named that predict what they were not fitted to; or one force whose
 free run leaves next to nothing, where the curves cannot say.
 """
 
@@ -29,13 +29,13 @@ _MOST_ALIKE = 4
 """Forces that the free run does not distinguish; of more none is the name."""
 
 _THE_SAME = 0.05
-"""Relative difference up to which a strength is the one foretold: one in thirty of those between -1 and 2 times it."""
+"""Relative difference up to which a strength is the one predicted: one in thirty of those between -1 and 2 times it."""
 
 _LINE_LEAVES = 0.5
 """Share of chi-square that a second line may leave where the amplitude beats."""
 
 
-def if_foretold(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
+def if_predicted(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
     """Return the judgement of one effect that reaches a guessed floor, unless the curves contradict it.
 
     Where they do not confirm it, its strength must be clear of none: what bends enough reaches any guess. A line of a
@@ -62,16 +62,16 @@ def _line_percent(candidate: Candidate) -> float:
 
 def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
     alike = _alike(baseline, alone.ranked)
-    foretold = next((entry for entry in alike if is_foretold(entry.candidate)), None)
-    if foretold is None and len({entry.candidate.term.effect.of_time for entry in alike}) > 1:
+    predicted = next((entry for entry in alike if is_predicted(entry.candidate)), None)
+    if predicted is None and len({entry.candidate.term.effect.of_time for entry in alike}) > 1:
         return by_curves(baseline, alone.ranked, found, alone.final)
-    lead = foretold or min(alike, key=lambda entry: complexity(entry.candidate.term.effect))
+    lead = predicted or min(alike, key=lambda entry: complexity(entry.candidate.term.effect))
     rest = tuple(entry for entry in alone.ranked if entry is not lead)
     alone = replace(alone, ranked=(lead, *rest), final=lead.candidate.fit)
     best = lead.candidate
     if found is None and best.term.effect.of_time:
         return Judgement("unknown_effect", alone.ranked, best.fit, shape=free_form(baseline, baseline.fit))
-    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term, foretold=False)
+    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term, predicted=False)
     if clear and (found is None or found.usual.typical("motion") < LARGE):
         return replace(alone, confirmation=found)
     if found is None:
@@ -133,7 +133,7 @@ def _worthy(baseline: Baseline, found: Confirmation) -> Fit | None:
     One strength at least must be clear of none. Where the floor is known, half an explanation is not a name.
     """
     whole = fit_confirmed(baseline, found) if found.effects else None
-    if whole is None or not any(is_clear(whole, e.term, foretold=True) for e in found.effects):
+    if whole is None or not any(is_clear(whole, e.term, predicted=True) for e in found.effects):
         return None
     left = whole.chi_square / baseline.fit.chi_square
     return None if baseline.floor_is_sure and left > NEXT_TO_NOTHING else whole
@@ -176,16 +176,16 @@ def _by_free_run(
         if entry.candidate.term.effect.kind == "physics" and _misfit(entry) < _NEXT_LEAVES * _misfit(first)
     ]
     simplest = min(near, key=lambda entry: (complexity(entry.candidate.term.effect), _misfit(entry)))
-    foretold = next((entry for entry in near if is_foretold(entry.candidate)), None)
-    best = first if beats else foretold or simplest
+    predicted = next((entry for entry in near if is_predicted(entry.candidate)), None)
+    best = first if beats else predicted or simplest
     left = _misfit(best) / baseline.fit.chi_square
     seen = found is not None and found.has_law(best.candidate.name)
     denied = seen and found is not None and best.candidate.name not in found.mentioned
     drifts = any(entry.candidate.term.effect.of_time for entry in near)
-    apart = len(near) <= _MOST_ALIKE and (foretold is not None or not drifts)
+    apart = len(near) <= _MOST_ALIKE and (predicted is not None or not drifts)
     if not (beats or (left < NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
         return None
-    clear = is_clear(best.candidate.fit, best.candidate.term, foretold=False)
+    clear = is_clear(best.candidate.fit, best.candidate.term, predicted=False)
     if not beats and not clear:  # a mode that hardly moves the first
         return None
     rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
@@ -201,7 +201,7 @@ def _by_free_run(
     )
 
 
-def is_foretold(candidate: Candidate) -> bool:
+def is_predicted(candidate: Candidate) -> bool:
     """Whether a force has the very strength that the linear part it makes alone has: it has no constant of its own then.
 
     A law with constants to spare, a drift among them, must leave a third of what such a force leaves to be told from it.

@@ -1,4 +1,4 @@
-"""The misfit as a process that wanders beside the motion: how strong it is, over how many cycles it keeps, what it does.
+"""The misfit as a process that drifts beside the motion: how strong it is, over how many cycles it keeps, what it does.
 
 A fit hides of its misfit what its parameters can follow, which is just what moves them. What is left shows the rest of
 the same process, so its strength and correlation are measured by restricted likelihood (Patterson and Thompson 1971),
@@ -19,7 +19,7 @@ _TIMES = 6
 """Correlation times that are tried, from one cycle to the longest window."""
 
 _POWERS = (0.0, 1.0)
-"""Of the amplitude, in the size of the misfit: another motion beside this one, or a wander of this one."""
+"""Of the amplitude, in the size of the misfit: another motion beside this one, or a random walk of this one."""
 
 _STRENGTHS = np.concatenate([[0.0], np.geomspace(0.1, 1e6, 9)])
 """Variance of the process in one cycle over that of white noise."""
