@@ -7,7 +7,7 @@ needs no walk beside it; a walk that a law has followed still shows in what the 
 
 from dataclasses import dataclass, replace
 
-from identify.diagnosis.places import LINEAR_UP_TO
+from identify.diagnosis.linear_gain import LINEAR_UP_TO
 from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
 from identify.diagnosis.verdict import Judgement, free_form
 from identify.fitting.baseline import NEXT_TO_NOTHING, Baseline

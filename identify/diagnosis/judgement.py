@@ -124,7 +124,7 @@ def _beyond_one(
         return by_curves(baseline, ranked, predict(), ranked[0].candidate.fit)
     found = several_effects(baseline, tuple(entry.candidate for entry in ranked), library)
     if found.law is not None:
-        law = Ranked(found.law, 0.5 * found.law.gain, float("nan"), True)
+        law = Ranked(found.law, 0.5 * found.law.gain, True)
         return _unless_it_walks(baseline, Judgement("missing_effect", (law, *ranked), found.law.fit))
     several = found.pair or found.triple
     if several is not None:
