@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 
 from identify.diagnosis.linear_gain import LINEAR_UP_TO
 from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
+from identify.diagnosis.suspects import residual_lines
 from identify.diagnosis.verdict import Judgement, free_form
+from identify.effects.effect import Scales
+from identify.evidence.marginal_likelihood import evidence
 from identify.fitting.baseline import NEXT_TO_NOTHING, Baseline
 from identify.fitting.fit import Fit, fit
+from identify.fitting.initial_values import scales_of
 from identify.fitting.random_walk import RandomWalk, walk_beside
-
-_BEYOND = 12.0
-"""Nats by which an effect must be better than a walk: it was the best of many, and its values were fitted."""
 
 
 @dataclass(frozen=True)
@@ -30,15 +31,15 @@ class BesideWalk:
     gain: float
 
     @classmethod
-    def of(cls, before: Fit, after: Fit, alone: RandomWalk | None = None) -> "BesideWalk":
+    def of(cls, before: Fit, after: Fit, scales: Scales, alone: RandomWalk | None = None) -> "BesideWalk":
         """Return what is gained from the first fit to the second; `alone` is the walk beside the first, where known."""
         first, second = alone or walk_beside(before), walk_beside(after)
-        lower = 0.5 * (before.chi_square - after.chi_square)
-        return cls(first, second, lower + second.evidence - first.evidence)
+        return cls(first, second, evidence(before, after, scales) + second.evidence - first.evidence)
 
-    def told_apart(self, effects: int = 1) -> bool:
-        """Whether so many effects are told from a walk: the odds are against one, or they explain more."""
-        return self.before.evidence < 0.0 or self.gain > effects * _BEYOND
+    @property
+    def is_more(self) -> bool:
+        """Whether the effects are distinguishable from a walk: the odds are against one, or they explain more."""
+        return self.before.evidence < 0.0 or self.gain > RIVALS_WITHIN
 
 
 def more_than_a_walk(baseline: Baseline, judged: Judgement) -> bool:
@@ -47,10 +48,11 @@ def more_than_a_walk(baseline: Baseline, judged: Judgement) -> bool:
     forces = [t.effect.name for t in final.model.terms if t.is_force and t.effect.name not in before.model]
     if not forces:
         return True
-    if not BesideWalk.of(before, final).told_apart(1 + len(judged.together)):
+    scales = scales_of(baseline.decays[0], residual_lines(before))
+    if not BesideWalk.of(before, final, scales).is_more:
         return False
     without = (fit(final.model.minus(name), final.windows, final.point, final.frequency) for name in forces)
-    return not judged.together or all(BesideWalk.of(less, final).told_apart() for less in without)
+    return not judged.together or all(BesideWalk.of(less, final, scales).is_more for less in without)
 
 
 def named_beside_walk(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
@@ -71,12 +73,12 @@ def named_beside_walk(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgeme
     ]
     if not near:
         return None
-    alone = walk_beside(baseline.fit)
-    beside = {entry: BesideWalk.of(baseline.fit, entry.candidate.fit, alone) for entry in near}
+    alone, scales = walk_beside(baseline.fit), scales_of(baseline.decays[0], residual_lines(baseline.fit))
+    beside = {entry: BesideWalk.of(baseline.fit, entry.candidate.fit, scales, alone) for entry in near}
     best, *others = sorted(near, key=lambda entry: -beside[entry].gain)
     found = beside[best]
-    alike = any(beside[other].gain > found.gain - _BEYOND for other in others)
-    if alike or not found.told_apart() or found.after.reduced > baseline.highest:
+    alike = any(beside[other].gain > found.gain - RIVALS_WITHIN for other in others)
+    if alike or not found.is_more or found.after.reduced > baseline.highest:
         return None
     rest = tuple(entry for entry in ranked if entry is not best)
     final = best.candidate.fit

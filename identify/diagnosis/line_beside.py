@@ -76,7 +76,7 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Ranked | None:
         return None
     density = misfit_density(found.fit, 2.0 * np.pi * line, found.term.channel)
     scales = scales_of(behind.decays[0], residual_lines(behind.fit))
-    nats = evidence(behind.fit, found.fit, found.term, scales, max(density, 1.0))
+    nats = evidence(behind.fit, found.fit, scales, max(density, 1.0))
     return Ranked(found, nats, True) if nothing([nats]) < behind.alpha else None
 
 

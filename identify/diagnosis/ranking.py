@@ -50,9 +50,7 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Ranked, ...]
         _dispersion(baseline, tried),
         scales_of(baseline.decays[0], residual_lines(baseline.fit)),
     )
-    nats = [
-        evidence(baseline.fit, c.fit, c.term, scales, dispersion) + at_rest(baseline.decays, c) for c in tried
-    ]
+    nats = [evidence(baseline.fit, c.fit, scales, dispersion) + at_rest(baseline.decays, c) for c in tried]
     sure = nothing(nats) < baseline.alpha
     ranked = (Ranked(c, n, sure and n > -np.log(baseline.alpha)) for c, n in zip(tried, nats, strict=True))
     return line_of_sensor_first(tuple(sorted(ranked, key=_order)), by_gain=not baseline.floor_is_sure)

@@ -23,18 +23,19 @@ _ROUNDING = 1e-24
 """Least variance, in squares of the range."""
 
 
-def evidence(base: Fit, found: Fit, term: Term, scales: Scales, dispersion: float = 1.0) -> float:
-    """Return the evidence (nats) for a term with which a model was fitted again, against the `base` without it.
+def evidence(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> float:
+    """Return the evidence (nats) for all that a fit has in its model beyond the `base`, against the base alone.
 
     `dispersion` is by how much a misfit that nothing explains widens the noise: 1 where the floor is sure.
     """
-    gain = base.chi_square - found.chi_square
+    terms = {term.effect.name: term for term in found.model.terms if term.effect.name not in base.model}
     own = [j for j, unknown in enumerate(found.unknowns) if unknown.name not in base.names]
-    widths = np.array([_width(found.unknowns[j], float(found.theta[j]), term, scales) for j in own])
+    widths = np.array([_width(found.unknowns[j], float(found.theta[j]), terms, scales) for j in own])
     counts = widths > 0.0  # a strength of none has gained nothing and costs nothing
     places = np.array(own, dtype=int)[counts]
     cost = _cost(dispersion * found.covariance[np.ix_(places, places)], widths[counts])
-    return 0.5 * gain / dispersion - cost - float(np.log(len(term.effect.variants)))
+    cost += float(sum(np.log(len(term.effect.variants)) for term in terms.values()))
+    return 0.5 * (base.chi_square - found.chi_square) / dispersion - cost
 
 
 def _cost(covariance: Array, widths: Array) -> float:
@@ -44,7 +45,7 @@ def _cost(covariance: Array, widths: Array) -> float:
     return 0.5 * float(np.sum(np.log1p(1.0 / volumes)))
 
 
-def _width(unknown: Unknown, value: float, term: Term, scales: Scales) -> float:
+def _width(unknown: Unknown, value: float, terms: dict[str, Term], scales: Scales) -> float:
     """Return the width of the range in which an unknown may lie, in its unit: the inverse of its prior density at a value.
 
     Uniform for states, phases and the frequencies of lines, else in the logarithm, over what a fit may reach.
@@ -52,6 +53,7 @@ def _width(unknown: Unknown, value: float, term: Term, scales: Scales) -> float:
     if unknown.id.role != "parameter":
         between = unknown.high - unknown.low
         return between if np.isfinite(between) else 2.0 * unknown.size
+    term = terms[unknown.id.effect]
     if term.effect.line and unknown.unit == "rad":
         return 2.0 * np.pi
     if term.effect.line and unknown.unit == "Hz":

@@ -1,11 +1,14 @@
 """A spring and damper that walk at random: how strong a walk is found, and that no law is named that only follows one."""
 
+from dataclasses import replace
+
 import pytest
 from releases import ready
 
 from identify.diagnosis.beside_walk import BesideWalk
 from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
+from identify.fitting.initial_values import scales_of
 from identify.fitting.random_walk import walk_beside
 from identify.model.model import base_model
 from mocks.generate import draw
@@ -89,7 +92,7 @@ def test_a_law_alone_needs_no_wander():
     before = fit_baseline((prepared,), base_model())
     found = diagnose((prepared,))
     assert found.named == ("cubic_stiffness",)
-    beside = BesideWalk.of(before.fit, found.final)
+    beside = BesideWalk.of(before.fit, found.final, scales_of(prepared, {}))
     assert beside.after.evidence < 1.0
-    assert beside.told_apart()
-    assert not beside.told_apart(effects=1000)
+    assert beside.is_more
+    assert not replace(beside, gain=3.0, before=replace(beside.before, evidence=1.0)).is_more
