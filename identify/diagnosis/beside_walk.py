@@ -8,12 +8,12 @@ needs no walk beside it; a walk that a law has followed still shows in what the 
 from dataclasses import dataclass, replace
 
 from identify.diagnosis.linear_gain import LINEAR_UP_TO
-from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
+from identify.diagnosis.ranking import RIVALS_WITHIN
 from identify.diagnosis.suspects import residual_lines
-from identify.diagnosis.verdict import Judgement, free_form
+from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Scales
 from identify.evidence.marginal_likelihood import evidence
-from identify.fitting.baseline import NEXT_TO_NOTHING, Baseline
+from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
 from identify.fitting.random_walk import RandomWalk, walk_beside
@@ -31,9 +31,9 @@ class BesideWalk:
     gain: float
 
     @classmethod
-    def of(cls, before: Fit, after: Fit, scales: Scales, alone: RandomWalk | None = None) -> "BesideWalk":
-        """Return what is gained from the first fit to the second; `alone` is the walk beside the first, where known."""
-        first, second = alone or walk_beside(before), walk_beside(after)
+    def of(cls, before: Fit, after: Fit, scales: Scales) -> "BesideWalk":
+        """Return what is gained from the first fit to the second."""
+        first, second = walk_beside(before), walk_beside(after)
         return cls(first, second, evidence(before, after, scales) + second.evidence - first.evidence)
 
     @property
@@ -53,37 +53,6 @@ def more_than_a_walk(baseline: Baseline, judged: Judgement) -> bool:
         return False
     without = (fit(final.model.minus(name), final.windows, final.point, final.frequency) for name in forces)
     return not judged.together or all(BesideWalk.of(less, final, scales).is_more for less in without)
-
-
-def named_beside_walk(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
-    """Return the judgement that names one force where it leaves next to nothing, and a random walk explains that; or None.
-
-    No other force may do so nearly as well.
-    """
-    if not baseline.floor_is_sure:
-        return None
-    limit = 1.0 + NEXT_TO_NOTHING * (baseline.fit.reduced - 1.0)
-    near = [
-        entry
-        for entry in ranked
-        if entry.claimed
-        and entry.candidate.plausible
-        and entry.candidate.term.effect.kind == "physics"
-        and entry.candidate.fit.reduced < limit
-    ]
-    if not near:
-        return None
-    alone, scales = walk_beside(baseline.fit), scales_of(baseline.decays[0], residual_lines(baseline.fit))
-    beside = {entry: BesideWalk.of(baseline.fit, entry.candidate.fit, scales, alone) for entry in near}
-    best, *others = sorted(near, key=lambda entry: -beside[entry].gain)
-    found = beside[best]
-    alike = any(beside[other].gain > found.gain - RIVALS_WITHIN for other in others)
-    if alike or not found.is_more or found.after.reduced > baseline.highest:
-        return None
-    rest = tuple(entry for entry in ranked if entry is not best)
-    final = best.candidate.fit
-    shape = free_form(baseline, final)
-    return Judgement("missing_effect", (best, *rest), final, shape=shape, walk=found.after)
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:

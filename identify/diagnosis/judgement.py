@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_walk import more_than_a_walk, named_beside_walk, with_walk
+from identify.diagnosis.beside_walk import more_than_a_walk, with_walk
 from identify.diagnosis.floor_not_reached import by_curves, if_predicted, unclaimed
 from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.ranking import Ranked
@@ -130,17 +130,15 @@ def _beyond_one(
     if several is not None:
         judged = _of_pair(ranked, several) if isinstance(several, Pair) else _of_three(ranked, several)
         return _unless_it_walks(baseline, judged)
-    beside = named_beside_walk(baseline, ranked)
-    return beside or by_curves(baseline, ranked, predict(), found.closest)
+    return by_curves(baseline, ranked, predict(), found.closest)
 
 
 def _unless_it_walks(baseline: Baseline, judged: Judgement) -> Judgement:
-    """Return a judgement whose forces are distinguishable from a random walk; else one beside a walk, or without a name."""
+    """Return a judgement whose forces are distinguishable from a random walk; else one without a name."""
     if more_than_a_walk(baseline, judged):
         return judged
-    alone = named_beside_walk(baseline, judged.ranked) if judged.together else None
     shape = free_form(baseline, baseline.fit)
-    return alone or Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape)
+    return Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape)
 
 
 def _of_pair(ranked: tuple[Ranked, ...], pair: Pair) -> Judgement:

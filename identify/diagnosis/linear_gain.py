@@ -106,10 +106,10 @@ def worth_a_fit(
 def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scales: Scales) -> Starts:
     """Return the places at which the linear gain of a force is larger than at their neighbours, the largest first.
 
-    None of a fault, nor of a line: the residual's own lines tell where that is.
+    None of a fault. A line's are those of the residual's own lines.
     """
-    starts = reachable_starts(term, scales) if term.is_force and not term.effect.line else ()
-    if len(starts) < 2:
+    starts = (term_starts if term.effect.line else reachable_starts)(term, scales)
+    if not term.is_force or len(starts) < 2:
         return ()
     base = slope.base
     problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=True)

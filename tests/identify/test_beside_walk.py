@@ -77,14 +77,20 @@ def test_what_is_not_told_from_a_wander_is_said_with_its_size():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["cubic_stiffness", "freeplay"])
-def test_a_law_that_is_there_is_named_beside_a_wander_and_nothing_with_it(name):
+def test_a_law_that_is_there_is_named_beside_a_wander_and_nothing_with_it():
+    name = "cubic_stiffness"
     prepared, truth = release(f"{name}+wandering_stiffness", (0.01, 0.0003), 8)
     found = diagnose((prepared,))
     assert found.named == (name,)
     strength = next(iter(truth["parameters"][name]))
     value = found.named_suspects[0].parameters[strength].value
     assert value == pytest.approx(truth["parameters"][name][strength], rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("strength", [0.003, 0.01])
+def test_a_strong_walk_is_not_named_after_the_law_that_follows_most_of_it(strength):
+    assert diagnose((release("wandering_stiffness", strength, 11300)[0],)).named == ()
 
 
 def test_a_law_alone_needs_no_wander():
