@@ -190,9 +190,7 @@ def _nothing(outcomes: list[Outcome]) -> str:
     claimed = [o for o in outcomes if o.verdict not in ("nothing_missing", "not_enough_data")]
     said = ", ".join(f"{o.verdict} {'+'.join(o.named)} ({o.evidence:.1f} nats)" for o in claimed) or "none"
     best = np.sort([o.evidence for o in outcomes if np.isfinite(o.evidence)])
-    return (
-        f"Nothing hidden: an effect or a fault claimed in {len(claimed)} of {len(outcomes)} ({said}). Evidence of the first suspect: at most {best[-1]:.1f} nats, median {np.median(best):.1f}."
-    )
+    return f"Nothing hidden: an effect or a fault claimed in {len(claimed)} of {len(outcomes)} ({said}). Evidence of the first suspect: at most {best[-1]:.1f} nats, median {np.median(best):.1f}."
 
 
 def _faults(outcomes: list[Outcome]) -> str:

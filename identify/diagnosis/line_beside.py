@@ -16,6 +16,7 @@ from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
 from identify.evidence.evidence import nothing
 from identify.evidence.marginal_likelihood import evidence
+from identify.evidence.priors import DOUBT_AT_A_GUESS
 from identify.fitting.baseline import Baseline, with_noise_beside
 from identify.fitting.common_lines import may_be_hum
 from identify.fitting.fit import fit
@@ -77,7 +78,7 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Ranked | None:
     density = misfit_density(found.fit, 2.0 * np.pi * line, found.term.channel)
     scales = scales_of(behind.decays[0], residual_lines(behind.fit))
     nats = evidence(behind.fit, found.fit, scales, max(density, 1.0))
-    return Ranked(found, nats, True) if nothing([nats]) < behind.alpha else None
+    return Ranked(found, nats, True) if nothing([nats]) < DOUBT_AT_A_GUESS else None
 
 
 def _is_steady_force(entry: Ranked) -> bool:

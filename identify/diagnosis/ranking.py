@@ -9,7 +9,7 @@ from identify.diagnosis.rest_evidence import at_rest
 from identify.diagnosis.suspects import Candidate, residual_lines
 from identify.evidence.evidence import nothing
 from identify.evidence.marginal_likelihood import evidence
-from identify.evidence.priors import DOUBT
+from identify.evidence.priors import DOUBT, DOUBT_AT_A_GUESS
 from identify.fitting.baseline import Baseline
 from identify.fitting.initial_values import scales_of
 
@@ -51,8 +51,9 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Ranked, ...]
         scales_of(baseline.decays[0], residual_lines(baseline.fit)),
     )
     nats = [evidence(baseline.fit, c.fit, scales, dispersion) + at_rest(baseline.decays, c) for c in tried]
-    sure = nothing(nats) < baseline.alpha
-    ranked = (Ranked(c, n, sure and n > -np.log(baseline.alpha)) for c, n in zip(tried, nats, strict=True))
+    doubt = DOUBT if baseline.floor_is_sure else DOUBT_AT_A_GUESS
+    sure = nothing(nats) < doubt
+    ranked = (Ranked(c, n, sure and n > -np.log(doubt)) for c, n in zip(tried, nats, strict=True))
     return line_of_sensor_first(tuple(sorted(ranked, key=_order)), by_gain=not baseline.floor_is_sure)
 
 

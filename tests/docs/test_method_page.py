@@ -40,9 +40,9 @@ def value(module, name):
         ("preprocessing.averaged_decay", "BLOCKS_A_CYCLE", lambda x: f"to {x} to {2 * x} a cycle"),
         ("preprocessing.averaged_decay", "FEW", lambda x: f"more than {x} samples"),
         ("fitting.corrected_faults", "UNSTATED_GAIN_UNCERTAINTY", lambda x: f"{100 * x:g} % is allowed"),
-        ("fitting.baseline", "ALPHA", lambda x: f"claimed at $p < {x:g}$"),
-        ("fitting.baseline", "ALPHA_GUESSED", lambda x: rf"$p < {1e4 * x:g}\cdot10^{{-4}}$"),
-        ("diagnosis.ranking", "RIVALS_WITHIN", lambda x: f"{x:g} are odds of 100 to 1"),
+        ("evidence.priors", "DOUBT", lambda x: f"the probability of none exceeds {100 * x:g} %"),
+        ("evidence.priors", "DOUBT_AT_A_GUESS", lambda x: rf"${1e4 * x:g}\cdot10^{{-4}}$"),
+        ("diagnosis.ranking", "RIVALS_WITHIN", lambda x: f"within {x:.1f} nats of each other"),
         (
             "diagnosis.floor_not_reached",
             "_LINE_LEAVES",
@@ -53,7 +53,6 @@ def value(module, name):
         ("evidence.priors", "LARGE", lambda x: "remove half a percent of the motion" if x == 0.5 else "?"),
         ("evidence.priors", "LEAVES", lambda x: "leave two fifths at most" if x == 0.4 else "?"),
         ("diagnosis.not_enough", "FEWEST_CYCLES", lambda x: f"fewer than {WORDS[x]} cycles"),
-        ("diagnosis.listed_suspects", "_HELD_OUT", lambda x: f"The first {WORDS[x]} suspects"),
         (
             "fitting.own_linear",
             "STIFFNESS_VARIES",
