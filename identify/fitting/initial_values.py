@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from identify.arrays import Array
 from identify.effects.effect import Scales, Starts
@@ -100,7 +99,12 @@ def _strengths(decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str,
         return np.clip(np.zeros(len(model.forces)), low[: len(model.forces)], high[: len(model.forces)])
     size[size == 0.0] = 1.0
     triangle = np.asarray(np.linalg.qr(np.column_stack([design / size, restoring]), mode="r"))
-    found = lsq_linear(triangle[:, :-1], triangle[:, -1], (low * size, high * size), method="bvls").x / size
+    found = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=-1)[0]
+    if np.any((found < low * size) | (found > high * size)):
+        from scipy.optimize import lsq_linear  # a tenth of a second to load, and seldom needed
+
+        found = lsq_linear(triangle[:, :-1], triangle[:, -1], (low * size, high * size), method="bvls").x
+    found = found / size
     return np.asarray(found[: len(model.forces)])
 
 

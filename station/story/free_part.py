@@ -1,11 +1,11 @@
 """The part of a record in which the mass swings freely, after a push or a drive that stops."""
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from identify.arrays import Array
 from identify.free_decay import FreeDecay
 from identify.signal.oscillation import dominant_frequency
+from identify.signal.running import running_maximum, running_minimum
 
 GROWN = 0.6
 """A motion that was once below this share of its largest amplitude, earlier, has been pushed or driven."""
@@ -64,5 +64,5 @@ def _goes_on(amplitude: Array, largest: float) -> bool:
 
 
 def _amplitude(values: Array, period: int) -> Array:
-    span: Array = 0.5 * (maximum_filter1d(values, period) - minimum_filter1d(values, period))
+    span: Array = 0.5 * (running_maximum(values, period) - running_minimum(values, period))
     return span

@@ -8,6 +8,7 @@ from daq.session import Session
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
+from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from station.settings import Settings
 
@@ -59,11 +60,22 @@ def prepare_session(
 
 
 def prepare_recording(
-    recording: Recording, options: Options, gain_percent: float | None = None
+    recording: Recording,
+    options: Options,
+    gain_percent: float | None = None,
+    found: AlignedDecay | None = None,
 ) -> PreparedDecay:
-    """Return the release of a recording, ready to be fitted; arguments and errors as `prepare_session`."""
+    """Return the release of a recording, ready to be fitted; arguments and errors as `prepare_session`.
+
+    `found` is what `locate` returns, where that is known.
+    """
     gain = gain_uncertainty(recording) if gain_percent is None else gain_percent / 100.0
-    return prepare(free_decay(recording, options), gain_uncertainty=gain)
+    return prepare(found or locate(recording, options), gain_uncertainty=gain)
+
+
+def locate(recording: Recording, options: Options) -> AlignedDecay:
+    """Return the release of a recording, located and on one clock; NotIdentifiable when there is none."""
+    return locate_and_align(free_decay(recording, options))
 
 
 def free_decay(recording: Recording, options: Options) -> FreeDecay:
