@@ -20,7 +20,8 @@ class DecayCurve:
 
     Readings of a velocity or an acceleration are divided by the frequency or its square; their centre says nothing about
     the displacement's, and `has_centre` is False. `misfit` is the rms of what
-    the window's harmonic motion leaves of the reading, in units of the amplitude, (n,).
+    the window's harmonic motion leaves of the reading, in units of the amplitude, (n,). All strengths are divided by an
+    inertia that is `lightness` times this release's.
     """
 
     time: Array
@@ -29,6 +30,7 @@ class DecayCurve:
     centre: Array
     misfit: Array
     has_centre: bool = True
+    lightness: float = 1.0
 
     def __len__(self) -> int:
         return len(self.time)
@@ -89,4 +91,5 @@ class DecayCurve:
             self.centre[cut],
             self.misfit[cut],
             self.has_centre,
+            self.lightness,
         )

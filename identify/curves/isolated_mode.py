@@ -50,6 +50,7 @@ class IsolatedMode:
     first: NDArray[np.int_]
     operators: tuple[Array, ...]
     frequency: Array
+    lightness: float = 1.0
 
     @classmethod
     def of(cls, window: FitWindow) -> Self:
@@ -71,7 +72,7 @@ class IsolatedMode:
             shift = np.array([((q[2] + 1j * q[3]) / (q[0] + 1j * q[1])).imag for q in found])
             frequency = np.clip(_smoothed(frequency + shift), 0.5 * mean, 2.0 * mean)
         first, operators, _ = _operators(used, window.rate, centre, half, frequency)
-        whole = cls(channel, window.time + centre, first, operators, frequency)
+        whole = cls(channel, window.time + centre, first, operators, frequency, window.lightness)
         largest = int(np.argmax(whole.curve(values).amplitude[: _RISES + 1]))
         if len(centre) - largest < _FEWEST:
             raise NotIdentifiable(_TOO_FEW)
@@ -80,7 +81,12 @@ class IsolatedMode:
     def _from(self, point: int) -> Self:
         cut = slice(point, None)
         return type(self)(
-            self.channel, self.centre[cut], self.first[cut], self.operators[cut], self.frequency[cut]
+            self.channel,
+            self.centre[cut],
+            self.first[cut],
+            self.operators[cut],
+            self.frequency[cut],
+            self.lightness,
         )
 
     def curve(self, values: Array) -> DecayCurve:
@@ -105,6 +111,7 @@ class IsolatedMode:
             found[:, 2],
             left / size,
             order == 0,
+            self.lightness,
         )
 
 

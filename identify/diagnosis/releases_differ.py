@@ -89,7 +89,7 @@ def shared_where_alike(found: Fit) -> Fit:
 
     What made the releases differ may have been what was found since.
     """
-    if not any(window.own_linear for window in found.windows):
+    if not any(window.own_linear and not window.varies for window in found.windows):
         return found
     shared = fit(found.model, without_own_linear(found.windows), found.point, found.frequency, near=True)
     return shared if surprise(shared, found) <= SURE else found

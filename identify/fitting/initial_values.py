@@ -128,7 +128,10 @@ def _columns(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> 
     along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
     held = prepared.window.pre_release
     before = None if held is None else (held.time, held.displacement, held.velocity)
-    columns = [force_along(term, inner_values(term, inner), *along, before) for term in model.forces]
+    columns = [
+        prepared.window.lightness * force_along(term, inner_values(term, inner), *along, before)
+        for term in model.forces
+    ]
     if prepared.window.estimates_mass:
         assert prepared.window.force is not None
         columns.append(-prepared.window.force)

@@ -200,6 +200,7 @@ class DiagnosisDocument(Document):
     `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
     `walk` is a random walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
+    `varies` is what was changed on purpose between the sessions; `left_out` says, by name, why a session holds too little.
     `model_is` says which model it is that was diagnosed, `model_remark` why it is not the one that was identified.
     """
 
@@ -228,6 +229,8 @@ class DiagnosisDocument(Document):
     of_sessions: list[ReleaseValueDocument] = Field(default_factory=list)
     walk: WalkDocument | None = None
     modes: list[ModeDocument] = Field(default_factory=list)
+    varies: list[str] = Field(default_factory=list)
+    left_out: dict[str, str] = Field(default_factory=dict)
     model_is: str = "the usual model"
     model_remark: str = ""
 
