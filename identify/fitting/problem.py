@@ -101,7 +101,7 @@ class Problem:
         return int(min(max(fewer, np.ceil(self._steps_of_memory(table, i))), fine))
 
     def within(self, theta: Array, i: int) -> Array:
-        """Return the unknowns with the shared ones as in window i: with what its release has of its own, over its inertia."""
+        """Return the unknowns with the shared ones as in window i: with its release's own part, over its inertia."""
         if not self._own[i] and self.windows[i].lightness == 1.0:
             return theta
         theta = theta.copy()

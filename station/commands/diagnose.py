@@ -50,9 +50,10 @@ def command(
     """Find out which effect a model lacks.
 
     SESSION is a session or a data file; several share the physics, which is
-    looked at first, but what --varies says was changed between them. Without --model it is the current model: the refined one;
-    before any `refine` the one that `station identify` found at orders of your
-    choice, else the usual one: stiffness, dry and viscous friction.
+    looked at first, but for what --varies says was changed between them.
+    Without --model it is the current model: the refined one; before any
+    `refine` the one that `station identify` found at orders of your choice,
+    else the usual one: stiffness, dry and viscous friction.
     """
     from station.operations.diagnosing import (
         diagnose_sessions,
