@@ -39,12 +39,12 @@ def as_the_whole_spring(stated: Fit, found: Fit) -> Fit:
     theta[force] = theta[spring]
     tied = fit_at(problem, theta)
     apart = tied.covariance[:, force] - tied.covariance[:, spring]
-    known = max(float(apart[force] - apart[spring]), 1e-300)
-    covariance = tied.covariance - np.outer(apart, apart) / known
+    variance = max(float(apart[force] - apart[spring]), 1e-300)
+    covariance = tied.covariance - np.outer(apart, apart) / variance
     name = found.unknowns[force].name
     own = {name: replace(tied.values[name], std=tied.values[found.unknowns[spring].name].std)}
-    known_as = {"converged": found.converged, "outcome": found.outcome}
-    return replace(tied, covariance=covariance, values=tied.values | own, **known_as)
+    known = replace(tied, converged=found.converged, outcome=found.outcome)
+    return replace(known, covariance=covariance, values=tied.values | own)
 
 
 def _pair(stated: Fit) -> tuple[int, int] | None:
