@@ -12,6 +12,8 @@ _COMES_BACK = 1.25
 _LAST = 0.6
 _STEADY = 0.1
 _LONG_ENOUGH = 8
+_FALLEN = 1.5
+"""Largest amplitude over the largest of the late part from which on a free motion would have gone on to fall."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,12 +76,31 @@ class DecayCurve:
 
     @property
     def driven(self) -> bool:
-        """Whether the amplitude, after other values, keeps one of its own to the end: no free motion does."""
-        first = round(_LAST * len(self))
-        level = float(np.mean(self.amplitude[first:]))
-        steady = np.ptp(self.amplitude[first:]) < _STEADY * level and len(self) - first >= _LONG_ENOUGH
-        before = self.amplitude[:first]
-        return bool(steady and np.ptp(before) > 2.0 * _STEADY * level and before.min() < level)
+        """Whether the amplitude, after other values, keeps one of its own to the end, or beats about it.
+
+        No free motion does: even where it beats, its largest amplitudes fall. One that beats has thirds with a beat in each.
+        """
+        level, before = float(np.mean(self.late)), self.amplitude[: len(self) - len(self.late)]
+        if len(self.late) < _LONG_ENOUGH or before.min() >= level:
+            return False
+        if not self.beats_late:
+            return bool(np.ptp(before) > 2.0 * _STEADY * level)
+        thirds = np.array_split(self.late, 3)
+        alike = (
+            np.ptp([measure(part) for part in thirds]) < _STEADY * level for measure in (np.mean, np.max)
+        )
+        fallen = before.max() > _FALLEN * self.late.max()
+        return len(thirds[0]) >= _LONG_ENOUGH and all(alike) and bool(fallen)
+
+    @property
+    def beats_late(self) -> bool:
+        """Whether the amplitudes of the last two fifths are not one and the same."""
+        return bool(np.ptp(self.late) >= _STEADY * np.mean(self.late))
+
+    @property
+    def late(self) -> Array:
+        """The amplitudes of the last two fifths."""
+        return self.amplitude[round(_LAST * len(self)) :]
 
     def part(self, first: int, last: int) -> Self:
         """Return the points from `first` to before `last`."""

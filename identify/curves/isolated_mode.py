@@ -29,6 +29,9 @@ _RISES = 4
 _SMALLEST = 0.03
 """Share of the largest amplitude at which a curve ends."""
 
+_COMES_BACK = 0.1
+"""Share of it to which the amplitude comes back after the node of a beat, and the curve with it."""
+
 _SEEN = 0.5
 """Share of a window's readings, by weight, below which it says nothing and is left out."""
 
@@ -121,7 +124,9 @@ def _centres(values: Array, used: Mask, rate: float, frequency: float) -> tuple[
     running = running_amplitude(values, max(round(period * rate), 2))
     top = int(np.argmax(running))
     seen = np.convolve(used, np.ones(max(round(period * rate), 2)), "same") >= _SEEN * period * rate
-    small = np.flatnonzero((running[top:] < _SMALLEST * running[top]) & seen[top:])
+    later = np.maximum.accumulate(running[top:][::-1])[::-1]
+    over = (running[top:] < _SMALLEST * running[top]) & (later < _COMES_BACK * running[top])
+    small = np.flatnonzero(over & seen[top:])
     end = (top + int(small[0]) if len(small) else len(values)) / rate
     cycles = end / period
     half = period * next(width for most, width in _HALF_WIDTHS if cycles <= most)

@@ -69,7 +69,7 @@ def changed_on_purpose(
     follow it; `spring` is the stiffness (1/s^2) that these are shares of, the first release's unless given. Where the
     stiffness was changed too, frequencies do not tell the inertia: spring and damper are each one's own then.
     """
-    if not varies:
+    if not varies or not decays:
         return tuple(decays)
     spring = spring or decays[0].frequency ** 2
     only_inertia = "inertia" in varies and "stiffness" not in varies

@@ -23,7 +23,7 @@ from station.output import progress
 from station.results.import_command import explained
 from station.results.kept_recipes import look_with_kept
 from station.results.session_names import find_session, no_such
-from station.story.free_part import free_from
+from station.story.free_part import dies_away, free_from
 from station.story.preparation import Options, free_decay
 from station.suggestions import did_you_mean
 
@@ -210,8 +210,12 @@ def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording]
         )
     starts = [0, *(_begin(before, after) for before, after in pairwise(releases))]
     stops = [*starts[1:], recording.samples.shape[1]]
-    note = f"{len(releases)} releases found: each becomes a session"
-    return [cut(recording, start, stop) for start, stop in zip(starts, stops, strict=True)], (note,)
+    pieces = [cut(recording, start, stop) for start, stop in zip(starts, stops, strict=True)]
+    if 2 * sum(dies_away(free_decay(piece, Options())) for piece in pieces) < len(pieces):
+        return [recording], (
+            f"{len(releases)} beginnings of a motion found, most of which do not die away: driven, and so one session",
+        )
+    return pieces, (f"{len(releases)} releases found: each becomes a session",)
 
 
 def _from_release(
