@@ -45,7 +45,7 @@ class DecayCurve:
     @property
     def between(self) -> Array:
         """Geometric mean of the amplitudes of each point and the next, (n - 1,)."""
-        return np.asarray(np.sqrt(self.amplitude[1:] * self.amplitude[:-1]))
+        return np.sqrt(self.amplitude[1:]) * np.sqrt(self.amplitude[:-1])
 
     @property
     def clock(self) -> Array:

@@ -110,6 +110,12 @@ def test_beats_and_a_drive_are_seen_and_a_decay_is_neither():
     assert driven.driven
 
 
+def test_amplitudes_whose_product_is_too_small_a_number_have_a_mean_all_the_same():
+    time, none = np.arange(3.0), np.zeros(3)
+    curve = DecayCurve(time, np.array([1e-3, 1e-300, 1e-300]), 8.0 * time, none, none)
+    assert np.log(curve.between) == pytest.approx(np.log([10.0**-151.5, 1e-300]))
+
+
 def test_a_motion_that_beats_to_the_end_about_one_amplitude_is_driven_and_a_beat_that_falls_is_not():
     time = np.arange(90.0)
     beat = 0.3 * np.cos(2.0 * np.pi * time / 6.0)
