@@ -43,4 +43,3 @@ def test_splines_and_their_derivatives_are_scipy_s(spans: int) -> None:
 @pytest.mark.parametrize("least", [1, 7, 97, 1023, 4099, 65537])
 def test_quick_lengths_are_scipy_s(least: int) -> None:
     assert fast_length(least) == fft.next_fast_len(least)
-    assert fast_length(least, real=True) == fft.next_fast_len(least, real=True)
