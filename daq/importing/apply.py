@@ -11,11 +11,10 @@ from daq.importing.bob import angle_of
 from daq.importing.counted_on import counted_on_by
 from daq.importing.cutting import cut
 from daq.importing.errors import ImportProblem, problem
-from daq.importing.named import listed
 from daq.importing.recipe import Column, Part, Recipe
 from daq.importing.resampling import find_gaps, place
 from daq.importing.runs import MOST_RUNS, part_of, pieces, rows_of
-from daq.importing.table import SourceColumn, Table
+from daq.importing.table import SourceColumn, Table, listed
 from daq.importing.timebase import Timebase, from_rate, from_stamps
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import one_line

@@ -6,10 +6,9 @@ import numpy as np
 
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.errors import problem
-from daq.importing.named import named
 from daq.importing.options import NONE, ImportOptions, ask
 from daq.importing.still import amplitude, is_measurable
-from daq.importing.table import SourceColumn, Table
+from daq.importing.table import SourceColumn, Table, named
 from daq.recording import Array
 
 ROUND = 0.03

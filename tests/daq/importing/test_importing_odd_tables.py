@@ -177,7 +177,7 @@ def test_a_mass_on_a_spring_in_a_video_is_read_along_the_axis_that_it_moves_alon
     x = 1.0 + 0.02 * np.sin(0.7 * t) + 0.01 * np.random.default_rng(6).standard_normal(len(t))
     recording = load(tmp_path, "mass_A\n" + table("t (s),x (cm),y (cm)", t, x, 24.0 * phi))
     np.testing.assert_allclose(recording.samples[0], 0.24 * phi, atol=1e-8)
-    assert "'x (cm)' moves less than a fifth as much" in said(recording)
+    assert "'x (cm)' moves" in said(recording)
 
 
 def test_points_of_a_video_in_json_give_the_angle_about_their_pivot(tmp_path: Path) -> None:
@@ -196,7 +196,7 @@ def test_of_two_times_the_one_that_rises_is_the_clock(tmp_path: Path) -> None:
     lasting = 10.0 + np.round(3.0 * np.sin(7.0 * t))
     recording = load(tmp_path, table("X (mm),Istante (ms),Durata (ms)", 1e3 * x, 1e3 * t, lasting))
     assert recording.rate == pytest.approx(100.0)
-    assert "'Durata (ms)' does not rise" in said(recording)
+    assert "'Durata (ms)' is a coarser time" in said(recording)
 
 
 def test_momentum_is_no_force_and_makes_no_angle(tmp_path: Path) -> None:
@@ -372,7 +372,7 @@ def test_of_the_angles_of_one_body_the_one_that_it_swings_by_is_taken(tmp_path: 
     noise = 0.01 * np.random.default_rng(5).standard_normal((2, 300))
     recording = load(tmp_path, table(f"t (s),{names}", t, noise[0], 500.0 * u, noise[1]))
     assert recording.samples[0] == pytest.approx(np.radians(500.0 * u), abs=1e-4)
-    assert "moves less than a fifth as much as another axis" in said(recording)
+    assert "% as much as column" in said(recording)
 
 
 def test_angles_of_one_body_that_move_alike_are_for_the_operator_to_choose(tmp_path: Path) -> None:
