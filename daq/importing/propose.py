@@ -10,10 +10,9 @@ import numpy as np
 from daq.importing.accelerometer import has_gravity, with_moving_axis
 from daq.importing.apply import ORDER, WIDE, clock_of, readings_of
 from daq.importing.bob import with_angle
-from daq.importing.channel_units import is_angle, of_one_kind, unit_of
+from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
 from daq.importing.choose import Choice, choose_columns, left_out
 from daq.importing.counted_on import counted_on
-from daq.importing.degrees import units_of_angles
 from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import ImportOptions
