@@ -42,7 +42,8 @@ class _Part(BaseModel):
 class Dialect(_Part):
     """How a text is written (Table Dialect 2.0); what is not said is found out. Rows count from 1.
 
-    `decimalChar` is Table Schema's word, said here once for all fields.
+    `decimalChar` is Table Schema's word, said here once for all fields. Of JSON, `property` is the key of the table, with
+    points between the keys on the way, and `itemKeys` are the columns to read.
     """
 
     header: bool = True
@@ -52,6 +53,8 @@ class Dialect(_Part):
     comment_char: str | None = Field(default=None, alias="commentChar", min_length=1, max_length=8)
     delimiter: str | None = Field(default=None, min_length=1, max_length=1)
     decimal_char: Literal[".", ","] | None = Field(default=None, alias="decimalChar")
+    property: str | None = Field(default=None, max_length=LONGEST_NAME)
+    item_keys: tuple[Name, ...] = Field(default=(), alias="itemKeys", max_length=MAX_COLUMNS)
 
 
 class Column(_Part):
