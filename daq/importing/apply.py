@@ -9,10 +9,9 @@ import numpy as np
 
 from daq.importing.bob import angle_of
 from daq.importing.counted_on import counted_on_by
-from daq.importing.cutting import cut
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.recipe import Column, Part, Recipe
-from daq.importing.resampling import find_gaps, place
+from daq.importing.resampling import cut, find_gaps, place
 from daq.importing.runs import MOST_RUNS, part_of, pieces, rows_of
 from daq.importing.table import SourceColumn, Table, listed
 from daq.importing.timebase import Timebase, from_rate, from_stamps

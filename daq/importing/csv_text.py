@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from daq.importing import lvm, serial_text
+from daq.importing import serial_text
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, split
 from daq.importing.errors import problem
 from daq.importing.header_lines import headers, names_in, rate_above
@@ -30,7 +30,7 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     lines = _without_comments(path, lines, wanted)
     odd = None
     if recipe.format != "text" and wanted.delimiter is None:
-        odd = lvm.table_of(path, lines) or serial_text.table_of(path, lines)
+        odd = serial_text.table_of(path, lines, wanted.decimal_char)
     format, lines, how = odd if odd is not None else ("text", lines, "")
     top = max(wanted.header_rows, default=0)
     dialect = find_dialect(path, [*[""] * top, *lines[top:]] if top else lines, wanted)

@@ -12,7 +12,7 @@ from daq.importing.apply import ORDER, WIDE, clock_of, readings_of
 from daq.importing.bob import with_angle
 from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
 from daq.importing.choose import Choice, choose_columns, left_out
-from daq.importing.counted_on import counted_on
+from daq.importing.counted_on import counted_on, with_stamps
 from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import ImportOptions
@@ -20,7 +20,6 @@ from daq.importing.quantisation import rounding
 from daq.importing.recipe import Column, Part, Recipe, Role
 from daq.importing.runs import find_runs
 from daq.importing.table import Table
-from daq.importing.time_steps import with_stamps
 from daq.importing.timebase import EVEN, guess_time_unit
 from daq.importing.units import Unit
 from daq.plain_text import one_line

@@ -29,7 +29,7 @@ Role = Literal[
     "time", "time_step", "run", "displacement", "velocity", "acceleration", "force", "x", "y", "ignored"
 ]
 ROLES: Final = get_args(Role)
-Format = Literal["text", "serial", "labview", "json", "matlab", "uff"]
+Format = Literal["text", "serial", "json", "matlab", "uff"]
 Name = Annotated[Line, Field(max_length=LONGEST_NAME)]
 Row = Annotated[int, Field(ge=1, le=MAX_LINES)]
 Rate = Annotated[float, Field(gt=0.0, lt=1e9)]

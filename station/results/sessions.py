@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
-from daq.importing.cutting import cut
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
 from daq.importing.reading import Look, look_at
 from daq.importing.recipe import Recipe, to_toml
+from daq.importing.resampling import cut
 from daq.recording import Recording
 from daq.session import Session
 from daq.session_info import SessionInfo
