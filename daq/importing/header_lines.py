@@ -23,6 +23,8 @@ _FRAMES = re.compile(rf"{_NUMBER}\s*(?:fps|frames\s*(?:/|per)\s*s(?:ec\w*)?)(?![
 _STEP = re.compile(rf"(?:{_STEP_NAMES})\W*?{_NUMBER}\s*\(?\s*(s|sec\w*|ms|us|µs)?(?![a-z])", re.I)
 _ALONE = re.compile(rf"\W*{_NUMBER}\s*(k?Hz|S/s|sps)\W*", re.I)
 REMARKS = ("comment", "comments", "remark", "remarks", "notes", "kommentar")
+LOGGED = ("...", "\N{HORIZONTAL ELLIPSIS}", "!")
+"""So a line of a log ends, and no row of names."""
 LONGEST_STEP = 10.0  # s; a larger number is a date, or the hour of the day
 _STEP_SCALE = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 
@@ -35,7 +37,10 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
     above = []
     for number in range(max(0, dialect.start - 60), dialect.start):
         line = lines[number]
-        if not line.strip():
+        if not line.strip() or line.rstrip().endswith(LOGGED):
+            continue
+        if width == 1 and not any(map(str.isalpha, line)):
+            above.clear()  # settings in numbers: what stands over them are their names
             continue
         if width == 1 and _rate_in(line[:300], dialect.decimal) is not None:
             continue

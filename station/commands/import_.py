@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.commands.options import COLUMNS, CONDITIONS, MASS, MASS_STD, UNITS, number_or_name, pairs
+from station.commands.options import COLUMNS, CONDITIONS, MASS, MASS_STD, UNITS, VARIES, number_or_name, pairs
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 from station.text.next_step import next_line
@@ -63,6 +63,7 @@ if TYPE_CHECKING:
 @click.option("--specimen", help="What was tested.")
 @click.option("--operator", help="Who tested it.")
 @CONDITIONS
+@VARIES
 @json_option
 @click.pass_obj
 def command(
@@ -78,6 +79,7 @@ def command(
     specimen: str | None,
     operator: str | None,
     conditions: tuple[str, ...],
+    varies: str | None,
     recipe: str | None,
     ask: bool,
     as_json: bool,
@@ -107,7 +109,7 @@ def command(
         raise UsageProblem(
             f"--recipe {recipe} says all of how the file is read: write the choice there, or leave it out"
         )
-    info = session_info(settings, mass, mass_std, specimen, operator, conditions)
+    info = session_info(settings, mass, mass_std, specimen, operator, conditions, varies)
     try:
         given = None if recipe in (None, NONE) else read_recipe(Path(recipe or ""))
         if ask:
@@ -116,8 +118,12 @@ def command(
             given = asked(file, options)
         imported = import_file(file, folder, settings.sessions, options, info, given, anew=recipe == NONE)
     except ImportProblem as refusal:
-        if not as_json and (proposed := getattr(refusal, "proposal", None)) is not None:
-            click.echo(harmless(to_toml(proposed.recipe)))
+        if (proposed := getattr(refusal, "proposal", None)) is not None:
+            recipe_toml = harmless(to_toml(proposed.recipe))
+            if as_json:
+                print_json({"file": str(file), "doubts": list(proposed.doubts), "recipe": recipe_toml})
+            else:
+                click.echo(recipe_toml)
         raise explained(file, options, refusal) from refusal
     if as_json:
         print_json(_document(file, imported))
