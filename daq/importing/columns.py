@@ -50,8 +50,9 @@ WORDS: tuple[tuple[str, tuple[str, ...]], ...] = (
 OTHERS = frozenset({
     "fft", "spectrum", "spektrum", "psd", "asd", "frequenz", "frequency", "freq", "hz", "temperature", "temperatur",
     "temp", "sollwert", "soll", "target", "setpoint", "reference", "command", "std", "stdev", "error", "fehler", "err",
-    "residual", "fit", "tg", "absolute", "abs", "total", "norm", "resultant", "modulus", "betrag", "absolut", "status", "flag", "quality", "humidity", "pressure", "battery", "envelope", "magnitude",
-    "momentum", "energy", "energie", "power", "confidence",
+    "residual", "fit", "tg", "status", "flag", "quality", "humidity", "pressure", "battery", "envelope", "magnitude",
+    "momentum", "energy", "energie", "power", "confidence", "absolute", "abs", "total", "norm", "resultant", "modulus",
+    "betrag", "absolut",
 })  # fmt: skip
 DERIVED = (
     "ableitung", "derivative", "derived", "derivee", "derivada", "derivata", "afgeleide", "dxdt", "dvdt",

@@ -23,7 +23,7 @@ FEWEST_BEYOND = 3
 """Different numbers behind the jumps: a reading that was lost is written as one and the same, 0 or a full word."""
 
 STEPS = frozenset({
-    "dt", "delta", "diff", "difference", "step", "increment", "previous", "last", "differenz", "schritt", "letzte", "letzter",
+    "dt", "delta", "diff", "difference", "step", "increment", "previous", "last", "differenz", "schritt", "letzte",
 })  # fmt: skip
 """Words of a time that is counted from the line before."""
 
@@ -97,7 +97,9 @@ def with_stamps(table: Table, options: ImportOptions) -> Table:
         return table
     column = times[0]
     said, step = meaning(column.label, column.unit), float(np.median(column.values[1:]))
-    text = said.unit_text or ("ms" if step >= 1.0 and np.all(column.values == np.rint(column.values)) else "s")
+    text = said.unit_text or (
+        "ms" if step >= 1.0 and np.all(column.values == np.rint(column.values)) else "s"
+    )
     note = (
         f"{column.place} holds steps of about {step:.4g} {text}, not times: "
         "it was taken as the time since the line before, and summed up"

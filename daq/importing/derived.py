@@ -60,7 +60,9 @@ def find_derivation(
     dx, dy = (step[stretch] for step in steps) if steps is not None else (rounding(x), rounding(y))
     for local in _local_steps(stamps[stretch], rate) if stamps is not None else (1.0,):
         for kernel in FIRST:
-            found = _by_kernel(x, y * local**order, _power(kernel, order) * rate**order, (dx, dy), order, rate)
+            found = _by_kernel(
+                x, y * local**order, _power(kernel, order) * rate**order, (dx, dy), order, rate
+            )
             if found:
                 return found
     return None

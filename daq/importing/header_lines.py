@@ -34,7 +34,7 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
 
     Of several lines that could be the header, that one is taken whose cells say most; the nearest of equals.
     """
-    above = []
+    above: list[list[str]] = []
     for number in range(max(0, dialect.start - 60), dialect.start):
         line = lines[number]
         if not line.strip() or line.rstrip().endswith(LOGGED):
@@ -98,7 +98,7 @@ def _padded(cells: Sequence[str], width: int) -> list[str]:
 
 
 def _is_unit_row(cells: Sequence[str]) -> bool:
-    """Return whether every cell is a unit, in brackets or bare, and at least one is; the first may say what the row holds."""
+    """Return whether every cell is a unit, in brackets or bare, one at least; the first may say what the row holds."""
     bare = [cell.strip("()[] ") for cell in cells]
     known = [parse_unit(cell) is not None for cell in bare if cell not in ("", "-", "1")]
     bracketed = all(cell[0] in "([" and cell[-1] in ")]" for cell in cells if cell)

@@ -52,7 +52,7 @@ def is_json(data: bytes) -> bool:
 
 
 def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
-    """Return the table in a JSON file: the largest, or the one under the recipe's `property`, with its `itemKeys` as columns.
+    """Return the table in a JSON file: the largest, or that under the recipe's `property`, with its `itemKeys` as columns.
 
     Settings beside it may name the columns, their units (`displacement units`) and the rate or the step of time. Raises
     ImportProblem when there is no table, or the text is not JSON.
@@ -123,7 +123,9 @@ def _under(node: Any, keys: Sequence[str]) -> Any:
 def _members(node: Any) -> list[tuple[str, Any]]:
     if isinstance(node, dict):
         return [(str(name), value) for name, value in node.items()]
-    return [(str(i), value) for i, value in enumerate(node[:MOST_MEMBERS], 1)] if isinstance(node, list) else []
+    return (
+        [(str(i), value) for i, value in enumerate(node[:MOST_MEMBERS], 1)] if isinstance(node, list) else []
+    )
 
 
 def _table_in(node: Any, keys: tuple[str, ...], depth: int) -> _Found | None:
@@ -164,7 +166,12 @@ def _columns(node: Any) -> list[tuple[str, Array]]:
     few long lists, one a channel: nothing has eight times as many channels as samples.
     """
     if isinstance(node, dict):
-        made = [(k, v) for name, value in node.items() if isinstance(value, list) for k, v in [(str(name), _numbers(value))]]
+        made = [
+            (k, v)
+            for name, value in node.items()
+            if isinstance(value, list)
+            for k, v in [(str(name), _numbers(value))]
+        ]
         lengths = Counter(len(values) for _, values in made if values is not None)
         most = max(lengths, key=lambda n: (lengths[n], n), default=0)
         return [(k, v) for k, v in made if v is not None and len(v) == most] if most >= FEWEST else []
@@ -196,7 +203,9 @@ def _channels(node: Sequence[Mapping[str, Any]]) -> list[tuple[str, Array]]:
     made = []
     for member in node:
         texts = {str(k).lower(): v for k, v in member.items() if isinstance(v, str)}
-        name = next((texts[k] for k in ("name", "label", "channel", "title", "quantity", "id") if k in texts), "")
+        name = next(
+            (texts[k] for k in ("name", "label", "channel", "title", "quantity", "id") if k in texts), ""
+        )
         unit = texts.get("unit") or texts.get("units")
         lists = [found for v in member.values() if isinstance(v, list) and (found := _numbers(v)) is not None]
         if not name or len(lists) != 1 or len(lists[0]) < FEWEST:
@@ -242,9 +251,9 @@ def _scalars(node: Any, depth: int = 0) -> Iterator[tuple[str, Any]]:
 
 def _said_names(node: Any, width: int) -> tuple[str, ...] | None:
     for name, value in node.items() if isinstance(node, dict) else ():
-        if str(name).lower() in _NAMES and isinstance(value, list) and len(value) == width:
-            if all(isinstance(v, str) for v in value):
-                return tuple(value)
+        fits = str(name).lower() in _NAMES and isinstance(value, list) and len(value) == width
+        if fits and all(isinstance(v, str) for v in value):
+            return tuple(value)
     return None
 
 

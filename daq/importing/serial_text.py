@@ -35,9 +35,7 @@ class _Row(NamedTuple):
         return bool(self.clock), self.labels, self.units
 
 
-def table_of(
-    path: Path, lines: Sequence[str], decimal: str | None
-) -> tuple[Format, list[str], str] | None:
+def table_of(path: Path, lines: Sequence[str], decimal: str | None) -> tuple[Format, list[str], str] | None:
     """Return the lines as a table between tabs with a header, and a sentence on it; None where they are no such text.
 
     Each line stays in its place; what does not fit is blank. Where no line is free above the first row, the header comes

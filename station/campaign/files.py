@@ -84,12 +84,16 @@ class FolderImport:
         for file in files:
             told = ({}, {}) if self.names is None else self.names.said(file.name)
             if told is None:
-                say(f"{file.name}: its name is not of the form {self.names.pattern if self.names else ''}: left out")
+                say(
+                    f"{file.name}: its name is not of the form {self.names.pattern if self.names else ''}: left out"
+                )
                 continue
             conditions = told[0] | self.known.get(file.name, Known()).conditions
             info = self.info.model_copy(update={"conditions": self.info.conditions | conditions, **told[1]})
             try:
-                yield from ((folder, file) for folder in self._before(file, info) or self._imported(file, info))
+                yield from (
+                    (folder, file) for folder in self._before(file, info) or self._imported(file, info)
+                )
             except Doubtful:
                 if self.recipe is None:
                     raise

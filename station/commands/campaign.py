@@ -9,12 +9,10 @@ from station.commands.options import GAIN, VARIES, known_places
 from station.output import json_option, print_json, progress, screen
 
 if TYPE_CHECKING:
-    from station.campaign.metadata import Known
-    from station.settings import Settings
     from station.campaign.crew import Crew
+    from station.campaign.metadata import Known
     from station.results.campaign_document import CampaignDocument
-
-TABLE, TRENDS = "sessions.csv", "trends.csv"
+    from station.settings import Settings
 
 
 @click.command("campaign")
@@ -33,7 +31,10 @@ TABLE, TRENDS = "sessions.csv", "trends.csv"
     help="Numbers known of the sessions or files, as temperatures.",
 )
 @click.option(
-    "--recipe", type=click.Path(path_type=Path), metavar="FILE", help="Import the files of FOLDER by this recipe."
+    "--recipe",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Import the files of FOLDER by this recipe.",
 )
 @click.option("--ask", is_flag=True, help="Ask what the columns of the first file are, for all.")
 @click.option("--names", metavar="PATTERN", help='What the names of files say, as "{arm:d}P.txt".')
@@ -74,7 +75,7 @@ def command(
     from station.operations.identifying import NothingIdentified
     from station.settings import load_settings
     from station.text.campaign_progress import CampaignProgress
-    from station.text.campaign_table import sessions_csv, trends_csv
+    from station.text.campaign_table import SESSIONS, TRENDS, sessions_csv, trends_csv
     from station.text.campaign_text import show_campaign
 
     settings = load_settings(settings_file)
@@ -84,7 +85,8 @@ def command(
     if recipe or ask or names or varies or (len(sessions) == 1 and is_folder_of_files(sessions[0])):
         place, folders = _imported(sessions, settings, (recipe, ask, names, varies), metadata, known)
         known = {folder.name: known[file] for folder, file in folders if file in known}
-        given, sessions = (str(place),), tuple(str(folder) for folder, _ in folders)
+        given: tuple[str, ...] = (str(place),)
+        sessions = tuple(str(folder) for folder, _ in folders)
         kept = Kept(output or place / FOLDER)
     else:
         given, kept = sessions, Kept(output or default_folder(sessions, settings))
@@ -102,7 +104,7 @@ def command(
         raise
     watch.end()
     document = campaign_document(kept.folder, diagnose, run, known)
-    kept.write_table(document, {TABLE: sessions_csv(document), TRENDS: trends_csv(document)})
+    kept.write_table(document, {SESSIONS: sessions_csv(document), TRENDS: trends_csv(document)})
     if as_json:
         print_json(document.plain())
     else:
@@ -133,7 +135,9 @@ def _imported(
 
     recipe, ask, names, varies = said
     if len(arguments) != 1 or not Path(arguments[0]).is_dir() or (recipe and ask):
-        raise UsageProblem("--recipe, --ask, --names and --varies are for one FOLDER of files; give --recipe or --ask")
+        raise UsageProblem(
+            "--recipe, --ask, --names and --varies are for one FOLDER of files; give --recipe or --ask"
+        )
     folder = Path(arguments[0])
     files = files_in(folder, (recipe, metadata))
     form = Names(names) if names else None

@@ -48,7 +48,10 @@ def test_of_several_segments_a_recipe_reads_each(tmp_path: Path) -> None:
     words = [i for i, line in enumerate(lines, start=1) if i > 100 and line and not line[0].isdigit()]
     assert "is not a number" in refusal(tmp_path, "\n".join(lines), "a.lvm")
     names = next(i for i, line in enumerate(lines, start=1) if line.startswith("X_Value"))
-    fields = ({"name": "X_Value", "role": "time"}, {"name": "Acceleration", "role": "acceleration", "unit": "g"})
+    fields = (
+        {"name": "X_Value", "role": "time"},
+        {"name": "Acceleration", "role": "acceleration", "unit": "g"},
+    )
     recipe = Recipe.model_validate(
         {"restarts": True, "dialect": {"commentRows": words, "headerRows": [names]}, "fields": fields}
     )
