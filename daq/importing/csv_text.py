@@ -10,7 +10,7 @@ import numpy as np
 from daq.importing import serial_text
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, split
 from daq.importing.errors import problem
-from daq.importing.header_lines import headers, names_in, rate_above
+from daq.importing.header_lines import headers, names_in, rate_above, units_above
 from daq.importing.limits import require_lines, require_table
 from daq.importing.numbers import Parsed, parse_column, parse_number
 from daq.importing.recipe import Dialect as WantedDialect
@@ -65,7 +65,7 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     used = {"delimiter": dialect.delimiter, "decimal_char": dialect.decimal} if odd is None else {}
     return Table(
         path, tuple(columns), np.array(rows, dtype=np.int64) + 1, rate, source, tuple(notes),
-        format=format, encoding=recipe.encoding, dialect=wanted.model_copy(update=used),
+        format=format, encoding=recipe.encoding, stated=units_above(lines, dialect), dialect=wanted.model_copy(update=used),
     )  # fmt: skip
 
 

@@ -22,6 +22,8 @@ _BARE_RATE = re.compile(rf"(?<![a-z])(?:rate|freq\w*)\W*?{_NUMBER}\s*(k?Hz|S/s|s
 _FRAMES = re.compile(rf"{_NUMBER}\s*(?:fps|frames\s*(?:/|per)\s*s(?:ec\w*)?)(?![a-z])", re.I)
 _STEP = re.compile(rf"(?:{_STEP_NAMES})\W*?{_NUMBER}\s*\(?\s*(s|sec\w*|ms|us|µs)?(?![a-z])", re.I)
 _ALONE = re.compile(rf"\W*{_NUMBER}\s*(k?Hz|S/s|sps)\W*", re.I)
+_WORD = re.compile(r"[^\W\d_][^\W_]{0,7}(?:[/*]\(?[^\W\d_][^\W_]{0,3}(?:\^?[-\d]{0,2}))?|°(?:/s)?")
+MOST_UNITS = 100
 REMARKS = ("comment", "comments", "remark", "remarks", "notes", "kommentar")
 LOGGED = ("...", "\N{HORIZONTAL ELLIPSIS}", "!")
 """So a line of a log ends, and no row of names."""
@@ -109,6 +111,12 @@ def names_in(lines: Sequence[str], rows: Sequence[int], join: str, dialect: Dial
     """Return the header of each column from the lines that a recipe names, counted from 1."""
     cells = [_padded(_cells_of(lines[row - 1], dialect, width), width) for row in rows if row <= len(lines)]
     return [join.join(filter(None, several)) for several in zip(*cells, strict=True)] or [""] * width
+
+
+def units_above(lines: Sequence[str], dialect: Dialect) -> tuple[str, ...]:
+    """Return the units that the lines above the table name, in the order of the alphabet."""
+    words = (word for line in lines[max(0, dialect.start - 60) : dialect.start] for word in _WORD.findall(line[:1000]))
+    return tuple(sorted({word for word in words if parse_unit(word) is not None}))[:MOST_UNITS]
 
 
 def rate_above(lines: Sequence[str], dialect: Dialect) -> tuple[float | None, str]:

@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 
 from daq.importing.accelerometer import has_gravity, with_moving_axis
-from daq.importing.apply import ORDER, WIDE, clock_of, readings_of
+from daq.importing.apply import ORDER, WIDE, clock_of, readings_of, stated
 from daq.importing.bob import with_angle
 from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
 from daq.importing.choose import Choice, choose_columns, left_out
@@ -125,6 +125,7 @@ def _recipe(table: Table, found: Sequence[str], made: Sequence[_Run], options: I
         rate=made[0].rate,
         resample=options.resample,
         restarts=cut == 0,
+        stated=stated(table),
         runs=kept if cut is not None and set(kept) != set(found) else (),
         parts=() if part == Part() else (part,),
         dialect=table.dialect,

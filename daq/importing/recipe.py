@@ -107,6 +107,7 @@ class Recipe(_Part):
 
     `confirmed` says that a person has looked at it: it is used again for the next file with these fields. `rate` (Hz) takes
     the place of time stamps. `restarts` cuts the rows where the time begins again; `runs` names those to read, all without.
+    `stated` are the units that the file itself writes above its numbers: where they are others, it is another logger's file.
     """
 
     recipe: Literal[1] = 1
@@ -117,6 +118,7 @@ class Recipe(_Part):
     resample: bool = False
     restarts: bool = False
     runs: tuple[Name, ...] = Field(default=(), max_length=MAX_COLUMNS)
+    stated: tuple[Name, ...] | None = Field(default=None, max_length=MAX_COLUMNS)
     parts: tuple[Part, ...] = Field(default=(), max_length=100)
     dialect: Dialect = Dialect()
     fields: tuple[Column, ...] = Field(default=(), max_length=MAX_COLUMNS)

@@ -58,7 +58,7 @@ class Table:
     """The columns of one file, or of one run in it, all of one length, with the line each row came from where there
     are lines. `run` is what the file calls the run, "" where it holds one recording; `cut` is the number of the column by
     which runs were cut one below the other, 0 where their time begins again. `notes` are what was understood, `doubts` what
-    was not, a sentence each; `format`, `encoding` and `dialect` are how it was read.
+    was not, a sentence each; `format`, `encoding` and `dialect` are how it was read, and `stated` the units in it.
     """
 
     path: Path
@@ -72,6 +72,7 @@ class Table:
     cut: int | None = None
     format: Format = "text"
     encoding: str | None = None
+    stated: tuple[str, ...] = ()
     dialect: Dialect = field(default_factory=Dialect)
 
     def line(self, row: int) -> int | None:

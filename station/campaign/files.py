@@ -8,7 +8,7 @@ from pathlib import Path
 from daq.errors import StationError
 from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
-from daq.importing.recipe import Recipe, to_toml
+from daq.importing.recipe import Recipe, read_recipe
 from daq.session import Session
 from daq.session_info import SessionInfo
 from daq.session_reading import RECIPE
@@ -111,8 +111,10 @@ class FolderImport:
     def _is_same(self, folder: Path, info: SessionInfo) -> bool:
         known, recipe = Session.open(folder).info, folder / RECIPE
         same = all(getattr(known, key) == getattr(info, key) for key in METADATA)
-        used = to_toml(self.recipe.model_copy(update={"confirmed": True})) if self.recipe else None
-        return same and recipe.is_file() and used in (None, recipe.read_text(encoding="utf-8"))
+        if not same or not recipe.is_file() or self.recipe is None:
+            return same and recipe.is_file()
+        used = read_recipe(recipe)
+        return used == self.recipe.model_copy(update={"confirmed": True, "stated": used.stated})
 
 
 def files_in(folder: Path, beside: Sequence[Path | None]) -> list[Path]:

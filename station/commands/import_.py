@@ -118,12 +118,8 @@ def command(
             given = asked(file, options)
         imported = import_file(file, folder, settings.sessions, options, info, given, anew=recipe == NONE)
     except ImportProblem as refusal:
-        if (proposed := getattr(refusal, "proposal", None)) is not None:
-            recipe_toml = harmless(to_toml(proposed.recipe))
-            if as_json:
-                print_json({"file": str(file), "doubts": list(proposed.doubts), "recipe": recipe_toml})
-            else:
-                click.echo(recipe_toml)
+        if not as_json and (proposed := getattr(refusal, "proposal", None)) is not None:
+            click.echo(harmless(to_toml(proposed.recipe)))
         raise explained(file, options, refusal) from refusal
     if as_json:
         print_json(_document(file, imported))

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
+from daq.importing.apply import stated
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
@@ -113,7 +114,7 @@ def import_file(
     run = "all" if options.run == "all" else None  # one run of a file, as its times, says nothing of the next
     told = replace(options, run=run, start=None, stop=None) != ImportOptions()
     confirmed = recipe is not None or told or bool(said) or read.recipe.confirmed
-    used = to_toml(read.recipe.model_copy(update={"confirmed": confirmed}))
+    used = to_toml(read.recipe.model_copy(update={"confirmed": confirmed, "stated": stated(look.table)}))
     first = folder or sessions / _free_name(file, sessions, [name for name, _ in pieces])
     made = []
     for name, part in pieces:
