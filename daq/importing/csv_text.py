@@ -97,17 +97,14 @@ def _all_at_once(body: Sequence[str], dialect: Dialect) -> Array | None:
     delimiter = dialect.delimiter
     if dialect.decimal == "," == delimiter:
         return None
-    try:
-        values = np.loadtxt(
-            (_clean(line, dialect) for line in body),
-            delimiter=None if delimiter == BLANK else delimiter,
-            comments=None,
-            ndmin=2,
-            encoding=None,
-        )
-    except (ValueError, IndexError, OverflowError):
-        return None
-    return np.asarray(values, dtype=np.float64) if len(values) == len(body) else None
+    for lines in (*((body,) if dialect.decimal == "." else ()), (_clean(line, dialect) for line in body)):
+        try:
+            separator = None if delimiter == BLANK else delimiter
+            values = np.loadtxt(lines, delimiter=separator, comments=None, ndmin=2, encoding=None)
+        except (ValueError, IndexError, OverflowError):
+            continue
+        return np.asarray(values, dtype=np.float64) if len(values) == len(body) else None
+    return None
 
 
 def _clean(line: str, dialect: Dialect) -> str:
