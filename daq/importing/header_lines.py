@@ -115,7 +115,11 @@ def names_in(lines: Sequence[str], rows: Sequence[int], join: str, dialect: Dial
 
 def units_above(lines: Sequence[str], dialect: Dialect) -> tuple[str, ...]:
     """Return the units that the lines above the table name, in the order of the alphabet."""
-    words = (word for line in lines[max(0, dialect.start - 60) : dialect.start] for word in _WORD.findall(line[:1000]))
+    words = (
+        word
+        for line in lines[max(0, dialect.start - 60) : dialect.start]
+        for word in _WORD.findall(line[:1000])
+    )
     return tuple(sorted({word for word in words if parse_unit(word) is not None}))[:MOST_UNITS]
 
 

@@ -75,8 +75,8 @@ class FolderImport:
     known: Mapping[str, Known]
     info: SessionInfo
 
-    def sessions(self, files: Sequence[Path], say: Callable[[str], None]) -> Iterator[tuple[Path, Path]]:
-        """Yield the folder of each session and the file it was made of; a file that cannot be read is one line to `say`.
+    def sessions(self, files: Sequence[Path], say: Callable[[str], None]) -> Iterator[Path]:
+        """Yield the folder of each session; a file that cannot be read is one line to `say`.
 
         What was imported before, by the same recipe and with the same metadata, is not imported again. Raises Doubtful where
         something is to be said of a file first, and nothing of it has been said.
@@ -91,9 +91,7 @@ class FolderImport:
             conditions = told[0] | self.known.get(file.name, Known()).conditions
             info = self.info.model_copy(update={"conditions": self.info.conditions | conditions, **told[1]})
             try:
-                yield from (
-                    (folder, file) for folder in self._before(file, info) or self._imported(file, info)
-                )
+                yield from self._before(file, info) or self._imported(file, info)
             except Doubtful:
                 if self.recipe is None:
                     raise

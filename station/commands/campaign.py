@@ -84,16 +84,17 @@ def command(
         progress(note)
     if recipe or ask or names or varies or (len(sessions) == 1 and is_folder_of_files(sessions[0])):
         place, folders = _imported(sessions, settings, (recipe, ask, names, varies), metadata, known)
-        known = {folder.name: known[file] for folder, file in folders if file in known}
         given: tuple[str, ...] = (str(place),)
-        sessions = tuple(str(folder) for folder, _ in folders)
+        sessions = tuple(map(str, folders))
         kept = Kept(output or place / FOLDER)
     else:
         given, kept = sessions, Kept(output or default_folder(sessions, settings))
     sources = find_sources(sessions, settings)
-    unknown = len(set(known) - {source.name for source in sources})
+    told = {source.name: {source.name, source.info.source_file if source.info else ""} for source in sources}
+    unknown = len(set(known) - set().union(*told.values()))
     if unknown:
         progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
+    known = {name: known[key] for name, keys in told.items() for key in keys if key in known}
     watch = CampaignProgress(len(sources))
     request = Request(settings, gain_percent, diagnose)
     try:
@@ -122,8 +123,8 @@ def _imported(
     said: tuple[Path | None, bool, str | None, str | None],
     metadata: Path | None,
     known: "dict[str, Known]",
-) -> tuple[Path, list[tuple[Path, str]]]:
-    """Import the files of a folder; return where their sessions are, and each with the name of its file."""
+) -> tuple[Path, list[Path]]:
+    """Import the files of a folder; return where their sessions are, and each."""
     from daq.importing.options import ImportOptions
     from daq.importing.propose import Doubtful
     from daq.importing.recipe import read_recipe, to_toml
@@ -149,7 +150,7 @@ def _imported(
     info = session_info(settings, None, None, None, None, (), varies)
     work = FolderImport(place, settings.sessions, given, form, known, info)
     try:
-        made = [(session, file.name) for session, file in work.sessions(files, progress)]
+        made = list(work.sessions(files, progress))
     except Doubtful as refusal:
         click.echo(harmless(to_toml(refusal.proposal.recipe)))
         raise UsageProblem(

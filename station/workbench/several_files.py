@@ -61,8 +61,8 @@ def import_files(
     lines: list[str] = []
     work = FolderImport(settings.sessions, settings.sessions, recipe, form, {}, info)
     made = []
-    for folder, file in work.sessions(files, lines.append):
-        progress(f"read {file.name}")
+    for folder in work.sessions(files, lines.append):
+        progress(f"read as {folder.name}")
         made.append(str(folder))
     if not made:
         raise UsageProblem(f"none of the {len(files)} files could be read: {'; '.join(lines)}")
