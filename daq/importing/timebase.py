@@ -6,12 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from daq.importing.block_stamps import Blocks, clock_of_blocks
 from daq.importing.errors import problem
 from daq.importing.held_readings import Held, held_readings, repeated_readings
 from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, milli, no_clock
 from daq.importing.quantisation import quantum, rounding
-from daq.importing.rounded_stamps import nominal_rate, rate_within_rounding
+from daq.importing.stamps import Blocks, clock_of_blocks, nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 from daq.recording import Array
