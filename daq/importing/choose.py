@@ -18,6 +18,9 @@ MOTIONS = ("displacement", "velocity", "acceleration")
 AXES = {axis: names for names in ("x y z", "roll pitch yaw", "phi theta psi") for axis in names.split()}
 """The names of one point's coordinates, and of one body's angles, by each of them."""
 
+TOTALS = frozenset({"absolute", "abs", "total", "norm", "resultant", "modulus", "betrag", "absolut"})
+"""Words of the size of a vector, beside its axes."""
+
 AXIS_MOVES, CHANNEL_MOVES = 5.0, 20.0
 """So many times as much one axis moves as the others, or one of several like channels as those that stand still."""
 
@@ -125,7 +128,7 @@ def _found(
     likely = [c for c in likely if not meanings[c.number].derived] or likely
     best = max((meanings[c.number].strength for c in likely), default=0)
     likely = [c for c in likely if meanings[c.number].strength == best]
-    likely = [c for c in likely if not set(words(c.label)) & INDEX] or likely
+    likely = [c for c in likely if not set(words(c.label)) & (INDEX | TOTALS)] or likely
     if len(likely) > 1:
         likely = _finest(likely, notes) if is_time else _moving(likely, meanings, notes)
     if len(likely) < 2 or all(np.array_equal(likely[0].values, c.values, equal_nan=True) for c in likely):

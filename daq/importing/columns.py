@@ -51,8 +51,7 @@ OTHERS = frozenset({
     "fft", "spectrum", "spektrum", "psd", "asd", "frequenz", "frequency", "freq", "hz", "temperature", "temperatur",
     "temp", "sollwert", "soll", "target", "setpoint", "reference", "command", "std", "stdev", "error", "fehler", "err",
     "residual", "fit", "tg", "status", "flag", "quality", "humidity", "pressure", "battery", "envelope", "magnitude",
-    "momentum", "energy", "energie", "power", "confidence", "absolute", "abs", "total", "norm", "resultant", "modulus",
-    "betrag", "absolut",
+    "momentum", "energy", "energie", "power", "confidence",
 })  # fmt: skip
 DERIVED = (
     "ableitung", "derivative", "derived", "derivee", "derivada", "derivata", "afgeleide", "dxdt", "dvdt",

@@ -55,6 +55,10 @@ def test_a_folder_of_files_runs_through_a_campaign_by_one_recipe(arms, capsys):
     again, _ = campaign(capsys, *words)
     assert again["done"] == 0
     assert len(list((arms.parent / "sessions" / "arms").glob("*P*"))) == 3
+    assert station(["campaign", "arms", *words]) == 0
+    printed = capsys.readouterr().out
+    assert "arm 80" in printed
+    assert "1/s²" in printed
     (arms / "R.toml").write_text(RECIPE.replace("deg", "rad"))
     anew, _ = campaign(capsys, *words)
     assert {row["result"]["session"] for row in anew["rows"]} == {"60P-2", "80P-2", "100P-2"}

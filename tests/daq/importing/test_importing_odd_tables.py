@@ -9,6 +9,8 @@ from import_files import OMEGA, RATE, load, refusal, said, swing, table, write
 
 from daq.importing import ImportProblem, read_runs
 from daq.importing.propose import Doubtful
+from daq.importing.reading import look_at
+from daq.importing.recipe import Recipe
 from daq.recording import Array
 
 GRAVITY = 9.80665
@@ -444,3 +446,30 @@ def test_names_between_blanks_stand_above_a_table_of_tabs(tmp_path: Path) -> Non
     )
     np.testing.assert_allclose(recording.samples[0], phi, atol=1e-6)
     assert "'Time (S)' read as time" in said(recording)
+
+
+def test_the_size_of_a_vector_is_a_motion_where_it_stands_alone(tmp_path: Path) -> None:
+    t, u, _, _ = swing(300)
+    assert load(tmp_path, table("t (s),absolute angle (deg)", t, u)).channels[0].quantity == "displacement"
+
+
+def test_a_log_above_the_numbers_is_no_row_of_names(tmp_path: Path) -> None:
+    t, u, _, _ = swing(300)
+    text = "STARTING CAPTURE...\nBUTTON RELEASED, DUMPING DATA...\n" + table("", 1e6 * t, u, form="%.4f")
+    recording = load(tmp_path, text, columns={"displacement": 2}, units={"displacement": "V"})
+    assert recording.rate == pytest.approx(RATE)
+    assert recording.channels[0].name == "displacement"
+
+
+def test_a_recipe_says_where_the_table_of_a_json_file_is(tmp_path: Path) -> None:
+    other = {"t": list(range(900)), "x": [0.0] * 900, "y": [1.0] * 900}
+    text = json.dumps({"log": other, "test": {"rows": {"t": T.tolist(), "x": X.tolist(), "e": V.tolist()}}})
+    recipe = Recipe.model_validate(
+        {"fields": ({"name": "t", "role": "time"}, {"name": "x", "role": "displacement"}),
+         "dialect": {"property": "test.rows", "itemKeys": ["t", "x"]}}
+    )  # fmt: skip
+    (recording,) = look_at(write(tmp_path, text, "a.json"), recipe=recipe).read().recordings
+    np.testing.assert_array_equal(recording.samples[0], X)
+    wrong = recipe.model_copy(update={"dialect": recipe.dialect.model_copy(update={"property": "test.none"})})
+    with pytest.raises(ImportProblem, match=r"no table of numbers under 'test\.none'"):
+        look_at(tmp_path / "a.json", recipe=wrong)
