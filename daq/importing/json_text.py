@@ -64,7 +64,7 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
         )  # fmt: skip
     document = _document(path, data, recipe.encoding)
     wanted = recipe.dialect
-    keys = tuple(wanted.property.split(".")) if wanted.property else ()
+    keys = _keys(document, (wanted.property or "").split("."))
     found = _table_in(_under(document, keys), keys, 0)
     if found is None:
         raise problem(
@@ -88,7 +88,7 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
         made = [column for name in wanted.item_keys for column in made if column.label == name]
     key = ".".join(found.keys)
     note = f"JSON{f', key {key!r}' if key else ''}: {len(found.columns[0])} rows, {len(made)} columns"
-    used = wanted.model_copy(update={"property": key or None})
+    used = wanted.model_copy(update={"property": key if 0 < len(key) <= LONGEST_NAME else None})
     rate, source = _rate(settings)
     return Table(
         path, tuple(made), None, rate, source, (note,), format="json", encoding=recipe.encoding, dialect=used
@@ -118,6 +118,17 @@ def _under(node: Any, keys: Sequence[str]) -> Any:
     for key in keys:
         node = dict(_members(node)).get(key)
     return node
+
+
+def _keys(node: Any, parts: Sequence[str]) -> tuple[str, ...]:
+    """Return the keys that a `property` names; a key may have points in it, too."""
+    keys: tuple[str, ...] = ()
+    while any(parts):
+        there = dict(_members(_under(node, keys)))
+        ends = range(len(parts), 0, -1)
+        end = next((end for end in ends if ".".join(parts[:end]) in there), len(parts))
+        keys, parts = (*keys, ".".join(parts[:end])), parts[end:]
+    return keys
 
 
 def _members(node: Any) -> list[tuple[str, Any]]:

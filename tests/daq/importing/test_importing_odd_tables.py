@@ -249,6 +249,8 @@ def test_a_velocity_is_enough(tmp_path: Path) -> None:
 T, X, V, A = swing()
 ROWS = np.column_stack([T, 1e3 * X]).tolist()
 JSON = {
+    "keys with points": {"a.b": {"c": {"d.e": {"t (s)": T.tolist(), "x (mm)": (1e3 * X).tolist()}}}, "a": 1},
+    "a very long key": {"k" * 300: {"t (s)": T.tolist(), "x (mm)": (1e3 * X).tolist()}},
     "rows with names": {"columns": ["t (s)", "x (mm)"], "data": ROWS},
     "rows with a header": [["t (s)", "x (mm)"], *ROWS],
     "records": [{"t (s)": t, "x (mm)": x} for t, x in ROWS],
