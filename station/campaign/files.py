@@ -92,10 +92,9 @@ class FolderImport:
             info = self.info.model_copy(update={"conditions": self.info.conditions | conditions, **told[1]})
             try:
                 yield from self._before(file, info) or self._imported(file, info)
-            except Doubtful:
-                if self.recipe is None:
-                    raise
             except StationError as refusal:
+                if isinstance(refusal, Doubtful) and self.recipe is None:
+                    raise
                 say(f"{file.name}: left out: {str(refusal).removeprefix(f'{file.name}: ')}")
 
     def _imported(self, file: Path, info: SessionInfo) -> list[Path]:

@@ -75,6 +75,18 @@ def test_a_table_names_the_files(arms, capsys):
     assert "README.md: left out" in told
 
 
+def test_a_file_that_the_recipe_does_not_explain_is_one_line(arms, capsys):
+    stamps = np.cumsum(np.random.default_rng(1).uniform(0.001, 0.5, 400))
+    rows = "\n".join(f"{t:.4f};{np.cos(t):.4f}" for t in stamps)
+    (arms / "uneven.txt").write_text(f"eins;zwei\n{rows}\n")
+    (arms / "R.toml").write_text(
+        'recipe = 1\nfields = [{column = 1, role = "time", unit = "0.01 s"}, {column = 2, role = "displacement"}]\n'
+    )
+    document, told = campaign(capsys, "--recipe", "arms/R.toml")
+    assert len(document["rows"]) == 3
+    assert "uneven.txt: left out: " in told
+
+
 def test_a_file_that_nothing_explains_ends_with_the_proposed_recipe(arms, capsys):
     (arms / "README.md").unlink()
     assert station(["campaign", "arms", "--recipe", "none.toml"]) == 2
