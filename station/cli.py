@@ -200,9 +200,8 @@ def _failed(error: BaseException, code: int, sentence: str, arguments: list[str]
     if "--json" in arguments and not getattr(error, "reported", False):
         from station.output import print_json
 
-        print_json(
-            {"error": {"message": sentence, "exit_code": code, "meaning": exits.MEANING.get(code, "")}}
-        )
+        known = {"message": sentence, "exit_code": code, "meaning": exits.MEANING.get(code, "")}
+        print_json({"error": known | getattr(error, "details", {})})
     from station.output import progress
 
     progress(f"station: {sentence}")

@@ -109,6 +109,9 @@ CONDITIONS = click.option(
 )
 
 
+VARIES = click.option(
+    "--varies", metavar="NAME,...", help="What differs between the sessions of one rig, as stiffness,inertia."
+)
 COLUMNS = click.option(
     "--column",
     "columns",
