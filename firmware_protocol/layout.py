@@ -49,6 +49,8 @@ TABLE: tuple[tuple[int, type, Fields], ...] = (
     (0x04, m.Stop, ()),
     (0x05, m.Resend, (("first", U64), ("count", U32))),
     (0x06, m.TimeSync, (("host_time_us", U64), ("board_time_us", U64))),
+    (0x07, m.Hold, (("ticket", U32), ("displacement", F64))),
+    (0x08, m.Release, (("ticket", U32),)),
     (
         0x81,
         m.Hello,
@@ -103,6 +105,20 @@ TABLE: tuple[tuple[int, type, Fields], ...] = (
     (0x88, m.End, (("total_samples", U64), ("total_dropped", U64), ("checksum", U32))),
     (0x89, m.Log, (("text", TEXT),)),
     (0x8A, m.Clock, (("error_ppm", F64),)),
+    (
+        0x8B,
+        m.Holder,
+        (
+            ("low", F64),
+            ("high", F64),
+            ("silence_s", F64),
+            ("ticket", U32),
+            ("state", Kind("holder state", "B", m.HolderState)),
+            ("reason", Kind("holder reason", "B", m.HolderReason)),
+            ("displacement", F64),
+            ("sample", U64),
+        ),
+    ),
 )
 
 TYPE_OF: dict[type, int] = {cls: code for code, cls, _ in TABLE}

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 PROTOCOL_MAJOR = 1
-PROTOCOL_MINOR = 0
+PROTOCOL_MINOR = 1
 NO_CHANNEL = 255
+NO_SAMPLE = 2**64 - 1
 
 
 class SampleFormat(IntEnum):
@@ -58,10 +59,44 @@ class NackCode(IntEnum):
     UNSUPPORTED = 3
     NOT_HELD = 4
     SENSOR = 5
+    LIMIT = 6
+    STALE = 7
+    NOTHING_HELD = 8
+    HOLDER = 9
     OTHER = 255
 
     @classmethod
     def _missing_(cls, value: object) -> "NackCode":
+        return cls.OTHER
+
+
+class HolderState(IntEnum):
+    """What the board's holder does with the mass; a value that this version does not know reads as OTHER."""
+
+    FREE = 1
+    MOVING = 2
+    HELD = 3
+    LETTING_GO = 4
+    OTHER = 255
+
+    @classmethod
+    def _missing_(cls, value: object) -> "HolderState":
+        return cls.OTHER
+
+
+class HolderReason(IntEnum):
+    """Why the holder is in its state; a value that this version does not know reads as OTHER."""
+
+    BOOT = 1
+    REQUEST = 2
+    STOP = 3
+    SILENCE = 4
+    CONTACT = 5
+    FAULT = 6
+    OTHER = 255
+
+    @classmethod
+    def _missing_(cls, value: object) -> "HolderReason":
         return cls.OTHER
 
 
@@ -151,7 +186,8 @@ class Start:
 
 @dataclass(frozen=True)
 class Stop:
-    """Host to board: stop sampling; answered by ACK, the DATA still waiting, then END.
+    """Host to board: stop sampling, and let go slowly of a mass that is held; answered by ACK, the DATA still
+    waiting, then END.
 
     While idle it is answered by ACK and the END of the last capture again.
     """
@@ -174,6 +210,28 @@ class TimeSync:
 
     host_time_us: int
     board_time_us: int = 0
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Host to board: take the mass to this displacement (m, from its place at rest) and hold it there.
+
+    `ticket` is the one of the newest HOLDER. Answered by ACK, then by a HOLDER when the state changes, or by NACK
+    LIMIT, STALE, BUSY or HOLDER, and then nothing moves.
+    """
+
+    ticket: int
+    displacement: float
+
+
+@dataclass(frozen=True)
+class Release:
+    """Host to board: let go of the held mass at once; `ticket` as in HOLD.
+
+    Answered by ACK, then by the HOLDER that says at which sample, or by NACK NOTHING_HELD or STALE.
+    """
+
+    ticket: int
 
 
 @dataclass(frozen=True)
@@ -258,6 +316,25 @@ class Clock:
 
 
 @dataclass(frozen=True)
+class Holder:
+    """Board to host, behind DESCRIBE, at each change and, unless FREE, four times a second: what holds the mass.
+
+    It holds at displacements from `low` to `high` (m), and lets go slowly when no host was heard for `silence_s`.
+    The next HOLD or RELEASE must carry `ticket`. `displacement` is where the mass is held or taken to; `sample`
+    the first one of this capture that was taken after a RELEASE, NO_SAMPLE when there is none.
+    """
+
+    low: float
+    high: float
+    silence_s: float
+    ticket: int
+    state: HolderState
+    reason: HolderReason
+    displacement: float = 0.0
+    sample: int = NO_SAMPLE
+
+
+@dataclass(frozen=True)
 class OtherVersion:
     """A sound frame of another major version. It has no encoding: only the decoder makes it.
 
@@ -276,6 +353,8 @@ Message = (
     | Stop
     | Resend
     | TimeSync
+    | Hold
+    | Release
     | Ack
     | Nack
     | Data
@@ -284,4 +363,5 @@ Message = (
     | End
     | Log
     | Clock
+    | Holder
 )

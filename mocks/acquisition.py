@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mocks import sensor_faults
+from mocks.holder import Chunk
 from mocks.operator_sequence import Episode
 from mocks.sensor_faults import FILTERS, IMMEDIATE
 from mocks.sensors import Sensor, high_pass
@@ -35,13 +36,13 @@ class Acquisition:
     def __init__(
         self,
         bench: Bench,
-        episodes: Iterator[Episode],
+        episodes: Iterator[Episode | Chunk],
         rate: float,
         sensors: tuple[Sensor, Sensor],
         converters: tuple[Converter, Converter],
         faults: Mapping[str, Mapping[str, Any]],
         random: np.random.Generator,
-        released: Callable[[Episode, float], None],
+        released: Callable[[Episode | Chunk, float], None],
         late_s: Callable[[np.ndarray, float], np.ndarray],
     ) -> None:
         self._bench = bench
@@ -58,7 +59,7 @@ class Acquisition:
         self._taken = 0
         self._before: dict[tuple[int, str], float] = {}  # Input of each channel's high-pass, by fault.
         self._passed: dict[tuple[int, str], float] = {}  # Its output.
-        self._coming: list[tuple[float, Episode]] = []
+        self._coming: list[tuple[float, Episode | Chunk]] = []
 
     def take(self, count: int) -> np.ndarray:
         """Return the next `count` samples, (count, 2) codes."""
@@ -72,7 +73,7 @@ class Acquisition:
             self._released(episode, sample)
         return out
 
-    def _make(self, episode: Episode) -> None:
+    def _make(self, episode: Episode | Chunk) -> None:
         times = []
         for channel, sensor in enumerate(self._sensors):
             end = int(np.ceil((episode.end + sensor.lag) * self._rate))

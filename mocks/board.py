@@ -26,11 +26,15 @@ from firmware_protocol import (
     Heartbeat,
     Hello,
     HelloRequest,
+    Hold,
+    HolderReason,
+    HolderState,
     Log,
     Message,
     Nack,
     NackCode,
     OtherVersion,
+    Release,
     Resend,
     ResetCause,
     SampleFormat,
@@ -40,6 +44,8 @@ from firmware_protocol import (
     encode,
 )
 from mocks.capture import Capture, Settings, Source
+from mocks.holder import Holder
+from mocks.holding import Holding
 from mocks.misconfigurations import Misconfiguration
 
 RATES_HZ = (5.0, 20000.0)
@@ -63,6 +69,7 @@ class Board:
         speed: float = 1.0,
         misconfiguration: Misconfiguration | None = None,
         memory_s: float = 12.0,
+        holder: Holder | None = None,
     ) -> None:
         self._channels = channels
         self._source = source
@@ -70,6 +77,8 @@ class Board:
         self._speed = speed
         self._misconfiguration = misconfiguration or Misconfiguration()
         self._memory_s = memory_s
+        self._holder = holder
+        self._idle = (0.0, now)
         self._settings = Settings()
         self._boot(now, ResetCause.POWER_ON)
 
@@ -89,6 +98,7 @@ class Board:
         self._out: list[bytes] = []
         self._spoke = now
         self._beat = now
+        self._holding = None if self._holder is None else Holding(self._holder, self._boot_id, now)
 
     @property
     def sampled_s(self) -> float:
@@ -98,7 +108,14 @@ class Board:
         return self._capture.sampled / self._capture.settings.rate
 
     def reboot(self, now: float) -> None:
-        """Start anew, as after a brownout: everything is forgotten, the boot_id is another."""
+        """Start anew, as after a brownout: everything is forgotten, the boot_id is another.
+
+        A magnet without current lets go.
+        """
+        at = self._holder_s(now)
+        if self._holding is not None and self._holding.state is not HolderState.FREE:
+            self._holding.holder.let_go(at)
+        self._idle = (at, now)
         self._settings = Settings()
         self._boot(now, ResetCause.BROWNOUT)
 
@@ -107,12 +124,33 @@ class Board:
         for frame in self._decoder.feed(data):
             self._answer(frame, now)
 
+    def hang_up(self, now: float) -> None:
+        """Note that the line is closed at the host's end, as a board with USB of its own sees it."""
+        if self._holding is not None:
+            self._holding.let_go_slowly(HolderReason.SILENCE, self._holder_s(now))
+
+    def contact(self, is_open: bool, now: float) -> None:
+        """Open or close the stop contact."""
+        if self._holding is not None:
+            self._holding.contact(is_open, self._holder_s(now))
+
+    def _holder_s(self, now: float) -> float:
+        """The holder's clock: by the samples while there are any, else by the caller's."""
+        if self._sampling and self._capture is not None and self._holder is not None:
+            rate = self._settings.rate * self._misconfiguration.rate
+            return self._holder.origin + self._capture.sampled / rate
+        at, since = self._idle
+        return at + (now - since) * (self._speed or 1.0)
+
     def poll(self, now: float, room: bool) -> list[bytes]:
         """Return the frames due at `now`; samples only while there is `room` on the way out."""
         if self._sampling and self._capture is not None:
             self._sample(self._capture, now, room)
         if self._endless is not None and room:
             self._say(self._endless)
+        if self._holding is not None:
+            for report in self._holding.poll(now, self._holder_s(now)):
+                self._say(report)
         quiet = SILENCE_S if self._sampling else HEARTBEAT_S
         since = self._spoke if self._sampling else self._beat
         if now - since >= quiet and not self._out:
@@ -139,6 +177,8 @@ class Board:
 
     def _answer(self, frame: Frame, now: float) -> None:
         message = frame.message
+        if self._holding is not None:
+            self._holding.hear(frame, now)
         if isinstance(message, OtherVersion):
             self._say(_hello(self._boot_id, self._cause, self._misconfiguration.wrong_version))
         elif isinstance(message, HelloRequest):
@@ -151,10 +191,14 @@ class Board:
             self._say(TimeSync(message.host_time_us, self._uptime_us(now)))
         elif isinstance(message, Stop):
             self._ack(frame)
+            if self._holding is not None:
+                self._holding.let_go_slowly(HolderReason.STOP, self._holder_s(now))
             if self._sampling:
                 self._finish(now)
             else:
                 self._say(self._last_end)
+        elif isinstance(message, Hold | Release):
+            self._hold(frame, message, now)
         elif not isinstance(message, Config | Start | Resend):
             return  # What a board says, given back by a line that echoes.
         elif self._sampling:
@@ -179,6 +223,14 @@ class Board:
         self._say(self._describe())
         if self._misconfiguration.clock_says is not None:
             self._say(Clock(self._misconfiguration.clock_says))
+        if self._holding is not None:
+            self._say(self._holding.report())
+
+    def _hold(self, frame: Frame, request: Hold | Release, now: float) -> None:
+        if self._holding is None:
+            return self._nack(frame, NackCode.NOT_UNDERSTOOD, "")
+        refusal = self._holding.answer(request, self._holder_s(now))
+        return self._nack(frame, *refusal) if refusal else self._ack(frame)
 
     def _describe(self) -> Describe:
         channels = _described(self._channels, self._settings)
@@ -201,6 +253,9 @@ class Board:
         return self._say_description()
 
     def _start(self, message: Start, now: float) -> None:
+        if self._holder is not None and self._holding is not None:
+            self._holder.begin(self._holder_s(now))
+            self._holding.rate = self._settings.rate
         source = self._source(self._settings.rate * self._misconfiguration.rate)
         self._capture = Capture(
             source,
@@ -241,7 +296,10 @@ class Board:
             self._say(data)
         self._last_end = self._capture.end()
         self._say(self._last_end)
+        self._idle = (self._holder_s(now), now)
         self._sampling = False
+        if self._holder is not None and not self._speed:
+            self._holder.rest(self._idle[0])
         self._beat = now
 
     def _resend(self, frame: Frame, wanted: Resend) -> None:

@@ -60,7 +60,7 @@ def _joined(words: Sequence[str]) -> list[str]:
     """Join `--releases -25,20` to one word: argparse takes the minus for an option."""
     out: list[str] = []
     for word in words:
-        if out and out[-1] in {"--releases", "--lag-ms"}:
+        if out and out[-1] in {"--releases", "--lag-ms", "--holder"}:
             out[-1] += f"={word}"
         else:
             out.append(word)
@@ -83,6 +83,11 @@ def parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--releases", default="", help="paper, or a list of mm (-25,20) and velocities (v0.4, m/s)"
+    )
+    parser.add_argument(
+        "--holder",
+        metavar="LOW,HIGH",
+        help="the rig holds and releases the mass itself, between these displacements in mm (-25,25); nobody else does",
     )
     parser.add_argument("--hide", action="append", default=[], metavar="NAME:STRENGTH", help="hide an effect")
     parser.add_argument("--seed", type=int, default=1, help="of bench, sensors, release, noise and faults")

@@ -22,6 +22,7 @@ def serve(link: Link, board: Board, line: Line, speed: float, once: bool, ended:
             if seen and once:
                 return
             line.clear()
+            board.hang_up(time.monotonic())
             board.poll(time.monotonic(), room=True)
             link.wait(0.05)
             continue

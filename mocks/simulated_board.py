@@ -22,6 +22,7 @@ from mocks.board import Board
 from mocks.broken_sensors import BROKEN_SENSORS, parse_broken
 from mocks.effect_scaling import add_effects
 from mocks.forces import PARAMETERS
+from mocks.holder import MAGNET_S, Chunk, Holder
 from mocks.misconfigurations import MISCONFIGURATIONS, Misconfiguration
 from mocks.operator_sequence import Episode, OperatorSequence, parse_releases
 from mocks.sensor_faults import SENSOR_FAULTS
@@ -57,6 +58,7 @@ class SimulatedBoard:
         strengths = dict(_strength(text) for text in options.hide)
         self._add_hidden(strengths, releases)
         self.sequence = OperatorSequence(self.bench, releases, bumped)
+        self.holder = self._built_holder(options)
         simulate(self.bench, releases[0], np.arange(0.0, 0.1, 0.01))  # Compiles before a host waits.
         self.line = wire.Line(line_faults, np.random.default_rng([options.seed, 8]))
         self._sensors = self.drawn.sensors
@@ -81,6 +83,22 @@ class SimulatedBoard:
             options.speed,
             self.misconfiguration,
             memory,
+            self.holder,
+        )
+
+    def _built_holder(self, options: argparse.Namespace) -> Holder | None:
+        if options.holder is None:
+            return None
+        try:
+            low, high = (float(word) * 1e-3 for word in options.holder.split(","))
+        except ValueError:
+            raise ValueError(f"--holder is written LOW,HIGH in mm (-25,25), not {options.holder!r}") from None
+        if not low <= 0.0 <= high or low == high:
+            raise ValueError(
+                f"--holder {options.holder}: the limits must lie on both sides of 0, or one be 0"
+            )
+        return Holder(
+            self.bench, low, high, MAGNET_S if options.release_ms is None else self.drawn.release_time
         )
 
     def _release_times(self, options: argparse.Namespace) -> Iterator[float]:
@@ -120,9 +138,9 @@ class SimulatedBoard:
         self._captures += 1
         capture = self._captures
 
-        def released(episode: Episode, sample: float) -> None:
+        def released(episode: Episode | Chunk, sample: float) -> None:
             assert episode.release is not None
-            if all(entry["capture"] != capture for entry in self._releases):
+            if isinstance(episode, Episode) and all(entry["capture"] != capture for entry in self._releases):
                 self.sequence.use_up(episode)
             self._releases.append(
                 {
@@ -137,7 +155,7 @@ class SimulatedBoard:
 
         return Acquisition(
             self.bench,
-            self.sequence.capture(self._random),
+            self.sequence.capture(self._random) if self.holder is None else self.holder.capture(),
             rate,
             (self._sensors["displacement"], self._sensors["acceleration"]),
             (self._converters[0], self._converters[1]),

@@ -25,6 +25,14 @@ void board_sample(const int16_t *numbers, uint32_t ticks);
  * After each capture the board reports the spread of these as an EVENT. */
 void board_late(uint16_t ticks);
 
+#if BOARD_HOLDER
+/* By a timer while hardware_holder_clock(true), from an interrupt. */
+void board_holder_tick(void);
+
+/* By a board that sees the host's end of its line: DTR of a USB port has dropped. */
+void board_hung_up(void);
+#endif
+
 /* Once at boot, then step for ever. A step never waits. */
 void board_begin(void);
 void board_step(void);

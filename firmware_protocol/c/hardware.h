@@ -1,4 +1,4 @@
-/* What the owner of a board fills in: eleven small functions and the description of the channels.
+/* What the owner of a board fills in: eleven small functions (five more for a holder) and the description of the channels.
  *
  * `board.c` calls these and nothing else of the board. `hardware_host.c` fills them in for a computer,
  * `arduino_mega/` and `launchpad/` for two boards.
@@ -51,6 +51,25 @@ bool hardware_start_sampling(uint32_t period, uint64_t *first);
 
 /* No call of board_sample() after this has returned. */
 void hardware_stop_sampling(void);
+
+#if BOARD_HOLDER
+/* A magnet on a stepper, see holder.h. Lengths in um, outward from where the magnet touches the mass at rest. */
+struct hardware_holder {
+    int32_t low_um, high_um; /* displacements that may be held: both on the carriage's side of 0, or 0 */
+    int8_t side;             /* outward is positive displacement: 1, negative: -1 */
+    int32_t end_um;          /* where the end switch closes: beyond the farthest displacement and clear_um */
+    int32_t clear_um;        /* how far the carriage backs off when it lets go */
+    int32_t steps_per_mm, ticks_hz; /* a step a tick; together the speed, 5 mm/s at most */
+};
+extern const struct hardware_holder hardware_holder;
+
+/* Call board_holder_tick() so often, or no more. After boot: no more. */
+void hardware_holder_clock(bool runs);
+void hardware_holder_step(bool outward);
+void hardware_holder_magnet(bool on); /* after boot: off */
+bool hardware_holder_at_end(void);
+bool hardware_stop_contact_is_open(void); /* a button at the rig; a broken wire counts as open */
+#endif
 
 #ifdef __cplusplus
 }

@@ -8,6 +8,9 @@
  *   hardware_host [--speed X] [--rest SECONDS] [--sensor-fault FIRST COUNT] [--pause FIRST SECONDS]
  *
  * prints `port: PATH` and runs until its standard input is closed.
+ *
+ * Compiled with -DBOARD_HOLDER=1 the mass rests at 0 instead, until the host has it held and let go by a magnet on a
+ * carriage. Then a line `open` or `close` on the standard input is the stop contact, and `hang up` drops DTR.
  */
 #define _XOPEN_SOURCE 600
 #include "hardware.h"
@@ -24,11 +27,13 @@
 #define PI 3.14159265358979323846
 
 static const double mass = 21.36, stiffness = 13115, dry = 0.13, viscous = 0.277;
+#if !BOARD_HOLDER
 static const double start_at = 0.020;
+#endif
 static const double displacement_lag_s = 0.0013; /* the filter of the displacement sensor */
 static const double displacement_noise = 5e-6, acceleration_noise = 0.01;
 
-static double speed = 1, rest_s = 3;
+static double speed = 1, rest_s = 3, now_s; /* since boot */
 static uint32_t fault_first, fault_count;
 static uint32_t pause_first = UINT32_MAX;
 static double pause_s; /* no sample is taken for so long, and none is counted */
@@ -50,7 +55,8 @@ struct motion {
     double x, v, a;
 };
 
-static struct motion motion_at(double t) {
+/* `t` seconds after it was let go at `start_at`. */
+static struct motion motion_from(double start_at, double t) {
     double w0 = sqrt(stiffness / mass), decay = viscous / 2, w = sqrt(w0 * w0 - decay * decay);
     double shift = dry / (w0 * w0), half = PI / w, from = start_at, sign, y, c, s, e;
     struct motion m = {start_at, 0, 0};
@@ -73,6 +79,42 @@ static struct motion motion_at(double t) {
     m.a = -w0 * w0 * m.x - viscous * m.v - sign * dry;
     return m;
 }
+
+#if BOARD_HOLDER
+/* ---- The magnet on its carriage, 3 mm from the end switch when the board boots ---- */
+
+static int32_t carriage = 2700; /* steps of 10 um, from where the magnet touches the mass at rest */
+static bool magnet, contact_is_open, stepping;
+static double mass_at = 0, let_go_at = -1e9; /* let go at mass_at, in seconds since boot */
+
+const struct hardware_holder hardware_holder = {0, 25000, 1, 30000, 1000, 100, 500};
+
+static struct motion motion_at(double t) {
+    struct motion held = {mass_at, 0, 0};
+    return magnet ? held : motion_from(mass_at, t - let_go_at);
+}
+
+void hardware_holder_clock(bool runs) { stepping = runs; }
+
+void hardware_holder_step(bool outward) {
+    carriage += outward ? 1 : -1;
+    if (magnet) mass_at = carriage * 1e-5;
+}
+
+/* It grips a mass that it touches, and only then. */
+void hardware_holder_magnet(bool on) {
+    if (on == magnet) return;
+    if (on && fabs(motion_at(now_s).x - carriage * 1e-5) > 2e-4) return;
+    if (on) mass_at = carriage * 1e-5;
+    let_go_at = now_s;
+    magnet = on;
+}
+
+bool hardware_holder_at_end(void) { return carriage >= 3000; }
+bool hardware_stop_contact_is_open(void) { return contact_is_open; }
+#else
+static struct motion motion_at(double t) { return motion_from(start_at, t); } /* seconds since it was let go */
+#endif
 
 /* ---- The sensors ---- */
 
@@ -99,7 +141,7 @@ static int16_t converted(double value, const struct wire_channel *channel) {
 
 static void take_sample(double t, uint32_t index, uint64_t now) {
     int16_t numbers[BOARD_CHANNELS];
-    double x = motion_at(t - rest_s - displacement_lag_s).x, a = motion_at(t - rest_s).a;
+    double x = motion_at(t - displacement_lag_s).x, a = motion_at(t).a;
     numbers[0] = converted(x + displacement_noise * normal(), &hardware_channels[0]);
     numbers[1] = converted(a + acceleration_noise * normal(), &hardware_channels[1]);
     board_sample(index - fault_first < fault_count ? NULL : numbers, (uint32_t)now);
@@ -158,18 +200,44 @@ size_t hardware_send(const uint8_t *bytes, size_t count) {
     return done > 0 ? (size_t)done : 0;
 }
 
+#if BOARD_HOLDER
+/* The carriage's steps up to `now`, in ticks of the clock. */
+static void step_until(uint64_t now) {
+    static uint64_t stepped;
+    uint64_t every = hardware_clock_hz / (uint32_t)hardware_holder.ticks_hz;
+    for (; now - stepped >= every; stepped += every) {
+        now_s = (double)stepped / hardware_clock_hz;
+        if (stepping) board_holder_tick();
+    }
+    now_s = (double)now / hardware_clock_hz;
+}
+
+static void hear(const char *word) {
+    if (word[0] == 'h') board_hung_up();
+    else contact_is_open = word[0] == 'o';
+}
+#else
+#define step_until(now) (void)(now_s = (double)(now) / hardware_clock_hz)
+#define hear(word) (void)(word)
+#endif
+
 void hardware_wait(void) {
     struct pollfd input = {STDIN_FILENO, POLLIN, 0};
-    char byte;
+    char word[80];
     poll(&input, 1, 1);
-    if (input.revents && read(STDIN_FILENO, &byte, 1) <= 0) exit(0);
+    if (input.revents) {
+        if (read(STDIN_FILENO, word, sizeof word) <= 0) exit(0);
+        hear(word);
+    }
     while (sampling) {
         uint64_t due = (uint64_t)ticks * sampling_period + paused;
         if (ticks == pause_first && paused == 0) due += paused = (uint64_t)(pause_s * hardware_clock_hz);
         if (hardware_ticks() - sampling_since < due) break;
-        take_sample((double)due / hardware_clock_hz, ticks, sampling_since + due);
+        step_until(sampling_since + due);
+        take_sample(BOARD_HOLDER ? now_s : (double)due / hardware_clock_hz - rest_s, ticks, sampling_since + due);
         ticks++;
     }
+    step_until(hardware_ticks());
 }
 
 static void open_port(void) {

@@ -1,16 +1,45 @@
-"""The host's side of the conversation in its plainest form, on a pseudo-terminal: for tests of a board."""
+"""A board compiled for this computer, and the host's side of the conversation in its plainest form: for tests."""
 
 import os
 import select
+import subprocess
 import time
 import tty
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypeVar
 
 from firmware_protocol import Ack, Data, Decoder, End, Frame, HelloRequest, Message, Nack, Stop, encode
 
 M = TypeVar("M", bound=Message)
+
+
+class Board:
+    """A running firmware; a complaint of the sanitizers or a crash shows in its exit code."""
+
+    def __init__(self, program: Path, *options: str) -> None:
+        self.process = subprocess.Popen(
+            [program, *options],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        assert self.process.stdout is not None
+        line = self.process.stdout.readline()
+        assert line.startswith("port: "), line
+        self.path = line.removeprefix("port: ").strip()
+
+    def tell(self, word: str) -> None:
+        """What happens at the rig: `open`, `close` or `hang up` (see `hardware_host.c`)."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(word + "\n")
+        self.process.stdin.flush()
+
+    def end(self) -> None:
+        _, complaint = self.process.communicate(timeout=10)
+        assert self.process.returncode == 0, complaint
 
 
 @dataclass

@@ -11,7 +11,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from bench_host import BenchHost
+from bench_host import BenchHost, Board
 from c_compiler import C_FOLDER, ROOT, SANITIZE, STRICT, build, compiler
 from wire_messages import frame
 
@@ -50,27 +50,6 @@ def firmware(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build(tmp_path_factory.mktemp("c") / "firmware", SOURCES, STRICT + SANITIZE)
 
 
-class Board:
-    """A running firmware; a complaint of the sanitizers or a crash shows in its exit code."""
-
-    def __init__(self, program: Path, *options: str) -> None:
-        self.process = subprocess.Popen(
-            [program, *options],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        assert self.process.stdout is not None
-        line = self.process.stdout.readline()
-        assert line.startswith("port: "), line
-        self.path = line.removeprefix("port: ").strip()
-
-    def end(self) -> None:
-        _, complaint = self.process.communicate(timeout=10)
-        assert self.process.returncode == 0, complaint
-
-
 @pytest.fixture
 def options() -> tuple[str, ...]:
     return ()
@@ -97,7 +76,7 @@ def test_it_says_who_it_is_and_what_it_measures(host: BenchHost) -> None:
     host.hello()
     describe = host.next(Describe)
     (hello,) = host.messages(Hello)
-    assert (hello.major, hello.minor, hello.board) == (1, 0, "hardware_host")
+    assert (hello.major, hello.minor, hello.board) == (1, 1, "hardware_host")
     assert [channel.quantity for channel in describe.channels] == ["displacement", "acceleration"]
     assert [channel.unit for channel in describe.channels] == ["m", "m/s^2"]
     assert {channel.rate_hz for channel in describe.channels} == {256.0}

@@ -25,6 +25,8 @@ WRITTEN_AS = {
     "reset cause": "u8",
     "nack code": "u8",
     "event kind": "u8",
+    "holder state": "u8",
+    "holder reason": "u8",
     "format": "u8",
     "format or 0": "u8",
     "f64 or NaN": "f64",

@@ -86,6 +86,23 @@ static void read_message(struct wire_message *m) {
         m->as.timesync.host_time_us = integer();
         m->as.timesync.board_time_us = integer();
         break;
+    case WIRE_HOLD:
+        m->as.hold.ticket = (uint32_t)integer();
+        m->as.hold.displacement = real();
+        break;
+    case WIRE_RELEASE:
+        m->as.release.ticket = (uint32_t)integer();
+        break;
+    case WIRE_HOLDER:
+        m->as.holder.low = real();
+        m->as.holder.high = real();
+        m->as.holder.silence_s = real();
+        m->as.holder.ticket = (uint32_t)integer();
+        m->as.holder.state = (uint8_t)integer();
+        m->as.holder.reason = (uint8_t)integer();
+        m->as.holder.displacement = real();
+        m->as.holder.sample = integer();
+        break;
     case WIRE_HELLO:
         m->as.hello.boot_id = (uint32_t)integer();
         m->as.hello.clock_hz = (uint32_t)integer();
@@ -204,6 +221,23 @@ static void show_frame(const struct wire_frame *frame) {
     case WIRE_TIMESYNC:
         show(m->as.timesync.host_time_us);
         show(m->as.timesync.board_time_us);
+        break;
+    case WIRE_HOLD:
+        show(m->as.hold.ticket);
+        show_real(m->as.hold.displacement);
+        break;
+    case WIRE_RELEASE:
+        show(m->as.release.ticket);
+        break;
+    case WIRE_HOLDER:
+        show_real(m->as.holder.low);
+        show_real(m->as.holder.high);
+        show_real(m->as.holder.silence_s);
+        show(m->as.holder.ticket);
+        show(m->as.holder.state);
+        show(m->as.holder.reason);
+        show_real(m->as.holder.displacement);
+        show(m->as.holder.sample);
         break;
     case WIRE_HELLO:
         show(m->as.hello.boot_id);

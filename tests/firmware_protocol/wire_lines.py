@@ -26,10 +26,15 @@ from firmware_protocol import (
     Heartbeat,
     Hello,
     HelloRequest,
+    Hold,
+    Holder,
+    HolderReason,
+    HolderState,
     Log,
     Message,
     Nack,
     NackCode,
+    Release,
     Resend,
     ResetCause,
     SampleFormat,
@@ -115,7 +120,7 @@ class RandomMessages:
     def message(self) -> Message:
         i = self.integer
         made: Message
-        match self.rng.randrange(16):
+        match self.rng.randrange(19):
             case 0:
                 made = HelloRequest(i(8), i(8))
             case 1:
@@ -148,6 +153,14 @@ class RandomMessages:
                 made = Log(self.text())
             case 14:
                 made = Clock(self.number())
+            case 15:
+                made = Hold(i(32), self.number())
+            case 16:
+                made = Release(i(32))
+            case 17:
+                limits = (self.number(), self.number(), self.number())
+                state, reason = self.member(HolderState), self.member(HolderReason)
+                made = Holder(*limits, i(32), state, reason, self.number(), i(64))
             case _:
                 made = self.data()
         return made

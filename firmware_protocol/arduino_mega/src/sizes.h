@@ -11,6 +11,11 @@
 #define BOARD_CHANNELS 2
 #endif
 
+/* 1: the board has a holder (holder.h), which takes the mass to a displacement and lets it go. */
+#ifndef BOARD_HOLDER
+#define BOARD_HOLDER 0
+#endif
+
 /* BOARD_RING: samples that are kept for RESEND, a multiple of 8. BOARD_FRAME: bytes of the longest frame that
  * the board sends, before stuffing: DESCRIBE must fit. BOARD_KEEP_MS: a rate at which the ring would hold less
  * than this is refused. The protocol asks for 12 s; a board without the memory says here what it can do. */

@@ -1,6 +1,6 @@
 /* The wire between board and station: messages to frames and back. C99, one header, no allocation.
  *
- * Protocol 1.0, described in docs/protocol.md. Compiles as C99 and as C++11. Needs 8-bit bytes and an IEEE 754
+ * Protocol 1.1, described in docs/protocol.md. Compiles as C99 and as C++11. Needs 8-bit bytes and an IEEE 754
  * `double` of 64 bits, or of 32 as on AVR: then the 64 bits on the wire are made of it, exactly, and rounded to
  * it. Does not depend on the byte order of the machine.
  *
@@ -20,7 +20,7 @@
 #include <string.h>
 
 #define WIRE_MAJOR 1
-#define WIRE_MINOR 0
+#define WIRE_MINOR 1
 /* Header, body and checksum, before stuffing. A board that sends shorter frames may define less. */
 #ifndef WIRE_MAX_FRAME
 #define WIRE_MAX_FRAME 1024
@@ -49,6 +49,8 @@ enum wire_type {
     WIRE_STOP = 0x04,
     WIRE_RESEND = 0x05,
     WIRE_TIMESYNC = 0x06,
+    WIRE_HOLD = 0x07,
+    WIRE_RELEASE = 0x08,
     WIRE_HELLO = 0x81,
     WIRE_DESCRIBE = 0x82,
     WIRE_ACK = 0x83,
@@ -58,7 +60,8 @@ enum wire_type {
     WIRE_EVENT = 0x87,
     WIRE_END = 0x88,
     WIRE_LOG = 0x89,
-    WIRE_CLOCK = 0x8A
+    WIRE_CLOCK = 0x8A,
+    WIRE_HOLDER = 0x8B
 };
 
 enum wire_format { WIRE_ANY_FORMAT = 0, WIRE_I16 = 1, WIRE_I32 = 2, WIRE_F32 = 3, WIRE_F64 = 4 };
@@ -78,6 +81,10 @@ enum wire_nack_code {
     WIRE_UNSUPPORTED = 3,
     WIRE_NOT_HELD = 4,
     WIRE_SENSOR = 5,
+    WIRE_LIMIT = 6,
+    WIRE_STALE = 7,
+    WIRE_NOTHING_HELD = 8,
+    WIRE_NACK_HOLDER = 9,
     WIRE_NACK_OTHER = 255
 };
 
@@ -88,7 +95,26 @@ enum wire_event_kind {
     WIRE_EVENT_OTHER = 255
 };
 
+enum wire_holder_state {
+    WIRE_FREE = 1,
+    WIRE_MOVING = 2,
+    WIRE_HELD = 3,
+    WIRE_LETTING_GO = 4,
+    WIRE_HOLDER_STATE_OTHER = 255
+};
+
+enum wire_holder_reason {
+    WIRE_BY_BOOT = 1,
+    WIRE_BY_REQUEST = 2,
+    WIRE_BY_STOP = 3,
+    WIRE_BY_SILENCE = 4,
+    WIRE_BY_CONTACT = 5,
+    WIRE_BY_FAULT = 6,
+    WIRE_BY_OTHER = 255
+};
+
 #define WIRE_NO_CHANNEL 255
+#define WIRE_NO_SAMPLE UINT64_MAX
 /* What a DESCRIBE holds when all texts are empty: 16 in 1024 bytes. With 22 bytes of text each it holds 12. */
 #define WIRE_MAX_CHANNELS ((WIRE_MAX_FRAME - 14) / 62)
 
@@ -110,6 +136,8 @@ struct wire_config { wire_real rate_hz; uint16_t samples_per_frame; uint8_t form
 struct wire_start { uint64_t count; };
 struct wire_resend { uint64_t first; uint32_t count; };
 struct wire_timesync { uint64_t host_time_us, board_time_us; };
+struct wire_hold { uint32_t ticket; wire_real displacement; };
+struct wire_release { uint32_t ticket; };
 struct wire_hello {
     uint8_t major, minor, reset_cause;
     uint32_t boot_id, clock_hz;
@@ -135,6 +163,13 @@ struct wire_event { uint8_t kind, channel; uint64_t index; uint32_t count; struc
 struct wire_end { uint64_t total_samples, total_dropped; uint32_t checksum; };
 struct wire_log { struct wire_text text; };
 struct wire_clock { wire_real error_ppm; };
+struct wire_holder {
+    wire_real low, high, silence_s;
+    uint32_t ticket;
+    uint8_t state, reason;
+    wire_real displacement;
+    uint64_t sample;
+};
 
 struct wire_message {
     uint8_t type; /* enum wire_type; STOP has no fields */
@@ -144,6 +179,8 @@ struct wire_message {
         struct wire_start start;
         struct wire_resend resend;
         struct wire_timesync timesync;
+        struct wire_hold hold;
+        struct wire_release release;
         struct wire_hello hello;
         struct wire_describe describe;
         struct wire_ack ack;
@@ -154,6 +191,7 @@ struct wire_message {
         struct wire_end end;
         struct wire_log log;
         struct wire_clock clock;
+        struct wire_holder holder;
     } as;
 };
 
@@ -410,6 +448,17 @@ static inline void wire_hello_fields(struct wire_io *io, struct wire_hello *m) {
     wire_text(io, &m->unique_id);
 }
 
+static inline void wire_holder_fields(struct wire_io *io, struct wire_holder *m) {
+    wire_f64(io, &m->low);
+    wire_f64(io, &m->high);
+    wire_f64(io, &m->silence_s);
+    wire_u32(io, &m->ticket);
+    wire_u8(io, &m->state);
+    wire_u8(io, &m->reason);
+    wire_f64(io, &m->displacement);
+    wire_u64(io, &m->sample);
+}
+
 /* False when the type is unknown. */
 static inline bool wire_fields(struct wire_io *io, struct wire_message *m) {
     switch (m->type) {
@@ -435,6 +484,13 @@ static inline bool wire_fields(struct wire_io *io, struct wire_message *m) {
     case WIRE_TIMESYNC:
         wire_u64(io, &m->as.timesync.host_time_us);
         wire_u64(io, &m->as.timesync.board_time_us);
+        return true;
+    case WIRE_HOLD:
+        wire_u32(io, &m->as.hold.ticket);
+        wire_f64(io, &m->as.hold.displacement);
+        return true;
+    case WIRE_RELEASE:
+        wire_u32(io, &m->as.release.ticket);
         return true;
     case WIRE_HELLO:
         wire_hello_fields(io, &m->as.hello);
@@ -477,6 +533,9 @@ static inline bool wire_fields(struct wire_io *io, struct wire_message *m) {
         return true;
     case WIRE_CLOCK:
         wire_f64(io, &m->as.clock.error_ppm);
+        return true;
+    case WIRE_HOLDER:
+        wire_holder_fields(io, &m->as.holder);
         return true;
     default:
         return false;
