@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a process a core is enough
 
 from bench.guide_cases import HIGH, LIMITS_WORDS, LOW, Case, amplitudes, cases
-from bench.regime_outcomes import wilson
+from bench.regimes import wilson
 
 TITLE = "The next release, chosen"
 POLICIES = ("guide", "same", "grid", "random")
@@ -180,5 +180,5 @@ def _calibration(pairs: list[tuple[float, float, float]], draw: bool) -> str:
     return (
         f"Expected evidence against what the release gave, {len(pairs)} releases of the guide whose two hypotheses are fitted "
         f"before and after: {within} within two standard deviations; of {len(decided)} that were expected to decide "
-        f"(13.8 nats), {kept} gave 4.6 nats or more.\n\n![Expected and achieved evidence](img/guide_expected.svg)"
+        f"(13.8 nats), {kept} gave 4.6 nats or more.\n\n![Expected and achieved evidence](pictures/guide_expected.svg)"
     )

@@ -11,7 +11,10 @@ from identify.formatting import among, plain_name
 State = Literal["go_on", "confirmed", "nothing", "no_name", "alike", "given_up"]
 
 FEWEST = 2
-"""Releases without which no name is confirmed: what is named on one has predicted nothing yet."""
+"""Releases without which nothing is settled: what is named on one has predicted nothing yet."""
+
+_REACHED = 0.9
+"""Share of the upper limit that some release must have come from: beyond what was released anything may hide."""
 
 MOST = 6
 
@@ -44,32 +47,28 @@ def first_release(limits: Limits) -> Guidance:
 def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
     """Return where a test stands that has recorded so many releases, diagnosed together.
 
-    A name is confirmed by two releases or more, when every hypothesis that a release could refute lies 13.8 nats behind it.
+    A name is confirmed by one release more than it has effects, when some release came from the upper limit and every other
+    hypothesis lies 13.8 nats behind it.
     """
     if found.verdict == "driven":
         return Guidance("given_up", "The motion is driven; stop the drive and begin again.")
     chosen = found.next_within(limits)
-    tells = chosen is not None and chosen.tells_more
-    if releases >= FEWEST:
+    seen = found.verdict != "not_enough_data" and _reach(found) >= _REACHED * limits.high
+    if seen and releases >= max(FEWEST, 1 + len(found.named)):
         if found.named and _margin(found) >= DECIDES:
-            return Guidance(
-                "confirmed", f"{_named(found)} is confirmed by {releases} releases.", None, chosen
-            )
+            return Guidance("confirmed", f"{_named(found)}: confirmed by {releases} releases.", None, chosen)
         if found.verdict in ("unknown_effect", "unconfirmed") and found.hypotheses[0].shape is not None:
             words = "Something is missing that has no name here, as all releases say."
             return Guidance("no_name", words, None, chosen)
-        if not tells and found.verdict != "not_enough_data":
+        if chosen is None or not chosen.tells_more:
             return _no_more(found, chosen)
     if releases >= MOST:
         return Guidance("given_up", f"{MOST} releases have not settled it.", None, chosen)
-    if chosen is None or found.verdict == "not_enough_data":
-        return Guidance(
-            "go_on",
-            "Too little is known to choose: the largest amplitude shows most.",
-            _largest(found, limits),
-        )
-    if found.named and not _rivals(found) and _margin(found) >= DECIDES:
-        words = f"{_named(found)} explains this release; another amplitude must bear it out. {chosen.words}"
+    if chosen is None or not (chosen.tells_more or seen):
+        words = "Above what was released anything may hide: the largest amplitude shows most."
+        return Guidance("go_on", words, _largest(found, limits), chosen)
+    if found.named and _margin(found) >= DECIDES:
+        words = f"{_named(found)} explains it so far; another release must bear it out. {chosen.words}"
         return Guidance("go_on", words, chosen.best.experiment, chosen)
     return Guidance("go_on", chosen.words, chosen.best.experiment, chosen)
 
@@ -89,8 +88,9 @@ def _margin(found: Diagnosis) -> float:
     return leads - max(one.log_odds for one in found.hypotheses if one.names != found.named)
 
 
-def _rivals(found: Diagnosis) -> tuple[str, ...]:
-    return found.suspects[0].rivals
+def _reach(found: Diagnosis) -> float:
+    """Return the largest displacement that a release so far began at."""
+    return max(max(abs(signed_amplitude(decay)), decay.amplitude) for decay in found.baseline.decays)
 
 
 def _named(found: Diagnosis) -> str:

@@ -56,7 +56,7 @@ def hypotheses_of(
     best of them leaves. Where nothing is claimed they are forces that another amplitude may show, the closest and those
     by which a detection limit is told.
     """
-    rivals = suspects[0].rivals if named and suspects else ()
+    rivals = suspects[0].rivals if len(named) == 1 else ()
     found: dict[tuple[str, ...], Hypothesis] = {(): Hypothesis((), baseline.fit, 0.0, claimed=not named)}
     if named:
         found[tuple(named)] = Hypothesis(tuple(named), final, 0.0, claimed=True)

@@ -41,12 +41,15 @@ _SENSORS = {"displacement": "acceleration", "acceleration": "displacement", "vel
 
 @dataclass(frozen=True)
 class Limits:
-    """Between which displacements (positive, in their unit) a rig can be released, with which mass (kg) added, or pushed."""
+    """Between which displacements (positive, in their unit) a rig can be released, and with which mass (kg) added.
+
+    `ways` are what can be done besides: "push" the mass, record "longer" or "faster", "rest" it before.
+    """
 
     low: float
     high: float
     mass: float | None = None
-    push: bool = True
+    ways: tuple[str, ...] = ("push", "longer", "faster", "rest")
 
 
 @dataclass(frozen=True)
@@ -99,13 +102,10 @@ class NextRelease:
     def words(self) -> str:
         """What to do, with what it is expected to tell."""
         one, other = self.between
+        if not self.tells_more and self.hidden:
+            return "No release within the limits would show much more of what can still hide than the same again."
         if not self.tells_more:
-            what = (
-                f"shows what can still hide, such as {one}"
-                if self.hidden
-                else f"distinguishes {one} from {other}"
-            )
-            why = f"No release within the limits {what}: {_about(self.best.nats)} at best"
+            why = f"No release within the limits distinguishes {one} from {other}: {_about(self.best.nats)} at best"
             if self.instead is None:
                 return f"{why}."
             return f"{why}. {_capital(self._do(self.instead.experiment))} could, with {_about(self.instead.nats)}."
@@ -251,11 +251,15 @@ def _within(amplitude: float, limits: Limits) -> float:
 
 def _variations(best: Experiment, found: Fit, limits: Limits) -> list[Experiment]:
     """Return what an operator can do otherwise at the best amplitude."""
-    rested = (
-        [replace(best, rested=True)] if has_memory(found) and found.windows[0].pre_release is None else []
-    )
-    pushed = [replace(best, push=True)] if limits.push else []
-    return [*pushed, replace(best, longer=2.0), replace(best, faster=4.0), *rested]
+    every = {
+        "push": replace(best, push=True),
+        "longer": replace(best, longer=2.0),
+        "faster": replace(best, faster=4.0),
+        "rest": replace(best, rested=True),
+    }
+    if not has_memory(found) or found.windows[0].pre_release is not None:
+        every.pop("rest")
+    return [experiment for way, experiment in every.items() if way in limits.ways]
 
 
 def _changes(best: Experiment, last: PreparedDecay, limits: Limits) -> list[Experiment]:

@@ -1,0 +1,186 @@
+"""A guided test: it asks for a release, records and judges it with all before, until that has settled what is missing."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Protocol
+
+from daq.capture import CaptureObserver, CaptureSettings, capture
+from daq.session import Session
+from daq.storage import write_whole
+from identify.diagnosis.experiment import Experiment
+from identify.diagnosis.guidance import Guidance, first_release, guidance
+from identify.diagnosis.next_release import Limits
+from identify.errors import NotIdentifiable
+from identify.preprocessing.prepared_decay import PreparedDecay
+from station.operations.diagnosing import diagnose_sessions, keep
+from station.operations.provisional import Provisional
+from station.operations.record_floor import prepare_with_floor
+from station.operations.session_set import SessionSet
+from station.results.diagnosis_document import DiagnosisDocument, next_release_document
+from station.results.guide_document import NAME, GuideDocument, TurnDocument
+from station.settings import Settings
+from station.text.capture_progress import Several
+
+REPORT = "report.html"
+
+
+class Watcher(Protocol):
+    """Who is told how a guided test goes on."""
+
+    def asks(self, number: int, told: Guidance) -> None:
+        """A release is wanted, for a reason."""
+
+    def observer(self) -> CaptureObserver:
+        """Return who watches the capture."""
+
+    def provisional(self, named: list[str]) -> None:
+        """Named while the decay is still running."""
+
+    def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
+        """A release was judged together with all before."""
+
+
+@dataclass(frozen=True, eq=False)
+class GuidedTest:
+    """What a guided test is given: a `port` that may be opened for each release, how to capture, the rig's limits.
+
+    `alone`: the rig holds and releases the mass itself. `begin` is the folder of its sessions.
+    """
+
+    port: str
+    capture: CaptureSettings
+    limits: Limits
+    folder: Path
+    settings: Settings
+    alone: bool = False
+
+
+def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = lambda: False) -> GuideDocument:
+    """Run a guided test; all its sessions lie in one folder, with a report, a campaign and the document that is returned.
+
+    Raises the StationError of a capture that fails; what was judged before is kept.
+    """
+    told, turns = first_release(test.limits), list[TurnDocument]()
+    sessions, decays = list[Session](), list[PreparedDecay]()
+    named: list[str] = []
+    while not told.over and not cancelled():
+        assert told.experiment is not None
+        number = len(turns) + 1
+        watcher.asks(number, told)
+        session, provisional = _record(test, told.experiment, number, tuple(decays), watcher)
+        began = time.monotonic()
+        turn = TurnDocument(
+            session=session.folder.name,
+            asked=told.words,
+            amplitude=told.experiment.amplitude,
+            unit="m",
+            provisional=provisional,
+        )
+        document = None
+        try:
+            prepared = prepare_with_floor(session, test.settings)
+            trial = SessionSet((*sessions, session), (*decays, prepared))
+            found, document = diagnose_sessions(trial)
+        except NotIdentifiable as refusal:
+            told = _instead(told, test.limits, str(refusal), number)
+            turn = turn.model_copy(update={"problem": str(refusal)})
+        else:
+            sessions, decays = list(trial.sessions), list(trial.decays)
+            told, named = guidance(found, len(sessions), test.limits), list(found.named)
+            turn = turn.model_copy(update=_outcome(document, told, time.monotonic() - began))
+            keep(trial, document)
+        turns.append(turn)
+        watcher.judged(turn, document)
+        _keep(test, turns, told, named)
+    return _keep(test, turns, told, named)
+
+
+def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
+    """Write the report of a guided test and the campaign of its sessions; return the document with both."""
+    from station.campaign.kept import Kept
+    from station.campaign.local_crew import LocalCrew
+    from station.campaign.run import Request, run_campaign
+    from station.campaign.sources import FOLDER, find_sources
+    from station.campaign.together import campaign_document
+    from station.report.write import write_report
+    from station.text.campaign_table import sessions_csv, trends_csv
+
+    judged = [turn for turn in document.turns if turn.verdict]
+    if not judged:
+        return document
+    kept = Kept(test.folder / FOLDER)
+    run = run_campaign(find_sources((str(test.folder),), test.settings), Request(test.settings), LocalCrew(1), kept, _Silent())
+    table = campaign_document(kept.folder, False, run)
+    kept.write_table(table, {"sessions.csv": sessions_csv(table), "trends.csv": trends_csv(table)})
+    largest = max(judged, key=lambda turn: abs(turn.amplitude or 0.0))
+    session = Session.open(test.folder / largest.session)
+    report = write_report(session, test.folder / REPORT, settings=test.settings)
+    whole = document.model_copy(update={"report": str(report.path), "campaign": str(kept.folder)})
+    write_whole(test.folder / NAME, whole.model_dump_json(indent=1).encode() + b"\n")
+    return whole
+
+
+class _Silent:
+    def kept(self, name: str) -> None:
+        """Say nothing."""
+
+    def done(self, name: str) -> None:
+        """Say nothing."""
+
+    def failed(self, name: str, reason: str) -> None:
+        """Say nothing: the table names it."""
+
+
+def _record(
+    test: GuidedTest, experiment: Experiment, number: int, before: tuple[PreparedDecay, ...], watcher: Watcher
+) -> tuple[Session, list[str] | None]:
+    wanted = replace(
+        test.capture,
+        duration_s=test.capture.duration_s * experiment.longer,
+        release_from=experiment.amplitude if test.alone else None,
+    )
+    provisional = Provisional(before, wanted.rate_hz, wanted.duration_s, watcher.provisional)
+    folder = test.folder / f"release_{number}"
+    try:
+        session = capture(test.port, wanted, folder, Several((watcher.observer(), provisional)))
+    finally:
+        provisional.close()
+    return session, provisional.named
+
+
+def _instead(told: Guidance, limits: Limits, reason: str, number: int) -> Guidance:
+    """Return what to do after a release that told nothing: the largest amplitude, once; then it is given up."""
+    assert told.experiment is not None
+    if abs(told.experiment.amplitude) >= 0.99 * limits.high:
+        return Guidance("given_up", f"The largest release told nothing: {reason}")
+    side = 1.0 if told.experiment.amplitude > 0.0 else -1.0
+    return Guidance("go_on", f"That told nothing ({reason}). The largest amplitude shows most.", Experiment(side * limits.high))
+
+
+def _outcome(document: DiagnosisDocument, told: Guidance, seconds: float) -> dict[str, object]:
+    return {
+        "verdict": document.verdict,
+        "named": document.named,
+        "hypotheses": document.hypotheses,
+        "next_release": None if told.chosen is None else next_release_document(told.chosen),
+        "judged_s": seconds,
+    }
+
+
+def _keep(test: GuidedTest, turns: list[TurnDocument], told: Guidance, named: list[str]) -> GuideDocument:
+    document = GuideDocument.model_validate(
+        {
+            "format": 1,
+            "folder": str(test.folder),
+            "low": test.limits.low,
+            "high": test.limits.high,
+            "state": told.state,
+            "words": told.words,
+            "named": named if told.state in ("confirmed", "alike") else [],
+            "turns": turns,
+        }
+    )
+    write_whole(test.folder / NAME, document.model_dump_json(indent=1).encode() + b"\n")
+    return document
