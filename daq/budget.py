@@ -11,6 +11,7 @@ HELLO_FOR_S = 5.0
 ANSWER_S = (0.25, 0.5, 1.0, 2.0)
 END_S = 30.0
 RESEND_FOR_S = 30.0
+HOLD_FOR_S = 60.0
 
 SPARE_BYTES = 1 << 20
 LARGEST_OVERHEAD = (
@@ -32,14 +33,20 @@ class Budget:
     def sampling_s(self) -> float:
         """The longest time that the board samples, by its own clock: every wait to its end."""
         s = self.settings
-        return s.rest_timeout_s + s.pre_trigger_s + s.trigger_timeout_s + s.duration_s
+        return self._rest_s + s.pre_trigger_s + s.trigger_timeout_s + s.duration_s
+
+    @property
+    def _rest_s(self) -> float:
+        """The longest time until the station is armed: a rig that releases itself moves, and rests twice."""
+        rest = self.settings.rest_timeout_s
+        return rest if self.settings.release_from is None else 2 * rest + HOLD_FOR_S
 
     @property
     def longest_s(self) -> float:
         """The longest time from the opened port to the sealed session, whatever the board does, s."""
         handshake = BOOT_S + HELLO_FOR_S + END_S + sum(ANSWER_S)
         settings_and_start = 2 * sum(ANSWER_S) + 3.0
-        sampling = self.settings.rest_timeout_s + self.settings.trigger_timeout_s
+        sampling = self._rest_s + self.settings.trigger_timeout_s
         window = 2 * self.settings.duration_s + 5.0
         return handshake + settings_and_start + sampling + window + END_S + sum(ANSWER_S) + RESEND_FOR_S
 

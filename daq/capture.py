@@ -22,6 +22,7 @@ from daq.port import Port, open_port
 from daq.quality import summary
 from daq.raw_log import Kind, RawLog
 from daq.rest_detection import RestPeriod
+from daq.rig import Rig
 from daq.session import Session
 from daq.session_info import BoardInfo, SensorInfo, SessionInfo, State
 from daq.sources.source_board import SourceBoard
@@ -57,13 +58,19 @@ def capture(
         log.note(event="source")  # its times are those of its text, not of a timer that samples
     with Link(opened, log) as link:
         link.handshake()
+        rig = None
+        if settings.release_from is not None:
+            rig = Rig(link)
+            rig.require(settings.release_from)
         link.configure(settings.rate_hz)
-        run = _Capture(link, settings, observer or CaptureObserver())
+        run = _Capture(link, settings, observer or CaptureObserver(), rig)
         link.allow(run.budget.require())
         writer = SessionWriter.begin(folder, run.describe(), log, fallback, run.budget.disk)
         try:
             run.record()
         except BaseException as error:
+            if rig is not None:
+                rig.stop()
             run.abort(writer, error)
             raise
         return run.seal(writer)
@@ -72,8 +79,11 @@ def capture(
 class _Capture:
     """The steps of one capture; each returns when the next may begin."""
 
-    def __init__(self, link: Link, settings: CaptureSettings, observer: CaptureObserver) -> None:
+    def __init__(
+        self, link: Link, settings: CaptureSettings, observer: CaptureObserver, rig: Rig | None
+    ) -> None:
         self._link = link
+        self._rig = rig
         self._settings = settings
         self._observer = observer
         self._stream = CaptureStream(link, observer)
@@ -126,10 +136,27 @@ class _Capture:
         """From START to the last sample that can be had."""
         self._stream.start()
         trigger = self._rest()
+        if self._rig is not None:
+            trigger = self._hold(self._rig)
         release = self._wait_for_release(trigger) if self._settings.wait_for_release else self._now()
         self._take_window(release)
         self._link.stop()
         self._ask_again()
+
+    def _hold(self, rig: Rig) -> Trigger:
+        """Let the rig take the mass to its displacement, wait until it is still there, and let go."""
+        place = self._settings.release_from
+        assert place is not None
+        if self._early is not None:
+            raise NoRelease(
+                "the mass swung before the rig held it; nothing was moved. Let it come to rest first"
+            )
+        self._stream.state("holding", f"the rig takes the mass to {1e3 * place:g} mm")
+        rig.hold(place)
+        self._stream.skip()
+        trigger = self._rest()
+        rig.release()
+        return trigger
 
     def _rest(self) -> Trigger:
         """Wait until the mass is still; a release before the rest is complete is not missed."""
@@ -160,7 +187,8 @@ class _Capture:
         if self._early is not None:
             return self._early
         noise = ", ".join(f"{c.name} {_small(self._noise[c.name], c.unit)}" for c in self._channels)
-        self._stream.state("armed", f"release the mass; noise at rest: {noise}")
+        whose = "release the mass" if self._rig is None else "the rig has released the mass"
+        self._stream.state("armed", f"{whose}; noise at rest: {noise}")
         began = time.monotonic()
         for block in self._stream.during(settings.trigger_timeout_s):
             release = self._triggered(trigger, block)

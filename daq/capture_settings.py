@@ -15,7 +15,8 @@ class CaptureSettings:
     `trigger_level` is the smallest swing taken for a release, in the unit of the displacement (of the
     velocity or acceleration where there is none); None takes one per cent of its range or 30 times its
     noise. `lost_limit` is the share of samples that may stay lost. With `wait_for_release` False the
-    recording begins when the rest is over. `check_clock` compares the rate with this computer's clock.
+    recording begins when the rest is over. `check_clock` compares the rate with this computer's clock. `release_from` (m)
+    lets the rig take the mass there and release it; None waits for a hand.
     """
 
     duration_s: float = 8.0
@@ -28,6 +29,7 @@ class CaptureSettings:
     wait_for_release: bool = True
     lost_limit: float = 0.02
     check_clock: bool = True
+    release_from: float | None = None
     info: SessionInfo = field(default_factory=SessionInfo)
 
     def __post_init__(self) -> None:

@@ -44,6 +44,10 @@ class CaptureStream:
         while time.monotonic() <= until and assembly.expected <= last:
             yield from self._next_blocks()
 
+    def skip(self) -> None:
+        """Forget the blocks that came while nobody asked for them."""
+        self._blocks = []
+
     def take_to(self, sample: int, seconds: float) -> None:
         """Take what arrives up to a sample index, for at most so many seconds by this computer's clock."""
         until = time.monotonic() + seconds
@@ -52,7 +56,6 @@ class CaptureStream:
 
     def _next_blocks(self) -> list[Block]:
         """Take what arrives next; raise when the board is silent, gone, rebooted or contradicts itself."""
-        self._blocks = []
         frame = self._link.take(0.05)
         if frame is not None and isinstance(frame.message, OtherVersion):
             raise ProtocolError("the board changed its protocol version in mid-capture; reset it")
@@ -62,7 +65,8 @@ class CaptureStream:
         if self._link.assembly.rebooted:
             raise Rebooted("the board rebooted in mid-capture; what came before is kept. Check its supply")
         self._watch_silence()
-        return self._blocks
+        blocks, self._blocks = self._blocks, []
+        return blocks
 
     def _watch_silence(self) -> None:
         """Announce a silence at 0.5 s and give up at 2 s; a board that talks but sends no samples is silent too."""

@@ -30,6 +30,8 @@ from firmware_protocol import (
     EventKind,
     Frame,
     Hello,
+    Holder,
+    HolderState,
     Log,
     OtherVersion,
 )
@@ -64,6 +66,7 @@ class Assembly:
         self.description: Describe | None = None
         self.end: End | None = None
         self.window: Window | None = None
+        self.holder: Holder | None = None
         self.clock_ppm: float | None = None
         self.clock_claim = ""  # what the board states of its clock that cannot be
         self.frames, self.rebooted, self.origin = 0, False, BOARD
@@ -95,6 +98,8 @@ class Assembly:
             self._take_description(message)
         elif isinstance(message, Clock):
             self._take_clock(message.error_ppm)
+        elif isinstance(message, Holder):
+            self._take_holder(message)
         elif isinstance(message, End):
             self._take_end(message)
         elif isinstance(message, Event):
@@ -215,6 +220,11 @@ class Assembly:
         self.clock_ppm = ppm if believed else None
         claim = f"the board states that its clock is off by at most {ppm:.3g} ppm, which is not believed"
         self.clock_claim = "" if believed or ppm == 0 else claim
+
+    def _take_holder(self, holder: Holder) -> None:
+        before, self.holder = self.holder, holder
+        if before is not None and before.state is HolderState.HELD and holder.state is HolderState.FREE:
+            _list(self.notes, f"the rig let go from {1e3 * before.displacement:g} mm")
 
     def _take_end(self, end: End) -> None:
         if self.end is not None and self.samples and end != self.end:

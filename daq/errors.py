@@ -6,7 +6,8 @@
     |  |- UnreadableFile          a file that is not what it was said to be
     |  |- SessionExists           a folder that already holds something
     |  |- NotASession             a folder that is no session
-    |  `- NoRelease               armed, and nobody released the mass
+    |  |- NoRelease               armed, and nobody released the mass
+    |  `- CannotHold              the board has nothing to hold the mass with
     |- PortError               3  no board, or a port that cannot be had
     |  |- NoBoard                 nothing there, or nothing that answers
     |  |- SeveralBoards           more than one answers: name one
@@ -16,6 +17,7 @@
     |- BoardError              4  the board's fault
     |  |- VersionRefused          another major version of the protocol
     |  |- BoardRefused            the board refused, for the reason it gave
+    |  |- LetGo                   the rig let go of the mass before it was told to
     |  `- ProtocolError           the board does not keep to the protocol
     |- DataLost                5  more samples lost than the limit allows
     |- LinkLost                6  the connection ended before the recording did
@@ -69,6 +71,10 @@ class NoRelease(OperatorError):
     """The station was armed (or waited for rest) and nothing came within the time set."""
 
 
+class CannotHold(OperatorError):
+    """The board was to hold and release the mass, and has no holder."""
+
+
 class PortError(StationError):
     """There is no board, or its port cannot be had."""
 
@@ -107,6 +113,10 @@ class VersionRefused(BoardError):
 
 class BoardRefused(BoardError):
     """The board answered NACK."""
+
+
+class LetGo(BoardError):
+    """The rig let go of the mass, slowly, before it was told to release it."""
 
 
 class ProtocolError(BoardError):

@@ -42,11 +42,13 @@ from firmware_protocol import (
     Start,
     Statistics,
     Stop,
+    TimeSync,
     encode,
 )
 
 HELLO_EVERY_S = 0.25
 WARN_S = 0.5
+ALIVE_S = 0.5
 GIVE_UP_S = 2.0
 
 StreamEvent = Block | Gap
@@ -61,6 +63,8 @@ class Link:
         self.assembly = Assembly()
         self.last_frame = time.monotonic()
         self.on_event: Callable[[StreamEvent], None] = lambda event: None
+        self.keep_alive = False  # let the board hear this host twice a second, while `take` is called
+        self._spoke = time.monotonic()
         self._sequence = 0
         self._reader = FrameReader(port, self.log)
 
@@ -91,6 +95,8 @@ class Link:
         Raises Disconnected once everything that came before it was taken.
         """
         self.log.sync_if_due()
+        if self.keep_alive and time.monotonic() - self._spoke >= ALIVE_S:
+            self.send(TimeSync(time.monotonic_ns() // 1000))
         arrival = self._reader.take(timeout)
         if arrival is None:
             return None
@@ -108,6 +114,7 @@ class Link:
         """Send one message and return its frame's sequence."""
         sequence, self._sequence = self._sequence, self._sequence + 1
         data = prefix + encode(message, sequence)
+        self._spoke = time.monotonic()
         self.log.append(Kind.SENT, data)
         self.port.write(data)
         return sequence

@@ -11,7 +11,7 @@ class CaptureObserver:
         """The board answered and described its channels."""
 
     def state(self, name: str, detail: str) -> None:
-        """Where the capture stands: resting, armed, triggered, recording, resending, sealed; and a sentence.
+        """Where the capture stands: resting, holding, armed, triggered, recording, resending, sealed; and a sentence.
 
         Called again with another detail for what is no new state, such as a silence.
         """

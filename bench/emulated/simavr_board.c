@@ -2,13 +2,15 @@
  * the voltages of a file.
  *
  *   simavr_board IMAGE MCU --volts FILE --file-hz HZ [--reference-mv MV] [--noise-mv MV] [--speed X] [--seed N]
- *                [--at "SECONDS COMMAND"] [--sensor ADXL355|MPU6050] [--boot-loader HEX]
+ *                [--at "SECONDS COMMAND"] [--sensor ADXL355|MPU6050] [--boot-loader HEX] [--holder REST_S]
  *
  * FILE holds pairs of 32-bit floats, volts at pins A0 and A1, HZ pairs a second. Its time begins anew when the
  * converter begins to read them after half a second of rest; behind its end the last voltages stay. At each conversion
  * the voltage is taken at the very cycle, with noise.
+ * With --holder a carriage stands 3 mm from its end switch, and the mass rests in the middle until the magnet grips it;
+ * when it is let go outside, FILE is read from REST_S on.
  * Commands on standard input, one a line, or one at a time of the file: `reset`; `lose N`, the next N bytes to the
- * host are lost; `die`. It ends when standard input is closed, and then says on standard output what it has measured.
+ * host are lost; `open`, the stop contact; `die`. It ends when standard input is closed, and then says on standard output what it has measured.
  */
 #define _GNU_SOURCE
 #include <fcntl.h>
@@ -59,6 +61,55 @@ static double normal(void) {
     return sum;
 }
 
+/* ---- The holder: pins PA0 to PA4, steps of 10 um ---- */
+
+static double holder_rest_s = -1;
+static int carriage = 2700, outward;
+static enum { AT_REST, GRIPPED, SWINGS } mass = AT_REST;
+
+/* Against the pull-up, which simavr puts on the pin again at each write to the port. */
+static void holder_input(int pin, uint32_t level) {
+    static avr_ioport_external_t outside = {.name = 'A', .mask = 1 << 3 | 1 << 4};
+    outside.value = (outside.value & ~(1u << pin)) | level << pin;
+    avr_ioctl(avr, AVR_IOCTL_IOPORT_SET_EXTERNAL('A'), &outside);
+    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('A'), pin), level);
+}
+
+static void on_step(avr_irq_t *irq, uint32_t level, void *unused) {
+    (void)irq;
+    (void)unused;
+    if (!level) return;
+    carriage += outward ? 1 : -1;
+    holder_input(3, carriage < 3000);
+}
+
+static void on_direction(avr_irq_t *irq, uint32_t level, void *unused) {
+    (void)irq;
+    (void)unused;
+    outward = level != 0;
+}
+
+static void on_magnet(avr_irq_t *irq, uint32_t level, void *unused) {
+    (void)irq;
+    (void)unused;
+    if (level) {
+        mass = GRIPPED;
+    } else if (mass == GRIPPED) {
+        mass = carriage > 100 ? SWINGS : AT_REST;
+        motion_since = avr->cycle - (uint64_t)(holder_rest_s * avr->frequency);
+    }
+}
+
+static void add_holder(void) {
+    avr_irq_t *pins = avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('A'), 0);
+    if (holder_rest_s < 0) return;
+    avr_irq_register_notify(pins, on_step, NULL);
+    avr_irq_register_notify(pins + 1, on_direction, NULL);
+    avr_irq_register_notify(pins + 2, on_magnet, NULL);
+    holder_input(3, 1);
+    holder_input(4, 0);
+}
+
 /* ---- Converter ---- */
 
 static double volts_at(uint64_t cycle, int pin) {
@@ -66,6 +117,8 @@ static double volts_at(uint64_t cycle, int pin) {
     size_t index = (size_t)at;
     double part = at - (double)index;
     if (pairs == 0) return 0;
+    if (holder_rest_s >= 0 && mass != SWINGS)
+        return 1.65 + (pin == 0 && mass == GRIPPED ? carriage * 1e-5 / 0.015152 : 0);
     if (index + 1 >= pairs) return volts[2 * (pairs - 1) + pin];
     return volts[2 * index + pin] * (1 - part) + volts[2 * index + 2 + pin] * part;
 }
@@ -77,7 +130,7 @@ static void on_conversion(avr_irq_t *irq, uint32_t value, void *unused) {
     (void)unused;
     memcpy(&mux, &value, sizeof value); /* the kind and the pin stand in the first four bytes */
     if (mux.src < 2) {
-        if (conversions == 0 || avr->cycle - last_conversion > avr->frequency / 2) motion_since = avr->cycle;
+        if (holder_rest_s < 0 && (conversions == 0 || avr->cycle - last_conversion > avr->frequency / 2)) motion_since = avr->cycle;
         last_conversion = avr->cycle;
         conversions++;
     }
@@ -242,6 +295,7 @@ static void report(void) {
 
 static void command(const char *line) {
     if (!strcmp(line, "reset")) avr_reset(avr);
+    else if (!strcmp(line, "open")) holder_input(4, 1);
     else if (!strcmp(line, "die")) exit(0);
     else if (sscanf(line, "lose %d", &to_lose) != 1) fprintf(stderr, "no such command: %s\n", line);
 }
@@ -332,6 +386,7 @@ int main(int count, char **arguments) {
         else if (!strcmp(name, "--speed")) speed = atof(value);
         else if (!strcmp(name, "--seed")) random_state ^= (uint64_t)atoll(value) * 0x9E3779B97F4A7C15ull;
         else if (!strcmp(name, "--sensor")) sensor = value;
+        else if (!strcmp(name, "--holder")) holder_rest_s = atof(value);
         else if (!strcmp(name, "--boot-loader")) boot_loader = value;
         else if (!strcmp(name, "--reference-mv")) reference_mv = (uint32_t)atoi(value);
         else if (!strcmp(name, "--at") && strchr(value, ' ')) {
@@ -359,6 +414,7 @@ int main(int count, char **arguments) {
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XON), on_xon, &xon);
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUT_XOFF), on_xon, NULL);
     plug_in(sensor);
+    add_holder();
     if (boot_loader) boot_by(boot_loader);
     open_port();
     run();

@@ -163,6 +163,49 @@ void hardware_stop_sampling(void) {
     sei();
 }
 
+#if BOARD_HOLDER
+/* ---- The holder: pins 22 to 26, a step a tick of timer 3 ---- */
+
+#ifndef __AVR_ATmega2560__
+#error "a holder needs an ATmega2560: the ATmega328P has no memory left"
+#endif
+#define STEP _BV(PA0)      /* 22, to the driver's STEP */
+#define DIRECTION _BV(PA1) /* 23, to its DIR: high is outward */
+#define MAGNET _BV(PA2)    /* 24, to the transistor's gate, with 10 kOhm to ground: off without a program */
+#define END _BV(PA3)       /* 25, end switch to ground: closes at the end */
+#define CONTACT _BV(PA4)   /* 26, stop contact to ground: closed unless pressed, or broken */
+
+ISR(TIMER3_COMPA_vect) { board_holder_tick(); }
+
+static void begin_holder(void) {
+    PORTA = END | CONTACT;
+    DDRA = STEP | DIRECTION | MAGNET;
+    TCCR3B = _BV(WGM32) | _BV(CS31);
+    OCR3A = (uint16_t)(CLOCK_HZ / 8 / HOLDER_STEPS_HZ - 1);
+}
+
+void hardware_holder_clock(bool runs) {
+    if (runs) TIMSK3 |= _BV(OCIE3A);
+    else TIMSK3 = 0;
+}
+
+void hardware_holder_step(bool outward) {
+    if (outward) PORTA |= DIRECTION;
+    else PORTA &= (uint8_t)~DIRECTION;
+    PORTA |= STEP;
+    __builtin_avr_delay_cycles(32); /* 2 us */
+    PORTA &= (uint8_t)~STEP;
+}
+
+void hardware_holder_magnet(bool on) {
+    if (on) PORTA |= MAGNET;
+    else PORTA &= (uint8_t)~MAGNET;
+}
+
+bool hardware_holder_at_end(void) { return !(PINA & END); }
+bool hardware_stop_contact_is_open(void) { return PINA & CONTACT; }
+#endif
+
 /* ---- The port: UART 0, which is the Mega's USB connector ---- */
 
 #define RECEIVED (RAMEND > 0x1000 ? 128 : 64) /* powers of two */
@@ -258,6 +301,9 @@ void hardware_begin(int count, char **arguments) {
     UBRR0 = (CLOCK_HZ / 8 + BAUD / 2) / BAUD - 1;
     UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
     UCSR0B = _BV(RXCIE0) | _BV(RXEN0) | _BV(TXEN0);
+#if BOARD_HOLDER
+    begin_holder();
+#endif
     set_sleep_mode(SLEEP_MODE_IDLE);
     sei();
 }

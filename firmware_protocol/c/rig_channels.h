@@ -54,6 +54,21 @@ typedef char texts_fit_a_frame[12 + 2 + BOARD_CHANNELS * (2 + 7 * 8 + 4) + sizeo
                                    ? 1
                                    : -1];
 
+#if BOARD_HOLDER
+#if HOLDER_SIDE * HOLDER_LOW_UM < 0 || HOLDER_SIDE * HOLDER_HIGH_UM < 0 || HOLDER_LOW_UM >= HOLDER_HIGH_UM
+#error "HOLDER_LOW_UM and HOLDER_HIGH_UM in rig.h: both on the carriage's side, the lower one first"
+#endif
+#if HOLDER_END_UM < HOLDER_CLEAR_UM + HOLDER_SIDE * (HOLDER_SIDE > 0 ? HOLDER_HIGH_UM : HOLDER_LOW_UM)
+#error "HOLDER_END_UM in rig.h: the end switch must lie beyond the farthest displacement and HOLDER_CLEAR_UM"
+#endif
+#if HOLDER_STEPS_HZ > 5 * HOLDER_STEPS_PER_MM
+#error "HOLDER_STEPS_HZ in rig.h: faster than 5 mm/s"
+#endif
+const struct hardware_holder hardware_holder = {
+    HOLDER_LOW_UM, HOLDER_HIGH_UM, HOLDER_SIDE, HOLDER_END_UM, HOLDER_CLEAR_UM, HOLDER_STEPS_PER_MM, HOLDER_STEPS_HZ,
+};
+#endif
+
 #define SIZE_OF(scale) ((scale) < 0 ? -(scale) : (scale))
 
 const struct wire_channel hardware_channels[BOARD_CHANNELS] = {

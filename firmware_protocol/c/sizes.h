@@ -25,7 +25,11 @@
 #define BOARD_KEEP_MS 180
 #define BOARD_MOST_PER_FRAME 16
 #elif !defined(BOARD_RING) && defined(__AVR__) /* ATmega2560: 8 KB of RAM */
+#if BOARD_HOLDER
+#define BOARD_RING 1344
+#else
 #define BOARD_RING 1408
+#endif
 #define BOARD_FRAME 320
 #define BOARD_KEEP_MS 700
 #define BOARD_MOST_PER_FRAME 32

@@ -182,6 +182,68 @@ static void begin_converter(void) {
     TIMER0_TAMR = TIMER_PERIODIC;
 }
 
+#if BOARD_HOLDER
+/* ---- The holder: pins PD0 to PD3 and PD6, a step a tick of timer 1 ---- */
+
+#define STEP 1u      /* PD0, to the driver's STEP */
+#define DIRECTION 2u /* PD1, to its DIR: high is outward */
+#define MAGNET 4u    /* PD2, to the transistor's gate, with 10 kOhm to ground: off without a program */
+#define END 8u       /* PD3, end switch to ground: closes at the end */
+#define CONTACT 64u  /* PD6, stop contact to ground: closed unless pressed, or broken */
+
+void holder_interrupt(void) {
+    TIMER1_ICR = 1;
+    board_holder_tick();
+}
+
+static void begin_holder(void) {
+    SYSCTL_RCGC1 |= RCGC1_TIMER1;
+    SYSCTL_RCGC2 |= RCGC2_GPIOD;
+    (void)SYSCTL_RCGC2; /* three cycles until the registers can be reached */
+    (void)SYSCTL_RCGC2;
+    GPIO_DATA(GPIO_D, STEP | DIRECTION | MAGNET) = 0;
+    GPIO_DIR(GPIO_D) |= STEP | DIRECTION | MAGNET;
+    GPIO_PUR(GPIO_D) |= END | CONTACT;
+    GPIO_DEN(GPIO_D) |= STEP | DIRECTION | MAGNET | END | CONTACT;
+    TIMER1_CTL = 0;
+    TIMER1_CFG = 0;
+    TIMER1_TAMR = TIMER_PERIODIC;
+    TIMER1_TAILR = CLOCK_HZ / HOLDER_STEPS_HZ - 1;
+    TIMER1_IMR = 1;
+    NVIC_IPR(IRQ_TIMER1A) = 0x60;
+    NVIC_ISER0 = 1u << IRQ_TIMER1A;
+}
+
+void hardware_holder_clock(bool runs) { TIMER1_CTL = runs ? TIMER_RUNS : 0; }
+
+void hardware_holder_step(bool outward) {
+    volatile uint32_t pause = 25; /* 2 us or more */
+    GPIO_DATA(GPIO_D, DIRECTION) = outward ? DIRECTION : 0;
+    GPIO_DATA(GPIO_D, STEP) = STEP;
+    while (pause--) {
+    }
+    GPIO_DATA(GPIO_D, STEP) = 0;
+#ifdef EMULATED
+    emulated_step(outward);
+#endif
+}
+
+void hardware_holder_magnet(bool on) {
+    GPIO_DATA(GPIO_D, MAGNET) = on ? MAGNET : 0;
+#ifdef EMULATED
+    emulated_magnet(on);
+#endif
+}
+
+#ifdef EMULATED
+bool hardware_holder_at_end(void) { return emulated_at_end(); }
+bool hardware_stop_contact_is_open(void) { return false; }
+#else
+bool hardware_holder_at_end(void) { return !GPIO_DATA(GPIO_D, END); }
+bool hardware_stop_contact_is_open(void) { return GPIO_DATA(GPIO_D, CONTACT) != 0; }
+#endif
+#endif
+
 /* ---- The port: UART 0, which is the LaunchPad's USB connector ---- */
 
 #define RECEIVED 256 /* a power of two */
@@ -289,6 +351,9 @@ void hardware_begin(int count, char **arguments) {
     NVIC_IPR(IRQ_ADC0_SS0) = 0x00;
     NVIC_IPR(IRQ_UART0) = 0x20;
     NVIC_ISER0 = 1u << IRQ_UART0 | 1u << IRQ_ADC0_SS0;
+#if BOARD_HOLDER
+    begin_holder();
+#endif
 }
 
 /* Any interrupt wakes; the clock's comes every 0.1 s. */

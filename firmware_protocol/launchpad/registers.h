@@ -20,21 +20,25 @@
 #define RCGC0_ADC0 (1u << 16)
 #define RCGC0_ADC_1_MSPS (3u << 8)
 #define RCGC1_TIMER0 (1u << 16)
+#define RCGC1_TIMER1 (1u << 17)
 #define RCGC1_I2C0 (1u << 12)
 #define RCGC1_SSI0 (1u << 4)
 #define RCGC1_UART0 (1u << 0)
 #define RCGC2_GPIOA (1u << 0)
 #define RCGC2_GPIOB (1u << 1)
+#define RCGC2_GPIOD (1u << 3)
 #define RCGC2_GPIOE (1u << 4)
 
-/* Pins of port A (UART0, SSI0), B (I2C0), E (converter) */
+/* Pins of port A (UART0, SSI0), B (I2C0), D (holder), E (converter) */
 #define GPIO_A 0x40004000u
 #define GPIO_B 0x40005000u
+#define GPIO_D 0x40007000u
 #define GPIO_E 0x40024000u
 #define GPIO_DATA(port, pins) REGISTER((port) + ((pins) << 2))
 #define GPIO_DIR(port) REGISTER((port) + 0x400)
 #define GPIO_AFSEL(port) REGISTER((port) + 0x420)
 #define GPIO_ODR(port) REGISTER((port) + 0x50C)
+#define GPIO_PUR(port) REGISTER((port) + 0x510)
 #define GPIO_DEN(port) REGISTER((port) + 0x51C)
 #define GPIO_AMSEL(port) REGISTER((port) + 0x528) /* TM4C123 only */
 #define GPIO_PCTL(port) REGISTER((port) + 0x52C)  /* TM4C123 only */
@@ -51,11 +55,17 @@
 #define FR_SEND_FULL (1u << 5)
 #define FR_RECEIVE_EMPTY (1u << 4)
 
-/* Timer 0, 32 bits */
+/* Timers 0 and 1, 32 bits */
 #define TIMER0_CFG REGISTER(0x40030000)
 #define TIMER0_TAMR REGISTER(0x40030004)
 #define TIMER0_CTL REGISTER(0x4003000C)
 #define TIMER0_TAILR REGISTER(0x40030028)
+#define TIMER1_CFG REGISTER(0x40031000)
+#define TIMER1_TAMR REGISTER(0x40031004)
+#define TIMER1_CTL REGISTER(0x4003100C)
+#define TIMER1_IMR REGISTER(0x40031018)
+#define TIMER1_ICR REGISTER(0x40031024)
+#define TIMER1_TAILR REGISTER(0x40031028)
 #define TIMER_PERIODIC 2u
 #define TIMER_RUNS (1u << 0)
 #define TIMER_TRIGGERS (1u << 5)
@@ -100,9 +110,11 @@
 
 #define IRQ_UART0 5
 #define IRQ_ADC0_SS0 14
+#define IRQ_TIMER1A 21
 
 void clock_interrupt(void);
 void port_interrupt(void);
 void converter_interrupt(void);
+void holder_interrupt(void);
 
 #endif

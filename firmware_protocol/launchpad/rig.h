@@ -37,4 +37,14 @@
 #define ACCELERATION_AXIS 0         /* 0 x, 1 y, 2 z; ADXL355, MPU6050 */
 #define ACCELERATION_SIGN +1        /* -1: the axis points against positive displacement */
 
+/* ---- The holder, if there is one: a magnet on a stepper (docs/firmware.md). make HOLDER=1 ---- */
+
+#define HOLDER_LOW_UM 0          /* displacements that may be held, um: both on the carriage's side */
+#define HOLDER_HIGH_UM 25000
+#define HOLDER_SIDE +1           /* -1: the carriage stands on the side of negative displacement */
+#define HOLDER_END_UM 30000      /* from where the magnet touches the mass at rest to the end switch */
+#define HOLDER_CLEAR_UM 1000     /* how far the carriage backs off when it lets go */
+#define HOLDER_STEPS_PER_MM 100  /* 200 steps a turn, 2 mm a turn */
+#define HOLDER_STEPS_HZ 500      /* 5 mm/s */
+
 #endif

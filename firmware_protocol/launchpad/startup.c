@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "registers.h"
+#include "sizes.h"
 
 extern uint32_t data_begin[], data_end[], data_image[], bss_begin[], bss_end[], stack_top[];
 
@@ -59,4 +60,7 @@ __attribute__((section(".vectors"), used)) static const vector vectors[16 + 32] 
     [15] = clock_interrupt,
     [16 + IRQ_UART0] = port_interrupt,
     [16 + IRQ_ADC0_SS0] = converter_interrupt,
+#if BOARD_HOLDER
+    [16 + IRQ_TIMER1A] = holder_interrupt,
+#endif
 };

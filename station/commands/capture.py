@@ -55,6 +55,11 @@ if TYPE_CHECKING:
     help="Smallest swing taken for a release.",
 )
 @click.option(
+    "--release",
+    metavar="LENGTH",
+    help="The rig takes the mass there and releases it itself, as 12mm or -8mm (default: a hand does).",
+)
+@click.option(
     "--lines", is_flag=True, help="The board prints numbers, a line a sample; PORT may be a file that grows."
 )
 @click.option(

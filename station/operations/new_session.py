@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from daq.capture import CaptureSettings
+from daq.importing.units import parse_scaled_unit, parse_unit
 from daq.session_info import SessionInfo
 from station.exits import UsageProblem
 from station.settings import Settings
@@ -61,6 +62,16 @@ def _condition(text: str) -> tuple[str, float]:
     return name.strip(), number
 
 
+def _length(text: str | None) -> float | None:
+    """Return the metres of a length such as 12mm."""
+    if text is None:
+        return None
+    length = parse_scaled_unit(text)
+    if length is None or length.si != "m" or parse_unit(text) is not None:
+        raise UsageProblem(f"--release {text}: write a length with its unit, as 12mm or -8mm")
+    return length.scale
+
+
 def capture_settings(settings: Settings, info: SessionInfo, **timing: Any) -> CaptureSettings:
     """Return how to capture: options where they were given, else the settings."""
 
@@ -75,5 +86,6 @@ def capture_settings(settings: Settings, info: SessionInfo, **timing: Any) -> Ca
         pre_trigger_s=chosen("pre_trigger", known.pre_trigger),
         trigger_timeout_s=chosen("patience", known.patience),
         trigger_level=timing.get("level"),
+        release_from=_length(timing.get("release")),
         info=info,
     )

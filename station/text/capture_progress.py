@@ -26,6 +26,7 @@ STATES = {
     "triggered": "released",
     "recording": "recording the decay",
     "resending": "lost samples",
+    "holding": "rig",
     "sealed": "sealed",
 }
 """What stands before the detail of each state, which says what the operator should do."""

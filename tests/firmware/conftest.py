@@ -22,6 +22,19 @@ def launchpad_image(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return or_skip(images.launchpad, tmp_path_factory.mktemp("launchpad") / "launchpad.elf", *images.EMULATED)
 
 
+@pytest.fixture(scope="session")
+def mega_holder_image(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return or_skip(
+        images.mega, tmp_path_factory.mktemp("mega") / "holder.elf", "atmega2560", "-DBOARD_HOLDER=1"
+    )
+
+
+@pytest.fixture(scope="session")
+def launchpad_holder_image(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("launchpad") / "holder.elf"
+    return or_skip(images.launchpad, out, *images.EMULATED, "-DBOARD_HOLDER=1")
+
+
 def or_skip(build: object, *arguments: object) -> Path:
     try:
         return build(*arguments)  # type: ignore[operator, no-any-return]
