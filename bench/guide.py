@@ -13,7 +13,12 @@ from bench.guide_cases import HIGH, LIMITS_WORDS, LOW, Case, amplitudes, cases
 from bench.regimes import wilson
 
 TITLE = "The next release, chosen"
-POLICIES = ("guide", "same", "grid", "random")
+POLICIES = ("guide", "same", "grid", "random", "options")
+WHOLE = ("guide", "random")
+THIRD = 3
+"""Who plays all cases; the others play every third, for each takes minutes."""
+
+SAME = 4  # the same amplitude never reaches the upper limit: it is only asked when it has the right verdict
 RECORD_S, HANDLING_S = 10.0, 30.0
 WORKERS = int(os.environ.get("BENCH_WORKERS", "2"))
 
@@ -29,6 +34,7 @@ class Outcome:
     releases: int
     seconds: float
     evidence: list[tuple[float, float, float]] = field(default_factory=list)
+    first_right: int = 0
     why: str = ""
     asked: list[float] = field(default_factory=list)
 
@@ -55,6 +61,7 @@ def play(case: Case, policy: str) -> Outcome:
     plan = [Experiment(a) for a in amplitudes(policy, case.seed, first.amplitude)]
     decays, seconds, told, before, asked = [], 0.0, None, None, []
     evidence: list[tuple[float, float, float]] = []
+    first_right = 0
     for number in range(MOST):
         if policy == "guide" and number:
             experiment = (
@@ -71,12 +78,20 @@ def play(case: Case, policy: str) -> Outcome:
             continue
         if policy == "guide" and before is not None and told is not None and told.chosen is not None:
             evidence += _achieved(before, told.chosen, found)
-        told, before = guidance(found, number + 1, limits), found
-        if told.over:
-            return Outcome(
-                case, policy, told.state, found.named, number + 1, seconds, evidence, told.words, asked
-            )
-    return Outcome(case, policy, "given_up", (), MOST, seconds, evidence, told.words if told else "", asked)
+        told, before = guidance(found, len(decays), limits), found
+        if not first_right and len(decays) > 1 and case.right(_said(found.verdict), found.named):
+            first_right = number + 1
+        if told.over or (policy == "same" and (first_right or number == SAME - 1)):
+            break
+    state, named = (told.state, told.named) if told is not None and told.over else ("given_up", ())
+    words = told.words if told is not None else ""
+    return Outcome(case, policy, state, named, number + 1, seconds, evidence, first_right, words, asked)
+
+
+def _said(verdict: str) -> str:
+    """Return the end that a verdict would be, were it the last."""
+    known = {"nothing_missing": "nothing", "unknown_effect": "no_name", "unconfirmed": "no_name"}
+    return known.get(verdict, "confirmed")
 
 
 def _achieved(before, chosen, found) -> list[tuple[float, float, float]]:  # type: ignore[no-untyped-def]
@@ -116,16 +131,23 @@ def run(quick: bool) -> str:
     """Return the tables as markdown, and draw expected against achieved evidence."""
     began = time.perf_counter()
     every = cases()
-    found = outcomes(every[::5] if quick else every)
+    few = every[2::5]
+    found = outcomes(few) if quick else outcomes(every, WHOLE)
+    if not quick:
+        found += outcomes(every[::THIRD], tuple(p for p in POLICIES if p not in WHOLE))
+    return report(found, draw=not quick) + f"\n\n{time.perf_counter() - began:.0f} s on two cores."
+
+
+def report(found: list[Outcome], draw: bool) -> str:
+    """Return the tables and the calibration."""
     text = _policies(found) + "\n\n" + _kinds(found)
-    calibrated = _calibration([pair for o in found for pair in o.evidence], draw=not quick)
-    return f"{text}\n\n{calibrated}\n\n{time.perf_counter() - began:.0f} s on two cores."
+    return f"{text}\n\n{_calibration([pair for o in found for pair in o.evidence], draw=draw)}"
 
 
 def _policies(found: list[Outcome]) -> str:
     head = (
         "| who chooses | right | false names (95 %) | claimed outside the library | releases to a right end: median, mean "
-        "(six where none came) | minutes, mean |\n|---|---|---|---|---|---|"
+        "(six where none came) | the same to a right verdict on two releases or more | minutes, mean |\n|---|---|---|---|---|---|---|"
     )
     rows, means = [], {}
     for policy in POLICIES:
@@ -137,9 +159,11 @@ def _policies(found: list[Outcome]) -> str:
         outside = sum(o.false for o in own if o.case.kind == "outside")
         counts = [o.releases if o.right else 6 for o in own]
         means[policy] = statistics.mean(counts)
+        lenient = [o.first_right or 6 for o in own]
         rows.append(
             f"| {policy} | {sum(o.right for o in own)} of {len(own)} | {false} ({100 * low:.0f} to {100 * high:.0f} %) | {outside} "
-            f"| {statistics.median(counts):g}, {means[policy]:.2f} | {statistics.mean(o.seconds for o in own) / 60:.1f} |"
+            f"| {statistics.median(counts):g}, {means[policy]:.2f} "
+            f"| {statistics.median(lenient):g}, {statistics.mean(lenient):.2f} | {statistics.mean(o.seconds for o in own) / 60:.1f} |"
         )
     fewer = ""
     if "guide" in means and "random" in means:
@@ -147,7 +171,7 @@ def _policies(found: list[Outcome]) -> str:
     return (
         f"Hidden cases on the simulated bench, limits {LIMITS_WORDS}, at most six releases, all judged together after each and "
         "ended by one rule; only the amplitudes are chosen otherwise: by the guide, the guide's first one again and again, a grid "
-        "upwards with sides in turn, or at random. A minute counts 30 s of handling and 10 s of record a release.\n\n"
+        "upwards with sides in turn, at random evenly between the limits, or at random among the guide's own options. A minute counts 30 s of handling and 10 s of record a release.\n\n"
         + "\n".join([head, *rows]) + fewer
     )  # fmt: skip
 

@@ -8,14 +8,15 @@ from typing import Any
 import numpy as np
 
 from identify.diagnosis.experiment import Experiment
-from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from identify.free_decay import FreeDecay
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
 from mocks.generate import draw
 
 LOW, HIGH = 0.002, 0.025
 LIMITS_WORDS = "2 to 25 mm"
 REFERENCE = 0.02
 NOISES = {"usual noise": 1.0, "five times the noise": 5.0}
+OPTIONS = np.geomspace(LOW, HIGH, 6)
 GRID = np.linspace(LOW, HIGH, 5)
 
 KINDS = {
@@ -135,4 +136,5 @@ def amplitudes(policy: str, seed: int, first: float) -> list[float]:
         "same": [first] * 12,
         "grid": [float(a * (-1.0) ** i) for i, a in enumerate((*GRID, *GRID))],
         "random": [float(side * size) for side, size in zip(sides, sizes, strict=True)],
+        "options": [float(side * size) for side, size in zip(sides, random.choice(OPTIONS, 12), strict=True)],
     }[policy]

@@ -208,11 +208,16 @@ class _Question:
         return one.shape is not None or not other.contains(one)
 
     def decides(self, found: ExpectedEvidence) -> float:
-        """Return the evidence of an experiment between all pairs by their odds, no more counted of each than decides."""
+        """Return the evidence of an experiment between all pairs by their odds, of each no more than decides.
+
+        0 where most motions run away.
+        """
         weights = np.array([self.chances[i] * self.chances[j] for i, j in self.pairs])
         nats = [np.nanmean(np.minimum(found.nats[i, j], DECIDES)) for i, j in self.pairs]
-        known = np.isfinite(nats)
-        return float(np.sum(weights[known] * np.array(nats)[known]) / max(weights.sum(), 1e-300))
+        known = np.isfinite(nats)  # not of a motion that runs away
+        if weights[known].sum() < 0.5 * weights.sum():
+            return 0.0
+        return float(np.sum(weights[known] * np.array(nats)[known]) / weights[known].sum())
 
     def pair(self, tried: Sequence[ExpectedEvidence]) -> tuple[int, int]:
         """Return the likeliest pair that some experiment decides; the likeliest of all where none does."""
@@ -239,14 +244,19 @@ def _open(hypotheses: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
     return tuple(found if len(found) > 1 else hypotheses[:2])
 
 
+def _figures(amplitude: float) -> float:
+    """Return an amplitude to three figures: no hand and no stepper meets more."""
+    return float(f"{amplitude:.3g}")
+
+
 def _amplitudes(limits: Limits, last: PreparedDecay) -> list[float]:
     side = float(np.sign(signed_amplitude(last)))
     sizes = np.geomspace(limits.low, limits.high, _STEPS) if limits.low > 0.0 else [limits.high]
-    return [way * side * float(size) for size in sizes for way in (1.0, -1.0)]
+    return [way * side * _figures(size) for size in sizes for way in (1.0, -1.0)]
 
 
 def _within(amplitude: float, limits: Limits) -> float:
-    return float(np.sign(amplitude) * np.clip(abs(amplitude), limits.low, limits.high))
+    return float(np.sign(amplitude) * np.clip(_figures(abs(amplitude)), limits.low, limits.high))
 
 
 def _variations(best: Experiment, found: Fit, limits: Limits) -> list[Experiment]:

@@ -2,31 +2,52 @@
 
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from station import exits
 from station.commands.options import CONDITIONS, MASS, MASS_STD
-from station.output import json_option, print_json, screen
+from station.output import json_option, print_json, progress, screen
+
+if TYPE_CHECKING:
+    from identify.diagnosis.next_release import Limits
+    from station.operations.guiding import GuidedTest
+    from station.results.guide_document import GuideDocument
 
 
 @click.command("guide")
 @click.option(
-    "--port", metavar="URL", help="Port of the board, as for `station capture` (default: the only board that answers)."
+    "--port",
+    metavar="URL",
+    help="Port of the board, as for `station capture` (default: the only board that answers).",
 )
 @click.option(
     "--limits", metavar="LOW,HIGH", help="Amplitudes that are safe, as 2mm,25mm (default: a terminal asks)."
 )
 @click.option("--unattended", is_flag=True, help="The rig holds and releases the mass itself.")
 @click.option(
-    "--session", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Folder of its sessions (default: ./sessions/guide_TIME)."
+    "--session",
+    "folder",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Folder of its sessions (default: ./sessions/guide_TIME).",
 )
 @MASS
 @MASS_STD
-@click.option("--duration", type=click.FloatRange(0, 3600, min_open=True), metavar="S", help="Seconds after a release (8).")
+@click.option(
+    "--duration",
+    type=click.FloatRange(0, 3600, min_open=True),
+    metavar="S",
+    help="Seconds after a release (8).",
+)
 @click.option("--rate", type=click.FloatRange(5, 20_000), metavar="HZ", help="Sampling rate (256).")
-@click.option("--patience", type=click.FloatRange(0, 3600, min_open=True), metavar="S", help="How long to wait for a release (60).")
+@click.option(
+    "--patience",
+    type=click.FloatRange(0, 3600, min_open=True),
+    metavar="S",
+    help="How long to wait for a release (60).",
+)
 @click.option("--specimen", help="What is tested.")
 @click.option("--operator", help="Who tests it.")
 @CONDITIONS
@@ -64,13 +85,16 @@ def command(
     wanted = capture_settings(settings, info, **timing)
     named = choose_port(port or settings.capture.port)
     place = folder or new_folder(settings.sessions, "guide")
-    return run(GuidedTest(named, wanted, chosen, place, settings, unattended), as_json)
+    document = show_guided(GuidedTest(named, wanted, chosen, place, settings, unattended), as_json)
+    if as_json:
+        print_json(document.plain())
+    return exits.DONE
 
 
-def run(test: Any, as_json: bool, before_end: Any = None) -> int:
-    """Run a guided test on the screen; `before_end` prints what else is to be said. Return the exit code."""
-    from station.operations.guiding import finish, guide
-    from station.output import progress
+def show_guided(test: "GuidedTest", as_json: bool) -> "GuideDocument":
+    """Run a guided test on the screen (on stderr where JSON is wanted); return its document."""
+    from station.operations.guiding import guide
+    from station.report.guided import finish
     from station.safe_text import SafeConsole
     from station.text.guide_text import GuideScreen, show_guide
 
@@ -78,16 +102,11 @@ def run(test: Any, as_json: bool, before_end: Any = None) -> int:
     document = guide(test, GuideScreen(console, alone=test.alone))
     progress("writing the report")
     document = finish(test, document)
-    if as_json:
-        print_json(document.plain())
-    else:
-        show_guide(console, document)
-        if before_end is not None:
-            before_end(console, document)
-    return exits.DONE
+    show_guide(console, document)
+    return document
 
 
-def limits_of(text: str, unattended: bool = False) -> Any:
+def limits_of(text: str, unattended: bool = False) -> "Limits":
     """Return the limits of a rig from "2mm,25mm"; UsageProblem for what is none."""
     from daq.importing.units import parse_scaled_unit, parse_unit
     from identify.diagnosis.next_release import Limits
@@ -109,6 +128,8 @@ def limits_of(text: str, unattended: bool = False) -> Any:
 def _asked() -> str:
     """Ask for the limits at a terminal; UsageProblem where there is none."""
     if not (sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()):
-        raise exits.UsageProblem("give the safe amplitudes as --limits 2mm,25mm; without a terminal nobody can be asked")
+        raise exits.UsageProblem(
+            "give the safe amplitudes as --limits 2mm,25mm; without a terminal nobody can be asked"
+        )
     answer: str = click.prompt("Between which amplitudes may the mass be released, as 2mm,25mm", err=True)
     return answer

@@ -23,8 +23,6 @@ from station.results.guide_document import NAME, GuideDocument, TurnDocument
 from station.settings import Settings
 from station.text.capture_progress import Several
 
-REPORT = "report.html"
-
 
 class Watcher(Protocol):
     """Who is told how a guided test goes on."""
@@ -58,13 +56,12 @@ class GuidedTest:
 
 
 def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = lambda: False) -> GuideDocument:
-    """Run a guided test; all its sessions lie in one folder, with a report, a campaign and the document that is returned.
+    """Run a guided test; all its sessions lie in one folder, with the document that is returned.
 
     Raises the StationError of a capture that fails; what was judged before is kept.
     """
     told, turns = first_release(test.limits), list[TurnDocument]()
     sessions, decays = list[Session](), list[PreparedDecay]()
-    named: list[str] = []
     while not told.over and not cancelled():
         assert told.experiment is not None
         number = len(turns) + 1
@@ -88,49 +85,13 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
             turn = turn.model_copy(update={"problem": str(refusal)})
         else:
             sessions, decays = list(trial.sessions), list(trial.decays)
-            told, named = guidance(found, len(sessions), test.limits), list(found.named)
+            told = guidance(found, len(sessions), test.limits)
             turn = turn.model_copy(update=_outcome(document, told, time.monotonic() - began))
             keep(trial, document)
         turns.append(turn)
         watcher.judged(turn, document)
-        _keep(test, turns, told, named)
-    return _keep(test, turns, told, named)
-
-
-def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
-    """Write the report of a guided test and the campaign of its sessions; return the document with both."""
-    from station.campaign.kept import Kept
-    from station.campaign.local_crew import LocalCrew
-    from station.campaign.run import Request, run_campaign
-    from station.campaign.sources import FOLDER, find_sources
-    from station.campaign.together import campaign_document
-    from station.report.write import write_report
-    from station.text.campaign_table import sessions_csv, trends_csv
-
-    judged = [turn for turn in document.turns if turn.verdict]
-    if not judged:
-        return document
-    kept = Kept(test.folder / FOLDER)
-    run = run_campaign(find_sources((str(test.folder),), test.settings), Request(test.settings), LocalCrew(1), kept, _Silent())
-    table = campaign_document(kept.folder, False, run)
-    kept.write_table(table, {"sessions.csv": sessions_csv(table), "trends.csv": trends_csv(table)})
-    largest = max(judged, key=lambda turn: abs(turn.amplitude or 0.0))
-    session = Session.open(test.folder / largest.session)
-    report = write_report(session, test.folder / REPORT, settings=test.settings)
-    whole = document.model_copy(update={"report": str(report.path), "campaign": str(kept.folder)})
-    write_whole(test.folder / NAME, whole.model_dump_json(indent=1).encode() + b"\n")
-    return whole
-
-
-class _Silent:
-    def kept(self, name: str) -> None:
-        """Say nothing."""
-
-    def done(self, name: str) -> None:
-        """Say nothing."""
-
-    def failed(self, name: str, reason: str) -> None:
-        """Say nothing: the table names it."""
+        _keep(test, turns, told)
+    return _keep(test, turns, told)
 
 
 def _record(
@@ -156,7 +117,11 @@ def _instead(told: Guidance, limits: Limits, reason: str, number: int) -> Guidan
     if abs(told.experiment.amplitude) >= 0.99 * limits.high:
         return Guidance("given_up", f"The largest release told nothing: {reason}")
     side = 1.0 if told.experiment.amplitude > 0.0 else -1.0
-    return Guidance("go_on", f"That told nothing ({reason}). The largest amplitude shows most.", Experiment(side * limits.high))
+    return Guidance(
+        "go_on",
+        f"That told nothing ({reason}). The largest amplitude shows most.",
+        Experiment(side * limits.high),
+    )
 
 
 def _outcome(document: DiagnosisDocument, told: Guidance, seconds: float) -> dict[str, object]:
@@ -169,7 +134,7 @@ def _outcome(document: DiagnosisDocument, told: Guidance, seconds: float) -> dic
     }
 
 
-def _keep(test: GuidedTest, turns: list[TurnDocument], told: Guidance, named: list[str]) -> GuideDocument:
+def _keep(test: GuidedTest, turns: list[TurnDocument], told: Guidance) -> GuideDocument:
     document = GuideDocument.model_validate(
         {
             "format": 1,
@@ -178,7 +143,7 @@ def _keep(test: GuidedTest, turns: list[TurnDocument], told: Guidance, named: li
             "high": test.limits.high,
             "state": told.state,
             "words": told.words,
-            "named": named if told.state in ("confirmed", "alike") else [],
+            "named": told.named,
             "turns": turns,
         }
     )

@@ -21,7 +21,11 @@ class Provisional(CaptureObserver):
     """Collects the samples of a capture, and judges them once with the releases before; `say` gets what is named."""
 
     def __init__(
-        self, before: tuple[PreparedDecay, ...], rate: float, duration_s: float, say: Callable[[list[str]], None]
+        self,
+        before: tuple[PreparedDecay, ...],
+        rate: float,
+        duration_s: float,
+        say: Callable[[list[str]], None],
     ) -> None:
         self._before, self._rate, self._duration, self._say = before, rate, duration_s, say
         self._blocks: list[Array] = []

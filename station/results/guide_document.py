@@ -13,7 +13,7 @@ class TurnDocument(Part):
     """One release: why it was asked for, what it gave.
 
     `amplitude` (signed, in `unit`) as asked for; `provisional` is what was named while the decay was still running, None
-    where that was not looked at; `hypotheses` come with their odds after it, `judged_s` is how long after its end the verdict
+    where that was not looked at; `hypotheses` have their odds after it; `judged_s` is how long after its end the verdict
     came. `problem` says why a release told nothing.
     """
 

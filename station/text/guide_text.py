@@ -108,7 +108,11 @@ def show_guide(console: Console, document: GuideDocument) -> None:
     console.print()
     console.print(Text(f" {title}", style=style))
     console.print(labelled("because", typeset(document.words), WIDTH))
-    for label, place in (("report", document.report), ("campaign", document.campaign), ("all of it", document.folder)):
+    for label, place in (
+        ("report", document.report),
+        ("campaign", document.campaign),
+        ("all of it", document.folder),
+    ):
         if place is not None:
             console.print(labelled(label, place, WIDTH))
     console.print()
