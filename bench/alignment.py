@@ -23,9 +23,8 @@ def run(quick: bool) -> str:
     samples = [_sample(seed) for seed in seeds]
     parts = (_lag_table(samples), _release_table(samples), _motion_table(samples), _time_table(samples[0]))
     made = (
-        f"{len(samples)} releases of `mocks.generate` with nothing hidden: from -2.5, -2, -1.5, -0.5, 2, 2.5 cm and "
-        "three with 0.35 to 0.6 m/s (pushed), noise 5 um and 0.01 m/s^2, 16 bits, lag +-3 ms, hand ideal or 1 to 12 ms, "
-        "gain error +-1 %, 256 Hz, 0.75 s of rest and 8 s."
+        f"{len(samples)} simulated releases of 8 s at 256 Hz: from -2.5 to 2.5 cm, or pushed with 0.35 to 0.6 m/s; noise 5 um "
+        "and 0.01 m/s^2, 16 bits, lag +-3 ms, hand ideal or 1 to 12 ms, gain error +-1 %."
     )
     return "\n\n".join((made, *parts))
 
@@ -83,8 +82,7 @@ def _lag_table(samples: list[Sample]) -> str:
         _lag_row("rest to rest, from 0.5 cm", [(s, _decay(s, release=_release_of(s))) for s in small])
     )
     return "\n".join(rows) + (
-        "\n\nThe paper's 0.5 cm release has a line of its own: it moves for a second only. "
-        "z is error over stated standard error; 1 is right."
+        "\n\nThe release from 0.5 cm moves for a second only. z: error over stated standard error; 1 is right."
     )
 
 
@@ -119,10 +117,7 @@ def _release_table(samples: list[Sample]) -> str:
         for hand, wanted in (("ideal", True), ("slow", False)):
             chosen = [s for s in samples if (s.truth["hand_s"] == 0.0) == wanted]
             rows.append(_release_row(label, hand, names, chosen))
-    return "\n".join(rows) + (
-        "\n\nThe error is the distance from the hand's ramp (nil inside it); for a displacement alone, on its own clock. "
-        "Found: within one sample of the ramp."
-    )
+    return "\n".join(rows) + ("\n\nError: distance from the hand's ramp. Found: within one sample of it.")
 
 
 def _release_row(label: str, hand: str, names: tuple[str, ...], samples: list[Sample]) -> str:
@@ -155,8 +150,7 @@ def _motion_table(samples: list[Sample]) -> str:
         errors = np.array([_plain_regression(sample, way) for sample in chosen])
         rows.append(f"| {name} | " + " | ".join(f"{100 * _rms(column):.3g}" for column in errors.T) + " |")
     return "\n".join(rows) + (
-        "\n\nRms errors of plain least squares of the acceleration on u, v, sgn v and 1, samples with |v| under 0.03 m/s "
-        "left out: a measure of the motion, not the identification."
+        "\n\nRms errors of plain least squares: a measure of the motion, not of the identification."
     )
 
 

@@ -73,18 +73,17 @@ def run(quick: bool) -> str:
     with ProcessPoolExecutor() as pool:
         z = np.array(list(pool.map(scores, range(16 if quick else 80), chunksize=4)))
     lines = [
-        "| effect | drop of chi-square at 0.2 % | strength at which half would be named |",
-        "|---|---|---|",
+        "| effect | strength at which half would be named |",
+        "|---|---|",
     ]
     for effect, row in zip(EFFECTS, drops, strict=True):
         drop = float(np.nanmedian(row))
-        lines.append(f"| {effect} | {drop:.3g} | {100 * strength * np.sqrt(SEEN / max(drop, 1e-9)):.2g} % |")
+        lines.append(f"| {effect} | {100 * strength * np.sqrt(SEEN / max(drop, 1e-9)):.2g} % |")
     ratio = np.sqrt(np.mean(z**2, axis=0))
     words = ", ".join(f"{n} {r:.2f}" for n, r in zip(("K", "mu_0", "mu_1", "lag"), ratio, strict=True))
     return (
-        "What the best model of stiffness, dry and viscous friction leaves of a record with a fiftieth of the noise, in units of the noise of "
-        f"the working point (20 mm, median of {seeds} seeds): the most that any method can go by, since the drop of chi-square is "
-        f"twice the logarithm of the likelihood ratio. Half are named where it reaches {SEEN:.0f}.\n\n"
+        "No method can use more of chi-square than the usual model leaves of a record with a fiftieth of the noise (20 mm, "
+        f"median of {seeds} seeds). Half of the effects are named where that reaches {SEEN:.0f} in units of the working point's noise.\n\n"
         + "\n".join(lines)
         + f"\n\nRms errors over the Cramer-Rao bound, {len(z)} records with nothing hidden: {words} (wanted at most 1.2)."
     )

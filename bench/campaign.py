@@ -37,9 +37,7 @@ def run(quick: bool = False, sessions: int | None = None) -> str:
     assert len(found["rows"]) == count, found["failed"]
     memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
     busy = os.getloadavg()[0]
-    return f"""Simulated releases of 8 s at 256 Hz, two channels, identified by both methods and fitted with the usual
-model. The parts are what the workers themselves took for their sessions; the whole is the command from its start to its
-end, with imports, reading, keeping each result on the disk, trends and tables.
+    return f"""Simulated releases of 8 s at 256 Hz, two channels, both identifications and the usual model's fit.
 
 | what | {count} sessions, {workers} workers |
 |---|---:|

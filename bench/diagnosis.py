@@ -161,9 +161,11 @@ def _by_strength(outcomes: list[Outcome]) -> str:
         + " |\n|---|"
         + "---|" * len(STRENGTHS)
     )
+    always = [e for e in EFFECTS if all(table[e][s] == seeds for s in STRENGTHS)]
     rows = [
         f"| {e} | " + " | ".join(f"{100 * table[e][s] / seeds:.0f}" for s in STRENGTHS) + " |"
         for e in EFFECTS
+        if e not in always
     ]
     total = [sum(table[e][s] for e in EFFECTS) / seeds / len(EFFECTS) for s in STRENGTHS]
     rows.append("| **all** | " + " | ".join(f"**{100 * t:.1f}**" for t in total) + " |")
@@ -179,9 +181,9 @@ def _by_strength(outcomes: list[Outcome]) -> str:
     rows.append("| **named by the verdict** | " + " | ".join(f"**{100 * t:.1f}**" for t in told) + " |")
     seconds = np.median([o.seconds for o in outcomes])
     return (
-        f"First of the suspects, % of {seeds} seeds each, by strength (rms of the effect's force over the total):\n\n"
+        f"First of the suspects, % of {seeds} seeds, by strength (rms of the effect's force over the total):\n\n"
         + "\n".join([head, *rows])
-        + f"\n\nMedian time of a diagnosis, one process a core: {seconds:.1f} s."
+        + f"\n\nFirst in all: {', '.join(always) or 'none'}. Median time of a diagnosis: {seconds:.1f} s."
     )
 
 
@@ -189,24 +191,20 @@ def _nothing(outcomes: list[Outcome]) -> str:
     claimed = [o for o in outcomes if o.verdict not in ("nothing_missing", "not_enough_data")]
     said = ", ".join(f"{o.verdict} {'+'.join(o.named)} (p {o.p_value:.2g})" for o in claimed) or "none"
     values = np.sort([o.p_value for o in outcomes if np.isfinite(o.p_value)])
-    return (
-        f"Nothing hidden, {len(outcomes)} seeds: an effect or a fault claimed in {100 * len(claimed) / len(outcomes):.1f} % "
-        f"({said}).\n\n{distribution(values, f'{len(values)} records of 8 s')}"
-    )
+    return f"Nothing hidden: an effect or a fault claimed in {len(claimed)} of {len(outcomes)} ({said}).\n\n{distribution(values, f'{len(values)} records of 8 s')}"
 
 
 def _faults(outcomes: list[Outcome]) -> str:
     named = sum(o.named[:1] == (o.case.hidden,) for o in outcomes)
-    physics = [o for o in outcomes if o.verdict == "missing_effect"]
+    physics = sum(o.verdict == "missing_effect" for o in outcomes)
     missed = Counter(
-        (o.case.hidden, o.case.strength, o.verdict, o.first)
+        f"{o.case.hidden} {100 * o.case.strength:g} %: {o.verdict}"
         for o in outcomes
         if o.named[:1] != (o.case.hidden,)
     )
     return (
-        f"Sensor faults at 0.3, 1 and 3 %, {len(outcomes)} records: named as a sensor's fault, and which, in "
-        f"{100 * named / len(outcomes):.1f} %; called physics in {100 * len(physics) / len(outcomes):.1f} %. "
-        f"Misses: {'; '.join(f'{k[0]} {100 * k[1]:g} %: {k[2]} ({k[3]}) x{n}' for k, n in missed.items()) or 'none'}."
+        f"Sensor faults of 0.3, 1 and 3 %: named in {named} of {len(outcomes)} records, called a force in {physics}. "
+        f"Missed: {_counted(missed)}."
     )
 
 
@@ -219,41 +217,43 @@ def _pairs(outcomes: list[Outcome]) -> str:
         if o not in within
     ]
     return (
-        f"Two effects at once, {len(outcomes)} records climbed by `--auto`: both found in {100 * len(both) / len(outcomes):.0f} %, "
-        f"in at most three steps and below chi-square 1.2 in {100 * len(within) / len(outcomes):.0f} %. Misses: {'; '.join(missed) or 'none'}."
+        f"Two effects at once, `--auto`: both found in {len(both)} of {len(outcomes)}, in at most three steps and below "
+        f"chi-square 1.2 in {len(within)}. Missed: {'; '.join(missed) or 'none'}."
     )
 
 
 def _outside(outcomes: list[Outcome]) -> str:
-    lines = ["| effect outside the library | strength | verdicts |", "|---|---|---|"]
-    for effect in OUTSIDE_THE_LIBRARY:
-        for strength in STRENGTHS[2:]:
-            said = Counter(
-                o.verdict + (f" ({'+'.join(o.named)}, {o.chi_square:.2f})" if o.named else "")
-                for o in outcomes
-                if o.case.hidden == effect and o.case.strength == strength
-            )
-            lines.append(
-                f"| {effect} | {100 * strength:g} % | {', '.join(f'{v} x{n}' for v, n in said.items())} |"
-            )
     unknown = sum(o.verdict in ("unknown_effect", "unconfirmed") for o in outcomes) / len(outcomes)
     clean = sum(o.verdict == "nothing_missing" for o in outcomes) / len(outcomes)
     return (
-        "\n".join(lines)
-        + f"\n\nunknown_effect or unconfirmed in {100 * unknown:.0f} %, a clean bill in {100 * clean:.0f} %."
+        f"Effects outside the library: a name is false.\n\n{_false_names(outcomes, OUTSIDE_THE_LIBRARY, STRENGTHS[2:])}\n\n"
+        f"unknown_effect or unconfirmed in {100 * unknown:.0f} %, nothing_missing in {100 * clean:.0f} %."
     )
 
 
 def _wanders(outcomes: list[Outcome]) -> str:
-    lines = ["| what drifts | strength | named | verdicts |", "|---|---|---|---|"]
-    for what in WANDERS:
-        for strength in WANDERED:
-            own = [o for o in outcomes if o.case.hidden == what and o.case.strength == strength]
-            said = Counter(f"{o.verdict} {'+'.join(o.named)}".strip() for o in own)
-            named = sum(bool(o.named) for o in own)
-            words = ", ".join(f"{v} x{n}" for v, n in said.items())
-            lines.append(f"| {what} | {100 * strength:g} % | {named} of {len(own)} | {words} |")
-    return "A spring or a damper that drifts, and nothing else: a name is false.\n\n" + "\n".join(lines)
+    return f"A spring or a damper that walks at random, nothing else: a name is false.\n\n{_false_names(outcomes, WANDERS, WANDERED)}"
+
+
+def _false_names(outcomes: list[Outcome], hidden: Iterable[str], strengths: tuple[float, ...]) -> str:
+    """Return how many records got a name, by what is hidden and how strongly, as markdown, and which names."""
+    lines = [
+        f"| named, of all | {' | '.join(f'{100 * s:g} %' for s in strengths)} |",
+        "|---|" + "---:|" * len(strengths),
+    ]
+    for what in hidden:
+        cells = [[o for o in outcomes if o.case.hidden == what and o.case.strength == s] for s in strengths]
+        lines.append(
+            f"| {what} | {' | '.join(f'{sum(bool(o.named) for o in cell)}/{len(cell)}' for cell in cells)} |"
+        )
+    names = Counter(
+        f"{o.case.hidden} {100 * o.case.strength:g} %: {'+'.join(o.named)}" for o in outcomes if o.named
+    )
+    return "\n".join(lines) + f"\n\nNames: {_counted(names)}."
+
+
+def _counted(said: Counter[str]) -> str:
+    return "; ".join(f"{what} x{n}" for what, n in said.items()) or "none"
 
 
 def _parameters(outcomes: list[Outcome]) -> str:

@@ -93,8 +93,8 @@ def launchpad_rows(folder: Path, seconds: float) -> list[str]:
 def _row(name: str, rate: float, found: Captured, jitter_us: float, ring: int) -> str:
     share = found.bytes_per_s / LINE_BYTES_PER_S
     return (
-        f"| {name} | {rate:.0f} | {found.samples} | {found.missed} | {found.dropped - found.missed} | {found.lost} | "
-        f"{jitter_us:.1f} | {found.bytes_per_s:.0f} | {100 * share:.0f} % | {ring / rate:.1f} |"
+        f"| {name} | {rate:.0f} | {found.samples} | {found.missed}/{found.dropped - found.missed}/{found.lost} | "
+        f"{jitter_us:.1f} | {100 * share:.0f} % | {ring / rate:.1f} |"
     )
 
 
@@ -105,9 +105,8 @@ def run(quick: bool) -> str:
         mega, launchpad = mega_rows(Path(folder), seconds), launchpad_rows(Path(folder), seconds)
     return "\n".join(
         [
-            "| board | rate, Hz | samples | missed | overrun | lost on the wire | jitter, us | bytes/s | of 115200 baud"
-            " | kept, s |",
-            "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|",
+            "| board | rate, Hz | samples | missed/overrun/lost on the wire | jitter, us | of 115200 baud | kept, s |",
+            "|---|---:|---:|---:|---:|---:|---:|",
             *mega[:-1],
             *launchpad[:-1],
             "",
@@ -116,12 +115,10 @@ def run(quick: bool) -> str:
             mega[-1],
             launchpad[-1],
             "",
-            "Two channels of 16 bits. The Mega's image runs in simavr, cycle by cycle, with its UART at 115200 baud; the "
-            "LM3S6965's in QEMU, whose UART sends at once: what the line would carry is in the column of bytes. Missed: "
-            "not read in time. Jitter: the latest less the earliest start of a sample, as the board itself reports it by "
-            "EVENT; in QEMU with the clock driven by the number of instructions, since otherwise it is this computer's. "
-            "A LaunchPad's converter is triggered in hardware, so there it moves no sample, and none is missed while "
-            "the jitter is less than half a period; QEMU's never misses one.",
+            "Two channels of 16 bits. The Mega runs in simavr, cycle by cycle, with its UART at 115200 baud; the LM3S6965 in "
+            "QEMU, whose UART sends at once. Missed: not read in time. Jitter: latest less earliest start of a sample, as the "
+            "board reports it; in QEMU by counted instructions. A LaunchPad's converter is triggered in hardware, so jitter "
+            "there moves no sample.",
         ]
     )
 

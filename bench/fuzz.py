@@ -88,7 +88,7 @@ def run(quick: bool, minutes: float | None = None) -> str:
         lines.append(f"| {name} | {tried} | {begin} to {end} | {1 if escaped else 0} |")
     lines += [
         "",
-        f"{total} inputs, {seconds:.0f} s a reader by atheris from valid files, each reader in a process with {MEMORY >> 30} GB; more than {SLOW_S} s for one input is a finding. A run ends at its first finding.",
+        f"{total} inputs by atheris from valid files, {seconds:.0f} s and {MEMORY >> 30} GB a reader; an input of more than {SLOW_S} s is a finding.",
     ]
     if left:
         lines += ["", *left]

@@ -382,18 +382,12 @@ def run(quick: bool) -> str:
             for kind in ("verdict", "suspects", "digits")
         ]
         moved = max(told["as it is"].moved(told[change]) for told in said.values())
-        rows.append(
-            f"| {change} | {len(said)} | {' | '.join(str(n) for n in counts)} | {100.0 * moved:.1g} |"
-        )
-    table = (
-        "| what is changed | records | other verdict or names | other order of suspects | other digits | evidence moves by, % |\n"
-        "|---|---|---|---|---|---|\n"
-    )
+        rows.append(f"| {change} | {'/'.join(str(n) for n in counts)} | {100.0 * moved:.1g} |")
+    table = "| what is changed | other names/order/digits | evidence moves by, % |\n|---|---:|---:|\n"
     rest = "".join(f"\n- {title}, {change}: {kind}: {where[:200]}" for title, change, kind, where in found)
     return (
-        f"{table}{chr(10).join(rows)}\n\nThe {len(said)} records: the hidden releases, the examples, and a rig of each kind. Compared is all that "
-        f"`station diagnose` prints of each; of turned signs the numbers without their signs. The last column is the largest change "
-        f"of the evidence of a printed suspect, in % of it or of one nat, whichever is more.{rest}"
+        f"{table}{chr(10).join(rows)}\n\n{len(said)} records: the hidden releases, the examples, a rig of each kind. Compared: all that "
+        f"`station diagnose` prints. Evidence: the largest change of a printed suspect's, in % of it or of one nat.{rest}"
     )
 
 

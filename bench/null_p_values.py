@@ -50,14 +50,13 @@ def section(count: int) -> str:
 
 
 def distribution(values: np.ndarray, what: str) -> str:
-    """Return how many of sorted p-values are below each level, and how many should be, as markdown."""
+    """Return how many of sorted p-values are below each level, and how many should be, as a sentence."""
     small, large = distances(values)
-    rows = "\n".join(
-        f"| {level:g} | {int(np.sum(values < level))} | {level * len(values):.1f} |" for level in LEVELS
+    counts = ", ".join(
+        f"{int(np.sum(values < level))} below {level:g} ({level * len(values):.3g} expected)"
+        for level in LEVELS
     )
     return (
-        f"P-value of the best suspect, nothing hidden, {what}.\n\n"
-        f"| p below | records | expected |\n|---|---|---|\n{rows}\n\n"
-        f"Largest excess of small ones {small:.3f}, of large ones {large:.3f}; chance keeps either below "
-        f"{KOLMOGOROV / np.sqrt(len(values)):.3f} in 95 % of samples (Kolmogorov and Smirnov)."
+        f"P-value of the best suspect, nothing hidden, {what}: {counts}. Largest excess of small ones {small:.3f}, of large "
+        f"ones {large:.3f} (Kolmogorov and Smirnov: below {KOLMOGOROV / np.sqrt(len(values)):.3f} in 95 % of samples)."
     )

@@ -244,16 +244,13 @@ def run(quick: bool) -> str:
     draw(CURVE, curves, (faint, seen))
     lines.append(_row("**the station**", scored, first, claimed, sum(claims[len(scored) :])))
     return (
-        f"{len(EFFECTS) * seeds} records a strength: {len(EFFECTS)} effects, {seeds} seeds, from the section on naming. "
-        "In brackets the share that was named first and claimed.\n\n"
+        f"{len(EFFECTS) * seeds} records a strength: {len(EFFECTS)} effects, {seeds} seeds. In brackets: also claimed.\n\n"
         "![Detection against strength](pictures/detection.png)\n\n"
         + "\n".join(lines)
-        + "\n\nThe peers get the station's own aligned motion with small speeds masked. PySINDy gets a column for each of the "
-        f"{len(EFFECTS) - len(NO_COLUMN)} effects that can be one (gaps, speeds and sides at each of the station's starting values), the known terms pinned; "
-        "memory, second mass and forcing are no columns. The surface can name six effects by their polynomials. "
-        f"Tuned on {len(tuning)} other records with an effect and {nothing} without (seeds from {TUNED} and {NOTHING_TUNED}): the evidence asked "
-        f"for a claim is what {100 * ALPHA:g} % of those without exceed, as in the station, and the setting the one that names and claims most. "
-        f"{'; '.join(played)}."
+        + "\n\nThe peers get the station's aligned motion without small speeds. PySINDy gets a column for each of the "
+        f"{len(EFFECTS) - len(NO_COLUMN)} effects that can be one (not memory, second mass, forcing); the surface can name six effects. "
+        f"Tuned on {len(tuning)} other records with an effect and {nothing} without: the evidence for a claim is what {100 * ALPHA:g} % of those "
+        f"without exceed. {'; '.join(played)}."
     )
 
 

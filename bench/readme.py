@@ -30,11 +30,10 @@ def block(solved: Solved) -> str:
     """Return what stands between the markers: the figures in words, the commands, and the ladder."""
     named, (first, *_, last) = solved.found[0], solved.ladder.steps
     words = (
-        f"The usual model (stiffness, dry and viscous friction) leaves {three_figures(first.error.motion_percent)} % of the motion.\n"
-        f"That sounds good, and is {times(first.error.chi2)} times the noise of the sensors:\n"
-        f"`station compare mystery_{SEED} --model usual`. Of all the effects that\n"
-        f"`station diagnose mystery_{SEED} --model usual` tries, only {plain_name(named)} reaches the noise. It is added by\n"
-        f"`station refine mystery_{SEED} --add {named}`, which leaves {times(last.error.chi2)} times the noise:\n"
+        f"The usual model (stiffness, dry and viscous friction) leaves {three_figures(first.error.motion_percent)} % of the motion,\n"
+        f"which is {times(first.error.chi2)} times the noise of the sensors (`station compare mystery_{SEED} --model usual`).\n"
+        f"`station diagnose mystery_{SEED} --model usual` tries every effect; only {plain_name(named)} reaches the noise.\n"
+        f"`station refine mystery_{SEED} --add {named}` adds it and leaves {times(last.error.chi2)} times the noise:\n"
     )
     return f"{words}\n```\n{_ladder(solved)}\n```\n"
 

@@ -3,8 +3,7 @@
 import argparse
 import math
 import sys
-from collections import Counter, defaultdict
-from typing import Any
+from collections import Counter
 
 from bench import null_p_values
 from bench.regime_cases import (
@@ -37,27 +36,21 @@ def run(quick: bool) -> str:
     every = (*single, *joint, *effects, *three, *near)
     crashed = sum(o.verdict.startswith("crashed") for o in every)
     false = [o for o in (*single, *joint) if o.false or o.nameless]
+    strength = f"{100 * STRENGTH:g} %"
+    of_one = {"false": (single, "false"), "no name": (single, "nameless")}
+    of_several = {"several: false": (joint, "false"), "several: no name": (joint, "nameless")}
+    found = {f"{strength} found": (effects, "found")}
     return "\n\n".join(
         (
-            "Nothing hidden, one release: a name that is not there.",
-            _table(single, "noise", "point", "false"),
-            "The same: no name, but something is held to be missing.",
-            _table(single, "noise", "point", "nameless"),
-            "Nothing hidden, several releases of one specimen together, at 4 Hz: a name that is not there.",
-            _table(joint, "noise", "releases", "false"),
-            "The same: no name, but something is held to be missing.",
-            _table(joint, "noise", "releases", "nameless"),
-            f"Said falsely or without a name: {_said(false)}. Crashes: {crashed} of {len(every)}.",
-            f"Effects of {100 * STRENGTH:g} %, one release: named, and nothing with them but what the sensors have.",
-            _table(effects, "noise", "point", "found"),
-            _table(effects, "noise", "hidden", "found"),
-            f"Said of the others: {_said([o for o in effects if not o.found])}.",
-            f"Three effects of {100 * OF_EACH_OF_THREE:g} % at once, white noise: all three named, and nothing else.",
-            _table(three, "hidden", "point", "found"),
-            f"Said of the others: {_said([o for o in three if not o.found])}.",
-            f"Shapes between the names and outside them, {100 * STRENGTH:g} %: two or three effects made up.",
-            _table(near, "hidden", "point", "made_up"),
-            f"Said: {_said(near)}.",
+            "Records of all kinds of noise at all working points. Nothing hidden: *false*, a name is given; *no name*, something "
+            "without a name is reported as missing; *several*, three and nine releases together. "
+            f"Effects of {strength}: *found*, named, and nothing else but faults that the sensors have.",
+            _table("noise", of_one | of_several | found),
+            f"False or without a name: {_said(false)}. Effects not found: {_said([o for o in effects if not o.found])}. "
+            f"Crashes: {crashed} of {len(every)}.",
+            f"Three effects of {100 * OF_EACH_OF_THREE:g} % at once, white noise, 4 Hz: found in {_share(three, 'found')}. "
+            f"Not found: {_said([o for o in three if not o.found])}.",
+            f"Laws between the names, {strength}: several effects named instead in {_share(near, 'made_up')}. Verdicts: {_said(near)}.",
             null_p_values.section(40 if quick else 200),
         )
     )
@@ -79,29 +72,27 @@ def wilson(k: int, n: int) -> tuple[float, float]:
     return max(0.0, middle - half), min(1.0, middle + half)
 
 
-def _table(outcomes: list[Outcome], rows: str, columns: str, good: str) -> str:
-    """Return counts as a markdown table; `good` is the property that is counted."""
-    counts: dict[tuple[Any, Any], list[int]] = defaultdict(lambda: [0, 0])
-    for o in outcomes:
-        cell = counts[getattr(o.case, rows), getattr(o.case, columns)]
-        cell[0] += getattr(o, good)
-        cell[1] += 1
-    down = list(dict.fromkeys(getattr(o.case, rows) for o in sorted(outcomes, key=_order)))
-    across = list(dict.fromkeys(getattr(o.case, columns) for o in sorted(outcomes, key=_order)))
-    lines = [f"| {rows} | " + " | ".join(str(c) for c in across) + " | all (95 %) |"]
-    lines.append("|---|" + "---|" * (len(across) + 1))
-    for r in down:
-        cells = [counts[r, c] for c in across]
-        k, n = sum(c[0] for c in cells), sum(c[1] for c in cells)
-        low, high = wilson(k, n)
-        text = " | ".join(f"{c[0]} of {c[1]}" if c[1] else "" for c in cells)
-        lines.append(f"| {r} | {text} | {k} of {n} ({100 * low:.0f} to {100 * high:.0f} %) |")
-    k, n = sum(getattr(o, good) for o in outcomes), len(outcomes)
-    low, high = wilson(k, n)
-    lines.append(
-        f"| **all** | {' | ' * (len(across) - 1)} | {k} of {n} ({100 * low:.0f} to {100 * high:.0f} %) |"
-    )
-    return "\n".join(lines)
+def _table(by: str, columns: dict[str, tuple[list[Outcome], str]]) -> str:
+    """Return counts as a markdown table, `k/n` a cell: a column counts one property of its outcomes."""
+    every = sorted((o for outcomes, _ in columns.values() for o in outcomes), key=_order)
+    lines = [f"| {by} | {' | '.join(columns)} |", "|---|" + "---:|" * len(columns)]
+    for value in dict.fromkeys(getattr(o.case, by) for o in every):
+        cells = (
+            _count([o for o in outcomes if getattr(o.case, by) == value], good)
+            for outcomes, good in columns.values()
+        )
+        lines.append(f"| {value} | {' | '.join(cells)} |")
+    return "\n".join([*lines, f"| **all** | {' | '.join(_share(*column) for column in columns.values())} |"])
+
+
+def _count(outcomes: list[Outcome], good: str) -> str:
+    return f"{sum(getattr(o, good) for o in outcomes)}/{len(outcomes)}" if outcomes else ""
+
+
+def _share(outcomes: list[Outcome], good: str) -> str:
+    """Return a count with the 95 % interval of its share."""
+    low, high = wilson(sum(getattr(o, good) for o in outcomes), len(outcomes))
+    return f"{_count(outcomes, good)} ({100 * low:.0f} to {100 * high:.0f} %)"
 
 
 def _order(outcome: Outcome) -> tuple[int, int, int]:
@@ -111,7 +102,8 @@ def _order(outcome: Outcome) -> tuple[int, int, int]:
 
 def _said(outcomes: list[Outcome]) -> str:
     said = Counter(
-        f"{o.case.hidden or o.case.noise}: {o.verdict} {'+'.join(o.named)}".strip() for o in outcomes
+        f"{o.case.hidden or o.case.noise}, {o.case.point}: {o.verdict} {'+'.join(o.named)}".strip()
+        for o in outcomes
     )
     return "; ".join(f"{what} x{n}" for what, n in said.most_common()) or "none"
 
@@ -132,7 +124,10 @@ def main(arguments: list[str]) -> None:
     )
     outcomes = judge_all(cases)
     good = "found" if chosen.effects else "false"
-    print(good + "\n" + _table(outcomes, "noise", "point" if len(chosen.points) > 1 else "releases", good))
+    across = "point" if len(chosen.points) > 1 else "releases"
+    columns = dict.fromkeys(str(getattr(o.case, across)) for o in sorted(outcomes, key=_order))
+    split = {c: ([o for o in outcomes if str(getattr(o.case, across)) == c], good) for c in columns}
+    print(good + "\n" + _table("noise", split))
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ import os
 import statistics
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -169,17 +170,17 @@ def pairs_of(rig: str, alone: Sequence[Said]) -> list[Pair]:
 
 def _of_pairs(pairs: list[Pair]) -> str:
     """Return the pairs of releases in a table, a rig a row."""
-    head = "| rig | pairs | named model predicts better | usual, % of the motion (median) | named, % |\n|---|---|---|---|---|"
+    head = "| rig | pairs | named model is better | usual, % of the motion (median) | named, % |\n|---|---|---|---|---|"
     rows = []
     for rig in dict.fromkeys(pair.rig for pair in pairs):
         own = [pair for pair in pairs if pair.rig == rig]
         usual, named = (statistics.median(getattr(pair, kind) for pair in own) for kind in ("usual", "named"))
         rows.append(f"| {rig} | {len(own)} | {_better(own)} | {usual:.3g} | {named:.3g} |")
     return (
-        "What is named on one release alone, and what that predicts of each other release of the rig; both models are "
-        "fitted to the one release, the other's start, and within priors its spring and viscous damping, refitted:\n\n"
+        "Each other release of a rig, predicted from one on which something is named; start, and within priors spring and "
+        "viscous damping, refitted:\n\n"
         + "\n".join([head, *rows])
-        + f"\n\nThe named model predicts better on {_better(pairs)} of {len(pairs)} pairs."
+        + f"\n\nThe named model is better on {_better(pairs)} of {len(pairs)} pairs."
     )
 
 
@@ -192,7 +193,7 @@ def run(quick: bool) -> str:
     if not DATA.is_dir():
         return "The recordings are not here (`../shared/data`, or the folder named by `STATION_DATA`)."
     only = os.environ.get("RIGS", "")
-    rows, counts = [], dict.fromkeys(OUTCOMES, 0)
+    rows, silent, counts = list[str](), list[str](), Counter[str]()
     pairs: list[Pair] = []
     with tempfile.TemporaryDirectory() as made:
         for rig in RIGS:
@@ -200,30 +201,43 @@ def run(quick: bool) -> str:
                 continue
             names = sessions_of(rig, Path(made))
             sets = [names] if quick or len(names) == 1 else [names, *([name] for name in names)]
-            alone = []
+            every, ended = [], []
             for place, chosen in enumerate(sets):
                 said = _said(chosen)
-                alone += [said] if len(chosen) == 1 else []
                 result = (
                     "missed"
                     if said.verdict == "refused"
                     else outcome(rig, said.named | ({"driven"} & {said.verdict}))
                 )
-                counts[result] += 1
+                every.append(said)
+                ended.append(result)
                 which = "all" if len(chosen) > 1 else f"{place or 1}"
-                rows.append(
+                print(
                     f"| {rig.title} | {which} of {len(names)} | {said.verdict} | {' + '.join(sorted(said.named))} "
-                    f"| {result} | {said.predicted} | {said.left} | {said.seconds:.1f} |"
+                    f"| {result} | {said.predicted} | {said.left} | {said.seconds:.1f} |",
+                    flush=True,
                 )
-                print(rows[-1], flush=True)
-            pairs += pairs_of(rig.title, alone)
-    total = sum(counts.values())
-    head = "| rig | releases | verdict | named | | prediction error, % of the motion | chi-square | s |\n|---|---|---|---|---|---|---|---|"
+            together = len(sets[0]) > 1
+            if set(ended) == {"silent"}:
+                silent.append(f"{rig.title} ({len(ended)})")
+            else:
+                rows.append(_row(rig, every, ended, together))
+            counts.update(ended)
+            pairs += pairs_of(rig.title, every[together:])
     return (
-        f"{head}\n"
+        "| rig | together | each alone | named | prediction error, % of the motion | chi-square |\n|---|---|---|---|---|---|\n"
         + "\n".join(rows)
-        + f"\n\nOf {total} diagnoses: "
+        + "\n\nErrors and chi-square: usual model → named model, of all releases together. Silent in every diagnosis: "
+        + f"{'; '.join(silent) or 'none'}. Of {counts.total()} diagnoses: "
         + "; ".join(f"{counts[kind]} {kind} ({meaning})" for kind, meaning in OUTCOMES.items())
         + "."
         + (f"\n\n{_of_pairs(pairs)}" if pairs else "")
     )
+
+
+def _row(rig: Rig, every: list[Said], ended: list[str], together: bool) -> str:
+    """Return what was said of a rig as a row; with `together` the first diagnosis is that of all its releases."""
+    alone = ", ".join(f"{n} {kind}" for kind, n in Counter(ended[together:]).items())
+    named = Counter(" + ".join(sorted(said.named)) for said in every if said.named)
+    names = ", ".join(f"{name} x{n}" for name, n in named.items())
+    return f"| {rig.title} | {ended[0] if together else ''} | {alone} | {names} | {every[0].predicted} | {every[0].left} |"

@@ -96,7 +96,7 @@ def run(quick: bool) -> str:
     listing, verifying = many(sessions)
     lines += [
         "",
-        f"{captures} captures one after the other in one process, {SPEED} times as fast as life: {seconds / 60:.0f} min of recordings;"
+        f"{captures} captures in one process, {SPEED} times real time: {seconds / 60:.0f} min of recordings;"
         f" the first {min(WARM_UP, len(states) // 3)} are warm-up.",
         "",
         f"{sessions} sessions of 9 s in a folder: listed in {listing:.2f} s, verified by `station verify` in {verifying:.2f} s.",

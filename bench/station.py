@@ -149,7 +149,7 @@ def run(quick: bool) -> str:
     rows.append(("8 s of the simulated testbed", f"{simulated:.1f} ms", "50 ms"))
     lines = ["| what | measured | wanted |", "|---|---:|---:|"]
     lines += [f"| {what} | {value} | {wanted} |" for what, value, wanted in rows]
-    lines += ["", f"Medians of {repetitions} runs in processes of their own, the bytecode compiled before."]
+    lines += ["", f"Medians of {repetitions} runs, each in its own process."]
     return "\n".join(lines)
 
 

@@ -275,11 +275,9 @@ def run(quick: bool) -> str:
     due, kept = sum(k.due for k in killed), sum(k.kept for k in killed)
     lines.append("")
     lines.append(
-        f"Captures of {DURATION_S:g} s in real time by `station capture`, {AT_ONCE} at once, through a relay that notes when it"
-        f" handed on which bytes. Kills fall evenly from the opening of the port to after the end: {sum(k.due == 0 for k in killed)}"
-        f" before a sample was due. Of {due} samples handed on more than {PROMISE_S * 1e3:.0f} ms before the kill"
-        f" {sum(k.missing for k in killed)} are missing ({kept} kept); every recovered session verifies. The failing disks are"
-        " tmpfs of 8 MB; the session goes to `--spare` from its first byte on."
+        f"Captures of {DURATION_S:g} s in real time, {AT_ONCE} at once, through a relay that notes what it passed on and when. Of {due}"
+        f" samples passed on more than {PROMISE_S * 1e3:.0f} ms before a kill {sum(k.missing for k in killed)} are missing ({kept} kept);"
+        " every recovered session verifies. Failing disks are tmpfs of 8 MB; the session goes to `--spare`."
     )
     if bad:
         lines += ["", "Failed: " + "; ".join(bad[:10])]

@@ -77,7 +77,7 @@ def run(quick: bool) -> str:
             lines.append(f"| {name} | {tried} | {tried - len(broken)} |")
     lines += [
         "",
-        f"Faults, lines and promises: the table in docs/faults.md; {seeds} seed(s), the first in real time.",
+        f"Every row of docs/faults.md on each of its lines, {seeds} seed(s).",
     ]
     lines += [f"- broken: {text}" for text in (*fast[1], *real[1])]
     lines += [

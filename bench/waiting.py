@@ -79,5 +79,5 @@ def run(quick: bool) -> str:
     return (
         "| record | CPU, s | slowest | wanted | memory, MB | verdict |\n|---|---:|---:|---:|---:|---|\n"
         f"{table}\n\n"
-        f"Median of {runs} seed(s), two channels at 256 Hz, white noise, one process at a time; 500 MB are wanted at most."
+        f"Median of {runs} seed(s), two channels at 256 Hz, white noise; at most 500 MB wanted."
     )

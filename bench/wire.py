@@ -84,8 +84,8 @@ def run_rows(quick: bool) -> list[Row]:
         ),
         ("encoded, 16 samples of 2 x i32 a frame", _encoded_mb_per_s(16, i32, count), "MB/s", ""),
         ("frames damaged by 1 to 4 faults each", damaged, "", ""),
-        ("of these, messages that were not sent", wrong, "", "0"),
-        ("of these, come back as sent (faults that undid themselves)", as_sent, "", ""),
+        ("of these, taken for a message that was not sent", wrong, "", "0"),
+        ("of these, received as sent (faults that undid themselves)", as_sent, "", ""),
     ]
 
 
@@ -96,9 +96,8 @@ def run(quick: bool) -> str:
         lines.append(f"| {name} | {value:.0f} | {unit} | {target} |")
     lines += [
         "",
-        "Bytes on the wire per second of one core, best of five runs, random samples, fed in pieces of "
-        f"{PIECE} bytes unless said; the encoder is run once. Damaged frames: bits flipped, bytes dropped, "
-        "inserted or duplicated at random places of every frame, seed 2.",
+        f"One core, best of five runs, random samples in pieces of {PIECE} bytes. Damage: bits flipped, bytes dropped, "
+        "inserted or duplicated in every frame.",
     ]
     return "\n".join(lines)
 

@@ -93,9 +93,8 @@ def _table(rows, found: tuple[float, float, float], repetitions: int) -> list[st
     return [
         *lines,
         "",
-        f"{repetitions} clicks and {4 * repetitions} suspects in Debian's Chromium, from the mouse's event to the drawn frame. It draws without "
-        f"a graphics card on the cores that compute, which had {load:.1f} times the work "
-        "that they can do at once (1 or less: a computer of one's own).",
+        f"{repetitions} clicks and {4 * repetitions} suspects in Debian's Chromium without a graphics card, from the mouse's event to the "
+        f"drawn frame; load {load:.1f} a core.",
     ]
 
 

@@ -194,6 +194,11 @@ class _Capture:
             release = self._triggered(trigger, block)
             if release is not None:
                 return release
+        if self._rig is not None:
+            raise NoRelease(
+                f"the rig let go, and no swing came within {_waited(settings.trigger_timeout_s, began)}; what was"
+                " received is kept. See whether its magnet grips, or give a smaller trigger level"
+            )
         raise NoRelease(
             f"no release within {_waited(settings.trigger_timeout_s, began)}; what was received is kept. Release the"
             " mass after arming, or give a smaller trigger level"

@@ -18,6 +18,8 @@ from mocks.testbed import Bench, Release, simulate, simulate_channels
 AHEAD_S = 1.0 / 16.0
 SPEED_M_S = 0.020
 SLOWLY_M_S = 0.005
+PEAK = 1.875
+"""Greatest speed of a way of least jerk over its mean speed."""
 SHORTEST_S = 0.5
 MAGNET_S = 0.002
 """How long the magnet takes to let go."""
@@ -77,7 +79,8 @@ class Holder:
         if self._piece(begin).release is not None:
             begin = self._course[-1].begin
         start = self._place(begin)
-        seconds = max(abs(place - start) / (SLOWLY_M_S if slowly else SPEED_M_S), SHORTEST_S)
+        fastest = SLOWLY_M_S if slowly else SPEED_M_S
+        seconds = max(PEAK * abs(place - start) / fastest, SHORTEST_S)
         self._go_on(Piece(begin, start, place - start, seconds), Piece(begin + seconds, place))
 
     def let_go(self, at: float) -> None:

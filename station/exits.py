@@ -18,7 +18,7 @@ MEANING = {
     UNEXPECTED: "unexpected: a fault of the program",
     USAGE: "wrong usage, settings or file",
     NO_BOARD: "no board, or the port is busy",
-    PROTOCOL: "the board speaks another protocol or version",
+    PROTOCOL: "the board refuses, or speaks another protocol or version",
     LOST_DATA: "more data were lost than the limit allows",
     DISCONNECTED: "the board was disconnected or stalled",
     STORAGE: "the disk refused: full, read-only or damaged",

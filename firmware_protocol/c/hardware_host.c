@@ -10,7 +10,8 @@
  * prints `port: PATH` and runs until its standard input is closed.
  *
  * Compiled with -DBOARD_HOLDER=1 the mass rests at 0 instead, until the host has it held and let go by a magnet on a
- * carriage. Then a line `open` or `close` on the standard input is the stop contact, and `hang up` drops DTR.
+ * carriage. Then a line `open` or `close` on the standard input is the stop contact, `hang up` drops DTR, and `block`
+ * keeps the carriage from moving.
  */
 #define _XOPEN_SOURCE 600
 #include "hardware.h"
@@ -84,7 +85,7 @@ static struct motion motion_from(double start_at, double t) {
 /* ---- The magnet on its carriage, 3 mm from the end switch when the board boots ---- */
 
 static int32_t carriage = 2700; /* steps of 10 um, from where the magnet touches the mass at rest */
-static bool magnet, contact_is_open, stepping;
+static bool magnet, contact_is_open, stepping, blocked;
 static double mass_at = 0, let_go_at = -1e9; /* let go at mass_at, in seconds since boot */
 
 const struct hardware_holder hardware_holder = {0, 25000, 1, 30000, 1000, 100, 500};
@@ -97,7 +98,7 @@ static struct motion motion_at(double t) {
 void hardware_holder_clock(bool runs) { stepping = runs; }
 
 void hardware_holder_step(bool outward) {
-    carriage += outward ? 1 : -1;
+    if (!blocked) carriage += outward ? 1 : -1;
     if (magnet) mass_at = carriage * 1e-5;
 }
 
@@ -214,6 +215,7 @@ static void step_until(uint64_t now) {
 
 static void hear(const char *word) {
     if (word[0] == 'h') board_hung_up();
+    else if (word[0] == 'b') blocked = true;
     else contact_is_open = word[0] == 'o';
 }
 #else

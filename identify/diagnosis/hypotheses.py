@@ -78,7 +78,7 @@ def hypotheses_of(
     unit = 1.0 if baseline.floor_is_sure else max(best.reduced, 1.0)
     if shape is not None and shape.shapes:
         found["",] = Hypothesis((), baseline.fit, 0.0, shape)
-    weighed = [replace(one, log_odds=_log_odds(one, unit)) for one in found.values()]
+    weighed = [replace(one, log_odds=log_odds(one, unit)) for one in found.values()]
     if named:
         weighed = [_as_judged(one, weighed, tuple(named), rivals) for one in weighed]
     highest = max(one.log_odds for one in weighed)
@@ -92,7 +92,8 @@ def _hides(suspect: Suspect) -> bool:
     return suspect.kind == "physics" and not effect.line and not effect.of_time
 
 
-def _log_odds(one: Hypothesis, unit: float) -> float:
+def log_odds(one: Hypothesis, unit: float) -> float:
+    """Return the odds of a hypothesis by its fit, nats; chi-square counts in units of `unit`."""
     shared = sum(unknown.id.role == "parameter" for unknown in one.fit.unknowns)
     price = 0.5 * float(np.log(max(one.fit.degrees, 2)))
     if one.shape is not None:

@@ -4,21 +4,27 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.session import Session
 from daq.storage import write_whole
+from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.experiment import Experiment
 from identify.diagnosis.guidance import Guidance, first_release, guidance
+from identify.diagnosis.hypotheses import Hypothesis
 from identify.diagnosis.next_release import Limits
 from identify.errors import NotIdentifiable
 from identify.preprocessing.prepared_decay import PreparedDecay
-from station.operations.diagnosing import diagnose_sessions, keep
+from station.operations.diagnosing import keep
 from station.operations.provisional import Provisional
 from station.operations.record_floor import prepare_with_floor
 from station.operations.session_set import SessionSet
-from station.results.diagnosis_document import DiagnosisDocument, next_release_document
+from station.results.diagnosis_document import (
+    DiagnosisDocument,
+    diagnosis_document,
+    next_release_document,
+)
 from station.results.guide_document import NAME, GuideDocument, TurnDocument
 from station.settings import Settings
 from station.text.capture_progress import Several
@@ -33,8 +39,8 @@ class Watcher(Protocol):
     def observer(self) -> CaptureObserver:
         """Return who watches the capture."""
 
-    def provisional(self, named: list[str]) -> None:
-        """Named while the decay is still running."""
+    def provisional(self, answer: str) -> None:
+        """A first answer while the decay is still running."""
 
     def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
         """A release was judged together with all before."""
@@ -61,57 +67,65 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
     Raises the StationError of a capture that fails; what was judged before is kept.
     """
     told, turns = first_release(test.limits), list[TurnDocument]()
-    sessions, decays = list[Session](), list[PreparedDecay]()
+    sessions, decays = tuple[Session, ...](), tuple[PreparedDecay, ...]()
+    open_: tuple[Hypothesis, ...] = ()
     while not told.over and not cancelled():
         assert told.experiment is not None
-        number = len(turns) + 1
-        watcher.asks(number, told)
-        session, provisional = _record(test, told.experiment, number, tuple(decays), watcher)
+        watcher.asks(len(turns) + 1, told)
+        session, answer = _record(test, told.experiment, len(turns) + 1, decays, open_, watcher)
         began = time.monotonic()
-        turn = TurnDocument(
-            session=session.folder.name,
-            asked=told.words,
-            amplitude=told.experiment.amplitude,
-            unit="m",
-            provisional=provisional,
-        )
+        turn = {
+            "session": session.folder.name,
+            "asked": told.words,
+            "amplitude": told.experiment.amplitude,
+            "unit": "m",
+            "provisional": answer,
+        }
         document = None
         try:
             prepared = prepare_with_floor(session, test.settings)
             trial = SessionSet((*sessions, session), (*decays, prepared))
-            found, document = diagnose_sessions(trial)
+            found = diagnose(trial.decays)
         except NotIdentifiable as refusal:
-            told = _instead(told, test.limits, str(refusal), number)
-            turn = turn.model_copy(update={"problem": str(refusal)})
+            told = _instead(told, test.limits, str(refusal))
+            turn["problem"] = str(refusal)
         else:
-            sessions, decays = list(trial.sessions), list(trial.decays)
-            told = guidance(found, len(sessions), test.limits)
-            turn = turn.model_copy(update=_outcome(document, told, time.monotonic() - began))
+            sessions, decays, open_ = trial.sessions, trial.decays, found.hypotheses
+            told, document = (
+                guidance(found, len(sessions), test.limits),
+                diagnosis_document(trial.names, found),
+            )
+            turn |= _outcome(document, told, time.monotonic() - began)
             keep(trial, document)
-        turns.append(turn)
-        watcher.judged(turn, document)
+        turns.append(TurnDocument.model_validate(turn))
+        watcher.judged(turns[-1], document)
         _keep(test, turns, told)
     return _keep(test, turns, told)
 
 
 def _record(
-    test: GuidedTest, experiment: Experiment, number: int, before: tuple[PreparedDecay, ...], watcher: Watcher
-) -> tuple[Session, list[str] | None]:
+    test: GuidedTest,
+    experiment: Experiment,
+    number: int,
+    before: tuple[PreparedDecay, ...],
+    hypotheses: tuple[Hypothesis, ...],
+    watcher: Watcher,
+) -> tuple[Session, str]:
     wanted = replace(
         test.capture,
         duration_s=test.capture.duration_s * experiment.longer,
         release_from=experiment.amplitude if test.alone else None,
     )
-    provisional = Provisional(before, wanted.rate_hz, wanted.duration_s, watcher.provisional)
+    provisional = Provisional(before, hypotheses, wanted.rate_hz, wanted.duration_s, watcher.provisional)
     folder = test.folder / f"release_{number}"
     try:
         session = capture(test.port, wanted, folder, Several((watcher.observer(), provisional)))
     finally:
         provisional.close()
-    return session, provisional.named
+    return session, provisional.answer
 
 
-def _instead(told: Guidance, limits: Limits, reason: str, number: int) -> Guidance:
+def _instead(told: Guidance, limits: Limits, reason: str) -> Guidance:
     """Return what to do after a release that told nothing: the largest amplitude, once; then it is given up."""
     assert told.experiment is not None
     if abs(told.experiment.amplitude) >= 0.99 * limits.high:
@@ -124,7 +138,7 @@ def _instead(told: Guidance, limits: Limits, reason: str, number: int) -> Guidan
     )
 
 
-def _outcome(document: DiagnosisDocument, told: Guidance, seconds: float) -> dict[str, object]:
+def _outcome(document: DiagnosisDocument, told: Guidance, seconds: float) -> dict[str, Any]:
     return {
         "verdict": document.verdict,
         "named": document.named,

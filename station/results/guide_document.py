@@ -12,9 +12,9 @@ NAME = "guide.json"
 class TurnDocument(Part):
     """One release: why it was asked for, what it gave.
 
-    `amplitude` (signed, in `unit`) as asked for; `provisional` is what was named while the decay was still running, None
-    where that was not looked at; `hypotheses` have their odds after it; `judged_s` is how long after its end the verdict
-    came. `problem` says why a release told nothing.
+    `amplitude` (signed, in `unit`) as asked for; `provisional` is the answer while the decay was still running, "" where there
+    was none in time; `hypotheses` have their odds after it; `judged_s` is how long after its end the verdict came.
+    `problem` says why a release told nothing.
     """
 
     session: str
@@ -23,7 +23,7 @@ class TurnDocument(Part):
     unit: str
     verdict: str = ""
     named: list[str] = Field(default_factory=list)
-    provisional: list[str] | None = None
+    provisional: str = ""
     hypotheses: list[HypothesisDocument] = Field(default_factory=list)
     next_release: NextReleaseDocument | None = None
     judged_s: Number = None

@@ -7,7 +7,6 @@ from rich.text import Text
 
 from daq.capture import CaptureObserver
 from identify.diagnosis.guidance import MOST, Guidance, State
-from identify.formatting import among, plain_name
 from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
 from station.results.guide_document import GuideDocument, TurnDocument
 from station.text.capture_progress import Watch
@@ -15,7 +14,7 @@ from station.text.diagnosis_text import STYLES, headline
 from station.text.layout import labelled
 from station.text.numbers import typeset
 
-BAR = 30
+BAR, NAME, SHOWN = 24, 27, 5
 WIDTH = 12
 ENDINGS: dict[State, tuple[str, str]] = {
     "confirmed": ("CONFIRMED", "bold green"),
@@ -49,9 +48,9 @@ class GuideScreen:
         """Return what prints the levels of a capture."""
         return Watch()
 
-    def provisional(self, named: list[str]) -> None:
-        """Print what is named while the decay is still running."""
-        self._console.print(labelled("so far", provisional_words(named), WIDTH))
+    def provisional(self, answer: str) -> None:
+        """Print a first answer while the decay is still running."""
+        self._console.print(labelled("so far", f"{answer} (the decay is still running)", WIDTH))
 
     def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
         """Print the verdict and the odds."""
@@ -75,16 +74,14 @@ def to_do(told: Guidance) -> str:
     return f"push it so that it swings to {size}{more}" if one.push else f"from {size}{more}"
 
 
-def provisional_words(named: list[str]) -> str:
-    """Return a provisional verdict."""
-    names = among([plain_name(name) for name in named]) if named else "nothing is named yet"
-    return f"{names} (provisional, the decay is still running)"
-
-
 def odds_chart(hypotheses: list[HypothesisDocument], before: dict[str, float]) -> Table:
     """Return the odds of each hypothesis as a bar, with what they were before this release."""
-    table = Table.grid(padding=(0, 2, 0, 0))
-    for one in hypotheses:
+    table = Table.grid(padding=(0, 1, 0, 0))
+    table.add_column(width=NAME, no_wrap=True, overflow="ellipsis")
+    table.add_column(width=BAR, no_wrap=True)
+    for column in ("right", "left"):
+        table.add_column(justify=column, no_wrap=True)
+    for one in hypotheses[:SHOWN]:
         odds = one.odds or 0.0
         was = f"(was {percent(before[one.title])})" if one.title in before else "(new)" if before else ""
         table.add_row(Text(one.title), Text(bar(odds), style="cyan"), percent(odds), Text(was, style="dim"))

@@ -10,7 +10,7 @@ import pytest
 from bench_double import double
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
-from daq.errors import BoardRefused, CannotHold, LetGo, SettingsError
+from daq.errors import BoardRefused, CannotHold, LetGo, NoRelease, SettingsError
 from daq.link import Link
 from daq.port import open_port
 from daq.rig import Rig
@@ -80,6 +80,15 @@ def test_a_displacement_beyond_the_limits_is_refused_before_anything_moves(tmp_p
     with double(tmp_path, "tcp", *HOLDER) as board, pytest.raises(SettingsError, match="-25 to 25 mm"):
         capture(board.port, CaptureSettings(release_from=0.03), tmp_path / "s")
     assert not (tmp_path / "s").exists()
+
+
+def test_a_release_that_moves_nothing_is_said_so(tmp_path: Path) -> None:
+    settings = CaptureSettings(release_from=0.001, trigger_level=0.01, trigger_timeout_s=1.0)
+    with (
+        double(tmp_path, "tcp", *HOLDER) as board,
+        pytest.raises(NoRelease, match="the rig let go, and no swing came within 1 s"),
+    ):
+        capture(board.port, settings, tmp_path / "s")
 
 
 def test_the_mass_stays_held_while_the_host_listens_and_is_let_go_when_it_does_not() -> None:

@@ -20,7 +20,8 @@ from station import cli
 from station.operations import new_session
 
 PAGE = Path(__file__).parents[2] / "docs" / "faults.md"
-COLUMNS = ["fault", "injected", "lines", "exit", "words", "gaps", "verdict", "reason"]
+COLUMNS = ["fault", "injected", "exit", "words", "gaps", "verdict", "reason"]
+LINES = ("pty", "tcp")
 NOBODY = 65534
 REAL_TIME = "--speed=1"
 
@@ -30,8 +31,8 @@ class Promise:
     """A row of the table: what is done to the board, and how `station capture` must end."""
 
     fault: str
-    injected: str
     lines: tuple[str, ...]
+    injected: str
     code: int
     words: str
     gaps: str
@@ -49,7 +50,10 @@ class Outcome:
 
 
 def promises(page: Path = PAGE) -> tuple[Promise, ...]:
-    """Return the rows of the page's table; AssertionError when the table is not what this file reads."""
+    """Return what the page's table promises; AssertionError when the table is not what this file reads.
+
+    A row may hold several faults that end alike, with semicolons between them.
+    """
     rows = [
         [cell.strip() for cell in line.strip().strip("|").split("|")]
         for line in page.read_text(encoding="utf-8").splitlines()
@@ -57,9 +61,18 @@ def promises(page: Path = PAGE) -> tuple[Promise, ...]:
     ]
     assert rows[0] == COLUMNS, rows[0]
     return tuple(
-        Promise(f, _plain(i), tuple(lines.split(", ")), int(code), _plain(w), g, v, _plain(r))
-        for f, i, lines, code, w, g, v, r in rows[2:]
+        Promise(*_lines(fault), _plain(done), int(code), _plain(words), gaps, verdict, _plain(reason))
+        for faults, injected, code, words, gaps, verdict, reason in rows[2:]
+        for fault, done in zip(faults.split("; "), injected.split("; "), strict=True)
     )
+
+
+def _lines(fault: str) -> tuple[str, tuple[str, ...]]:
+    """Return a fault's name and its lines: both, or the one named in brackets."""
+    for line in LINES:
+        if fault.endswith(f" ({line})"):
+            return fault.removesuffix(f" ({line})"), (line,)
+    return fault, LINES
 
 
 def _plain(cell: str) -> str:

@@ -66,11 +66,15 @@ def test_the_board_s_side_compiles_for_cortex_m(
     subprocess.run([*command, *ARM_INCLUDES, "-c", CORE / "board.c", "-o", tmp_path / "board.o"], check=True)
 
 
+HOLDER = "-DBOARD_HOLDER=1"
+
 # What is measured for each row of the page's table: the image, and the tool that weighs it.
 IMAGES: dict[str, tuple[Callable[..., Path], tuple[str, ...], str]] = {
     "Arduino Mega (ATmega2560)": (images.mega, ("atmega2560",), "avr-size"),
+    "Arduino Mega with a holder": (images.mega, ("atmega2560", HOLDER), "avr-size"),
     "Arduino Uno, Nano (ATmega328P)": (images.mega, ("atmega328p",), "avr-size"),
     "EK-TM4C123GXL (Cortex-M4F)": (images.launchpad, (), "arm-none-eabi-size"),
+    "EK-TM4C123GXL with a holder": (images.launchpad, (HOLDER,), "arm-none-eabi-size"),
     "LM3S6965 in QEMU (Cortex-M3)": (images.launchpad, images.EMULATED, "arm-none-eabi-size"),
 }
 
@@ -92,6 +96,7 @@ def test_code_and_ram_are_what_the_page_says(tmp_path: Path, name: str) -> None:
 def ring(tool: str, flags: tuple[str, ...]) -> int:
     """Samples kept, as the preprocessor of that board's compiler sees sizes.h."""
     target = [f"-mmcu={flags[0]}"] if tool == "avr-size" else ["-mcpu=cortex-m3", "-mthumb"]
+    target += [flag for flag in flags if flag == HOLDER]
     compiler = tool.replace("size", "gcc")
     text = f'#include "{CORE / "sizes.h"}"\nBOARD_RING\n'
     done = subprocess.run(

@@ -32,7 +32,7 @@ class Board:
         self.path = line.removeprefix("port: ").strip()
 
     def tell(self, word: str) -> None:
-        """What happens at the rig: `open`, `close` or `hang up` (see `hardware_host.c`)."""
+        """What happens at the rig: `open`, `close`, `hang up` or `block` (see `hardware_host.c`)."""
         assert self.process.stdin is not None
         self.process.stdin.write(word + "\n")
         self.process.stdin.flush()

@@ -243,6 +243,13 @@ def test_it_lets_go_slowly_when(rig: Rig, board: Board, when: HolderState, what:
     assert answer.code is (NackCode.HOLDER if what == "open" else NackCode.LIMIT)
 
 
+def test_a_carriage_that_does_not_reach_its_end_switch_is_stuck(rig: Rig, board: Board) -> None:
+    board.tell("block")
+    assert isinstance(rig.hold(0.01), Ack)
+    report = rig.until(FREE)
+    assert (report.reason, report.displacement) == (HolderReason.FAULT, 0.0)
+
+
 def test_a_line_that_echoes_or_repeats_is_no_host(rig: Rig) -> None:
     rig.held(0.002)
     begin, until = len(rig.frames), time.monotonic() + 8 / SPEED

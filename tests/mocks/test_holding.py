@@ -219,7 +219,7 @@ def test_stop_lets_go_slowly_at_any_time():
         rig.send(Stop())
         assert (rig.last(Holder).state, rig.last(Holder).reason) == (LETTING_GO, HolderReason.STOP)
         assert rig.hold(0.01).code is NackCode.BUSY
-        rig.wait(4.0)
+        rig.wait(6.0)
         assert rig.last(Holder).state is FREE
         rig.said.clear()
         rig.send(Start())
@@ -228,10 +228,9 @@ def test_stop_lets_go_slowly_at_any_time():
 
 
 def slowly(x: np.ndarray) -> bool:
-    """Whether the mass was taken back to 0 at the speed that is allowed, on average, and never swung."""
-    moving = np.flatnonzero(np.diff(x) < 0)
-    seconds = (moving[-1] - moving[0]) / RATE
-    return x.min() >= -STEP_M and abs(x[-1]) < STEP_M and seconds > 0.8 * x.max() / SLOWLY_M_S
+    """Whether the mass was taken back to 0, never faster than is allowed, and never swung."""
+    fastest = -np.diff(x).min() * RATE
+    return x.min() >= -STEP_M and abs(x[-1]) < STEP_M and fastest < SLOWLY_M_S + STEP_M * RATE
 
 
 @pytest.mark.parametrize("seconds", [0.3, 3.0])
@@ -357,8 +356,8 @@ def test_fresh_commands_in_any_order_let_go_at_once_only_by_an_accepted_release(
     rig.wait(0.5)
     x = rig.samples()
     assert -0.004 - STEP_M <= x.min() <= x.max() <= 0.012 + STEP_M
-    # 20 mm/s on average, with least jerk at most 1.875 times that; a swing from 4 mm would reach 95 mm/s.
-    assert np.abs(np.diff(x)).max() * RATE < 0.045
+    # 20 mm/s and one step of the converter a sample; a swing from 4 mm would reach 95 mm/s.
+    assert np.abs(np.diff(x)).max() * RATE < 0.020 + STEP_M * RATE
 
 
 def test_tickets_do_not_come_again():
