@@ -22,6 +22,7 @@ SECTIONS = (
     "diagnosis",
     "waiting",
     "regimes",
+    "rules",
     "bounds",
     "peers",
     "recordings",

@@ -12,7 +12,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a proc
 
 import numpy as np
 
-from bench.null_p_values import distribution
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.refine import refine
 from identify.errors import NotIdentifiable
@@ -66,7 +65,7 @@ class Outcome:
     named: tuple[str, ...]
     chi_square: float
     seconds: float
-    p_value: float
+    evidence: float
     scores: dict[str, float]
 
 
@@ -89,7 +88,7 @@ def judge(case: Case) -> Outcome:
         else:
             found = diagnose((setting,))
             named, fit, verdict = found.named, found.final, found.verdict
-            first, p = found.suspects[0].effect.name, found.suspects[0].p_value
+            first, p = found.suspects[0].effect.name, found.suspects[0].evidence
     except (NotIdentifiable, ValueError) as error:
         return Outcome(case, f"refused: {error}", "", (), np.nan, time.perf_counter() - began, 1.0, {})
     return Outcome(
@@ -189,9 +188,9 @@ def _by_strength(outcomes: list[Outcome]) -> str:
 
 def _nothing(outcomes: list[Outcome]) -> str:
     claimed = [o for o in outcomes if o.verdict not in ("nothing_missing", "not_enough_data")]
-    said = ", ".join(f"{o.verdict} {'+'.join(o.named)} (p {o.p_value:.2g})" for o in claimed) or "none"
-    values = np.sort([o.p_value for o in outcomes if np.isfinite(o.p_value)])
-    return f"Nothing hidden: an effect or a fault claimed in {len(claimed)} of {len(outcomes)} ({said}).\n\n{distribution(values, f'{len(values)} records of 8 s')}"
+    said = ", ".join(f"{o.verdict} {'+'.join(o.named)} ({o.evidence:.1f} nats)" for o in claimed) or "none"
+    best = np.sort([o.evidence for o in outcomes if np.isfinite(o.evidence)])
+    return f"Nothing hidden: an effect or a fault claimed in {len(claimed)} of {len(outcomes)} ({said}). Evidence of the first suspect: at most {best[-1]:.1f} nats, median {np.median(best):.1f}."
 
 
 def _faults(outcomes: list[Outcome]) -> str:

@@ -213,8 +213,8 @@ def _use_diagnosis(session: Path) -> None:
 def _diagnosis() -> bytes:
     model = ModelFile.model_validate_json(json.dumps(MODEL))
     suspect = SuspectDocument(
-        effect="magnet", title="", kind="physics", channel=None, error_after=1.0, evidence=20.0, p_value=0.0,
-        parameters={}, confusable_with=[], held_out_gain=None, plausible=True, claimed=True, model=model,
+        effect="magnet", title="", kind="physics", channel=None, error_after=1.0, evidence=20.0,
+        parameters={}, confusable_with=[], plausible=True, claimed=True, model=model,
     )  # fmt: skip
     document = refused_document(("s",), base_model(), "too short")
     return document.model_copy(update={"fitted": model, "suspects": [suspect]}).model_dump_json().encode()

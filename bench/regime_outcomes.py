@@ -26,12 +26,12 @@ WORKERS = int(os.environ.get("BENCH_WORKERS", "2"))
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the station said of a case; `p` is the first suspect's."""
+    """What the station said of a case; `evidence` (nats) is that for the first suspect."""
 
     case: Case
     verdict: str
     named: tuple[str, ...]
-    p: float
+    evidence: float
     chi_square: float
     seconds: float
 
@@ -75,12 +75,12 @@ def judge(case: Case) -> Outcome:
         found = diagnose(tuple(release_of(case, number) for number in range(case.releases)))
     except Exception as error:  # a crash is an outcome
         kind = "refused" if isinstance(error, NotIdentifiable) else "crashed"
-        return Outcome(case, f"{kind}: {error}", (), 1.0, math.nan, time.perf_counter() - began)
+        return Outcome(case, f"{kind}: {error}", (), 0.0, math.nan, time.perf_counter() - began)
     return Outcome(
         case,
         found.verdict,
         found.named,
-        found.suspects[0].p_value if found.suspects else 1.0,
+        found.suspects[0].evidence if found.suspects else 0.0,
         found.final.reduced,
         time.perf_counter() - began,
     )
@@ -97,7 +97,7 @@ def judge_all(cases: list[Case]) -> list[Outcome]:
             mark = "nameless" if o.nameless and not o.case.hidden else mark
             print(
                 f"{o.case.noise:15} {o.case.point:12} x{o.case.releases} {o.case.hidden or '-':18} {o.case.seed} "
-                f"{mark:6} {o.verdict} {'+'.join(o.named)} p {o.p:.2g} chi2 {o.chi_square:.3g} {o.seconds:.1f} s",
+                f"{mark:6} {o.verdict} {'+'.join(o.named)} {o.evidence:.1f} nats chi2 {o.chi_square:.3g} {o.seconds:.1f} s",
                 file=sys.stderr,
                 flush=True,
             )

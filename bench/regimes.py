@@ -5,7 +5,6 @@ import math
 import sys
 from collections import Counter
 
-from bench import null_p_values
 from bench.regime_cases import (
     EFFECTS,
     MANY,
@@ -51,7 +50,6 @@ def run(quick: bool) -> str:
             f"Three effects of {100 * OF_EACH_OF_THREE:g} % at once, white noise, 4 Hz: found in {_share(three, 'found')}. "
             f"Not found: {_said([o for o in three if not o.found])}.",
             f"Laws between the names, {strength}: several effects named instead in {_share(near, 'made_up')}. Verdicts: {_said(near)}.",
-            null_p_values.section(40 if quick else 200),
         )
     )
 

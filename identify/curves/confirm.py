@@ -10,14 +10,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identify.curves.confirmation import Confirmation, ConfirmedEffect, Evidence, complexity, decide
+from identify.curves.confirmation import Confirmation, ConfirmedEffect
 from identify.curves.curve_search import CurveSearch
 from identify.curves.held_out import HeldOut
 from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.likelihood import CurveLikelihood, Hypothesis, _Products
-from identify.curves.priors import DRIFTS, LARGE, LEAVES, MOST_ALIKE, RARE, SPOILS
 from identify.effects.effect import Effect, Scales
 from identify.errors import NotIdentifiable
+from identify.evidence.evidence import Evidence, complexity, decide
+from identify.evidence.priors import DRIFTS, LARGE, LEAVES, MOST_ALIKE, RARE, SPOILS
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 

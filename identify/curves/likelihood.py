@@ -26,7 +26,9 @@ from identify.curves.curve_regression import CurveRegression, Rows
 from identify.curves.curve_search import CurveSearch
 from identify.curves.decay_curve import DecayCurve
 from identify.curves.isolated_mode import IsolatedMode
-from identify.curves.priors import (
+from identify.curves.simulated_curve import simulated_curve
+from identify.effects.force_effect import ForceEffect, LinearPart
+from identify.evidence.priors import (
     BENDS_OVER,
     FLAT,
     LEAKS,
@@ -37,8 +39,6 @@ from identify.curves.priors import (
     STRENGTHS,
     WALKS_ARE,
 )
-from identify.curves.simulated_curve import simulated_curve
-from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.fitting.own_linear import DAMPING_VARIES, STIFFNESS_VARIES
 from identify.model.model import Model
 

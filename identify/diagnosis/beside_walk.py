@@ -7,15 +7,16 @@ needs no walk beside it; a walk that a law has followed still shows in what the 
 
 from dataclasses import dataclass, replace
 
-from identify.diagnosis.places import LINEAR_UP_TO
-from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked
-from identify.diagnosis.verdict import Judgement, free_form
-from identify.fitting.baseline import NEXT_TO_NOTHING, Baseline
+from identify.diagnosis.linear_gain import LINEAR_UP_TO
+from identify.diagnosis.ranking import RIVALS_WITHIN
+from identify.diagnosis.suspects import residual_lines
+from identify.diagnosis.verdict import Judgement
+from identify.effects.effect import Scales
+from identify.evidence.marginal_likelihood import evidence
+from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
+from identify.fitting.initial_values import scales_of
 from identify.fitting.random_walk import RandomWalk, walk_beside
-
-_BEYOND = 12.0
-"""Nats by which an effect must be better than a walk: it was the best of many, and its values were fitted."""
 
 
 @dataclass(frozen=True)
@@ -30,15 +31,15 @@ class BesideWalk:
     gain: float
 
     @classmethod
-    def of(cls, before: Fit, after: Fit, alone: RandomWalk | None = None) -> "BesideWalk":
-        """Return what is gained from the first fit to the second; `alone` is the walk beside the first, where known."""
-        first, second = alone or walk_beside(before), walk_beside(after)
-        lower = 0.5 * (before.chi_square - after.chi_square)
-        return cls(first, second, lower + second.evidence - first.evidence)
+    def of(cls, before: Fit, after: Fit, scales: Scales) -> "BesideWalk":
+        """Return what is gained from the first fit to the second."""
+        first, second = walk_beside(before), walk_beside(after)
+        return cls(first, second, evidence(before, after, scales) + second.evidence - first.evidence)
 
-    def told_apart(self, effects: int = 1) -> bool:
-        """Whether so many effects are told from a walk: the odds are against one, or they explain more."""
-        return self.before.evidence < 0.0 or self.gain > effects * _BEYOND
+    @property
+    def is_more(self) -> bool:
+        """Whether the effects are distinguishable from a walk: the odds are against one, or they explain more."""
+        return self.before.evidence < 0.0 or self.gain > RIVALS_WITHIN
 
 
 def more_than_a_walk(baseline: Baseline, judged: Judgement) -> bool:
@@ -47,41 +48,11 @@ def more_than_a_walk(baseline: Baseline, judged: Judgement) -> bool:
     forces = [t.effect.name for t in final.model.terms if t.is_force and t.effect.name not in before.model]
     if not forces:
         return True
-    if not BesideWalk.of(before, final).told_apart(1 + len(judged.together)):
+    scales = scales_of(baseline.decays[0], residual_lines(before))
+    if not BesideWalk.of(before, final, scales).is_more:
         return False
     without = (fit(final.model.minus(name), final.windows, final.point, final.frequency) for name in forces)
-    return not judged.together or all(BesideWalk.of(less, final).told_apart() for less in without)
-
-
-def named_beside_walk(baseline: Baseline, ranked: tuple[Ranked, ...]) -> Judgement | None:
-    """Return the judgement that names one force where it leaves next to nothing, and a random walk explains that; or None.
-
-    No other force may do so nearly as well.
-    """
-    if not baseline.floor_is_sure:
-        return None
-    limit = 1.0 + NEXT_TO_NOTHING * (baseline.fit.reduced - 1.0)
-    near = [
-        entry
-        for entry in ranked
-        if entry.claimed
-        and entry.candidate.plausible
-        and entry.candidate.term.effect.kind == "physics"
-        and entry.candidate.fit.reduced < limit
-    ]
-    if not near:
-        return None
-    alone = walk_beside(baseline.fit)
-    beside = {entry: BesideWalk.of(baseline.fit, entry.candidate.fit, alone) for entry in near}
-    best, *others = sorted(near, key=lambda entry: -beside[entry].gain)
-    found = beside[best]
-    alike = any(beside[other].gain > found.gain - _BEYOND for other in others)
-    if alike or not found.told_apart() or found.after.reduced > baseline.highest:
-        return None
-    rest = tuple(entry for entry in ranked if entry is not best)
-    final = best.candidate.fit
-    shape = free_form(baseline, final)
-    return Judgement("missing_effect", (best, *rest), final, shape=shape, walk=found.after)
+    return not judged.together or all(BesideWalk.of(less, final, scales).is_more for less in without)
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:

@@ -4,8 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
-import numpy as np
-
 from identify.curves.confirm import confirm_releases
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.beside_walk import walk_sentence
@@ -27,7 +25,7 @@ from identify.diagnosis.releases_differ import (
     shared_where_alike,
     where_releases_differ,
 )
-from identify.diagnosis.search import chances, singles
+from identify.diagnosis.search import singles
 from identify.diagnosis.shares import AmplitudeShares, shares, shares_summary
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import candidate_terms
@@ -167,7 +165,6 @@ class Diagnosis(Summarised):
                 suspect.effect.name,
                 three_figures(suspect.error_after),
                 f"{suspect.evidence:.0f}",
-                "-" if np.isnan(suspect.p_value) else f"{suspect.p_value:.2g}",
                 "yes" if suspect.claimed else "no",
             )
             for suspect in self.suspects[:_SHOWN]
@@ -182,7 +179,7 @@ class Diagnosis(Summarised):
                 modes_sentence(self.modes),
                 f"Record next: {self.next_experiment}",
             ),
-            ("suspect", "chi-square after", "evidence (nats)", "p", "beyond chance"),
+            ("suspect", "chi-square after", "evidence (nats)", "claimed"),
             rows,
             shares_summary(self.shares),
         )
@@ -301,10 +298,8 @@ def _searched(
     baseline = where_releases_differ(first)
     predict = cache(lambda: predicted(baseline, whole, library))
     fitted = _worth_a_fit(baseline, library, predict)
-    progress("finding what each effect would explain by chance")
-    chance = chances(baseline, fitted)
-    tried = singles(baseline, chance, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
-    ranked = rank(baseline, tried, chance)
+    tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
+    ranked = rank(baseline, tried)
     baseline, ranked = decided_anew(first, baseline, ranked, fitted)
     if _hides_noise(baseline, ranked):
         baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
@@ -326,8 +321,7 @@ def _seen_again(
     clearer = with_noise_beside(baseline, found)
     if clearer is baseline:
         return baseline, ranked
-    chance = chances(clearer, library)
-    return clearer, rank(clearer, singles(clearer, chance, library), chance)
+    return clearer, rank(clearer, singles(clearer, library))
 
 
 def _hides_noise(baseline: Baseline, ranked: tuple[Ranked, ...]) -> bool:

@@ -3,7 +3,6 @@
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
-from identify.curves.priors import LARGE
 from identify.diagnosis.explain_prediction import (
     explain_confirmed,
     explain_driven,
@@ -16,6 +15,7 @@ from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family
 from identify.effects.sensor_fault import SensorFault
+from identify.evidence.priors import LARGE
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit

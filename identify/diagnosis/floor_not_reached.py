@@ -6,14 +6,15 @@ free run leaves next to nothing, where the curves cannot say.
 
 from dataclasses import replace
 
-from identify.curves.confirmation import Confirmation, complexity
-from identify.curves.priors import LARGE
+from identify.curves.confirmation import Confirmation
 from identify.diagnosis.confirmed_fit import fit_confirmed
 from identify.diagnosis.ranking import Ranked, rivals_of
 from identify.diagnosis.suspects import Candidate
 from identify.diagnosis.verdict import Judgement, free_form
 from identify.effects.force_effect import ForceEffect
 from identify.effects.sensor_fault import SensorFault
+from identify.evidence.evidence import complexity
+from identify.evidence.priors import LARGE
 from identify.fitting.baseline import ADEQUATE, NEXT_TO_NOTHING, Baseline
 from identify.fitting.clear_strength import is_clear
 from identify.fitting.fit import Fit
@@ -145,7 +146,7 @@ def _of_confirmed(
     """Return the judgement that names what curves confirm, with their evidence."""
     gain = baseline.fit.chi_square - whole.chi_square
     first = tuple(
-        Ranked(Candidate(effect.term, whole, whole.chi_square, gain, True), effect.nats, float("nan"), True)
+        Ranked(Candidate(effect.term, whole, whole.chi_square, gain, True), effect.nats, True)
         for effect in found.effects
     )
     rest = tuple(replace(e, claimed=False) for e in ranked if e.candidate.name not in found.names)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_walk import more_than_a_walk, named_beside_walk, with_walk
+from identify.diagnosis.beside_walk import more_than_a_walk, with_walk
 from identify.diagnosis.floor_not_reached import by_curves, if_predicted, unclaimed
 from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.ranking import Ranked
@@ -124,23 +124,21 @@ def _beyond_one(
         return by_curves(baseline, ranked, predict(), ranked[0].candidate.fit)
     found = several_effects(baseline, tuple(entry.candidate for entry in ranked), library)
     if found.law is not None:
-        law = Ranked(found.law, 0.5 * found.law.gain, float("nan"), True)
+        law = Ranked(found.law, 0.5 * found.law.gain, True)
         return _unless_it_walks(baseline, Judgement("missing_effect", (law, *ranked), found.law.fit))
     several = found.pair or found.triple
     if several is not None:
         judged = _of_pair(ranked, several) if isinstance(several, Pair) else _of_three(ranked, several)
         return _unless_it_walks(baseline, judged)
-    beside = named_beside_walk(baseline, ranked)
-    return beside or by_curves(baseline, ranked, predict(), found.closest)
+    return by_curves(baseline, ranked, predict(), found.closest)
 
 
 def _unless_it_walks(baseline: Baseline, judged: Judgement) -> Judgement:
-    """Return a judgement whose forces are distinguishable from a random walk; else one beside a walk, or without a name."""
+    """Return a judgement whose forces are distinguishable from a random walk; else one without a name."""
     if more_than_a_walk(baseline, judged):
         return judged
-    alone = named_beside_walk(baseline, judged.ranked) if judged.together else None
     shape = free_form(baseline, baseline.fit)
-    return alone or Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape)
+    return Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape)
 
 
 def _of_pair(ranked: tuple[Ranked, ...], pair: Pair) -> Judgement:

@@ -10,12 +10,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from identify.diagnosis.ranking import Ranked, rank
-from identify.diagnosis.search import chances, singles
+from identify.diagnosis.search import singles
+from identify.diagnosis.suspects import residual_lines
 from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
+from identify.evidence.evidence import nothing
+from identify.evidence.marginal_likelihood import evidence
+from identify.evidence.priors import DOUBT_AT_A_GUESS
 from identify.fitting.baseline import Baseline, with_noise_beside
 from identify.fitting.common_lines import may_be_hum
 from identify.fitting.fit import fit
+from identify.fitting.initial_values import scales_of
 from identify.fitting.misfit_errors import misfit_density
 
 
@@ -58,14 +63,12 @@ def line_beside(
     beside = with_noise_beside(replace(baseline, fit=usual), best.fit)
     names = {entry.candidate.name for entry in ranked} - {best.name}
     tried = tuple(effect for effect in library if effect.name in names)
-    chance = chances(beside, tried)
-    return LineBeside(line, beside, rank(beside, singles(beside, chance, tried), chance))
+    return LineBeside(line, beside, rank(beside, singles(beside, tried)))
 
 
 def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Ranked | None:
     """Return the line of a sensor in what a fit leaves; None where none stands clear of the residual around it and lasts."""
-    chance = chances(behind, lines)
-    found = next((c for c in singles(behind, chance, lines) if c.plausible), None)
+    found = next((c for c in singles(behind, lines) if c.plausible), None)
     if found is None:
         return None
     values = found.fit.of(found.term, 0)
@@ -73,11 +76,9 @@ def _line_behind(behind: Baseline, lines: tuple[Effect, ...]) -> Ranked | None:
     if not may_be_hum(behind.fit, found.term.channel, line):
         return None
     density = misfit_density(found.fit, 2.0 * np.pi * line, found.term.channel)
-    drop = found.gain / max(density, 1.0)
-    p_value = chance.p_value(found.name, drop)
-    if p_value >= behind.alpha:
-        return None
-    return Ranked(found, chance.surprise(found.name, drop), p_value, True)
+    scales = scales_of(behind.decays[0], residual_lines(behind.fit))
+    nats = evidence(behind.fit, found.fit, scales, max(density, 1.0))
+    return Ranked(found, nats, True) if nothing([nats]) < DOUBT_AT_A_GUESS else None
 
 
 def _is_steady_force(entry: Ranked) -> bool:

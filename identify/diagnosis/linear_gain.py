@@ -16,11 +16,17 @@ from identify.diagnosis.weak_presence import probes, with_fault
 from identify.effects.effect import Scales
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import Fit
-from identify.fitting.initial_values import term_starts
+from identify.fitting.initial_values import reachable_starts, term_starts
 from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
+
+LINEAR_UP_TO = 100.0
+"""Reduced chi-square up to which one more effect moves the readings in proportion; beyond, gains are far beyond chance."""
+
+Starts = tuple[dict[str, float], ...]
+"""Values of a term's inner parameters by their own names, one dictionary for each place from which a fit may begin."""
 
 _PRESENT = 1e-5
 """Share of the acceleration that the probed force has: it moves the readings by a few units of noise."""
@@ -35,6 +41,12 @@ _OUT_OF_PROPORTION_LEAVES = 1.0
 _LARGE = 30.0
 _ENOUGH = 150
 """Starting values of one term: of more, every second is left out, or two of three, for what is left need not be close."""
+
+_FEWEST_PLACES, _MOST_NUMBERS = 100, 2_000_000
+"""Places of one force among which the largest gain is sought, and numbers in its columns where there are more."""
+
+_INDEPENDENT = 1e-6
+"""Size of a direction, as a share of the largest, that counts as none."""
 
 _NEAR = 1.5
 """Multiple of the goal below which every term is worth a fit."""
@@ -89,6 +101,42 @@ def worth_a_fit(
         if follows - most <= max(_NEAR * goal, _left(term, slope.base) * cost):
             kept.append(term)
     return tuple(kept)
+
+
+def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scales: Scales) -> Starts:
+    """Return the places at which the linear gain of a force is larger than at their neighbours, the largest first.
+
+    None of a fault. A line's are those of the residual's own lines.
+    """
+    starts = (term_starts if term.effect.line else reachable_starts)(term, scales)
+    if not term.is_force or len(starts) < 2:
+        return ()
+    base = slope.base
+    problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=True)
+    before = Problem(base.model, base.windows, base.frequency, coarse=True).residuals(base.theta)
+    starts = starts[:: len(starts) // max(_FEWEST_PLACES, _MOST_NUMBERS // len(before)) + 1]
+    columns, of = [slope.residual], [-1]
+    for place, start in enumerate(starts):
+        moved = [
+            problem.residuals(p) for p in probes(decays, base, problem, term, start, _PRESENT, early=True)
+        ]
+        if all(np.isfinite(one).all() for one in moved):
+            own = [moved[0] - before, *(one - moved[0] for one in moved[1:])] if moved else []
+            columns += own
+            of += [place] * len(own)
+    free, owner = slope.free_of_known(np.column_stack(columns)), np.array(of)
+    gains = [0.0, *(_gain(free[:, 0], free[:, owner == place], term) for place in range(len(starts))), 0.0]
+    tops = [i for i in range(1, len(gains) - 1) if 0.0 < gains[i] >= max(gains[i - 1], gains[i + 1])]
+    return tuple(starts[i - 1] for i in sorted(tops, key=lambda i: -gains[i]))
+
+
+def _gain(misfit: Array, columns: Array, term: Term) -> float:
+    """Return by how much a force lowers chi-square with its strength and states free, each a column (n, columns)."""
+    if columns.shape[1] == 1 and term.effect.one_sided and misfit @ columns[:, 0] > 0.0:
+        return 0.0
+    basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+    kept = sizes > _INDEPENDENT * max(sizes, default=0.0)
+    return float(np.sum((basis[:, kept].T @ misfit) ** 2))
 
 
 def _left(term: Term, base: Fit) -> float:

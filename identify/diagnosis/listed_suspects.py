@@ -1,34 +1,19 @@
 """The suspects as they are listed: what the verdict names first, faults that every fit corrects among them."""
 
-from dataclasses import replace
-from functools import cache
-
-import numpy as np
-
 from identify.curves.confirmation import Confirmation, ConfirmedEffect
 from identify.diagnosis.ranking import Ranked, rivals_of
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.verdict import Judgement
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
-from identify.fitting.fit import Fit, fit
 from identify.fitting.model_error import motion_percent
-from identify.preprocessing.fit_window import FitWindow
 
-_HELD_OUT = 3
 _WORTH_A_MENTION = 6.0
 """Nats from which on a fault that every fit corrects is listed before suspects that are not claimed."""
 
 
 def listed_suspects(baseline: Baseline, judgement: Judgement, settled: Baseline) -> tuple[Suspect, ...]:
-    """Return the suspects in order, first what the verdict names, if it names any.
-
-    `settled` is the fit with what was found. The first few are asked what they predict of cycles that were not fitted.
-    """
-    return _with_held_out(baseline, _in_order(baseline, judgement, settled))
-
-
-def _in_order(baseline: Baseline, judgement: Judgement, settled: Baseline) -> tuple[Suspect, ...]:
+    """Return the suspects in order, first what the verdict names, if it names any; `settled` is the fit with that."""
     faults = unnamed_faults(baseline.decays, baseline.fit)
     entries = [_suspect(baseline, entry, judgement, settled) for entry in judgement.ranked]
     sensors = sorted(
@@ -55,7 +40,6 @@ def _suspect(baseline: Baseline, entry: Ranked, judgement: Judgement, settled: B
         error_after=settled.reduced(settled.fit) if is_final else baseline.reduced(candidate.fit),
         motion_after=motion_percent(settled.fit if is_final else candidate.fit),
         evidence=entry.evidence,
-        p_value=entry.p_value,
         claimed=entry.claimed,
         baseline=baseline,
         fit=candidate.fit,
@@ -80,38 +64,9 @@ def _corrected(baseline: Baseline, fault: CorrectedFault, faults: tuple[Correcte
         error_after=chi_square / max(baseline.fit.degrees + sum(f.readings for f in others), 1),
         motion_after=None,
         evidence=0.5 * fault.surplus,
-        p_value=fault.p_value,
         claimed=fault.p_value < baseline.alpha,
         baseline=baseline,
         fit=baseline.fit,
         last=baseline.fit,
         corrected=fault.parameters,
     )
-
-
-def _with_held_out(baseline: Baseline, suspects: tuple[Suspect, ...]) -> tuple[Suspect, ...]:
-    """Ask the first few suspects what they predict of cycles they were not fitted to."""
-    error = cache(lambda found: _held_out_error(found, baseline.fit.windows))
-    asked = []
-    for place, suspect in enumerate(suspects):
-        if place < _HELD_OUT and suspect.fit is not baseline.fit and suspect.claimed:
-            suspect = replace(suspect, held_out_gain=error(baseline.fit) - error(suspect.fit))
-        asked.append(suspect)
-    return tuple(asked)
-
-
-def _held_out_error(found: Fit, windows: tuple[FitWindow, ...]) -> float:
-    """Return chi-square on every second pair of cycles, of a fit to the others."""
-    kept, held = [], []
-    for window in windows:
-        cycle = np.floor(window.clock * found.frequency / (2.0 * np.pi)).astype(int) % 2 == 0
-        kept.append(window.with_(used={c: m & cycle for c, m in window.used.items()}))
-        held.append(window.with_(used={c: m & ~cycle for c, m in window.used.items()}))
-    refit = fit(found.model, tuple(kept), found.point, found.frequency, tolerance=1.0, near=True)
-    total = 0.0
-    for i, window in enumerate(held):
-        for channel in window.channels:
-            off = window.in_noise(channel, window.readings[channel] - refit.predicted[i][channel])
-            off = off[window.used[channel]]
-            total += float(off @ off)
-    return total

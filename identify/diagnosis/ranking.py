@@ -5,26 +5,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.null_distribution import NullDistribution
 from identify.diagnosis.rest_evidence import at_rest
-from identify.diagnosis.suspects import Candidate
+from identify.diagnosis.suspects import Candidate, residual_lines
+from identify.evidence.evidence import nothing
+from identify.evidence.marginal_likelihood import evidence
+from identify.evidence.priors import DOUBT, DOUBT_AT_A_GUESS
 from identify.fitting.baseline import Baseline
+from identify.fitting.initial_values import scales_of
 
-RIVALS_WITHIN = 4.6
-"""Nats of evidence (odds of 100 to 1) below which two suspects count as not told apart."""
+RIVALS_WITHIN = -float(np.log(DOUBT))
+"""Nats of evidence below which two suspects count as not distinguishable: the worse one has more than DOUBT of the odds."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ranked:
-    """A candidate with its evidence (nats) and the probability that chance gives any suspect as good a reason.
+    """A candidate with its evidence (nats), and whether it may be `claimed`.
 
-    The probability is nan where no chance was drawn: for a law between the names, and for what curves confirm.
     `alike` are names of forces that the free run does not tell from it, where the floor was only a guess.
     """
 
     candidate: Candidate
     evidence: float
-    p_value: float
     claimed: bool
     alike: tuple[str, ...] = ()
 
@@ -40,16 +41,19 @@ def rivals_of(entry: Ranked, ranked: tuple[Ranked, ...]) -> tuple[str, ...]:
     )
 
 
-def rank(baseline: Baseline, tried: tuple[Candidate, ...], chance: NullDistribution) -> tuple[Ranked, ...]:
-    """Return the candidates with their evidence: plausible claims first, then implausible ones, then the rest."""
-    dispersion, allowed = _dispersion(baseline, tried), baseline.alpha
-    ranked = []
-    for candidate in tried:
-        drop = candidate.gain / dispersion
-        rest = at_rest(baseline.decays, candidate)
-        evidence = chance.surprise(candidate.name, drop) + rest
-        p_value = chance.p_value(candidate.name, drop, against=max(-rest, 0.0)) if evidence > 0.0 else 1.0
-        ranked.append(Ranked(candidate, evidence, p_value, p_value < allowed))
+def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Ranked, ...]:
+    """Return the candidates with their evidence: plausible claims first, then implausible ones, then the rest.
+
+    Claims are made where it is improbable that nothing is missing; of those that are better than nothing by as much.
+    """
+    dispersion, scales = (
+        _dispersion(baseline, tried),
+        scales_of(baseline.decays[0], residual_lines(baseline.fit)),
+    )
+    nats = [evidence(baseline.fit, c.fit, scales, dispersion) + at_rest(baseline.decays, c) for c in tried]
+    doubt = DOUBT if baseline.floor_is_sure else DOUBT_AT_A_GUESS
+    sure = nothing(nats) < doubt
+    ranked = (Ranked(c, n, sure and n > -np.log(doubt)) for c, n in zip(tried, nats, strict=True))
     return line_of_sensor_first(tuple(sorted(ranked, key=_order)), by_gain=not baseline.floor_is_sure)
 
 

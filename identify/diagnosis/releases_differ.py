@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import gammaincc, gammaln
 
 from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, rank
-from identify.diagnosis.search import chances, singles
+from identify.diagnosis.search import singles
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline, refit_at_floor
 from identify.fitting.fit import Fit, fit
@@ -46,8 +46,7 @@ def decided_anew(
     again = _on_second_thought(first, baseline, ranked)
     if again is baseline:
         return baseline, ranked
-    chance = chances(again, library)
-    return again, rank(again, singles(again, chance, library), chance)
+    return again, rank(again, singles(again, library))
 
 
 def _on_second_thought(before: Baseline, baseline: Baseline, ranked: tuple[Ranked, ...]) -> Baseline:

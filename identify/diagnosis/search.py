@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from identify.diagnosis.null_distribution import NullDistribution, null_distribution
 from identify.diagnosis.rest_evidence import at_rest, denied
 from identify.diagnosis.screening import promising_pairs
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
@@ -23,32 +22,15 @@ _POLISHED_BESIDE_BEST = 10
 
 _SCREENED = 6
 
-_UNSURE = 0.2
-"""Largest relative error of a floor that chance counts with: beyond, the misfit that stays widens chance."""
-
 
 def singles(
     baseline: Baseline,
-    chance: NullDistribution,
     library: tuple[Effect, ...] = LIBRARY,
     counted: Callable[[int, int], None] = lambda done, whole: None,
 ) -> tuple[Candidate, ...]:
-    """Return the model refitted with each effect it lacks, best first; `counted` is told how many fits are done.
-
-    Fits begin where `chance` finds the largest linear gains, so that they find what their gains are compared with.
-    """
+    """Return the model refitted with each effect it lacks, best first; `counted` is told how many fits are done."""
     terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
-    return try_terms(baseline.decays, baseline.fit, terms, likeliest=chance.likeliest, counted=counted)
-
-
-def chances(baseline: Baseline, library: tuple[Effect, ...] = LIBRARY) -> NullDistribution:
-    """Return what each effect would gain by chance if nothing were missing."""
-    terms = candidate_terms(baseline.fit.model, library, baseline.fit.windows[0])
-    unsure = tuple(
-        {channel: min(noise.uncertainty / noise.std, _UNSURE) for channel, noise in floor.channels.items()}
-        for floor in baseline.floors
-    )
-    return null_distribution(baseline.decays, baseline.fit, terms, unsure=unsure)
+    return try_terms(baseline.decays, baseline.fit, terms, by_gain=True, counted=counted)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,12 +19,10 @@ class Suspect:
     end, is `error_after`, reduced chi-square, and `motion_after`, % of the motion, None of a fault that every fit corrects.
     Its parameters are those of `last`: of the fit of all that is named where it is among them, else of its own; `corrected`
     are those of a fault that every fit corrects, None of all else.
-    `evidence` is in nats: how much better than by chance the refit explains the readings. `p_value` is the probability
-    that chance gives any suspect of the library as good a reason, nan where no chance was drawn; `claimed` says that the
-    effect is claimed. `rivals` are claimed effects whose evidence is as good: this record does not tell them apart.
-    `held_out_gain` is the drop of chi-square on cycles that were not fitted, None when it was not asked. `plausible` is
-    False where another effect is the better name for the same force. `confirmed` says what the effect predicts of
-    readings that it was not fitted to, None where that was not asked or it predicts nothing.
+    `evidence` is in nats: how much more probable the readings are with it. `claimed` says that the effect is claimed.
+    `rivals` are claimed effects whose evidence is as good: this record does not distinguish them.
+    `plausible` is False where another effect is the better name for the same force. `confirmed` says what the effect
+    predicts of readings that it was not fitted to, None where that was not asked or it predicts nothing.
     """
 
     effect: Effect
@@ -32,14 +30,12 @@ class Suspect:
     error_after: float
     motion_after: float | None
     evidence: float
-    p_value: float
     claimed: bool
     baseline: Baseline
     fit: Fit
     last: Fit
     corrected: dict[str, Estimate] | None = None
     rivals: tuple[str, ...] = ()
-    held_out_gain: float | None = None
     plausible: bool = True
     confirmed: ConfirmedEffect | None = None
 

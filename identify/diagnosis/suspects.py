@@ -1,6 +1,6 @@
 """Suspects: every effect that the model lacks, refitted in turn."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import TypeVar
@@ -8,8 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from identify.arrays import Array, Mask
-from identify.diagnosis.linear_gain import Slope, worth_a_fit
-from identify.diagnosis.places import LINEAR_UP_TO, NOWHERE, Starts
+from identify.diagnosis.linear_gain import LINEAR_UP_TO, Slope, Starts, likeliest, worth_a_fit
 from identify.diagnosis.weak_presence import probes, states_of_term, with_fault
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
@@ -119,7 +118,7 @@ def try_terms(
     polished: int = _POLISHED,
     goal: float | None = None,
     promising: bool = False,
-    likeliest: Mapping[tuple[str, ...], Starts] = NOWHERE,
+    by_gain: bool = False,
     counted: Callable[[int, int], None] = lambda done, whole: None,
 ) -> tuple[Candidate, ...]:
     """Refit the model with each term added; return the best variant of each effect, best first.
@@ -129,7 +128,7 @@ def try_terms(
     with twice the best of these still below. Where only a `goal` of chi-square counts, terms that cannot come near it are
     left out by their linear gain, and a fit that creeps towards it is left; where equation error has found the terms
     `promising`, it is asked first only near the floor: from afar a misfit is not linear in what is missing. There fits
-    begin at the `likeliest` places of each variant, too, where these are known. `counted` is told how many fits are done,
+    begin at the places of the largest linear gains, too, if `by_gain`. `counted` is told how many fits are done,
     and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
@@ -144,10 +143,10 @@ def try_terms(
         counted(next(done), whole)
         return found
 
-    known = likeliest if near is not None else NOWHERE
-    tried_to_begin = [
-        step(_begin(decays, base, near, term, scales, floor, known.get(term.variant, ()))) for term in terms
-    ]
+    def places(term: Term) -> Starts:
+        return likeliest(decays, near, term, scales) if by_gain and near is not None else ()
+
+    tried_to_begin = [step(_begin(decays, base, near, term, scales, floor, places(term))) for term in terms]
     begun = sorted((b for b in tried_to_begin if b is not None), key=lambda beginning: beginning.cost)
     leaders = begun[: min(_LEADERS, polished)]
     tried = [step(_finish(base, beginning, scales, floor)) for beginning in leaders]
@@ -193,17 +192,17 @@ def _begin(
     term: Term,
     scales: Scales,
     goal: float,
-    likeliest: Starts,
+    likely: Starts,
 ) -> _Beginning | None:
     model, coarse = base.model.plus(term), base.reduced > FAR_OFF
     problem = Problem(model, base.windows, base.frequency, coarse=coarse, far=slope is None)
     inner = np.array([_is_inner(u.id, term) for u in problem.unknowns])
     weak = slope if term.is_force and not _has_free_state(problem, term) else None
-    best = None if weak is None else _begin_weakly(decays, base, weak, problem, term, likeliest, inner)
-    begun_at = 0 if best is None else min(len(likeliest), _BY_LINEAR_GAIN)
+    best = None if weak is None else _begin_weakly(decays, base, weak, problem, term, likely, inner)
+    begun_at = 0 if best is None else min(len(likely), _BY_LINEAR_GAIN)
     starts = _promising(decays, base, problem.model, term, term_starts(term, scales), _STARTS - begun_at)
     if weak is None:
-        starts = _promising(decays, base, problem.model, term, likeliest[:_BY_LINEAR_GAIN], _STARTS) + starts
+        starts = _promising(decays, base, problem.model, term, likely[:_BY_LINEAR_GAIN], _STARTS) + starts
     for start in starts:
         theta = _nearer(problem, start, base) if slope is None else problem.theta(start)
         theta = np.clip(theta, problem.low, problem.high)
@@ -238,7 +237,7 @@ def _begin_weakly(
     slope: Slope,
     problem: Problem,
     term: Term,
-    likeliest: Starts,
+    likely: Starts,
     inner: Mask,
 ) -> _Beginning | None:
     """Return the best of what a force of hardly any strength grows to at its likeliest places; None where there are none.
@@ -246,7 +245,7 @@ def _begin_weakly(
     The first step is as long as the linear gain predicts: without damping, however alike it is to what the model has.
     """
     best: _Beginning | None = None
-    for place in likeliest[:_BY_LINEAR_GAIN]:
+    for place in likely[:_BY_LINEAR_GAIN]:
         for point in probes(decays, base, problem, term, place, _PRESENT)[:1]:
             theta = np.clip(point, problem.low, problem.high)
             begun = _from_slope(slope, problem, theta, inner)

@@ -99,10 +99,8 @@ class SuspectDocument(Part):
     channel: str | None
     error_after: Number
     evidence: Number
-    p_value: Number
     parameters: dict[str, EstimateDocument]
     confusable_with: list[str]
-    held_out_gain: Number
     plausible: bool
     claimed: bool
     model: ModelFile | None
@@ -406,10 +404,8 @@ def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -
         "channel": suspect.term.channel or None,
         "error_after": suspect.error_after,
         "evidence": suspect.evidence,
-        "p_value": suspect.p_value,
         "parameters": suspect.parameters,
         "confusable_with": suspect.confusable_with,
-        "held_out_gain": suspect.held_out_gain,
         "plausible": suspect.plausible,
         "claimed": suspect.claimed,
         "model": model_file(suspect.stated, expressions) if is_fitted else None,

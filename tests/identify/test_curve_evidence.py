@@ -6,14 +6,14 @@ from scipy.integrate import solve_ivp
 from scipy.stats import multivariate_normal
 
 from identify.curves.confirm import confirm_releases
-from identify.curves.confirmation import complexity, decide
 from identify.curves.curve_search import CurveSearch
 from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.likelihood import Added, CurveLikelihood
-from identify.curves.priors import SIZES
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.library import LIBRARY, find_effect
+from identify.evidence.evidence import complexity, decide
+from identify.evidence.priors import SIZES
 from identify.fitting.initial_values import scales_of
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model

@@ -6,7 +6,7 @@ from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.few_releases import FewReleases
-from identify.diagnosis.search import chances, singles
+from identify.diagnosis.search import singles
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.model.model import base_model
@@ -28,7 +28,7 @@ def test_the_largest_and_the_smallest_amplitude_are_searched_and_all_are_fitted_
     decays = several("cubic_stiffness", SPRING)
     whole = fit_baseline(decays, base_model())
     library = (find_effect("cubic_stiffness"), find_effect("clipping"))
-    tried = singles(whole, chances(whole, library), library)
+    tried = singles(whole, library)
     few = FewReleases.of(whole, tried)
     assert few.places == (1, 2)
     assert len(few.baseline.fit.windows) == 2

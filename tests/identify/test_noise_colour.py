@@ -3,7 +3,6 @@ from functools import cache
 import numpy as np
 import pytest
 from releases import drawn, ready
-from scipy import stats
 
 from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
@@ -154,14 +153,9 @@ def test_what_a_model_lacks_is_not_taken_for_noise():
 
 
 @pytest.mark.slow
-def test_chance_under_coloured_noise_is_even():
-    chances = []
-    for seed in range(350, 362):
-        found = diagnose((drawn(None, 0.0, seed, imperfections=(ONE_OVER_F,))[0],))
-        chances.append(min(s.p_value for s in found.suspects if s.p_value > 0.0))
-    assert (
-        stats.kstest(chances, "uniform", alternative="greater").pvalue > 1e-3
-    )  # too small a p in 1 of 1000 runs
+def test_nothing_is_named_under_coloured_noise():
+    found = [diagnose((drawn(None, 0.0, seed, imperfections=(ONE_OVER_F,))[0],)) for seed in range(350, 362)]
+    assert sum(bool(one.named) for one in found) <= 2  # of 12 at 2 %: 3 or more in 1 of 600 runs
 
 
 def test_errors_under_a_random_walk_are_wider_than_under_white_noise():

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from identify.curves.confirmation import Confirmation, ConfirmedEffect, Evidence
+from identify.curves.confirmation import Confirmation, ConfirmedEffect
 from identify.curves.curve_regression import MotionError, Strengths
 from identify.curves.held_out import HeldOut
 from identify.diagnosis.explain_prediction import explain_unconfirmed
 from identify.effects.library import find_effect
+from identify.evidence.evidence import Evidence
 from identify.model.model import Term, base_model
 from station.report.loop import suspects
 from station.results.confirmation_document import confirmation_document
@@ -44,8 +45,8 @@ def confirmation(*, one_record: bool = False, effects: bool = True) -> Confirmat
 
 
 def suspect(effect: str, confirmed: bool | None, **others: object) -> dict[str, object]:
-    numbers = {"error_after": 366.2, "motion_percent": 1.16, "evidence": 143.0, "p_value": 1e-9}
-    texts = {"title": effect, "kind": "physics", "channel": None, "model": None, "held_out_gain": None}
+    numbers = {"error_after": 366.2, "motion_percent": 1.16, "evidence": 143.0}
+    texts = {"title": effect, "kind": "physics", "channel": None, "model": None}
     known = {"parameters": {"mu_2": {"value": 0.3, "std": 0.01, "unit": "1/m"}}, "confusable_with": []}
     named = {"effect": effect, "confirmed": confirmed, "plausible": True, "claimed": bool(confirmed)}
     return numbers | texts | known | named | others

@@ -1,4 +1,4 @@
-"""What is believed before a recording is seen: every constant that turns the evidence of curves into a verdict.
+"""What is believed before a recording is seen: every constant that turns evidence into a verdict.
 
 Half and twice each value, on the rigs and on drawn recordings: `docs/decisions/one-evidence.md`.
 """
@@ -41,6 +41,9 @@ DRIFTS = 1.0
 
 DOUBT = 0.02
 """Probability that may be left out: that nothing is there, that a law of time is behind it, that it is none of a class."""
+
+DOUBT_AT_A_GUESS = 2e-4
+"""The same of nothing, where the noise floor could only be guessed and free runs are all there is."""
 
 MOST_ALIKE = 4
 """Laws that are not distinguishable and still make a class worth telling."""

@@ -1,0 +1,85 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from releases import drawn, ready
+
+from identify.diagnosis.ranking import rank
+from identify.diagnosis.search import singles
+from identify.effects.library import find_effect
+from identify.evidence.evidence import nothing
+from identify.evidence.marginal_likelihood import evidence
+from identify.evidence.priors import DOUBT, STRENGTHS
+from identify.fitting.baseline import fit_baseline
+from identify.fitting.fit import fit
+from identify.fitting.initial_values import scales_of
+from identify.model.model import Term, base_model
+from mocks.generate import draw
+
+
+def fitted(name, strength, seed):
+    """Return the fits without and with an effect, its term and the sizes of the record."""
+    prepared, _ = drawn(name, strength, seed)
+    baseline = fit_baseline((prepared,), base_model())
+    effect = find_effect(name)
+    term = Term(effect, effect.variants[0])
+    found = fit(
+        base_model().plus(term),
+        baseline.fit.windows,
+        baseline.fit.point | {str(term.strength): 1.0},
+        baseline.fit.frequency,
+        near=True,
+    )
+    return baseline.fit, found, term, scales_of(prepared, {})
+
+
+@pytest.mark.parametrize("strength", [3e-4, 3e-3])
+def test_the_evidence_of_one_strength_is_the_integral_over_all_strengths(strength):
+    base, found, term, scales = fitted("cubic_stiffness", strength, 610)
+    k3 = found.parameters[str(term.strength)]
+    # its likelihood over that of no strength, a parabola; its prior, either sign, even in the logarithm
+    sizes = np.abs(k3.value) * np.geomspace(1e-4, 1e4, 200_001)
+    both = np.concatenate([-sizes[::-1], sizes])
+    gain = 0.5 * (base.chi_square - found.chi_square) - 0.5 * ((both - k3.value) / k3.std) ** 2
+    density = 1.0 / (2.0 * np.log(STRENGTHS[-1] / STRENGTHS[0]) * np.abs(both))
+    near = np.abs(both) > 0.05 * np.abs(k3.value)  # what is next to none is the model without it
+    whole = np.log(np.trapezoid(np.where(near, density * np.exp(gain - gain.max()), 0.0), both)) + gain.max()
+    assert evidence(base, found, scales) == pytest.approx(whole, abs=0.5)
+
+
+def test_the_same_gain_counts_for_less_where_more_was_searched():
+    base, found, _, scales = fitted("end_stop", 3e-3, 611)
+    free = evidence(base, found, scales)
+    place = found.names.index("end_stop.gap")
+    others = [j for j in range(len(found.names)) if j != place]
+    less = replace(
+        found,
+        unknowns=tuple(found.unknowns[j] for j in others),
+        theta=found.theta[others],
+        covariance=found.covariance[np.ix_(others, others)],
+    )
+    assert evidence(base, less, scales) > free
+
+
+def test_a_misfit_that_nothing_explains_weakens_the_evidence():
+    base, found, _, scales = fitted("cubic_stiffness", 3e-3, 612)
+    assert evidence(base, found, scales, 10.0) < 0.2 * evidence(base, found, scales)
+
+
+def test_none_is_as_probable_as_all_together_to_begin_with():
+    assert nothing([]) == 1.0
+    assert nothing([0.0, 0.0, 0.0]) == pytest.approx(0.5)
+    assert nothing([1e4, -50.0]) == 0.0
+    assert nothing([np.log(99.0)]) == pytest.approx(0.01)
+
+
+@pytest.mark.slow
+def test_nothing_is_claimed_of_records_in_which_nothing_is_hidden():
+    claimed = 0
+    for seed in range(71000, 71060):
+        sample = draw(None, 0.0, seed, seconds=3.0, rate=96.0)
+        baseline = fit_baseline((ready(sample.rate, sample.displacement, sample.acceleration),), base_model())
+        claimed += any(entry.claimed for entry in rank(baseline, singles(baseline)))
+    # odds of 50 to 1 come to those that have nothing in one record of 50 at most: 1.2 of 60, more than 5 in 1 of 500 runs
+    assert DOUBT == 0.02
+    assert claimed <= 5
