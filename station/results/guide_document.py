@@ -12,8 +12,8 @@ NAME = "guide.json"
 class TurnDocument(Part):
     """One release: why it was asked for, what it gave.
 
-    `amplitude` (signed, in `unit`) as asked for; `provisional` is the answer while the decay was still running, "" where there
-    was none in time; `hypotheses` have their odds after it; `judged_s` is how long after its end the verdict came.
+    `amplitude` (signed, in `unit`) as asked for; `provisional` is the answer while the decay was still running, "" where
+    there was none in time; `hypotheses` have their odds after it; `judged_s` is how long after its end the verdict came.
     `problem` says why a release told nothing.
     """
 
