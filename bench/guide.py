@@ -192,11 +192,14 @@ def _kinds(found: list[Outcome]) -> str:
 
 
 def _calibration(pairs: list[tuple[float, float, float]], draw: bool) -> str:
+    from identify.diagnosis.next_release import DECIDES
+    from identify.diagnosis.ranking import RIVALS_WITHIN
+
     if not pairs:
         return "No release was foreseen."
     within = sum(abs(got - nats) <= 2.0 * scatter for nats, scatter, got in pairs)
-    decided = [got for nats, _, got in pairs if nats >= 13.8]
-    kept = sum(got >= 4.6 for got in decided)
+    decided = [got for nats, _, got in pairs if nats >= DECIDES]
+    kept = sum(got >= RIVALS_WITHIN for got in decided)
     if draw:
         from bench.guide_picture import expected_and_achieved
 
@@ -204,5 +207,5 @@ def _calibration(pairs: list[tuple[float, float, float]], draw: bool) -> str:
     return (
         f"Expected evidence against what the release gave, {len(pairs)} releases of the guide whose two hypotheses are fitted "
         f"before and after: {within} within two standard deviations; of {len(decided)} that were expected to decide "
-        f"(13.8 nats), {kept} gave 4.6 nats or more.\n\n![Expected and achieved evidence](pictures/guide_expected.svg)"
+        f"({DECIDES:.1f} nats), {kept} gave the {RIVALS_WITHIN:.1f} nats that distinguish two.\n\n![Expected and achieved evidence](pictures/guide_expected.svg)"
     )

@@ -16,6 +16,7 @@ from identify.diagnosis.experiment import (
     Experiment,
     carried_over,
     cut_where_small,
+    signed_amplitude,
     smallest_followed,
     window_of,
 )
@@ -28,6 +29,10 @@ from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 DRAWS = 6
+_LEAVE = 2.0
+"""How many times more than in linear theory a draw may contradict the release that was fitted."""
+
+_DRAWN_BACK = 6
 _ROUNDS = 3
 _PICARD = 3
 _FLAT = 1e-12
@@ -59,6 +64,8 @@ class _Carried:
     spread: Array
     misfit: Array
     jacobian: Array
+    shared: list[int]
+    factors: Array
 
     def left(self, records: Array, *, rounds: int) -> Array:
         """Return the misfit (draws,) that a refit keeps of records (n, draws), themselves given as misfits."""
@@ -82,29 +89,65 @@ class _Carried:
         return _kept(jacobian, self.precision, misfit[:, None] - records, theta - self.centre)
 
 
+def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:
+    """Return by how much the shared parameters of a hypothesis may be off, drawn, (draws, shared): none in the first.
+
+    Drawn from the covariance of its fit. What contradicts the release that it was fitted to, since far from the fit the
+    covariance does not hold, is drawn back.
+    """
+    random, found = np.random.default_rng([2019, seed]), one.fit
+    shared = [u.name for u in found.unknowns if u.window < 0]
+    drawn = np.zeros((1 + DRAWS, len(shared)))
+    again = Experiment(signed_amplitude(last))
+    window = _window(again, last, one)
+    own = None if one.shape is not None or window is None else _carried(again, last, found, window)
+    if own is None:
+        return drawn
+    at = [own.problem.index[name] for name in shared]
+    free = np.ones(len(own.centre), dtype=bool)
+    free[at] = False
+    for row in drawn[1:]:
+        normal = random.standard_normal(len(own.centre))
+        offset = own.spread @ normal
+        allowed = _LEAVE * float(normal @ normal)
+        for _ in range(_DRAWN_BACK):
+            misfit = own.problem.residuals(np.clip(own.centre + offset, own.problem.low, own.problem.high))
+            change = (misfit - own.misfit)[:, None]
+            nothing = np.zeros((int(free.sum()),) * 2)
+            if (
+                np.isfinite(misfit).all()
+                and _kept(own.jacobian[free], nothing, change, np.zeros(len(nothing)))[0] < allowed
+            ):
+                row[:] = offset[at]
+                break
+            offset = 0.5 * offset
+    return drawn
+
+
 def expected_evidence(
     experiment: Experiment,
     last: PreparedDecay,
     hypotheses: Sequence[Hypothesis],
     *,
     pairs: Sequence[tuple[int, int]],
-    draws: int = DRAWS,
+    drawn: Sequence[Array],
 ) -> ExpectedEvidence | None:
     """Return what an experiment would tell between hypotheses; None where its motion runs away or is soon at rest.
 
-    `last` is the largest release so far; `pairs` are places of a hypothesis that is true and of one to be refuted. That is
-    refitted to the record at the middle of what is known, in a few steps, and linearly from there to those drawn.
+    `last` is the largest release so far; `pairs` are places of a hypothesis that is true and of one to be refuted; `drawn`
+    are parameters of each (`draw_parameters`). The latter is refitted to the record at the middle of what is known, in a few
+    steps, and linearly from there to the others.
     """
     window = _window(experiment, last, hypotheses[0])
     if window is None:
         return None
     carried = [_carried(experiment, last, one.fit, window) for one in hypotheses]
-    nats = np.full((len(hypotheses), len(hypotheses), draws + 1), np.nan)
+    nats = np.full((len(hypotheses), len(hypotheses), 1 + DRAWS), np.nan)
     for i in sorted({i for i, _ in pairs}):
         own, shape = carried[i], hypotheses[i].shape
         if own is None:
             continue
-        records = _records(own, shape, last, draws, seed=i)
+        records = _records(own, shape, last, drawn[i])
         price = 0.0 if shape is not None else own.left(records, rounds=0)
         for j in (j for one, j in pairs if one == i):
             rival = carried[j]
@@ -132,7 +175,17 @@ def _carried(experiment: Experiment, last: PreparedDecay, found: Fit, window: Fi
     if not (np.isfinite(misfit).all() and _sound(slope.blocks[0])):
         return None
     precision, spread = _known(problem, found, factors)
-    return _Carried(problem, theta, precision, spread, misfit, slope.blocks[0])
+    names = [u.name for u in found.unknowns if u.window < 0]
+    return _Carried(
+        problem,
+        theta,
+        precision,
+        spread,
+        misfit,
+        slope.blocks[0],
+        [problem.index[name] for name in names],
+        np.array([factors[name] for name in names]),
+    )
 
 
 def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Array, Array]:
@@ -162,16 +215,14 @@ def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Arr
     return precision, spread
 
 
-def _records(
-    own: _Carried, shape: NonparametricForce | None, last: PreparedDecay, draws: int, seed: int
-) -> Array:
-    """Return records of a hypothesis as its misfit, (n, 1 + draws): in the middle, and at parameters that are drawn."""
-    problem, random = own.problem, np.random.default_rng([2019, seed])
+def _records(own: _Carried, shape: NonparametricForce | None, last: PreparedDecay, drawn: Array) -> Array:
+    """Return records of a hypothesis as its misfit, (n, draws): at parameters that are off by what is drawn."""
     if shape is not None:
-        return np.repeat(_of_shape(own, shape, last)[:, None], 1 + draws, axis=1)
-    found = [own.misfit]
-    for _ in range(draws):
-        theta = own.centre + own.spread @ random.standard_normal(len(own.centre))
+        return np.repeat(_of_shape(own, shape, last)[:, None], len(drawn), axis=1)
+    problem, found = own.problem, []
+    for offset in drawn:
+        theta = own.centre.copy()
+        theta[own.shared] += own.factors * offset
         misfit = problem.residuals(np.clip(theta, problem.low, problem.high))
         found.append(misfit if np.isfinite(misfit).all() else own.misfit)
     return np.stack(found, axis=1)

@@ -60,7 +60,7 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
     """Return where a test stands that has recorded so many releases, diagnosed together.
 
     A name is confirmed by one release more than it has effects, when some release came from the upper limit and every other
-    hypothesis lies 13.8 nats behind it. Where a law of a free exponent explains more by as much, that is what is confirmed.
+    hypothesis lies DECIDES nats behind it. Where a law of a free exponent explains more by as much, that is confirmed.
     """
     if found.verdict == "driven":
         return Guidance("given_up", "The motion is driven; stop the drive and begin again.")
@@ -98,7 +98,7 @@ def _confirmed(found: Diagnosis, releases: int, chosen: NextRelease | None) -> G
 
 
 def _between_the_names(found: Diagnosis) -> str | None:
-    """Return the law of a free exponent that what is named is a member of, where it explains 13.8 nats more (BIC)."""
+    """Return the law of a free exponent that what is named is a member of, where it explains DECIDES nats more (BIC)."""
     own = found.suspects[0]
     member = Candidate(own.term, own.fit, own.fit.chi_square, 0.0, True)
     baseline = found.baseline

@@ -106,7 +106,7 @@ def _as_judged(
 ) -> Hypothesis:
     """Return a hypothesis with odds that agree with the verdict, which knows more: the rest, and the curves of the decay.
 
-    A rival of what is named is at most 4.6 nats behind it, all else at least so far.
+    A rival of what is named is no farther behind it than what is not distinguishable, all else no nearer.
     """
     leads = next(other.log_odds for other in weighed if other.names == named)
     if one.names == named:

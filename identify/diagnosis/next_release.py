@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.expected_evidence import ExpectedEvidence, expected_evidence
+from identify.diagnosis.expected_evidence import ExpectedEvidence, draw_parameters, expected_evidence
 from identify.diagnosis.experiment import Experiment, has_memory, signed_amplitude
 from identify.diagnosis.hypotheses import Hypothesis
 from identify.diagnosis.ranking import RIVALS_WITHIN
@@ -19,7 +19,7 @@ OPEN = 2.0 * RIVALS_WITHIN
 """Nats behind the likeliest hypothesis within which another one is open."""
 
 DECIDES = 3.0 * RIVALS_WITHIN
-"""Nats, odds of a million to one, beyond which more decide nothing more."""
+"""Nats beyond which more decide nothing more: three times what distinguishes two hypotheses."""
 
 _ENOUGH = 0.9
 """Share of what decides from which on nothing but the amplitude need be varied."""
@@ -91,7 +91,7 @@ class NextRelease:
 
     @property
     def tells_more(self) -> bool:
-        """Whether a release within the limits is expected to decide between hypotheses: by 4.6 nats, odds of 100 to 1.
+        """Whether a release within the limits is expected to decide between hypotheses: by as much as distinguishes any two.
 
         What can still hide must show there better than by doing the same again.
         """
@@ -190,9 +190,17 @@ class _Question:
         """The odds of each, (hypotheses,); what is refuted, but beside which there is only one, counts as hardly open."""
         return np.exp(np.maximum([one.log_odds for one in self.considered], -OPEN))
 
+    @cached_property
+    def drawn(self) -> tuple[Array, ...]:
+        """Parameters of each as far as they are not known, (draws, shared)."""
+        return tuple(draw_parameters(one, self.last, seed) for seed, one in enumerate(self.considered))
+
     def ask(self, experiments: Sequence[Experiment]) -> list[ExpectedEvidence]:
         """Return what experiments are expected to tell, those that can be simulated."""
-        found = [expected_evidence(one, self.last, self.considered, pairs=self.pairs) for one in experiments]
+        found = [
+            expected_evidence(one, self.last, self.considered, pairs=self.pairs, drawn=self.drawn)
+            for one in experiments
+        ]
         return [one for one in found if one is not None]
 
     @cached_property
