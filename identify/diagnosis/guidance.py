@@ -8,7 +8,9 @@ import numpy as np
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.experiment import Experiment, signed_amplitude
 from identify.diagnosis.free_exponent import from_members
+from identify.diagnosis.hypotheses import Hypothesis
 from identify.diagnosis.next_release import DECIDES, Limits, NextRelease
+from identify.diagnosis.ranking import RIVALS_WITHIN
 from identify.diagnosis.suspects import Candidate
 from identify.effects.families import FAMILIES
 from identify.formatting import among, plain_name
@@ -117,6 +119,11 @@ def _no_more(found: Diagnosis, chosen: NextRelease | None) -> Guidance:
     if found.verdict == "nothing_missing":
         return Guidance("nothing", f"Nothing is missing between the limits.{why}", None, chosen)
     if found.named:
+        if all(_less_simple(found, one) for one in _near(found)):
+            words = (
+                f"{_named(found.named)}: confirmed as the simplest law. What is left explains no more.{why}"
+            )
+            return Guidance("confirmed", words, None, chosen, found.named)
         words = f"{_named(found.named)}, or what is the same here.{why}"
         return Guidance("alike", words, None, chosen, found.named)
     return Guidance("no_name", f"Something is missing that has no name here.{why}", None, chosen)
@@ -133,6 +140,19 @@ def _rather_the_limit(chosen: NextRelease, limits: Limits) -> NextRelease:
     far = [one for one in chosen.options if abs(one.experiment.amplitude) >= _REACHED * limits.high]
     best = max(far, key=lambda one: one.worth, default=chosen.best)
     return replace(chosen, best=best) if best.decides >= _NEARLY * chosen.best.decides else chosen
+
+
+def _near(found: Diagnosis) -> list[Hypothesis]:
+    """Return the hypotheses that are not decided against what is named."""
+    leads = next(one.log_odds for one in found.hypotheses if one.names == found.named)
+    return [one for one in found.hypotheses if one.names != found.named and leads - one.log_odds < DECIDES]
+
+
+def _less_simple(found: Diagnosis, other: Hypothesis) -> bool:
+    """Whether another hypothesis has more parameters than what is named, and explains no more for it."""
+    named = next(one for one in found.hypotheses if one.names == found.named)
+    more = len(other.fit.parameters) > len(named.fit.parameters)
+    return more and 0.5 * (named.fit.chi_square - other.fit.chi_square) < RIVALS_WITHIN
 
 
 def _reach(found: Diagnosis) -> float:

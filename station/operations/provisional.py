@@ -65,6 +65,7 @@ class Provisional(CaptureObserver):
 
     def close(self) -> None:
         """Wait for nothing: what is not weighed by now comes too late."""
+        self._say = _nobody
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _weigh(self, samples: Array) -> None:
@@ -86,3 +87,7 @@ class Provisional(CaptureObserver):
             return among([plain_name(name) for name in named]) if named else "nothing is named yet"
         found = weighed_anew(self._hypotheses, self._before, new)
         return f"{found[0].title}, odds {100.0 * odds(found)[0]:.0f} % among what was open"
+
+
+def _nobody(answer: str) -> None:
+    """Drop an answer that comes when the final one is on its way."""
