@@ -77,7 +77,7 @@ def play(case: Case, policy: str) -> Outcome:
         except NotIdentifiable:
             continue
         if policy == "guide" and before is not None and told is not None and told.chosen is not None:
-            evidence += _achieved(before, told.chosen, found)
+            evidence += _achieved(case, before, told.chosen, found)
         told, before = guidance(found, len(decays), limits), found
         if not first_right and len(decays) > 1 and case.right(_said(found.verdict), found.named):
             first_right = number + 1
@@ -94,8 +94,11 @@ def _said(verdict: str) -> str:
     return known.get(verdict, "confirmed")
 
 
-def _achieved(before, chosen, found) -> list[tuple[float, float, float]]:  # type: ignore[no-untyped-def]
-    """Return what was expected between two hypotheses and what a release gave, where both are still fitted."""
+def _achieved(case, before, chosen, found) -> list[tuple[float, float, float]]:  # type: ignore[no-untyped-def]
+    """Return what was expected of a release if one hypothesis is true, and what it gave; where that is what is hidden."""
+    named = {frozenset(h.names): h.title for h in before.hypotheses}
+    if chosen.between[0] != named.get(frozenset((case.hidden or "").split("+"))):
+        return []
     halves = []
     for title in chosen.between:
         one = next((h for h in before.hypotheses if h.title == title and h.shape is None), None)
@@ -197,7 +200,9 @@ def _calibration(pairs: list[tuple[float, float, float]], draw: bool) -> str:
 
     if not pairs:
         return "No release was foreseen."
-    within = sum(abs(got - nats) <= 2.0 * scatter for nats, scatter, got in pairs)
+    ratios = [got / nats for nats, _, got in pairs if nats > RIVALS_WITHIN]
+    near = sum(0.2 <= ratio <= 5.0 for ratio in ratios)
+    middle = statistics.median(ratios) if ratios else float("nan")
     decided = [got for nats, _, got in pairs if nats >= DECIDES]
     kept = sum(got >= RIVALS_WITHIN for got in decided)
     if draw:
@@ -205,7 +210,9 @@ def _calibration(pairs: list[tuple[float, float, float]], draw: bool) -> str:
 
         expected_and_achieved(pairs)
     return (
-        f"Expected evidence against what the release gave, {len(pairs)} releases of the guide whose two hypotheses are fitted "
-        f"before and after: {within} within two standard deviations; of {len(decided)} that were expected to decide "
-        f"({DECIDES:.1f} nats), {kept} gave the {RIVALS_WITHIN:.1f} nats that distinguish two.\n\n![Expected and achieved evidence](pictures/guide_expected.svg)"
+        f"Expected evidence against what the release gave (half of the difference of chi-square), {len(pairs)} releases of the "
+        "guide where the hypothesis that was taken for the truth is what is hidden: "
+        f"of {len(ratios)} that were expected to distinguish it, {near} gave the evidence within a factor of 5 (the median "
+        f"{middle:.2g} of it); of {len(decided)} that were expected to decide ({DECIDES:.1f} nats), {kept} gave the "
+        f"{RIVALS_WITHIN:.1f} nats that distinguish two.\n\n![Expected and achieved evidence](pictures/guide_expected.svg)"
     )
