@@ -9,9 +9,7 @@ import importlib
 import os
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from types import ModuleType
@@ -130,8 +128,8 @@ def run(quick: bool) -> str:
     every = list(constants())
     every = every[::20] if quick else every
     changes = [(c, factor) for c in every for factor in (0.5, 2.0)]
-    with ProcessPoolExecutor(WORKERS, mp_context=get_context("fork"), max_tasks_per_child=1) as pool:
-        usual, *changed = list(pool.map(partial(with_constant), [None, *changes]))
+    with get_context("fork").Pool(WORKERS, maxtasksperchild=1) as pool:  # each change in a process of its own
+        usual, *changed = pool.map(with_constant, [None, *changes], chunksize=1)
     rows = []
     for constant in every:
         cells = []

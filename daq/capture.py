@@ -194,15 +194,7 @@ class _Capture:
             release = self._triggered(trigger, block)
             if release is not None:
                 return release
-        if self._rig is not None:
-            raise NoRelease(
-                f"the rig let go, and no swing came within {_waited(settings.trigger_timeout_s, began)}; what was"
-                " received is kept. See whether its magnet grips, or give a smaller trigger level"
-            )
-        raise NoRelease(
-            f"no release within {_waited(settings.trigger_timeout_s, began)}; what was received is kept. Release the"
-            " mass after arming, or give a smaller trigger level"
-        )
+        raise _no_release(_waited(settings.trigger_timeout_s, began), self._rig is not None)
 
     def _now(self) -> int:
         return self._early if self._early is not None else self._link.assembly.expected
@@ -312,6 +304,19 @@ class _Requests:
 def _beside(assembly: Assembly) -> list[tuple[int, int]]:
     """Return what the checksum needs beside the recording."""
     return lost_outside(assembly.samples, assembly.end, assembly.start, assembly.stop, assembly.total)
+
+
+def _no_release(waited: str, by_rig: bool) -> NoRelease:
+    """Return the error of a release that was waited for in vain."""
+    if by_rig:
+        return NoRelease(
+            f"the rig let go, and no swing came within {waited}; what was received is kept. See whether its magnet grips,"
+            " or give a smaller trigger level"
+        )
+    return NoRelease(
+        f"no release within {waited}; what was received is kept. Release the mass after arming, or give a smaller"
+        " trigger level"
+    )
 
 
 def _small(value: float, unit: str) -> str:

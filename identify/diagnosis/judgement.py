@@ -13,11 +13,14 @@ from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.search import Pair
 from identify.diagnosis.several_effects import several_effects
+from identify.diagnosis.suspects import residual_lines
 from identify.diagnosis.triples import Triple
 from identify.diagnosis.verdict import Judgement, free_form, verdict_of
 from identify.effects.effect import Effect
+from identify.evidence.marginal_likelihood import evidence
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
+from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import removed_percent
 
 _DECISIVE = 12.0
@@ -124,7 +127,8 @@ def _beyond_one(
         return by_curves(baseline, ranked, predict(), ranked[0].candidate.fit)
     found = several_effects(baseline, tuple(entry.candidate for entry in ranked), library)
     if found.law is not None:
-        law = Ranked(found.law, 0.5 * found.law.gain, True)
+        scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+        law = Ranked(found.law, evidence(baseline.fit, found.law.fit, scales), True)
         return _unless_it_walks(baseline, Judgement("missing_effect", (law, *ranked), found.law.fit))
     several = found.pair or found.triple
     if several is not None:

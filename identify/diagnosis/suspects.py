@@ -12,6 +12,7 @@ from identify.diagnosis.linear_gain import LINEAR_UP_TO, Slope, Starts, likelies
 from identify.diagnosis.weak_presence import probes, states_of_term, with_fault
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
+from identify.evidence.marginal_likelihood import price
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import FAR_OFF, Fit, fit, fit_at
 from identify.fitting.initial_values import (
@@ -63,7 +64,7 @@ _IMPLAUSIBLE = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """One effect in its best variant, added to a model and refitted; `score` is chi-square with BIC's penalty."""
+    """One effect in its best variant, added to a model and refitted; `score` is chi-square with twice the price."""
 
     term: Term
     fit: Fit
@@ -310,8 +311,7 @@ def _is_inner(unknown: ParameterId, term: Term) -> bool:
 
 def score_candidate(found: Fit, base: Fit, term: Term, scales: Scales) -> Candidate:
     """Weigh a refit against the fit without the term."""
-    extra = len(found.names) - len(base.names)
-    score = found.chi_square + extra * float(np.log(found.degrees))
+    score = found.chi_square + 2.0 * price(base, found, scales)
     values = {name: estimate.value for name, estimate in found.of(term, len(found.windows) - 1).items()}
     at_fault = replace(scales, peaks={term.channel: scales.peaks[term.channel]}) if term.channel else scales
     plausible = term.effect.plausible(values, at_fault)

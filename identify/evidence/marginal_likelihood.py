@@ -28,14 +28,18 @@ def evidence(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> 
 
     `dispersion` is by how much a misfit that nothing explains widens the noise: 1 where the floor is sure.
     """
+    return 0.5 * (base.chi_square - found.chi_square) / dispersion - price(base, found, scales, dispersion)
+
+
+def price(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> float:
+    """Return what it costs to have found all that a fit has beyond the `base` in the ranges where it may lie, in nats."""
     terms = {term.effect.name: term for term in found.model.terms if term.effect.name not in base.model}
     own = [j for j, unknown in enumerate(found.unknowns) if unknown.name not in base.names]
     widths = np.array([_width(found.unknowns[j], float(found.theta[j]), terms, scales) for j in own])
     counts = widths > 0.0  # a strength of none has gained nothing and costs nothing
     places = np.array(own, dtype=int)[counts]
     cost = _cost(dispersion * found.covariance[np.ix_(places, places)], widths[counts])
-    cost += float(sum(np.log(len(term.effect.variants)) for term in terms.values()))
-    return 0.5 * (base.chi_square - found.chi_square) / dispersion - cost
+    return cost + float(sum(np.log(len(term.effect.variants)) for term in terms.values()))
 
 
 def _cost(covariance: Array, widths: Array) -> float:

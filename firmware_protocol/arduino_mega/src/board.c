@@ -2,9 +2,7 @@
 #include "board.h"
 
 #include "hardware.h"
-#if BOARD_HOLDER
 #include "holding.h"
-#endif
 #include "ring.h"
 #include "timing.h"
 
@@ -17,13 +15,6 @@ enum state { IDLE, SAMPLING, FINISHING, RESENDING };
 static struct ring ring;
 static struct timing timing;
 static struct wire_receiver receiver;
-#if BOARD_HOLDER
-static struct holding holding;
-static volatile bool hung_up;
-
-void board_holder_tick(void) { holder_tick(&holding.holder); }
-void board_hung_up(void) { hung_up = true; }
-#endif
 
 static struct {
     enum state state;
@@ -117,9 +108,7 @@ static void start(const struct wire_frame *request) {
     }
     board.last_data = hardware_ticks();
     board.state = SAMPLING;
-#if BOARD_HOLDER
-    holding.released = WIRE_NO_SAMPLE;
-#endif
+    holding_started();
     acknowledge(request);
 }
 
@@ -130,9 +119,7 @@ static void finish(void) {
 }
 
 static void stop(const struct wire_frame *request) {
-#if BOARD_HOLDER
-    holding_let_go_slowly(&holding, WIRE_BY_STOP);
-#endif
+    holding_let_go_slowly(WIRE_BY_STOP);
     if (board.state == SAMPLING) {
         finish();
     } else if (board.state == IDLE) {
@@ -151,23 +138,19 @@ static void resend(const struct wire_frame *request) {
     acknowledge(request); /* sent after the samples */
 }
 
-#if BOARD_HOLDER
 static uint64_t next_sample(void) { return board.state == SAMPLING ? ring_taken(&ring) : WIRE_NO_SAMPLE; }
 
 static void hold(const struct wire_frame *request) {
     const char *why;
-    uint8_t code = holding_obey(&holding, &request->message, next_sample, &why);
+    uint8_t code = holding_obey(&request->message, next_sample, &why);
     if (code) refuse(request, code, why);
     else acknowledge(request);
 }
-#endif
 
 static void obey(const struct wire_frame *request) {
     bool idle = board.state == IDLE;
     if (request->stream != 0) return; /* this board has one stream */
-#if BOARD_HOLDER
-    holding_hear(&holding, request, hardware_ticks());
-#endif
+    holding_hear(request, hardware_ticks());
     switch (request->message.type) {
     case WIRE_HELLO_REQUEST:
         board.say_hello = board.say_describe = true;
@@ -181,11 +164,7 @@ static void obey(const struct wire_frame *request) {
         break;
     case WIRE_HOLD:
     case WIRE_RELEASE:
-#if BOARD_HOLDER
         hold(request);
-#else
-        refuse(request, WIRE_NOT_UNDERSTOOD, "");
-#endif
         break;
     case WIRE_CONFIG:
     case WIRE_START:
@@ -385,18 +364,14 @@ static void send_next(uint64_t now) {
     } else if (take(&board.say_describe)) {
         send_describe();
         board.say_clock = hardware_clock_error_ppm > 0;
-#if BOARD_HOLDER
-        holding.has_news = true;
-#endif
+        holding_say();
     } else if (take(&board.say_clock)) {
         m.type = WIRE_CLOCK;
         m.as.clock.error_ppm = hardware_clock_error_ppm;
         transmit(&m);
-#if BOARD_HOLDER
-    } else if (holding_report_is_due(&holding, now)) {
-        holding_report(&holding, &m, now);
+    } else if (holding_report_is_due(now)) {
+        holding_report(&m, now);
         transmit(&m);
-#endif
     } else if (take(&board.say_time)) {
         m.type = WIRE_TIMESYNC;
         m.as.timesync.host_time_us = board.host_time_us;
@@ -431,18 +406,12 @@ void board_begin(void) {
     board.boot_id = hardware_boot_id();
     board.period = hardware_period(0);
     board.samples_per_frame = usual_frame(board.period);
-#if BOARD_HOLDER
-    holding_begin(&holding, board.boot_id);
-#endif
+    holding_begin(board.boot_id);
 }
 
 void board_step(void) {
     receive();
-#if BOARD_HOLDER
-    if (hung_up) holding_let_go_slowly(&holding, WIRE_BY_SILENCE);
-    hung_up = false;
-    holding_watch(&holding, hardware_ticks());
-#endif
+    holding_watch(hardware_ticks());
     if (board.state == SAMPLING && ring_taken(&ring) >= ring.limit) finish();
     if (board.out_at == board.out_length) send_next(hardware_ticks());
     if (board.out_at < board.out_length)
