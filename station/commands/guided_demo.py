@@ -7,20 +7,15 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from daq.session_info import SessionInfo
-from identify.diagnosis.next_release import Limits
 from station.commands.guide import show_guided
 from station.exits import DONE
-from station.operations.guiding import GuidedTest
+from station.operations.guiding import RIG, SIMULATED, GuidedTest
 from station.operations.mystery import BOARD, MASS_KG, hidden_words
 from station.operations.new_session import capture_settings, new_folder
 from station.operations.simulated_board import simulated_board
 from station.output import print_json, screen
 from station.settings import load_settings
 from station.text.layout import labelled
-
-LIMITS = Limits(0.002, 0.025, ways=("longer", "rest"))
-HOLDER, REFERENCE = "-25,25", "20"
-"""Between which displacements (mm) the simulated rig holds, and that at which the hidden effect has its strength."""
 
 
 def play_guided(
@@ -31,11 +26,10 @@ def play_guided(
     info = SessionInfo(specimen=f"mystery {seed}", mass_kg=MASS_KG, operator="demo")
     wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
     place = folder or new_folder(settings.sessions, "guide")
-    more = (f"--holder={HOLDER}", f"--releases={REFERENCE}")
     with TemporaryDirectory() as temporary:
         envelope = Path(temporary) / "truth.json"
-        with simulated_board(seed, speed, pty, *more, "--truth", str(envelope), module=BOARD) as port:
-            document = show_guided(GuidedTest(port, wanted, LIMITS, place, settings, alone=True), as_json)
+        with simulated_board(seed, speed, pty, *RIG, "--truth", str(envelope), module=BOARD) as port:
+            document = show_guided(GuidedTest(port, wanted, SIMULATED, place, settings, alone=True), as_json)
         truth: dict[str, Any] = json.loads(envelope.read_text(encoding="utf-8"))
     hidden = {key: truth[key] for key in ("hidden", "kind", "strengths", "parameters")}
     if as_json:

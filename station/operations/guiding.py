@@ -29,6 +29,12 @@ from station.results.guide_document import NAME, GuideDocument, TurnDocument
 from station.settings import Settings
 from station.text.capture_progress import Several
 
+RIG = ("--holder=-25,25", "--releases=20")
+"""Of the simulated board: between which displacements (mm) it holds the mass, and at which what it hides has its size."""
+
+SIMULATED = Limits(0.002, 0.025, ways=("longer", "rest"))
+"""What the simulated rig allows."""
+
 
 class Watcher(Protocol):
     """Who is told how a guided test goes on."""

@@ -14,7 +14,8 @@ from identify.diagnosis.guidance import Guidance
 from identify.diagnosis.next_release import Limits
 from identify.errors import NotIdentifiable
 from station.exits import Problem
-from station.operations.guiding import GuidedTest, guide
+from station.operations.guiding import RIG, SIMULATED, GuidedTest, guide
+from station.operations.mystery import BOARD
 from station.operations.new_session import capture_settings, new_folder, session_info
 from station.report.guided import finish
 from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
@@ -28,8 +29,6 @@ from station.workbench import widgets
 from station.workbench.capture_panel import MYSTERIES, MYSTERY_KG, MYSTERY_SPEED
 
 TICK_S = 0.2
-HOLDER = ("--holder=-25,25", "--releases=20")
-SIMULATED = Limits(0.002, 0.025, ways=("longer", "rest"))
 _SHOWN = 5
 
 
@@ -116,12 +115,14 @@ class GuidePanel:
         with ui.expansion("Guided test").props("dense").classes("card"):
             with ui.element("div") as self._form:
                 with widgets.line():
-                    self._low = _length("Smallest, mm", 2.0)
+                    self._low = _length("Least, mm", 2.0)
                     self._high = _length("Largest, mm", 25.0)
                 self._port = ui.input("Port", value=self._settings.capture.port or "").props("dense outlined")
                 self._alone = ui.checkbox("The rig releases itself")
-                widgets.button("Begin", self._begin, "Begin the guided test", strong=True)
-                widgets.button("No board? On a simulated rig", self._simulate)
+                begin = widgets.button("Begin", self._begin, "Begin the guided test", strong=True)
+                simulate = widgets.button("No board? On a simulated rig", self._simulate)
+                for made in (begin, simulate):
+                    made.style("width:100%; margin-top:6px")
             with ui.element("div").props("aria-live=polite") as self._place:
                 pass
         ui.timer(TICK_S, self._tick)
@@ -144,7 +145,7 @@ class GuidePanel:
         seed = randbelow(MYSTERIES)
         info = session_info(self._settings, MYSTERY_KG, None, f"mystery {seed}", None)
         wanted = replace(capture_settings(self._settings, info), check_clock=False)
-        board = simulated_board(seed, MYSTERY_SPEED, False, *HOLDER, module="mocks.mystery")
+        board = simulated_board(seed, MYSTERY_SPEED, False, *RIG, module=BOARD)
         self._start(board, wanted, SIMULATED, True)
 
     def _start(
