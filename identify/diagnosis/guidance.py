@@ -130,9 +130,11 @@ def _no_more(found: Diagnosis, chosen: NextRelease | None) -> Guidance:
 
 
 def _margin(found: Diagnosis) -> float:
-    """Return the nats by which what is named leads all other hypotheses."""
+    """Return the nats by which what is named leads all other hypotheses; of a fault that every fit corrects its evidence."""
+    if found.suspects[0].corrected is not None:
+        return found.suspects[0].evidence
     leads = next(one.log_odds for one in found.hypotheses if one.names == found.named)
-    return leads - max(one.log_odds for one in found.hypotheses if one.names != found.named)
+    return leads - max((h.log_odds for h in found.hypotheses if h.names != found.named), default=-np.inf)
 
 
 def _rather_the_limit(chosen: NextRelease, limits: Limits) -> NextRelease:

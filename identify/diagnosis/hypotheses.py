@@ -10,7 +10,7 @@ from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.ranking import RIVALS_WITHIN
 from identify.diagnosis.suspect import Suspect
 from identify.fitting.baseline import Baseline
-from identify.fitting.fit import Fit
+from identify.fitting.fit import Fit, fit
 from identify.formatting import among, plain_name
 
 _SUSPECTS = 4
@@ -59,7 +59,10 @@ def hypotheses_of(
     rivals = suspects[0].rivals if len(named) == 1 else ()
     found: dict[tuple[str, ...], Hypothesis] = {(): Hypothesis((), baseline.fit, 0.0, claimed=not named)}
     if named:
-        found[tuple(named)] = Hypothesis(tuple(named), final, 0.0, claimed=True)
+        own = _at_the_same_floor(baseline, suspects[0], named, final)
+        if own is baseline.fit:  # a fault that every fit corrects: the usual model without it was not fitted
+            del found[()]
+        found[tuple(named)] = Hypothesis(tuple(named), own, 0.0, claimed=True)
     quiet = not named and not any(suspect.claimed for suspect in suspects)
     closest = sorted(suspects, key=lambda suspect: (quiet and not _hides(suspect), suspect.fit.chi_square))
     for suspect in closest:
@@ -84,6 +87,13 @@ def hypotheses_of(
     highest = max(one.log_odds for one in weighed)
     weighed = [replace(one, log_odds=one.log_odds - highest) for one in weighed]
     return tuple(sorted(weighed, key=lambda one: -one.log_odds))
+
+
+def _at_the_same_floor(baseline: Baseline, first: Suspect, named: Sequence[str], final: Fit) -> Fit:
+    """Return what is named as it is fitted against the noise of all other suspects: `final` has that of its own residual."""
+    if len(named) == 1:
+        return first.fit
+    return fit(final.model, baseline.fit.windows, final.point, baseline.fit.frequency, near=True)
 
 
 def _hides(suspect: Suspect) -> bool:
