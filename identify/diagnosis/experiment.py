@@ -119,7 +119,7 @@ def carried_over(
                 values[name] = 0.0
     if experiment.push:
         values |= {"displacement": 0.0, "velocity": experiment.amplitude * last.frequency * np.sqrt(mass)}
-    if experiment.sensor == "acceleration" and "gain" not in values:
+    if experiment.sensor:  # its own, which is not known yet
         values |= {"gain": 1.0}
     return values, factors
 
@@ -133,9 +133,9 @@ def has_memory(found: Fit) -> bool:
 
 
 def signed_amplitude(last: PreparedDecay) -> float:
-    """Return the displacement from which a release was let go, with its side; where that was not seen, the largest."""
+    """Return the displacement from which a release was let go, with its side; the largest where that was not seen."""
     before = last.window.pre_release
-    if before is not None:
+    if before is not None and abs(before.displacement[0]) > 0.5 * last.amplitude:
         return float(before.displacement[0])
     return last.amplitude * (float(np.sign(last.motion.displacement[0])) or 1.0)
 

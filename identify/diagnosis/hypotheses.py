@@ -22,14 +22,13 @@ _FREE_FORM = 24
 class Hypothesis:
     """What may be true: the effects beyond the model that was asked about, fitted; `log_odds` are relative, nats.
 
-    `shape` is the law without a name that acts beside the fit, None elsewhere. A `claimed` one is beyond chance.
+    `shape` is the law without a name that acts beside the fit, None elsewhere.
     """
 
     names: tuple[str, ...]
     fit: Fit
     log_odds: float
     shape: NonparametricForce | None = None
-    claimed: bool = False
 
     @property
     def title(self) -> str:
@@ -57,12 +56,12 @@ def hypotheses_of(
     by which a detection limit is told.
     """
     rivals = suspects[0].rivals if len(named) == 1 else ()
-    found: dict[tuple[str, ...], Hypothesis] = {(): Hypothesis((), baseline.fit, 0.0, claimed=not named)}
+    found: dict[tuple[str, ...], Hypothesis] = {(): Hypothesis((), baseline.fit, 0.0)}
     if named:
         own = _at_the_same_floor(baseline, suspects[0], named, final)
         if own is baseline.fit:  # a fault that every fit corrects: the usual model without it was not fitted
             del found[()]
-        found[tuple(named)] = Hypothesis(tuple(named), own, 0.0, claimed=True)
+        found[tuple(named)] = Hypothesis(tuple(named), own, 0.0)
     quiet = not named and not any(suspect.claimed for suspect in suspects)
     closest = sorted(suspects, key=lambda suspect: (quiet and not _hides(suspect), suspect.fit.chi_square))
     for suspect in closest:
@@ -71,12 +70,11 @@ def hypotheses_of(
         if len(found) > _SUSPECTS + bool(named) and not (quiet and suspect.effect.shows_detection_limit):
             continue
         name = (suspect.effect.name,)
-        found.setdefault(name, Hypothesis(name, suspect.fit, 0.0, claimed=suspect.claimed))
+        found.setdefault(name, Hypothesis(name, suspect.fit, 0.0))
     for suspect in suspects:
         if suspect.effect.name in rivals and suspect.fit is not baseline.fit:
-            found.setdefault(
-                (suspect.effect.name,), Hypothesis((suspect.effect.name,), suspect.fit, 0.0, claimed=True)
-            )
+            name = (suspect.effect.name,)
+            found.setdefault(name, Hypothesis(name, suspect.fit, 0.0))
     best = min(found.values(), key=lambda one: one.fit.chi_square).fit
     unit = 1.0 if baseline.floor_is_sure else max(best.reduced, 1.0)
     if shape is not None and shape.shapes:
