@@ -48,6 +48,7 @@ class SessionInfo(BaseModel):
     `source` is the port or the file, `noise` the standard deviation of each channel at rest in its unit,
     `rate_std_hz` the standard error of the rate (None where an import was given the rate), `reason` why a session was
     aborted or recovered. `conditions` are numbers known of the test, by name with their unit, as "temperature [degC]".
+    `varies` names what differs between the sessions of one rig, as "stiffness" or "inertia".
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -68,6 +69,7 @@ class SessionInfo(BaseModel):
     rate_hz: float | None = Field(default=None, gt=0, allow_inf_nan=False)
     rate_std_hz: float | None = Field(default=None, ge=0, allow_inf_nan=False)
     conditions: dict[Line, FiniteFloat] = Field(default_factory=dict, max_length=256)
+    varies: tuple[Line, ...] = Field(default=(), max_length=64)
     planned_samples: int | None = Field(default=None, ge=0, le=1 << 53)
     noise: dict[str, float] = Field(default_factory=dict, max_length=256)
     verdict: Line = Field(default="", max_length=64)

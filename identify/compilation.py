@@ -34,6 +34,7 @@ if "numba" not in sys.modules:
 
 from numba import njit, types
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.runtime import rtsys
 from numba.core.typing import Signature
 
 
@@ -63,12 +64,17 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         self._dispatcher, self._is_stamped = dispatcher, False
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """As numba's. The stamp is taken here: when a function is compiled, all that it calls has been defined."""
+        """As numba's, without the tenth of a second in which numba readies itself to compile: it does so when it must.
+
+        The stamp is taken here: when a function is compiled, all that it calls has been defined.
+        """
         if not self._is_stamped:
             stamp = (self._impl.locator.get_source_stamp(), fingerprint(self._dispatcher))
             self._cache_file = IndexDataCacheFile(self.cache_path, self._impl.filename_base, stamp)
             self._is_stamped = True
-        return super().load_overload(sig, target_context)
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
 
 
 def fingerprint(function: Any) -> str:

@@ -36,9 +36,13 @@ class Problem(Exception):
 
 
 class UsageProblem(Problem):
-    """The operator asked for something that cannot be done so."""
+    """The operator asked for something that cannot be done so; `details` stand beside the sentence in JSON."""
 
     exit_code = USAGE
+
+    def __init__(self, sentence: str, **details: object) -> None:
+        super().__init__(sentence)
+        self.details = details
 
 
 def code_of(error: BaseException) -> int:

@@ -9,6 +9,7 @@ OF = {
     "labelled/tower_pendulum_locked.txt": "tower",
     "labelled/water_gauge_with_damper.txt": "water_gauge",
     "labelled/water_gauge_without_damper.txt": "water_gauge",
+    "rigs/friction_damper_forced.json": "friction_damper",
     **{f"rigs/pendulum_encoder_{i}.txt": "pendulum_encoder" for i in (1, 2, 3)},
 }
 

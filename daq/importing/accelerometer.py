@@ -1,5 +1,6 @@
-"""Three axes of an accelerometer: known by the gravity in them; the one that moves is taken."""
+"""Three axes of an accelerometer: known by their names or by the gravity in them; the one that moves is taken."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,13 +13,14 @@ from daq.importing.table import SourceColumn, Table
 from daq.importing.units import STANDARD_GRAVITY
 from daq.recording import Array
 
-AXES = ("x", "y", "z")
 WITHIN = 0.03
 """Gravity is found again to 3 %: the calibration of a phone's accelerometer."""
 
 MOST_SENSORS = 4
 STEEPER = 1.3
 """The moving axis moves this much more than the next one."""
+
+_AXIS = re.compile(r"(?:.* )?(?:a|acc|accel|g|f|v)?([xyz])(?: .*)?")
 
 
 def has_gravity(values: Array) -> bool:
@@ -36,83 +38,50 @@ def with_moving_axis(table: Table, options: ImportOptions) -> Table:
     if any(q in options.columns for q in ("displacement", "velocity", "acceleration")) or options.angle_from:
         return table
     for _ in range(MOST_SENSORS):
-        found = _by_gravity(table) or _by_name(table)
+        found = _axes(table, by_gravity=True) or _axes(table, by_gravity=False)
         if found is None:
             break
         table = _with_one_axis(table, *found)
     return table
 
 
-def _with_one_axis(table: Table, axes: Sequence[SourceColumn], unit: str, gravity: bool) -> Table:
-    amplitudes = [amplitude(c.values) for c in axes]
-    order = np.argsort(amplitudes)[::-1]
-    first, second = axes[int(order[0])], axes[int(order[1])]
+def _with_one_axis(table: Table, axes: Sequence[SourceColumn], unit: str) -> Table:
+    first, second, _ = sorted(axes, key=lambda c: -amplitude(c.values))
+    gravity, share = bool(unit), amplitude(second.values) / max(amplitude(first.values), 1e-300)
     quantity = "acceleration" if gravity else meaning(first.label, first.unit).quantity or "acceleration"
     doubts = table.doubts
-    if amplitudes[order[0]] < STEEPER * amplitudes[order[1]]:
+    if share * STEEPER > 1.0:
         doubts += (
             f"{first.place} and {second.place} are axes of one sensor and move alike; "
             f"choose one, as in {ask(quantity, first.number)}",
         )
-    share = 100.0 * amplitudes[order[1]] / amplitudes[order[0]]
-    kind, why = (
-        ("an accelerometer", "their mean vector is gravity") if gravity else ("a sensor", "by their names")
-    )
+    why = "an accelerometer (their mean vector is gravity)" if gravity else "a sensor (by their names)"
     note = (
-        f"{', '.join(c.place for c in axes)} are the axes of {kind} ({why}); {first.place} moves most "
-        f"and was taken as the {quantity} (the next axis moves {share:.0f} % as much)"
+        f"{', '.join(c.place for c in axes)} are the axes of {why}; {first.place} moves most "
+        f"and was taken as the {quantity} (the next axis moves {100.0 * share:.0f} % as much)"
     )
     said = first.unit or split_unit(first.label)[1] or unit
     taken = replace(first, quantity=quantity, unit=said, gravity=gravity, label=first.label or quantity)
-    rest = {c.number for c in axes} - {first.number}
-    columns = tuple(taken if c is first else c for c in table.columns if c.number not in rest)
+    columns = tuple(taken if c is first else c for c in table.columns if c is first or c not in axes)
     return replace(table, columns=columns, notes=(*table.notes, note), doubts=doubts)
 
 
-def _axis(column: SourceColumn) -> str:
-    """Return the axis that a name ends in or stands for ("" for none, "?" for no name at all)."""
-    name = words(split_unit(column.label)[0])
-    if not name:
-        return "?" if not column.label else ""
-    last = name[-1]
-    if last in AXES:
-        return last
-    if last[:-1] in ("a", "acc", "accel", "g", "f") and last[-1] in AXES:
-        return last[-1]
-    return next((w for w in name if w in AXES), "")
-
-
-def _in_g(axes: Sequence[SourceColumn]) -> bool:
-    """Return whether the axes are called `gFx`, `g_y` and the like."""
-    return all(words(c.label)[:1] in (("g",), ("gf",), ("gforce",)) for c in axes)
-
-
-def _triples(table: Table) -> list[Sequence[SourceColumn]]:
+def _axes(table: Table, *, by_gravity: bool) -> tuple[Sequence[SourceColumn], str] | None:
+    """Return three axes, and the unit in which the mean of their vector is gravity ("" by their names alone)."""
     columns = [c for c in table.columns if c.bad is None and is_measurable(c.values)]
-    return [columns[i : i + 3] for i in range(len(columns) - 2)]
-
-
-def _by_gravity(table: Table) -> tuple[Sequence[SourceColumn], str, bool] | None:
-    """Return three axes with gravity in them, and the unit where they name none."""
-    for three in _triples(table):
-        named = [_axis(c) for c in three]
-        if not (named == ["?"] * 3 or sorted(named) == list(AXES)):
-            continue
+    for three in (columns[i : i + 3] for i in range(len(columns) - 2)):
+        names = [" ".join(words(split_unit(c.label)[0])) for c in three]
+        axes = "".join(sorted(match[1] for name in names if (match := _AXIS.fullmatch(name))))
         said = [meaning(c.label, c.unit) for c in three]
-        if any(s.unit is not None and s.unit.quantity != "acceleration" for s in said):
+        kinds = {s.quantity for s in said}
+        if not by_gravity and axes == "xyz" and kinds in ({"acceleration"}, {"velocity"}):
+            return three, ""
+        units = {s.unit.quantity for s in said if s.unit is not None}
+        if not by_gravity or (axes != "xyz" and any(c.label for c in three)) or units - {"acceleration"}:
             continue
         mean = float(np.linalg.norm([np.nanmedian(c.values) for c in three]))
         for scale, unit in ((1.0, "m/s^2"), (STANDARD_GRAVITY, "g")):
-            accelerations = unit != "g" or any(s.quantity == "acceleration" for s in said) or _in_g(three)
-            if accelerations and abs(mean * scale / STANDARD_GRAVITY - 1.0) < WITHIN:
-                return three, unit, True
-    return None
-
-
-def _by_name(table: Table) -> tuple[Sequence[SourceColumn], str, bool] | None:
-    for three in _triples(table):
-        said = [meaning(c.label, c.unit) for c in three]
-        kinds = {s.quantity for s in said}
-        if sorted(_axis(c) for c in three) == list(AXES) and kinds in ({"acceleration"}, {"velocity"}):
-            return three, "", False
+            meant = unit != "g" or "acceleration" in kinds or all(name.startswith("g") for name in names)
+            if meant and abs(mean * scale / STANDARD_GRAVITY - 1.0) < WITHIN:
+                return three, unit
     return None

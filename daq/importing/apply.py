@@ -9,13 +9,11 @@ import numpy as np
 
 from daq.importing.bob import angle_of
 from daq.importing.counted_on import counted_on_by
-from daq.importing.cutting import cut
 from daq.importing.errors import ImportProblem, problem
-from daq.importing.named import listed
 from daq.importing.recipe import Column, Part, Recipe
-from daq.importing.resampling import find_gaps, place
+from daq.importing.resampling import cut, find_gaps, place
 from daq.importing.runs import MOST_RUNS, part_of, pieces, rows_of
-from daq.importing.table import SourceColumn, Table
+from daq.importing.table import SourceColumn, Table, listed
 from daq.importing.timebase import Timebase, from_rate, from_stamps
 from daq.importing.units import SI_LINEAR, Unit, parse_scaled_unit
 from daq.plain_text import one_line
@@ -103,13 +101,22 @@ def matched(table: Table, recipe: Recipe) -> dict[int, Column]:
 
 
 def fits(table: Table, recipe: Recipe) -> bool:
-    """Return whether a recipe lists the columns of a table, neither more nor fewer: all, or those with a role of many."""
+    """Return whether a recipe lists the columns of a table, neither more nor fewer (all, or those with a role of many), and
+    the file states the same units.
+    """
     try:
         found = matched(table, recipe)
     except ImportProblem:
         return False
+    if recipe.stated not in (None, stated(table)):
+        return False
     all_of_it = len(recipe.fields) == len(table.columns) or len(table.columns) > WIDE
     return table.format == recipe.format and all_of_it and len(found) == len(recipe.fields)
+
+
+def stated(table: Table) -> tuple[str, ...]:
+    """Return the units that a file states: in the lines above its numbers, or of each column."""
+    return table.stated or tuple(sorted({one_line(c.unit) for c in table.columns if c.unit}))
 
 
 def _runs(table: Table, recipe: Recipe) -> list[tuple[Table, MappingProxyType[int, Column]]]:

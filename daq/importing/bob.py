@@ -6,10 +6,9 @@ import numpy as np
 
 from daq.importing.columns import meaning, split_unit, words
 from daq.importing.errors import problem
-from daq.importing.named import named
 from daq.importing.options import NONE, ImportOptions, ask
 from daq.importing.still import amplitude, is_measurable
-from daq.importing.table import SourceColumn, Table
+from daq.importing.table import SourceColumn, Table, named
 from daq.recording import Array
 
 ROUND = 0.03
@@ -20,6 +19,7 @@ LARGE_ARC = 0.1  # rad, rms: 8 degrees of swing, whose sagitta is a hundredth of
 CLOSE = 0.003
 """So closely, as a share of the radius, an arc is kept that is found without being asked for: a third of that sagitta."""
 FEWEST = 8
+MOTIONS = ("displacement", "velocity", "acceleration")
 
 
 def with_angle(table: Table, options: ImportOptions) -> Table:
@@ -34,22 +34,24 @@ def with_angle(table: Table, options: ImportOptions) -> Table:
         x, y = (named(table, wanted, "angle") for wanted in options.angle_from)
         return _replaced(table, x, y, "as asked")
     pair = _pair(table, options)
-    if pair is None:
+    pivot = _pivot(pair[0].values, pair[1].values) if pair is not None else None
+    if pair is None or pivot is None:
         return table
-    if _on_arc(pair[0].values, pair[1].values, (0.0, 0.0)):
-        return _replaced(
-            table, *pair, "they lie on an arc about their origin; --column displacement=... takes one"
-        )
-    if _large_arc(*pair) is None:
+    x, y = pair
+    made = _replaced(table, x, y, "they lie on an arc; --column displacement=... takes one")
+    angle = _angle(x.values, y.values, pivot)[0]
+    if pivot == (0.0, 0.0):
+        return made
+    if amplitude(angle) <= LARGE_ARC or np.nanmax(np.abs(angle)) >= np.pi:
         return table
-    if _closely(*pair):
-        return _replaced(table, *pair, "they lie on an arc; --column displacement=... takes one")
+    radius = np.hypot(x.values - pivot[0], y.values - pivot[1])
+    if x.label and y.label and amplitude(radius) < CLOSE * float(np.nanmean(radius)):
+        return made
     names = ",".join(split_unit(c.label)[0].strip() or str(c.number) for c in pair)
     doubt = (
-        f"2 columns could be the displacement: {pair[0].place}, {pair[1].place}; they lie roughly on an arc: if they are a "
-        f"pendulum's bob, its angle is --angle-from {names}, else choose one, as in {ask('displacement', pair[0].number)}"
+        f"2 columns could be the displacement: {x.place}, {y.place}; they lie roughly on an arc: if they are a "
+        f"pendulum's bob, its angle is --angle-from {names}, else choose one, as in {ask('displacement', x.number)}"
     )
-    made = _replaced(table, *pair, "they lie roughly on an arc")
     return replace(made, doubts=(*table.doubts, doubt))
 
 
@@ -79,42 +81,16 @@ def angle_of(
 
 def _pair(table: Table, options: ImportOptions) -> tuple[SourceColumn, SourceColumn] | None:
     """Return the columns that could be x and y: two called so, or, without names, two beside the time."""
-    if any(
-        q in options.columns and options.columns[q] != NONE
-        for q in ("displacement", "velocity", "acceleration")
-    ):
+    if any(options.columns.get(q, NONE) != NONE for q in MOTIONS):
         return None
     numbers = [c for c in table.columns if c.bad is None and is_measurable(c.values)]
-    said = {c.number: meaning(c.label, c.unit) for c in numbers}
-    if any(
-        said[c.number].angular or c.quantity in ("displacement", "velocity", "acceleration") for c in numbers
-    ):
+    if any(meaning(c.label, c.unit).angular or c.quantity in MOTIONS for c in numbers):
         return None
-    x = [c for c in numbers if "x" in words(split_unit(c.label)[0])]
-    y = [c for c in numbers if "y" in words(split_unit(c.label)[0])]
+    x, y = ([c for c in numbers if axis in words(split_unit(c.label)[0])] for axis in "xy")
     if len(x) == len(y) == 1:
         return x[0], y[0]
     nameless = [c for c in numbers if not c.label and c.quantity is None]
-    if len(numbers) == 3 and len(nameless) >= 2:
-        return nameless[-2], nameless[-1]
-    return None
-
-
-def _closely(x: SourceColumn, y: SourceColumn) -> bool:
-    """Return whether columns called x and y, as video tracking writes them, lie on a large, closely kept arc."""
-    pivot = _large_arc(x, y)
-    if pivot is None or not (x.label and y.label):
-        return False
-    radius = np.hypot(x.values - pivot[0], y.values - pivot[1])
-    return amplitude(radius) < CLOSE * float(np.nanmean(radius))
-
-
-def _large_arc(x: SourceColumn, y: SourceColumn) -> tuple[float, float] | None:
-    pivot = _pivot(x.values, y.values)
-    if pivot is None:
-        return None
-    angle = _angle(x.values, y.values, pivot)[0]
-    return pivot if amplitude(angle) > LARGE_ARC and np.nanmax(np.abs(angle)) < np.pi else None
+    return (nameless[-2], nameless[-1]) if len(numbers) == 3 and len(nameless) >= 2 else None
 
 
 def _pivot(x: Array, y: Array) -> tuple[float, float] | None:

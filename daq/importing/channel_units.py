@@ -1,29 +1,55 @@
 """Units of the chosen columns: which they are in, and which go together."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
-from daq.importing.apply import ORDER
 from daq.importing.choose import Choice
+from daq.importing.columns import meaning
 from daq.importing.errors import problem
-from daq.importing.options import NONE, ImportOptions, ask
-from daq.importing.table import Table
+from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
+from daq.importing.table import SourceColumn, Table
 from daq.importing.units import SI_ANGULAR, SI_LINEAR, Unit, parse_scaled_unit, parse_unit
+from daq.recording import Array
 
 DEGREES = {"displacement": "deg", "velocity": "deg/s", "acceleration": "deg/s^2"}
 FARTHEST = {"m": 20.0, "m/s^2": 1000.0}
 """What no displacement or acceleration reaches in SI: it is in counts, pixels or another unit."""
 
+TURN = 2.0 * float(np.pi)
+MOST_DEGREES = 720.0
+"""No rig swings by more than two turns to either side: numbers beyond are an encoder's counts."""
 
-def is_angle(choices: dict[str, Choice], options: ImportOptions) -> bool:
+
+def units_of_angles(tables: Sequence[Table]) -> dict[str, str]:
+    """Return the unit of angles that name none by their labels, one for all runs of a file: deg or counts where one run
+    swings by more than half a turn in rad to either side, since few rigs do; others are in rad.
+    """
+    swings: dict[str, float] = {}
+    for column in (c for table in tables for c in table.columns if c.bad is None):
+        said = meaning(column.label, column.unit)
+        if said.quantity == "displacement" and said.angular and said.unit is None:
+            swings[column.label] = max(swings.get(column.label, 0.0), _swing(column))
+    return {k: "deg" if far <= MOST_DEGREES else "counts" for k, far in swings.items() if far > 0.5 * TURN}
+
+
+def _finite(column: SourceColumn) -> Array:
+    finite = column.values[np.isfinite(column.values)]
+    return finite if column.bad is None and len(finite) and np.max(np.abs(finite)) < 1e100 else np.zeros(1)
+
+
+def _swing(column: SourceColumn) -> float:
+    """Return how far a column swings about its median, 0 where it jumps by a turn in radians."""
+    finite = _finite(column)
+    jumps = np.max(np.abs(np.diff(finite)), initial=0.0) > 0.9 * TURN and np.max(np.abs(finite)) < 1.1 * TURN
+    return 0.0 if jumps else float(np.percentile(np.abs(finite - np.median(finite)), 99.5))
+
+
+def is_angle(choices: Mapping[str, Choice], options: ImportOptions) -> bool:
     """Return whether channels without a unit are angles: an option's unit decides, else the headers."""
-    asked = [
-        unit
-        for q in ORDER
-        if q in options.units and (unit := parse_scaled_unit(options.units[q])) is not None
-    ]
-    if any(unit.quantity is not None for unit in asked):
-        return any(unit.angular for unit in asked)
-    return any(choices[q].angular for q in ORDER if q in choices)
+    asked = [parse_scaled_unit(text) for quantity, text in options.units.items() if quantity != "time"]
+    known = [unit for unit in asked if unit is not None and unit.quantity is not None]
+    return any(unit.angular for unit in known) if known else any(c.angular for c in choices.values())
 
 
 def unit_of(
@@ -33,23 +59,29 @@ def unit_of(
 
     `turns` is the unit of angles that name none, "" where the channels are none.
     """
-    quantity, text = choice.quantity, options.units.get(choice.quantity)
+    quantity, place, text = choice.quantity, choice.column.place, options.units.get(choice.quantity)
+    written = choice.unit_text.replace("_s2", "/s^2").replace("_s", "/s")
     if text is not None:
         unit = parse_scaled_unit(text)
         if unit is None or unit.quantity not in (None, quantity):
             raise problem(
-                table.path, f"'{text}' is no unit of {quantity} that is known here", _unit_examples(quantity)
-            )
+                table.path, f"'{text}' is no unit of {quantity} that is known here",
+                f"give one of {_EXAMPLES[quantity]}",
+            )  # fmt: skip
         other = choice.unit is not None and choice.unit != unit
-        though = f", though its header says {_spelled(choice.unit_text)}" if other else ""
-        notes.append(f"{choice.column.place} read as {quantity} in {text}, as asked{though}")
+        notes.append(
+            f"{place} read as {quantity} in {text}, as asked"
+            + (f", though its header says {written}" if other else "")
+        )
         return unit, text
     asked = ", chosen by the options" if choice.asked else ""
     if choice.unit is not None:
-        notes.append(f"{choice.column.place} read as {quantity} in {_spelled(choice.unit_text)}{asked}")
+        notes.append(f"{place} read as {quantity} in {written}{asked}")
         return choice.unit, choice.unit_text
     unit = (SI_ANGULAR if turns else SI_LINEAR)[quantity]
-    spelled, why, far = unit.si, "", _reach(choice)
+    finite = _finite(choice.column)
+    far = float(np.ptp(finite) if quantity == "displacement" else np.max(np.abs(finite)))
+    spelled, why = unit.si, ""
     if quantity in DEGREES and turns in ("deg", "\N{DEGREE SIGN}"):
         spelled = DEGREES[quantity]
     elif far > FARTHEST.get(unit.si, np.inf) or (quantity == "displacement" and turns == "counts"):
@@ -57,55 +89,36 @@ def unit_of(
     if spelled != unit.si:
         unit, why = parse_unit(spelled) or unit, f", for in {unit.si} {far:.3g} is more than rigs move by"
     notes.append(
-        f"{choice.column.place} read as {quantity}{asked}; it names no unit: {spelled} was assumed{why} "
+        f"{place} read as {quantity}{asked}; it names no unit: {spelled} was assumed{why} "
         f"(change it with --unit {quantity}=...)"
     )
     return unit, spelled
 
 
-def _reach(choice: Choice) -> float:
-    """Return how far a displacement moves, or how large another quantity gets, in the numbers of the file."""
-    finite = choice.column.values[np.isfinite(choice.column.values)]
-    if choice.column.bad is not None or not len(finite):
-        return 0.0
-    return float(np.ptp(finite)) if choice.quantity == "displacement" else float(np.max(np.abs(finite)))
-
-
-def _spelled(text: str) -> str:
-    """Return a unit as it is read: "m/s^2" for the "m_s2" of a header."""
-    return text.replace("_s2", "/s^2").replace("_s", "/s")
-
-
-def _unit_examples(quantity: str) -> str:
-    examples = {
-        "time": "s, ms, us", "displacement": "m, mm, um, in, rad, deg, V or a scale such as '0.0025 m'",
-        "velocity": "m/s, mm/s, rad/s, deg/s, V", "acceleration": "m/s^2, g, rad/s^2, V", "force": "N, kN, N m, V",
-    }  # fmt: skip
-    return f"give one of {examples[quantity]}"
+_EXAMPLES = {
+    "time": "s, ms, us", "displacement": "m, mm, um, in, rad, deg, V or a scale such as '0.0025 m'",
+    "velocity": "m/s, mm/s, rad/s, deg/s, V", "acceleration": "m/s^2, g, rad/s^2, V", "force": "N, kN, N m, V",
+}  # fmt: skip
 
 
 def of_one_kind(
-    choices: dict[str, Choice], units: dict[str, Unit], notes: list[str], doubts: list[str]
+    choices: Mapping[str, Choice], units: Mapping[str, Unit], notes: list[str], doubts: list[str]
 ) -> dict[str, Choice]:
-    """Leave out lengths beside an angle (or angles beside a length); it is a doubt where somebody asked for them, or for
-    none of them.
-    """
-    mechanical = [q for q in ORDER if q in choices and units[q].quantity is not None]
-    lead = next((q for q in mechanical if choices[q].asked), mechanical[0] if mechanical else "")
+    """Leave out lengths beside an angle (or angles beside a length); it is a doubt where both or neither were asked for."""
+    kinds = [q for q in QUANTITIES[1:] if q in choices and units[q].quantity is not None]
+    lead = next((q for q in kinds if choices[q].asked), kinds[0] if kinds else "")
     kept = dict(choices)
-    for quantity in mechanical:
+    for quantity in kinds:
         if units[quantity].angular == units[lead].angular:
             continue
-        del kept[quantity]
+        column = kept.pop(quantity).column
         said = f"{quantity} in {units[quantity].si} beside {lead} in {units[lead].si}"
-        if not any(choices[q].asked for q in mechanical) or choices[quantity].asked:
+        if choices[quantity].asked == choices[lead].asked:
             si = (SI_ANGULAR if units[lead].angular else SI_LINEAR)[quantity].si
             doubts.append(
                 f"mixes an angle with a length ({said}); leave one out ({ask(quantity, NONE)}), or give a scale that makes "
                 f"them alike, as in --unit {quantity}='4.0 {si}'"
             )
         else:
-            notes.append(
-                f"{choices[quantity].column.place} was left out: {said} would mix an angle with a length"
-            )
+            notes.append(f"{column.place} was left out: {said} would mix an angle with a length")
     return kept

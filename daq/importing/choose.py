@@ -1,22 +1,32 @@
-"""Which column is which quantity: what the options say, else what the headers say, never a silent guess."""
+"""Which column is which quantity: what the options say, else what the headers say; where they do not, a doubt."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from daq.importing.columns import INDEX, Meaning, meaning, split_unit, words
 from daq.importing.errors import problem
-from daq.importing.named import listed, named
-from daq.importing.narrow import along_one_axis, clocks, narrowed
 from daq.importing.options import NONE, QUANTITIES, ImportOptions, ask
 from daq.importing.runs import rises_evenly
-from daq.importing.still import oscillation
-from daq.importing.table import SourceColumn, Table
+from daq.importing.still import amplitude, oscillation
+from daq.importing.table import SourceColumn, Table, listed, named
 from daq.importing.units import COUNT, Unit
 from daq.recording import Array
 
 MOTIONS = ("displacement", "velocity", "acceleration")
+AXES = {axis: names for names in ("x y z", "roll pitch yaw", "phi theta psi") for axis in names.split()}
+"""The names of one point's coordinates, and of one body's angles, by each of them."""
+
+TOTALS = frozenset({"absolute", "abs", "total", "norm", "resultant", "modulus", "betrag", "absolut"})
+"""Words of the size of a vector, beside its axes."""
+
+AXIS_MOVES, CHANNEL_MOVES = 5.0, 20.0
+"""So many times as much one axis moves as the others, or one of several like channels as those that stand still."""
+
+REPEATS = 0.9999
+"""Correlation from which on a column is another one in another unit."""
+
 _SOMETHING_ELSE = Meaning(None, 0, None, "", False, False, True)
 
 
@@ -41,54 +51,158 @@ def choose_columns(
 
     Raises ImportProblem when an option names no column, or nothing is left that could be a motion.
     """
-    meanings = {c.number: _meaning(c) for c in table.columns}
-    meanings |= {c.number: _SOMETHING_ELSE for c in _derivatives_by_name(table)}
-    choices = {
-        quantity: _asked(table, quantity, wanted, meanings)
-        for quantity, wanted in options.columns.items()
-        if str(wanted).strip().lower() != NONE
-    }
-    _refuse_twice(table, choices)
-    asked = any(quantity in choices for quantity in MOTIONS)
+    labels = {c.label.strip() for c in table.columns} - {""}
+    meanings = {
+        c.number: _SOMETHING_ELSE if c.label[:1] == "d" and c.label.strip().lstrip("d") in labels else _meaning(c)
+        for c in table.columns
+    }  # fmt: skip
+    choices: dict[str, Choice] = {}
+    for quantity, wanted in options.columns.items():
+        if str(wanted).strip().lower() != NONE:
+            column = named(table, wanted, quantity)
+            if column.bad is None and not np.isfinite(column.values).any():
+                raise problem(table.path, f"{column.place} holds no numbers", "name another one")
+            other = next((q for q, choice in choices.items() if choice.column is column), None)
+            if other is not None:
+                raise problem(
+                    table.path,
+                    f"{column.place} cannot be both {other} and {quantity}",
+                    "name another one for one of them",
+                )
+            choices[quantity] = _as_choice(quantity, column, meanings[column.number], asked=True)
+    beside = any(quantity in choices for quantity in MOTIONS)
     for quantity in QUANTITIES:
-        if quantity in options.columns:
-            continue
-        if quantity == "time" and options.rate is not None and _clocks(table, meanings) > 1:
+        if quantity in options.columns or (quantity == "time" and options.rate is not None):
             continue
         taken = {choice.column.number for choice in choices.values()}
         free = [c for c in table.columns if c.number not in taken]
-        column = _found(table, quantity, free, meanings, (notes, doubts), beside=asked)
-        if column is None and quantity == "time" and options.rate is None and table.rate is None:
-            column = _rising(free, meanings, notes) if len(table.columns) > 1 else None
-        if column is not None:
-            choices[quantity] = _as_choice(quantity, column, meanings[column.number], asked=False)
-    if any(quantity in choices for quantity in MOTIONS):
-        return choices
-    taken = {choice.column.number for choice in choices.values()}
-    rest = [c for c in table.columns if c.number not in taken]
-    lone = [c for c in rest if _is_signal(meanings[c.number])]
-    if len(lone) == 1 and not any(quantity in options.columns for quantity in MOTIONS):
-        notes.append(f"{lone[0].place} is the only signal beside the time: it was taken as the displacement")
-    else:
-        lone = [_of_unknown_kind(table, rest, doubts)]
-    said = meanings[lone[0].number]
-    said = said if said.unit is not None else replace(said, unit=COUNT, unit_text="counts")
-    choices["displacement"] = _as_choice("displacement", lone[0], said, asked=False)
+        found = _found(quantity, free, meanings, (notes, doubts), beside=beside)
+        if found is None and quantity == "time" and table.rate is None and len(table.columns) > 1:
+            found = _rising(free, meanings, notes)
+        if found is not None:
+            choices[quantity] = _as_choice(quantity, found, meanings[found.number], asked=False)
+    if not any(quantity in choices for quantity in MOTIONS):
+        choices["displacement"] = _of_unknown_kind(table, options, meanings, choices, (notes, doubts))
     return choices
 
 
-def _derivatives_by_name(table: Table) -> list[SourceColumn]:
-    """Return the columns called dX or ddX beside one called X."""
-    names = {c.label.strip() for c in table.columns if c.label.strip()}
-    return [c for c in table.columns if (name := c.label.strip())[:1] == "d" and name.lstrip("d") in names]
+def left_out(table: Table, choices: Mapping[str, Choice]) -> str:
+    """Return a sentence that names the columns not used, or ""."""
+    taken = {choice.column.number for choice in choices.values()}
+    rest = [column for column in table.columns if column.number not in taken]
+    return f"not used: {listed(rest)}" if rest else ""
 
 
-def _clocks(table: Table, meanings: dict[int, Meaning]) -> int:
-    return sum(meanings[c.number].quantity == "time" for c in table.columns)
+def _meaning(column: SourceColumn) -> Meaning:
+    said = meaning(column.label, column.unit)
+    if column.quantity is None:
+        return replace(said, quantity="time", strength=2) if column.clock and not said.quantity else said
+    unit = said.unit if said.unit is not None and said.unit.quantity in (None, column.quantity) else None
+    return Meaning(column.quantity, 3, unit, said.unit_text, said.angular, False, False)
+
+
+def _as_choice(quantity: str, column: SourceColumn, said: Meaning, *, asked: bool) -> Choice:
+    fits = said.unit is not None and said.unit.quantity in (None, quantity)
+    unit, text = (said.unit, said.unit_text) if fits else (None, "")
+    return Choice(quantity, column, unit, text, said.angular, said.derived, asked)
+
+
+def _found(
+    quantity: str,
+    free: Sequence[SourceColumn],
+    meanings: Mapping[int, Meaning],
+    said: tuple[list[str], list[str]],
+    *,
+    beside: bool,
+) -> SourceColumn | None:
+    """Return the one column whose header says this quantity best; `beside` a motion that was asked for, only one
+    that says so clearly.
+    """
+    notes, doubts = said
+    is_time = quantity == "time"
+    likely = [c for c in free if meanings[c.number].quantity == quantity and np.isfinite(c.values).any()]
+    if is_time and not likely:
+        likely = [c for c in free if words(c.label) == ("s",)][:1]
+    elif beside and not is_time:
+        likely = [c for c in likely if meanings[c.number].strength > 1]
+    likely = [c for c in likely if not meanings[c.number].derived] or likely
+    best = max((meanings[c.number].strength for c in likely), default=0)
+    likely = [c for c in likely if meanings[c.number].strength == best]
+    likely = [c for c in likely if not set(words(c.label)) & (INDEX | TOTALS)] or likely
+    if len(likely) > 1:
+        likely = _finest(likely, notes) if is_time else _moving(likely, meanings, notes)
+    if len(likely) < 2 or all(np.array_equal(likely[0].values, c.values, equal_nan=True) for c in likely):
+        return likely[0] if likely else None
+    if beside and not is_time:
+        return None
+    first = likely[0] if is_time else _most(likely)
+    leave = "" if is_time else f", or leave it out with {ask(quantity, NONE)}"
+    stems = {split_unit(c.label)[0].rstrip("0123456789 _") for c in likely}
+    runs = "; if they are releases of one rig, --run all" if len(stems) == 1 and "" not in stems else ""
+    doubts.append(
+        f"{len(likely)} {first.noun}s could be the {quantity}: {listed(likely)}; "
+        f"choose one, as in {ask(quantity, _name(first))}{leave}{runs}"
+    )
+    return first
+
+
+def _finest(columns: Sequence[SourceColumn], notes: list[str]) -> list[SourceColumn]:
+    """Return the columns that could be a clock: no time of day beside seconds, and none with half as many different stamps
+    as another.
+    """
+    left = [c for c in columns if not c.clock] or columns
+    stamps = [len(np.unique(c.values[np.isfinite(c.values)])) for c in left]
+    kept = [c for c, n in zip(left, stamps, strict=True) if 2 * n > max(stamps)]
+    notes += [f"{c.place} is a coarser time than {kept[0].place}: left out" for c in columns if c not in kept]
+    return kept
+
+
+def _moving(
+    columns: Sequence[SourceColumn], said: Mapping[int, Meaning], notes: list[str]
+) -> list[SourceColumn]:
+    """Return those of several columns that could be meant: no axis or channel that stands still beside one of its kind, in
+    one unit, and none that repeats another in another unit (of an angle and a length, the length is the one that repeats).
+    """
+    kinds = {c.number: (_kind(c), said[c.number].unit_text) for c in columns}
+    several = (
+        AXIS_MOVES if len(set(kinds.values())) == 1 else np.inf
+    )  # of one point or body, and of nothing else
+    kept: list[SourceColumn] = []
+    for column in sorted(columns, key=lambda c: (not said[c.number].angular, c.number)):
+        alike = [c for c in columns if kinds[c.number] == kinds[column.number]]
+        first = max(alike, key=lambda c: amplitude(c.values))
+        factor = CHANNEL_MOVES if kinds[column.number][0][0] not in AXES.values() else several
+        own, most = amplitude(column.values), amplitude(first.values)
+        if factor * own < most:
+            notes.append(
+                f"{column.place} moves {100.0 * own / most:.2g} % as much as {first.place}: left out"
+            )
+        elif any(kinds[c.number][1] != kinds[column.number][1] and _repeats(column, c) for c in kept):
+            notes.append(f"{column.place} repeats another column in another unit: left out")
+        else:
+            kept.append(column)
+    return [c for c in columns if c in kept]
+
+
+def _kind(column: SourceColumn) -> tuple[str, ...]:
+    """Return what a name says but for a number, a letter or an axis."""
+    name = words(split_unit(column.label)[0])
+    if len(name) == 1 and name[0] in AXES:
+        return (AXES[name[0]],)
+    bare = [word.rstrip("0123456789") for word in name]
+    return tuple(w for w in bare if len(w) > 1) or tuple(w for w in bare if w) or ("",)
+
+
+def _repeats(column: SourceColumn, other: SourceColumn) -> bool:
+    there = np.isfinite(column.values) & np.isfinite(other.values)
+    y, x = column.values[there], other.values[there]
+    if len(y) < 8 or not amplitude(y) * amplitude(x) > 0.0:
+        return False
+    return abs(float(np.corrcoef(x, y)[0, 1])) > REPEATS
 
 
 def _rising(
-    free: Sequence[SourceColumn], meanings: dict[int, Meaning], notes: list[str]
+    free: Sequence[SourceColumn], meanings: Mapping[int, Meaning], notes: list[str]
 ) -> SourceColumn | None:
     """Return the first column that could be anything by its name and rises evenly from end to end, as no motion does."""
     for column in free:
@@ -107,119 +221,9 @@ def _counts_rows(values: Array) -> bool:
     return bool(np.all(np.diff(values) == 1.0)) and bool(values[0] == np.rint(values[0]))
 
 
-def _is_signal(said: Meaning) -> bool:
-    """Return whether a column has a unit that could be any sensor's: counts, volts, pixels."""
-    return said.unit is not None and said.unit.si in ("count", "V", "px") and not said.other
-
-
-def _refuse_twice(table: Table, choices: dict[str, Choice]) -> None:
-    seen: dict[int, str] = {}
-    for quantity, choice in choices.items():
-        other = seen.setdefault(choice.column.number, quantity)
-        if other != quantity:
-            raise problem(
-                table.path,
-                f"{choice.column.place} cannot be both {other} and {quantity}",
-                "name another one for one of them",
-            )
-
-
-def left_out(table: Table, choices: dict[str, Choice]) -> str:
-    """Return a sentence that names the columns not used, or ""."""
-    taken = {choice.column.number for choice in choices.values()}
-    rest = [column.place for column in table.columns if column.number not in taken]
-    if not rest:
-        return ""
-    shown = ", ".join(rest[:6]) + (f" and {len(rest) - 6} more" if len(rest) > 6 else "")
-    return f"not used: {shown}"
-
-
-def _meaning(column: SourceColumn) -> Meaning:
-    if column.quantity is None:
-        said = meaning(column.label, column.unit)
-        return (
-            Meaning("time", 2, None, "", False, False, False) if column.clock and not said.quantity else said
-        )
-    said = meaning("", column.unit)
-    unit = said.unit if said.unit is not None and said.unit.quantity in (None, column.quantity) else None
-    return Meaning(column.quantity, 3, unit, said.unit_text, said.angular, False, False)
-
-
-def _as_choice(quantity: str, column: SourceColumn, said: Meaning, *, asked: bool) -> Choice:
-    fits = said.unit is not None and said.unit.quantity in (None, quantity)
-    return Choice(
-        quantity,
-        column,
-        said.unit if fits else None,
-        said.unit_text if fits else "",
-        said.angular,
-        said.derived,
-        asked,
-    )
-
-
-def _asked(table: Table, quantity: str, wanted: str | int, meanings: dict[int, Meaning]) -> Choice:
-    """Return the column that an option names, by number or by name."""
-    column = named(table, wanted, quantity)
-    if column.bad is None and not np.isfinite(column.values).any():
-        raise problem(table.path, f"{column.place} holds no numbers", "name another one")
-    return _as_choice(quantity, column, meanings[column.number], asked=True)
-
-
-def _found(
-    table: Table,
-    quantity: str,
-    free: Sequence[SourceColumn],
-    meanings: dict[int, Meaning],
-    said: tuple[list[str], list[str]],
-    *,
-    beside: bool,
-) -> SourceColumn | None:
-    """Return the one column whose header says this quantity best; `beside` a motion that was asked for, only one
-    that says so clearly.
-    """
-    notes, doubts = said
-    candidates = [c for c in free if meanings[c.number].quantity == quantity and np.isfinite(c.values).any()]
-    if quantity == "time" and not candidates:
-        candidates = [c for c in free if words(c.label) == ("s",)][:1]
-    elif quantity != "time" and beside:
-        candidates = [c for c in candidates if meanings[c.number].strength > 1]
-    candidates = [c for c in candidates if not meanings[c.number].derived] or candidates
-    best = max((meanings[c.number].strength for c in candidates), default=0)
-    top = [c for c in candidates if meanings[c.number].strength == best]
-    if len(top) > 1:
-        top = [c for c in top if not set(words(c.label)) & INDEX] or top
-    if len(top) > 1:
-        top, why = clocks(table, top) if quantity == "time" else narrowed(top, meanings)
-        notes.extend(why)
-    if len(top) > 1 and quantity != "time":
-        top, why = along_one_axis(top, meanings)
-        notes.extend(why)
-    if len(top) < 2 or _same_numbers(top):
-        return top[0] if top else None
-    if beside and quantity != "time":
-        return None
-    likely = _likely(top)
-    leave = f", or leave it out with {ask(quantity, NONE)}" if quantity != "time" else ""
-    doubts.append(
-        f"{len(top)} {top[0].noun}s could be the {quantity}: {listed(top)}; "
-        f"choose one, as in {ask(quantity, _name(likely))}{leave}{_or_runs(top)}"
-    )
-    return likely
-
-
-def _or_runs(columns: Sequence[SourceColumn]) -> str:
-    names = {split_unit(c.label)[0].rstrip("0123456789 _") for c in columns}
-    return "; if they are releases of one rig, --run all" if len(names) == 1 and "" not in names else ""
-
-
-def _likely(columns: Sequence[SourceColumn]) -> SourceColumn:
+def _most(columns: Sequence[SourceColumn]) -> SourceColumn:
     """Return the column that oscillates most."""
     return max(columns, key=lambda c: (oscillation(c.values), -c.number))
-
-
-def _same_numbers(columns: Sequence[SourceColumn]) -> bool:
-    return all(np.array_equal(columns[0].values, c.values, equal_nan=True) for c in columns[1:])
 
 
 def _name(column: SourceColumn) -> str:
@@ -227,23 +231,38 @@ def _name(column: SourceColumn) -> str:
     return label if 0 < len(label) <= 30 else str(column.number)
 
 
-def _what_is_not_said(rest: Sequence[SourceColumn]) -> str:
-    if len(rest) == 1:
-        return f"nothing says whether {rest[0].place} is a displacement, velocity or acceleration"
-    return f"nothing says which {rest[0].noun} is a displacement, velocity or acceleration: {listed(rest)}"
-
-
-def _of_unknown_kind(table: Table, rest: Sequence[SourceColumn], doubts: list[str]) -> SourceColumn:
-    """Return the column that oscillates most, as a proposal. Raises ImportProblem where there is none beside the time."""
-    rest = [c for c in rest if oscillation(c.values) > 0.0] or list(rest)
-    if not rest:
-        raise problem(
-            table.path, "holds no column beside the time",
-            "name a file with a displacement, velocity or acceleration",
-        )  # fmt: skip
-    likely = _likely(rest)
-    doubts.append(
-        f"{_what_is_not_said(rest)}; "
-        f"say it and its unit (mm, deg, V ...), as in {ask('displacement', _name(likely))} --unit displacement=mm"
-    )
-    return likely
+def _of_unknown_kind(
+    table: Table,
+    options: ImportOptions,
+    meanings: Mapping[int, Meaning],
+    choices: Mapping[str, Choice],
+    said: tuple[list[str], list[str]],
+) -> Choice:
+    """Return a displacement of which nothing says so: the only signal in counts, volts or pixels, else, with a doubt, the
+    column that oscillates most. Raises ImportProblem where there is none beside the time.
+    """
+    notes, doubts = said
+    taken = {choice.column.number for choice in choices.values()}
+    rest = [c for c in table.columns if c.number not in taken and meanings[c.number].quantity != "time"]
+    units = {c.number: meanings[c.number].unit for c in rest if not meanings[c.number].other}
+    signals = [c for c in rest if (unit := units.get(c.number)) and unit.si in ("count", "V", "px")]
+    if len(signals) == 1 and not any(quantity in options.columns for quantity in MOTIONS):
+        column = signals[0]
+        notes.append(f"{column.place} is the only signal beside the time: it was taken as the displacement")
+    else:
+        rest = [c for c in rest if oscillation(c.values) > 0.0] or rest
+        if not rest:
+            raise problem(
+                table.path, "holds no column beside the time",
+                "name a file with a displacement, velocity or acceleration",
+            )  # fmt: skip
+        column = _most(rest)
+        which = f"whether {rest[0].place} is" if len(rest) == 1 else f"which {rest[0].noun} is"
+        which += " a displacement, velocity or acceleration" + (f": {listed(rest)}" if len(rest) > 1 else "")
+        doubts.append(
+            f"nothing says {which}; "
+            f"say it and its unit (mm, deg, V ...), as in {ask('displacement', _name(column))} --unit displacement=mm"
+        )
+    meant = meanings[column.number]
+    meant = meant if meant.unit is not None else replace(meant, unit=COUNT, unit_text="counts")
+    return _as_choice("displacement", column, meant, asked=False)

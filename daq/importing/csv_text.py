@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from daq.importing import lvm, serial_text
+from daq.importing import serial_text
 from daq.importing.dialect import BLANK, COMMENTS, NAMES, Dialect, decode, find_dialect, split
 from daq.importing.errors import problem
-from daq.importing.header_lines import headers, names_in, rate_above
+from daq.importing.header_lines import headers, names_in, rate_above, units_above
 from daq.importing.limits import require_lines, require_table
 from daq.importing.numbers import Parsed, parse_column, parse_number
 from daq.importing.recipe import Dialect as WantedDialect
@@ -30,7 +30,7 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     lines = _without_comments(path, lines, wanted)
     odd = None
     if recipe.format != "text" and wanted.delimiter is None:
-        odd = lvm.table_of(path, lines) or serial_text.table_of(path, lines)
+        odd = serial_text.table_of(path, lines, wanted.decimal_char)
     format, lines, how = odd if odd is not None else ("text", lines, "")
     top = max(wanted.header_rows, default=0)
     dialect = find_dialect(path, [*[""] * top, *lines[top:]] if top else lines, wanted)
@@ -65,7 +65,7 @@ def read_csv(path: Path, data: bytes, recipe: Recipe) -> Table:
     used = {"delimiter": dialect.delimiter, "decimal_char": dialect.decimal} if odd is None else {}
     return Table(
         path, tuple(columns), np.array(rows, dtype=np.int64) + 1, rate, source, tuple(notes),
-        format=format, encoding=recipe.encoding, dialect=wanted.model_copy(update=used),
+        format=format, encoding=recipe.encoding, stated=units_above(lines, dialect), dialect=wanted.model_copy(update=used),
     )  # fmt: skip
 
 
@@ -97,17 +97,14 @@ def _all_at_once(body: Sequence[str], dialect: Dialect) -> Array | None:
     delimiter = dialect.delimiter
     if dialect.decimal == "," == delimiter:
         return None
-    try:
-        values = np.loadtxt(
-            (_clean(line, dialect) for line in body),
-            delimiter=None if delimiter == BLANK else delimiter,
-            comments=None,
-            ndmin=2,
-            encoding=None,
-        )
-    except (ValueError, IndexError, OverflowError):
-        return None
-    return np.asarray(values, dtype=np.float64) if len(values) == len(body) else None
+    for lines in (*((body,) if dialect.decimal == "." else ()), (_clean(line, dialect) for line in body)):
+        try:
+            separator = None if delimiter == BLANK else delimiter
+            values = np.loadtxt(lines, delimiter=separator, comments=None, ndmin=2, encoding=None)
+        except (ValueError, IndexError, OverflowError):
+            continue
+        return np.asarray(values, dtype=np.float64) if len(values) == len(body) else None
+    return None
 
 
 def _clean(line: str, dialect: Dialect) -> str:

@@ -3,7 +3,7 @@
 A logger's derivative repeats the noise of its source, filtered: one fixed finite difference of the source
 gives it to within the rounding of the numbers in the file. A second sensor has a noise of its own, which
 nothing in the source predicts, so that its difference to the source's derivative is never less noisy than
-itself. Two tests ask for this: one with the differences that loggers use, one with any short difference.
+itself. The differences that loggers use are tried.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,6 @@ import numpy as np
 from daq.importing.quantisation import rounding
 from daq.recording import Array, Mask, runs
 
-REACH = 6
 STRAYS = 0.01  # of the samples: corrected by hand, or at the ends of a piece
 MIN_ROWS = 40
 MAX_ROWS = 40_000
@@ -60,14 +59,12 @@ def find_derivation(
         return None
     dx, dy = (step[stretch] for step in steps) if steps is not None else (rounding(x), rounding(y))
     for local in _local_steps(stamps[stretch], rate) if stamps is not None else (1.0,):
-        scaled = y * local**order
         for kernel in FIRST:
-            found = _by_kernel(x, scaled, _power(kernel, order) * rate**order, (dx, dy), order, rate)
+            found = _by_kernel(
+                x, y * local**order, _power(kernel, order) * rate**order, (dx, dy), order, rate
+            )
             if found:
                 return found
-        found = _by_regression(x, scaled, (_rms(dx), _rms(dy)), order, rate)
-        if found:
-            return found
     return None
 
 
@@ -117,7 +114,7 @@ def _by_kernel(
     noise = _noise(target)
     explains = _is_noisy(target, step) and _noise(residual) < 0.6 * noise
     droops = gain_error < 5.0 * gain_std and _departure(target, kernel, order, rate) > 12.0 * gain_std
-    return Derivation(left, _rms(target)) if explains or (droops and _is_resolved(target, step)) else None
+    return Derivation(left, _rms(target)) if explains or droops else None
 
 
 def _departure(values: Array, kernel: Array, order: int, rate: float) -> float:
@@ -126,29 +123,6 @@ def _departure(values: Array, kernel: Array, order: int, rate: float) -> float:
     shifts = np.arange(len(kernel)) - len(kernel) // 2
     response = complex(np.sum(kernel * np.exp(1j * omega * shifts)))
     return abs(response / ((1j * omega * rate) ** order) - 1.0) if omega > 0.0 else 0.0
-
-
-def _by_regression(
-    x: Array, y: Array, steps: tuple[float, float], order: int, rate: float
-) -> Derivation | None:
-    """Try any difference of 13 samples, found by least squares: it must leave no more than rounding allows, explain
-    the channel's noise and not only its motion, and be a difference with the slope of a derivative.
-    """
-    shifts = np.arange(-REACH, REACH + 1)
-    centre = x - x.mean()
-    matrix = np.column_stack(
-        [np.ones(len(x) - 2 * REACH), *(centre[REACH + k : len(x) - REACH + k] for k in shifts)]
-    )
-    target = y[REACH : len(y) - REACH]
-    kernel = np.linalg.lstsq(matrix, target, rcond=None)[0]
-    residual = target - matrix @ kernel
-    taps = kernel[1:] * rate**-order
-    allowed = np.hypot(steps[0] * float(np.linalg.norm(kernel[1:])), steps[1]) / np.sqrt(12.0)
-    slope = float(taps @ shifts**order) / order
-    if abs(float(taps.sum())) > 0.1 or abs(slope - 1.0) > 0.1 or _rms(residual) > 3.0 * allowed:
-        return None
-    explains = _is_noisy(target, steps[1]) and _noise(residual) < 0.25 * _noise(target)
-    return Derivation(_rms(residual), _rms(target - target.mean())) if explains else None
 
 
 def _longest(valid: Mask) -> slice:
@@ -170,10 +144,6 @@ def _is_noisy(values: Array, step: float) -> bool:
     """Return whether sixth differences see noise: more than rounding and a smooth oscillation leave in them."""
     motion = float(np.std(values)) * (2.0 * np.sin(np.pi * _frequency(values))) ** NOISE_ORDER / NOISE_SCALE
     return bool(_noise(values) > 3.0 * max(step / np.sqrt(12.0), motion))
-
-
-def _is_resolved(values: Array, step: float) -> bool:
-    return float(np.std(values)) > 10.0 * step
 
 
 def _frequency(values: Array) -> float:

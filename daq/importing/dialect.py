@@ -194,28 +194,8 @@ def find_dialect(path: Path, lines: Sequence[str], wanted: recipe.Dialect) -> Di
             if best is None or score > best[0]:
                 best = (score, Dialect(delimiter, decimal, picked[start], width))
         if best is not None:
-            _refuse_two_commas(path, lines, best[1])
             return best[1]
     raise _no_rows(path, lines, picked)
-
-
-def _refuse_two_commas(path: Path, lines: Sequence[str], dialect: Dialect) -> None:
-    """Refuse a comma that is both delimiter and decimal sign: twice as many cells as names, all whole numbers."""
-    if dialect.delimiter != "," or dialect.decimal != "." or dialect.start == 0:
-        return
-    names, row = split(lines[dialect.start - 1], ","), split(lines[dialect.start], ",")
-    named = all(cell.strip() and parse_number(cell) is None for cell in names)
-    if (
-        named
-        and len(names) > 1
-        and len(row) == 2 * len(names)
-        and all(c.strip().lstrip("+-").isdigit() for c in row)
-    ):
-        raise problem(
-            path, f"this row has {len(row)} cells under {len(names)} names: "
-            "the comma seems to be both delimiter and decimal sign",
-            "export it with semicolons or tabs between the columns", line=dialect.start + 1,
-        )  # fmt: skip
 
 
 def _start(widths: Sequence[int]) -> int | None:

@@ -15,14 +15,18 @@ _RATE_NAMES = (
 )
 _STEP_NAMES = (
     r"sampl\w*[\s_-]*(?:interval|period|time|step)|abtastintervall|abtastzeit|time[\s_-]*step|zeitschritt|"
-    r"\bdt\b|\bts\b|\bdelta[\s_-]?t\b"
+    r"\bdt\b|\bts\b|\bdelta[\s_-]?[tx]\b"
 )
 _RATE = re.compile(rf"(?:{_RATE_NAMES})\W*?{_NUMBER}\s*(k?Hz)?", re.I)
 _BARE_RATE = re.compile(rf"(?<![a-z])(?:rate|freq\w*)\W*?{_NUMBER}\s*(k?Hz|S/s|samples/s|fps)", re.I)
 _FRAMES = re.compile(rf"{_NUMBER}\s*(?:fps|frames\s*(?:/|per)\s*s(?:ec\w*)?)(?![a-z])", re.I)
 _STEP = re.compile(rf"(?:{_STEP_NAMES})\W*?{_NUMBER}\s*\(?\s*(s|sec\w*|ms|us|µs)?(?![a-z])", re.I)
 _ALONE = re.compile(rf"\W*{_NUMBER}\s*(k?Hz|S/s|sps)\W*", re.I)
+_WORD = re.compile(r"[^\W\d_][^\W_]{0,7}(?:[/*]\(?[^\W\d_][^\W_]{0,3}(?:\^?[-\d]{0,2}))?|°(?:/s)?")
+MOST_UNITS = 100
 REMARKS = ("comment", "comments", "remark", "remarks", "notes", "kommentar")
+LOGGED = ("...", "\N{HORIZONTAL ELLIPSIS}", "!")
+"""So a line of a log ends, and no row of names."""
 LONGEST_STEP = 10.0  # s; a larger number is a date, or the hour of the day
 _STEP_SCALE = {"ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 
@@ -32,10 +36,13 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
 
     Of several lines that could be the header, that one is taken whose cells say most; the nearest of equals.
     """
-    above = []
+    above: list[list[str]] = []
     for number in range(max(0, dialect.start - 60), dialect.start):
         line = lines[number]
-        if not line.strip():
+        if not line.strip() or line.rstrip().endswith(LOGGED):
+            continue
+        if width == 1 and not any(map(str.isalpha, line)):
+            above.clear()  # settings in numbers: what stands over them are their names
             continue
         if width == 1 and _rate_in(line[:300], dialect.decimal) is not None:
             continue
@@ -43,12 +50,12 @@ def headers(lines: Sequence[str], dialect: Dialect, width: int) -> tuple[list[st
     fitting = [cells for cells in above if _fits(cells, width)]
     if not fitting:
         return [""] * width, [""] * width
-    units = [""] * width
-    if _is_unit_row(fitting[-1]):
-        units = _padded(fitting.pop(), width)
-        if not fitting:
-            return units, [""] * width
-    best = max(range(len(fitting)), key=lambda k: (_says(fitting[k], units) if width > 1 else 0, k))
+    rows = [cells for cells in fitting if _is_unit_row(cells)]
+    units = _padded(rows[-1], width) if rows else [""] * width
+    fitting = [cells for cells in fitting if cells not in rows]
+    if not fitting:
+        return units, [""] * width
+    best = max(range(len(fitting)), key=lambda k: (_says(fitting[k]) if width > 1 else 0, k))
     return _padded(fitting[best], width), units
 
 
@@ -57,9 +64,9 @@ def _cells_of(line: str, dialect: Dialect, width: int) -> list[str]:
     return [c.strip().strip('"').strip() for c in _header_cells(bare, dialect.delimiter, width)]
 
 
-def _says(cells: Sequence[str], units: Sequence[str]) -> int:
-    """Return how many cells of a line name a quantity."""
-    return sum(meaning(cell, unit).quantity is not None for cell, unit in zip(cells, units, strict=False))
+def _says(cells: Sequence[str]) -> int:
+    """Return how many different quantities the cells of a line name."""
+    return len({meaning(cell).quantity for cell in cells} - {None})
 
 
 def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
@@ -70,16 +77,22 @@ def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
         return plain
     for form in (r"\s{2,}|\t", r"\s+(?![\[(/])"):
         cells = re.split(form, line.strip())
-        if len(cells) == width and (delimiter == BLANK or _says(cells, [""] * width)):
+        if len(cells) == width and (delimiter == BLANK or _says(cells)):
             return cells
     return plain
 
 
 def _fits(cells: Sequence[str], width: int) -> bool:
+    """Return whether cells can be names of the columns: enough of them, and none but the first a number."""
     named = [i for i, cell in enumerate(cells) if cell and cell.lower() not in REMARKS]
-    if not named or named[-1] >= width:
+    if not named or named[-1] >= width or any(_is_number(cell) for cell in cells[1:]):
         return False
     return len(cells) >= width - 1 or len(named) == width
+
+
+def _is_number(cell: str) -> bool:
+    plain = bool(cell) and not cell[0].isalpha()
+    return plain and any(parse_number(cell, decimal) is not None for decimal in ".,")
 
 
 def _padded(cells: Sequence[str], width: int) -> list[str]:
@@ -87,17 +100,27 @@ def _padded(cells: Sequence[str], width: int) -> list[str]:
 
 
 def _is_unit_row(cells: Sequence[str]) -> bool:
-    """Return whether every cell is a unit, in brackets or bare, and at least one is."""
+    """Return whether every cell is a unit, in brackets or bare, one at least; the first may say what the row holds."""
     bare = [cell.strip("()[] ") for cell in cells]
     known = [parse_unit(cell) is not None for cell in bare if cell not in ("", "-", "1")]
     bracketed = all(cell[0] in "([" and cell[-1] in ")]" for cell in cells if cell)
-    return bool(known) and (all(known) or (bracketed and any(known)))
+    return bool(known) and (all(known) or (bracketed and any(known)) or (len(known) > 1 and all(known[1:])))
 
 
 def names_in(lines: Sequence[str], rows: Sequence[int], join: str, dialect: Dialect, width: int) -> list[str]:
     """Return the header of each column from the lines that a recipe names, counted from 1."""
     cells = [_padded(_cells_of(lines[row - 1], dialect, width), width) for row in rows if row <= len(lines)]
     return [join.join(filter(None, several)) for several in zip(*cells, strict=True)] or [""] * width
+
+
+def units_above(lines: Sequence[str], dialect: Dialect) -> tuple[str, ...]:
+    """Return the units that the lines above the table name, in the order of the alphabet."""
+    words = (
+        word
+        for line in lines[max(0, dialect.start - 60) : dialect.start]
+        for word in _WORD.findall(line[:1000])
+    )
+    return tuple(sorted({word for word in words if parse_unit(word) is not None}))[:MOST_UNITS]
 
 
 def rate_above(lines: Sequence[str], dialect: Dialect) -> tuple[float | None, str]:

@@ -13,8 +13,6 @@ MAX_LINES = 1_500_000
 MAX_RECIPE = 1_000_000
 MAX_NUMBERS = 20_000_000
 MAX_COLUMNS = 2000
-MAX_CELLS = 5_000_000
-"""Of a text whose layout is not that of a table, so that it is cut into cells before it is one."""
 MAX_SENTENCES = 1_000_000
 """Lines with words between the numbers."""
 LONGEST_LINE = 200_000

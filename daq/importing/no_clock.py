@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from daq.importing.errors import ImportProblem, place
-from daq.importing.rate_change import even_part
 from daq.importing.recipe import Part
+from daq.importing.stamps import even_part
 from daq.importing.table import SourceColumn, Table
 from daq.recording import Array
 

@@ -8,12 +8,11 @@ from typing import cast
 import numpy as np
 
 from daq.importing.accelerometer import has_gravity, with_moving_axis
-from daq.importing.apply import ORDER, WIDE, clock_of, readings_of
+from daq.importing.apply import ORDER, WIDE, clock_of, readings_of, stated
 from daq.importing.bob import with_angle
-from daq.importing.channel_units import is_angle, of_one_kind, unit_of
+from daq.importing.channel_units import is_angle, of_one_kind, unit_of, units_of_angles
 from daq.importing.choose import Choice, choose_columns, left_out
-from daq.importing.counted_on import counted_on
-from daq.importing.degrees import units_of_angles
+from daq.importing.counted_on import counted_on, with_stamps
 from daq.importing.derived import find_derivation
 from daq.importing.errors import ImportProblem, problem
 from daq.importing.options import ImportOptions
@@ -21,7 +20,6 @@ from daq.importing.quantisation import rounding
 from daq.importing.recipe import Column, Part, Recipe, Role
 from daq.importing.runs import find_runs
 from daq.importing.table import Table
-from daq.importing.time_steps import with_stamps
 from daq.importing.timebase import EVEN, guess_time_unit
 from daq.importing.units import Unit
 from daq.plain_text import one_line
@@ -127,6 +125,7 @@ def _recipe(table: Table, found: Sequence[str], made: Sequence[_Run], options: I
         rate=made[0].rate,
         resample=options.resample,
         restarts=cut == 0,
+        stated=stated(table),
         runs=kept if cut is not None and set(kept) != set(found) else (),
         parts=() if part == Part() else (part,),
         dialect=table.dialect,

@@ -29,7 +29,7 @@ Role = Literal[
     "time", "time_step", "run", "displacement", "velocity", "acceleration", "force", "x", "y", "ignored"
 ]
 ROLES: Final = get_args(Role)
-Format = Literal["text", "serial", "labview", "json", "matlab", "uff"]
+Format = Literal["text", "serial", "json", "matlab", "uff"]
 Name = Annotated[Line, Field(max_length=LONGEST_NAME)]
 Row = Annotated[int, Field(ge=1, le=MAX_LINES)]
 Rate = Annotated[float, Field(gt=0.0, lt=1e9)]
@@ -42,7 +42,8 @@ class _Part(BaseModel):
 class Dialect(_Part):
     """How a text is written (Table Dialect 2.0); what is not said is found out. Rows count from 1.
 
-    `decimalChar` is Table Schema's word, said here once for all fields.
+    `decimalChar` is Table Schema's word, said here once for all fields. Of JSON, `property` is the key of the table, with
+    points between the keys on the way, and `itemKeys` are the columns to read.
     """
 
     header: bool = True
@@ -52,6 +53,8 @@ class Dialect(_Part):
     comment_char: str | None = Field(default=None, alias="commentChar", min_length=1, max_length=8)
     delimiter: str | None = Field(default=None, min_length=1, max_length=1)
     decimal_char: Literal[".", ","] | None = Field(default=None, alias="decimalChar")
+    property: str | None = Field(default=None, max_length=LONGEST_NAME)
+    item_keys: tuple[Name, ...] = Field(default=(), alias="itemKeys", max_length=MAX_COLUMNS)
 
 
 class Column(_Part):
@@ -104,6 +107,7 @@ class Recipe(_Part):
 
     `confirmed` says that a person has looked at it: it is used again for the next file with these fields. `rate` (Hz) takes
     the place of time stamps. `restarts` cuts the rows where the time begins again; `runs` names those to read, all without.
+    `stated` are the units that the file itself writes above its numbers: where they are others, it is another logger's file.
     """
 
     recipe: Literal[1] = 1
@@ -114,6 +118,7 @@ class Recipe(_Part):
     resample: bool = False
     restarts: bool = False
     runs: tuple[Name, ...] = Field(default=(), max_length=MAX_COLUMNS)
+    stated: tuple[Name, ...] | None = Field(default=None, max_length=MAX_COLUMNS)
     parts: tuple[Part, ...] = Field(default=(), max_length=100)
     dialect: Dialect = Dialect()
     fields: tuple[Column, ...] = Field(default=(), max_length=MAX_COLUMNS)

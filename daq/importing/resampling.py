@@ -1,9 +1,9 @@
-"""Put the rows of a table on an even clock: what is missing stays missing."""
+"""The rows of a table on an even clock, where what is missing stays missing, and a part of them."""
 
 import numpy as np
 
 from daq.importing.timebase import Timebase
-from daq.recording import Array, Gap, Mask, runs
+from daq.recording import Array, Gap, Mask, Recording, runs
 
 
 def place(values: Array, clock: Timebase, *, resample: bool) -> tuple[Array, Mask]:
@@ -42,4 +42,24 @@ def find_gaps(valid: Mask, clock: Timebase) -> tuple[Gap, ...]:
     return tuple(
         Gap(a, b - a, "no number in the file" if present[a:b].any() else "missing from the file")
         for a, b in runs(~valid)
+    )
+
+
+def cut(recording: Recording, start: int, stop: int) -> Recording:
+    """Return samples `start` to `stop` - 1 as a recording of its own."""
+    gaps = []
+    for gap in recording.gaps:
+        first, last = max(gap.first, start), min(gap.first + gap.count, stop)
+        if last > first:
+            gaps.append(Gap(first - start, last - first, gap.reason))
+    return Recording(
+        recording.rate,
+        recording.channels,
+        recording.samples[:, start:stop],
+        recording.valid[start:stop],
+        tuple(gaps),
+        recording.rate_std,
+        None,
+        (*recording.notes, f"samples {start} to {stop - 1} of the file"),
+        recording.run,
     )

@@ -18,7 +18,6 @@ _ITEM = re.compile(
     r"\s*(?:[,;|\t]|\s|$)\s*"
 )
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
-_TAIL = re.compile(r"(?<=\d),(\d+)(?![\d.,])")
 
 SAMPLE = 40
 ALIKE = 0.9
@@ -36,18 +35,18 @@ class _Row(NamedTuple):
         return bool(self.clock), self.labels, self.units
 
 
-def table_of(path: Path, lines: Sequence[str]) -> tuple[Format, list[str], str] | None:
+def table_of(path: Path, lines: Sequence[str], decimal: str | None) -> tuple[Format, list[str], str] | None:
     """Return the lines as a table between tabs with a header, and a sentence on it; None where they are no such text.
 
     Each line stays in its place; what does not fit is blank. Where no line is free above the first row, the header comes
-    before all. A comma between two digits is the decimal sign where every number then has a label, or every one a unit, or
-    where as many digits follow it in all lines, and some begin with a zero, as no whole number does.
+    before all. A comma between two digits is the decimal sign where `decimal` says so, or every number then has a label, or
+    every one a unit.
     """
-    rows = _alike(path, lines)
-    if rows is not None and not _all_named(rows):
+    rows = _alike(path, lines) if decimal != "," else None
+    if decimal == "," or (decimal is None and rows is not None and not _all_named(rows)):
         del rows  # both at once would be too much
         rows = _alike(path, [_COMMA.sub(".", line) for line in lines])
-        if rows is None or not (_all_named(rows) or _zeros_follow_commas(lines)):
+        if decimal is None and (rows is None or not _all_named(rows)):
             rows = _alike(path, lines)
     if rows is None:
         return None
@@ -85,19 +84,6 @@ def _all_named(rows: Sequence[_Row | None]) -> bool:
     """Return whether every number of a row has a label, or without any labels every one a unit."""
     row = next(row for row in rows if row is not None)
     return all(row.labels) or (not any(row.labels) and all(row.units))
-
-
-def _zeros_follow_commas(lines: Sequence[str]) -> bool:
-    """Return whether the digits after each comma between two digits are those of a decimal fraction."""
-    widths: set[tuple[int, ...]] = set()
-    zeros = 0
-    for line in lines:
-        arrow = _ARROW.match(line)
-        tails = _TAIL.findall(line[arrow.end() :] if arrow else line)
-        if tails:
-            widths.add(tuple(len(tail) for tail in tails))
-            zeros += sum(len(tail) > 1 and tail.startswith("0") for tail in tails)
-    return len(widths) == 1 and zeros > 0
 
 
 def _row(line: str) -> _Row | None:

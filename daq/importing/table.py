@@ -1,10 +1,13 @@
 """The common ground of all formats: named columns of numbers, before they are given a meaning."""
 
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from daq.importing.errors import problem
 from daq.importing.limits import LONGEST_NAME
 from daq.importing.recipe import Dialect, Format
 from daq.recording import Array
@@ -55,7 +58,7 @@ class Table:
     """The columns of one file, or of one run in it, all of one length, with the line each row came from where there
     are lines. `run` is what the file calls the run, "" where it holds one recording; `cut` is the number of the column by
     which runs were cut one below the other, 0 where their time begins again. `notes` are what was understood, `doubts` what
-    was not, a sentence each; `format`, `encoding` and `dialect` are how it was read.
+    was not, a sentence each; `format`, `encoding` and `dialect` are how it was read, and `stated` the units in it.
     """
 
     path: Path
@@ -69,8 +72,44 @@ class Table:
     cut: int | None = None
     format: Format = "text"
     encoding: str | None = None
+    stated: tuple[str, ...] = ()
     dialect: Dialect = field(default_factory=Dialect)
 
     def line(self, row: int) -> int | None:
         """Return the 1-based line of a row, or None where the format has no lines."""
         return None if self.lines is None else int(self.lines[row])
+
+
+def named(table: Table, wanted: str | int, what: str) -> SourceColumn:
+    """Return the one column that is called so, for a quantity. Raises ImportProblem where there is none, or several."""
+    text = _plain(str(wanted))
+    tests = (
+        lambda c: c.label == str(wanted),
+        lambda c: str(c.number) == str(wanted).strip(),
+        lambda c: _plain(c.label) == text != "",
+        lambda c: _plain(c.label).split()[:1] == [text],
+        lambda c: len(text) > 2 and text in _plain(c.label),
+    )
+    for test in tests:
+        found = [c for c in table.columns if test(c)]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise problem(
+                table.path, f"'{text}' could be {listed(found)}", f"give its number, as {found[0].number}"
+            )
+    noun = table.columns[0].noun if table.columns else "column"
+    raise problem(
+        table.path, f"there is no {noun} '{wanted}' for the {what}; the file has {listed(table.columns)}",
+        "name one of these, or give its number",
+    )  # fmt: skip
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\W_]+", " ", name).strip().casefold()
+
+
+def listed(columns: Sequence[SourceColumn]) -> str:
+    """Return the first columns as a sentence names them."""
+    shown = ", ".join(c.place for c in columns[:8])
+    return shown + (f" and {len(columns) - 8} more" if len(columns) > 8 else "")

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from daq.importing.block_stamps import Blocks, clock_of_blocks
 from daq.importing.errors import problem
 from daq.importing.held_readings import Held, held_readings, repeated_readings
 from daq.importing.no_clock import OFTEN_EQUAL, USE_RATE, milli, no_clock
 from daq.importing.quantisation import quantum, rounding
-from daq.importing.rounded_stamps import nominal_rate, rate_within_rounding
+from daq.importing.stamps import Blocks, clock_of_blocks, nominal_rate, rate_within_rounding
 from daq.importing.table import SourceColumn, Table
 from daq.importing.units import Unit
 from daq.recording import Array
@@ -153,19 +152,26 @@ def _within_rounding(
 
 def _of_blocks(rows: Index, blocks: Blocks, first: float, notes: list[str]) -> Timebase:
     """Return the even clock of rows that were stamped in blocks."""
-    rate, rate_std = 1.0 / blocks.period, blocks.period_std / blocks.period**2
     note = (
         f"about {blocks.rows:.3g} rows share each time stamp: they were written in blocks, and a stamp is the time at which "
-        f"a block was read; even times were rebuilt at {_rate(rate, rate_std)}, as the blocks came (or give --rate)"
+        "a block was read; even times were rebuilt at {}, as the blocks came (or give --rate)"
     )
+    return _rebuilt(blocks, rows, np.arange(len(rows)), first, notes, note)
+
+
+def _rebuilt(
+    clock: Blocks | Held, rows: Index, index: Index, first: float, notes: list[str], note: str
+) -> Timebase:
+    """Return a clock that was found behind stamps; `note` has a place for its rate."""
+    rate, rate_std = 1.0 / clock.period, clock.period_std / clock.period**2
     return Timebase(
         rate=float(f"{rate:.13g}"),
         rate_std=rate_std,
         rows=rows,
-        index=np.arange(len(rows)),
-        count=len(rows),
-        notes=(*notes, note),
-        origin=first + blocks.start,
+        index=index,
+        count=int(index[-1]) + 1,
+        notes=(*notes, note.format(_rate(rate, rate_std))),
+        origin=first + clock.start,
         coarse=True,
     )
 
@@ -184,21 +190,11 @@ def _repeated(time: Array, values: Array) -> tuple[str, ...]:
 
 def _of_held(rows: Index, held: Held, first: float, notes: list[str]) -> Timebase:
     """Return the sensor's own clock where rows repeat its readings."""
-    rate, rate_std = 1.0 / held.period, held.period_std / held.period**2
     note = (
         f"{100.0 * held.share:.0f} % of the rows repeat the one before while the mass moves: the sensor was read faster "
-        f"than it answers; its own readings, {_rate(rate, rate_std)}, were taken (--rate keeps all rows)"
+        "than it answers; its own readings, {}, were taken (--rate keeps all rows)"
     )
-    return Timebase(
-        rate=float(f"{rate:.13g}"),
-        rate_std=rate_std,
-        rows=rows[held.rows],
-        index=held.index,
-        count=int(held.index[-1]) + 1,
-        notes=(*notes, note),
-        origin=first + held.start,
-        coarse=True,
-    )
+    return _rebuilt(held, rows[held.rows], held.index, first, notes, note)
 
 
 def _stamps(

@@ -27,7 +27,6 @@ WORTH_SAYING = 1e-3
 OTHER_BENCH = 2.0
 """Factor between two stiffnesses per mass from which on the benches are plainly different ones."""
 
-_OTHER_BENCH_SURE = 10.0
 _MISFIT = 0.1
 """Share of the difference between the halves of a decay that counts as an error at the same amplitude."""
 
@@ -43,7 +42,8 @@ class OwnPhysics:
 
     Each error is the larger of the noise's, scaled by what the fit leaves, and a tenth of the difference between the
     first and the second half of the decay; `per_log_amplitude` is that difference over the logarithm of the ratio of
-    their amplitudes, by name: what another amplitude may do to the parameter. `amplitude` is the largest and `rms` the
+    their amplitudes, by name: what another amplitude may do to the parameter. `halves` are the smaller and the larger
+    stiffness of the two halves and of the whole, 1/s^2. `amplitude` is the largest and `rms` the
     root mean square of the displacement, in `unit`; `misfit` what the fit leaves of the motion, as a share of its rms.
     """
 
@@ -54,6 +54,7 @@ class OwnPhysics:
     per_log_amplitude: dict[str, float]
     stiffness: str
     misfit: float
+    halves: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -90,12 +91,11 @@ class SharedPhysics:
 
     @property
     def other_benches(self) -> tuple[int, ...]:
-        """The releases whose stiffness is another by so much that they are of another bench."""
-        return tuple(
-            d.index
-            for d in self.differences
-            if d.parameter == self.own[0].stiffness and d.sigmas > _OTHER_BENCH_SURE and _far(d)
-        )
+        """The releases whose stiffness is another by so much that they are of another bench.
+
+        However large its error: a factor of two is none of a fit, unless the stiffness drifts as far within a release.
+        """
+        return tuple(i for i, own in enumerate(self.own) if i and _far(self.own[0], own))
 
 
 def shared_physics(decays: Sequence[PreparedDecay]) -> SharedPhysics:
@@ -115,8 +115,8 @@ def shared_physics(decays: Sequence[PreparedDecay]) -> SharedPhysics:
     return SharedPhysics(own, tuple(differences))
 
 
-def _far(difference: Difference) -> bool:
-    low, high = sorted((difference.first.value, difference.other.value))
+def _far(first: OwnPhysics, other: OwnPhysics) -> bool:
+    (_, low), (high, _) = sorted((first.halves, other.halves))
     return high > OTHER_BENCH * low
 
 
@@ -151,8 +151,16 @@ def _own_physics(prepared: PreparedDecay, model: Model) -> OwnPhysics:
             slopes[name] = abs(early - late) / max(ratio, _LEAST_LOG)
         parameters[name] = replace(found, std=float(std))
     rms = _rms(prepared)
+    springs = [found.parameters[stiffness].value for found in (whole, *fits)]
     return OwnPhysics(
-        prepared.amplitude, rms, prepared.window.unit, parameters, slopes, stiffness, _misfit(whole)
+        prepared.amplitude,
+        rms,
+        prepared.window.unit,
+        parameters,
+        slopes,
+        stiffness,
+        _misfit(whole),
+        (min(springs), max(springs)),
     )
 
 

@@ -76,6 +76,7 @@ def _thinned(curve: DecayCurve) -> DecayCurve:
         curve.centre[every],
         curve.misfit[every],
         curve.has_centre,
+        curve.lightness,
     )
 
 

@@ -1,7 +1,7 @@
 """An averaged law: what an effect of unit strength does to loss, frequency and centre at every amplitude."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -25,7 +25,7 @@ class AveragedLaw:
 
     `inner` are the inner parameters, by their own names; `signatures` are those at each of `times` (times,) s since the
     release, one where time does not matter, and `centre` (amplitudes,) is the displacement of the centre by a force that
-    is even.
+    is even. Both are of a motion at an angular `frequency` (rad/s); `elsewhere` is the law at others.
     """
 
     term: Term
@@ -34,6 +34,8 @@ class AveragedLaw:
     times: Array
     signatures: tuple[Signature, ...]
     centre: Array
+    frequency: float = 0.0
+    elsewhere: tuple["AveragedLaw", ...] = ()
 
     @property
     def name(self) -> str:
@@ -42,10 +44,16 @@ class AveragedLaw:
 
     def along(self, curve: DecayCurve) -> tuple[Array, Array, Array]:
         """Return loss (1/s) and change of w^2 (1/s^2) between the points, (n - 1,), and the centre at them, (n,)."""
+        if self.elsewhere:
+            own = float(np.median(curve.frequency))
+            near = min((self, *self.elsewhere), key=lambda law: abs(law.frequency - own))
+            if near is not self:
+                return replace(near, elsewhere=()).along(curve)
         at, grid = np.log(curve.between), np.log(self.amplitudes)
         loss = self._in_time(curve, [np.interp(at, grid, s.damping) for s in self.signatures])
         stiffening = self._in_time(curve, [np.interp(at, grid, s.stiffening) for s in self.signatures])
-        return loss, stiffening, np.interp(np.log(curve.amplitude), grid, self.centre)
+        centre = np.interp(np.log(curve.amplitude), grid, self.centre)
+        return curve.lightness * loss, curve.lightness * stiffening, curve.lightness * centre
 
     def _in_time(self, curve: DecayCurve, values: list[Array]) -> Array:
         """Return what holds at each point of a curve, (n,), of values (n,) that hold at each of the times."""
@@ -128,7 +136,7 @@ def law_of(
         average(effect, values, frequency, grid, time=float(t), second_order=False) for t in times
     )
     centre = -mean_force(effect, values, frequency, grid) / frequency**2
-    return AveragedLaw(term, dict(inner), grid, times, signatures, centre)
+    return AveragedLaw(term, dict(inner), grid, times, signatures, centre, frequency)
 
 
 def values_of(laws: Iterable[AveragedLaw], strengths: Array) -> dict[str, float]:

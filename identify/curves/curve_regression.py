@@ -16,7 +16,7 @@ from identify.arrays import Array
 from identify.curves.averaged_law import AveragedLaw
 from identify.curves.decay_curve import DecayCurve
 from identify.effects.force_effect import LinearPart
-from identify.fitting.own_linear import DAMPING_VARIES, STIFFNESS_VARIES
+from identify.fitting.own_linear import shares_of
 
 _CENTRE_COUNTS = 0.5
 _RIDGE = 1e-10
@@ -69,9 +69,19 @@ class Strengths:
 
 
 class CurveRegression:
-    """Curves of one or more releases, and laws that may explain them; `laws` are the columns."""
+    """Curves of one or more releases, and laws that may explain them; `laws` are the columns.
 
-    def __init__(self, curves: Sequence[DecayCurve], laws: Sequence[AveragedLaw], frequency: float) -> None:
+    `shares` are by how much the spring (relative) and the damper (mean losses) of a release may differ.
+    """
+
+    def __init__(
+        self,
+        curves: Sequence[DecayCurve],
+        laws: Sequence[AveragedLaw],
+        frequency: float,
+        shares: tuple[float, float] | None = None,
+    ) -> None:
+        self.shares = shares or shares_of(frozenset())
         self.curves = tuple(curves)
         self.laws = tuple(laws)
         self.frequency = frequency
@@ -217,8 +227,8 @@ class CurveRegression:
     def _varies(self, column: int) -> float:
         """Standard deviation by which a linear law's strength may differ between releases."""
         if self.laws[column].term.force.linear_part == LinearPart.STIFFNESS:
-            return STIFFNESS_VARIES * self.frequency**2
-        return DAMPING_VARIES * self.typical_loss
+            return self.shares[0] * self.frequency**2
+        return self.shares[1] * self.typical_loss
 
     @cached_property
     def _scatters(self) -> tuple[float, ...]:

@@ -1,6 +1,7 @@
 """The ground of a search on curves: regression, predictions, and what windows and averaging do to each model."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from identify.curves.held_out import HeldOut, cut_by_amplitude, hold_out
 from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.simulated_curve import simulated_curve
 from identify.effects.effect import Scales
+from identify.fitting.own_linear import shares_of
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
@@ -48,7 +50,14 @@ class CurveSearch:
         )
         closer = not self.one_record  # one curve alone is followed by any memory that may be chosen freely
         laws = (*self.base, *laws_of(terms, frequency, scales, grid, duration, closer=closer))
-        self.regression = CurveRegression(self.parts, laws, frequency)
+        varies = decays[0].window.varies
+        if varies - {"damping"}:  # each release is at another frequency
+            own = [float(np.median(curve.frequency)) for curve in self.whole]
+            laws = tuple(
+                replace(law, elsewhere=tuple(law_of(law.term, law.inner, w, grid, duration) for w in own))
+                for law in laws
+            )
+        self.regression = CurveRegression(self.parts, laws, frequency, shares_of(varies))
 
     def laws_of_columns(self, columns: tuple[int, ...]) -> tuple[AveragedLaw, ...]:
         """Return the laws of some columns."""

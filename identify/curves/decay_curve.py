@@ -12,6 +12,8 @@ _COMES_BACK = 1.25
 _LAST = 0.6
 _STEADY = 0.1
 _LONG_ENOUGH = 8
+_FALLEN = 1.5
+"""Largest amplitude over the largest of the late part from which on a free motion would have gone on to fall."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +22,8 @@ class DecayCurve:
 
     Readings of a velocity or an acceleration are divided by the frequency or its square; their centre says nothing about
     the displacement's, and `has_centre` is False. `misfit` is the rms of what
-    the window's harmonic motion leaves of the reading, in units of the amplitude, (n,).
+    the window's harmonic motion leaves of the reading, in units of the amplitude, (n,). All strengths are divided by an
+    inertia that is `lightness` times this release's.
     """
 
     time: Array
@@ -29,6 +32,7 @@ class DecayCurve:
     centre: Array
     misfit: Array
     has_centre: bool = True
+    lightness: float = 1.0
 
     def __len__(self) -> int:
         return len(self.time)
@@ -41,7 +45,7 @@ class DecayCurve:
     @property
     def between(self) -> Array:
         """Geometric mean of the amplitudes of each point and the next, (n - 1,)."""
-        return np.asarray(np.sqrt(self.amplitude[1:] * self.amplitude[:-1]))
+        return np.sqrt(self.amplitude[1:]) * np.sqrt(self.amplitude[:-1])
 
     @property
     def clock(self) -> Array:
@@ -72,12 +76,31 @@ class DecayCurve:
 
     @property
     def driven(self) -> bool:
-        """Whether the amplitude, after other values, keeps one of its own to the end: no free motion does."""
-        first = round(_LAST * len(self))
-        level = float(np.mean(self.amplitude[first:]))
-        steady = np.ptp(self.amplitude[first:]) < _STEADY * level and len(self) - first >= _LONG_ENOUGH
-        before = self.amplitude[:first]
-        return bool(steady and np.ptp(before) > 2.0 * _STEADY * level and before.min() < level)
+        """Whether the amplitude, after other values, keeps one of its own to the end, or beats about it.
+
+        No free motion does: even where it beats, its largest amplitudes fall. One that beats has thirds with a beat in each.
+        """
+        level, before = float(np.mean(self.late)), self.amplitude[: len(self) - len(self.late)]
+        if len(self.late) < _LONG_ENOUGH or before.min() >= level:
+            return False
+        if not self.beats_late:
+            return bool(np.ptp(before) > 2.0 * _STEADY * level)
+        thirds = np.array_split(self.late, 3)
+        alike = (
+            np.ptp([measure(part) for part in thirds]) < _STEADY * level for measure in (np.mean, np.max)
+        )
+        fallen = before.max() > _FALLEN * self.late.max()
+        return len(thirds[0]) >= _LONG_ENOUGH and all(alike) and bool(fallen)
+
+    @property
+    def beats_late(self) -> bool:
+        """Whether the amplitudes of the last two fifths are not one and the same."""
+        return bool(np.ptp(self.late) >= _STEADY * np.mean(self.late))
+
+    @property
+    def late(self) -> Array:
+        """The amplitudes of the last two fifths."""
+        return self.amplitude[round(_LAST * len(self)) :]
 
     def part(self, first: int, last: int) -> Self:
         """Return the points from `first` to before `last`."""
@@ -89,4 +112,5 @@ class DecayCurve:
             self.centre[cut],
             self.misfit[cut],
             self.has_centre,
+            self.lightness,
         )

@@ -29,6 +29,9 @@ _RISES = 4
 _SMALLEST = 0.03
 """Share of the largest amplitude at which a curve ends."""
 
+_COMES_BACK = 0.1
+"""Share of it to which the amplitude comes back after the node of a beat, and the curve with it."""
+
 _SEEN = 0.5
 """Share of a window's readings, by weight, below which it says nothing and is left out."""
 
@@ -50,6 +53,7 @@ class IsolatedMode:
     first: NDArray[np.int_]
     operators: tuple[Array, ...]
     frequency: Array
+    lightness: float = 1.0
 
     @classmethod
     def of(cls, window: FitWindow) -> Self:
@@ -71,7 +75,7 @@ class IsolatedMode:
             shift = np.array([((q[2] + 1j * q[3]) / (q[0] + 1j * q[1])).imag for q in found])
             frequency = np.clip(_smoothed(frequency + shift), 0.5 * mean, 2.0 * mean)
         first, operators, _ = _operators(used, window.rate, centre, half, frequency)
-        whole = cls(channel, window.time + centre, first, operators, frequency)
+        whole = cls(channel, window.time + centre, first, operators, frequency, window.lightness)
         largest = int(np.argmax(whole.curve(values).amplitude[: _RISES + 1]))
         if len(centre) - largest < _FEWEST:
             raise NotIdentifiable(_TOO_FEW)
@@ -80,7 +84,12 @@ class IsolatedMode:
     def _from(self, point: int) -> Self:
         cut = slice(point, None)
         return type(self)(
-            self.channel, self.centre[cut], self.first[cut], self.operators[cut], self.frequency[cut]
+            self.channel,
+            self.centre[cut],
+            self.first[cut],
+            self.operators[cut],
+            self.frequency[cut],
+            self.lightness,
         )
 
     def curve(self, values: Array) -> DecayCurve:
@@ -105,6 +114,7 @@ class IsolatedMode:
             found[:, 2],
             left / size,
             order == 0,
+            self.lightness,
         )
 
 
@@ -114,7 +124,9 @@ def _centres(values: Array, used: Mask, rate: float, frequency: float) -> tuple[
     running = running_amplitude(values, max(round(period * rate), 2))
     top = int(np.argmax(running))
     seen = np.convolve(used, np.ones(max(round(period * rate), 2)), "same") >= _SEEN * period * rate
-    small = np.flatnonzero((running[top:] < _SMALLEST * running[top]) & seen[top:])
+    later = np.maximum.accumulate(running[top:][::-1])[::-1]
+    over = (running[top:] < _SMALLEST * running[top]) & (later < _COMES_BACK * running[top])
+    small = np.flatnonzero(over & seen[top:])
     end = (top + int(small[0]) if len(small) else len(values)) / rate
     cycles = end / period
     half = period * next(width for most, width in _HALF_WIDTHS if cycles <= most)

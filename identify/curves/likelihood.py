@@ -39,7 +39,6 @@ from identify.evidence.priors import (
     STRENGTHS,
     WALKS_ARE,
 )
-from identify.fitting.own_linear import DAMPING_VARIES, STIFFNESS_VARIES
 from identify.model.model import Model
 
 _CENTRE = 2
@@ -161,7 +160,8 @@ class CurveLikelihood:
     def __init__(self, search: CurveSearch) -> None:
         self.search = search
         laws = search.regression.laws
-        self.regression = CurveRegression(search.whole, laws, search.regression.frequency)
+        shares = search.regression.shares
+        self.regression = CurveRegression(search.whole, laws, search.regression.frequency, shares)
         self.base = tuple(range(len(search.base)))
         self.own = tuple(self._own()) if len(search.whole) > 1 else ()
         grid, shapes = _nameless_shapes(search.whole)
@@ -180,9 +180,9 @@ class CurveLikelihood:
         for column in self.base:
             part = self.regression.laws[column].term.force.linear_part
             if part == LinearPart.STIFFNESS:
-                yield column, STIFFNESS_VARIES * self.regression.frequency**2
+                yield column, self.regression.shares[0] * self.regression.frequency**2
             if part == LinearPart.DAMPING:
-                yield column, DAMPING_VARIES * self.regression.typical_loss
+                yield column, self.regression.shares[1] * self.regression.typical_loss
 
     def _release(self, number: int, mode: IsolatedMode, grid: Array, shapes: Array) -> _Release:
         curve = self.regression.curves[number]

@@ -1,7 +1,7 @@
 """Diagnosis: which effect a model lacks, how sure that is, and what cannot be told apart."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 from identify.curves.confirm import confirm_releases
@@ -40,6 +40,7 @@ from identify.fitting.initial_values import scales_of
 from identify.fitting.random_walk import RandomWalk
 from identify.fitting.release_values import ReleaseValue, release_values
 from identify.fitting.segments import largest_first, prepared_of, segments_of, what_was_used
+from identify.fitting.whole_spring import as_the_whole_spring
 from identify.formatting import three_figures
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
@@ -214,6 +215,7 @@ def diagnose(
     settled = baseline
     if judgement.final is not baseline.fit:
         settled = refit_at_floor(baseline.decays, shared_where_alike(judgement.final))
+    settled = replace(settled, fit=as_the_whole_spring(settled.stated(settled.fit), settled.fit))
     suspects = listed_suspects(baseline, judgement, settled)
     verdict = judgement.verdict
     few = too_few_cycles(baseline) and verdict != "sensor_fault"

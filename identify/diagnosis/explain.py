@@ -73,7 +73,7 @@ def explain(
         return why_not_enough(baseline, settled.fit)
     top = suspects[0] if suspects else None
     if verdict == "driven" and confirmation is not None:
-        return explain_driven(confirmation)
+        return explain_driven(confirmation, baseline.decays[0].window.unit)
     if verdict == "unconfirmed" and confirmation is not None:
         return explain_unconfirmed(confirmation, suspects, baseline.reduced(baseline.fit))
     if top is not None and top.confirmed is not None and confirmation is not None:

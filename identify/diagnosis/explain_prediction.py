@@ -61,14 +61,21 @@ def _unclear(suspect: Suspect, before: float) -> str:
     )
 
 
-def explain_driven(found: Confirmation) -> str:
-    """Return that the motion does not die away, and at which frequency it goes on."""
+def explain_driven(found: Confirmation, unit: str) -> str:
+    """Return that the motion does not die away, and at which amplitude and frequency it goes on."""
     curve = next(curve for curve in found.curves if curve.driven)
     frequency = float(np.median(curve.frequency[len(curve) // 2 :])) / (2.0 * np.pi)
+    late = curve.late
+    beats = (
+        ""
+        if not curve.beats_late
+        else f", beating between {three_figures(late.min())} and {three_figures(late.max())} {unit}"
+    )
     return (
-        f"The motion does not die away: its amplitude stays the same over the last two fifths of the record, at "
-        f"{three_figures(frequency)} Hz. Something drives it; a free decay is needed to name a force. Stop the drive and "
-        "release the mass, or record the driving force as a channel of its own."
+        f"The motion does not die away: over the last two fifths of the record its amplitude stays at "
+        f"{three_figures(float(np.mean(late)))} {unit} and {three_figures(frequency)} Hz{beats}. Something drives it; a "
+        "free decay is needed to name a force. Stop the drive and release the mass, or record the driving force as a "
+        "channel of its own."
     )
 
 

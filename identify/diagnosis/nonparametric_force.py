@@ -8,11 +8,11 @@ explain, it tells whether something is missing that the library does not know, a
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from identify.arrays import Array, Mask, frozen
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.signal.splines import basis, clamped_knots
 
 _KNOTS = {
     "displacement": 24,
@@ -170,9 +170,10 @@ def _blocks(prepared: PreparedDecay) -> dict[str, Array]:
 
 def _splines(position: Array, count: int) -> Array:
     low, high = float(position.min()), float(position.max())
-    inner = np.linspace(low, high, count - 2)
-    knots = np.concatenate([[low] * 3, inner, [high] * 3])
-    return np.asarray(BSpline.design_matrix(np.clip(position, low, high), knots, 3).toarray())
+    first, values = basis(position, clamped_knots(low, high, count - 3))
+    design = np.zeros((len(position), count))
+    np.put_along_axis(design, first[:, None] + np.arange(values.shape[1]), values, axis=1)
+    return design
 
 
 def _shapes(

@@ -14,9 +14,9 @@ DROWNED = 100.0 / float(np.sqrt(2.0))
 
 
 def too_few_cycles(baseline: Baseline) -> bool:
-    """Whether fewer cycles of free motion stand above friction and noise than tell effects apart."""
-    window = baseline.fit.windows[0]
-    return len(window) / window.rate * baseline.fit.frequency / (2.0 * np.pi) < FEWEST_CYCLES
+    """Whether fewer cycles of free motion, of all releases, stand above friction and noise than tell effects apart."""
+    seconds = sum(len(window) / window.rate for window in baseline.fit.windows)
+    return seconds * baseline.fit.frequency / (2.0 * np.pi) < FEWEST_CYCLES
 
 
 def is_drowned(baseline: Baseline, found: Fit) -> bool:

@@ -10,7 +10,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import gammaincc, gammaln
 
 from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, rank
 from identify.diagnosis.search import singles
@@ -90,7 +89,7 @@ def shared_where_alike(found: Fit) -> Fit:
 
     What made the releases differ may have been what was found since.
     """
-    if not any(window.own_linear for window in found.windows):
+    if not any(window.own_linear and not window.varies for window in found.windows):
         return found
     shared = fit(found.model, without_own_linear(found.windows), found.point, found.frequency, near=True)
     return shared if surprise(shared, found) <= SURE else found
@@ -129,6 +128,8 @@ def surprise(shared: Fit, own: Fit) -> float:
         return 0.0
     weight = next(w.own_linear.weight for w in own.windows if w.own_linear is not None)
     drop = max(shared.chi_square - own.chi_square, 0.0) / weight
+    from scipy.special import gammaincc, gammaln  # loaded when it is needed
+
     tail = float(gammaincc(0.5 * free, 0.5 * drop))
     if tail > 0.0:
         return -float(np.log(tail))

@@ -28,7 +28,8 @@ _RATES = signature(STATE_TUPLE, *_ARGUMENTS)
 def force_function(function: Callable[..., float], *, cache: bool = True) -> Any:
     """Compile `function(t, u, v, z, p)` to a force, or a friction level, per unit mass (m/s^2).
 
-    `z` is a tuple of two internal states, `p` of six parameters.
+    `z` is a tuple of two internal states, `p` of six parameters. What is kept on disk is loaded when it is first used; what
+    is not is compiled at once, so that a formula that cannot be compiled is refused where it is given.
     """
     return _compile(function, _FORCE, cache)
 
@@ -39,19 +40,29 @@ def rate_function(function: Callable[..., tuple[float, float]], *, cache: bool =
 
 
 def _compile(function: Callable[..., Any], signature: Any, cache: bool) -> Any:
-    return (compiled if cache else njit)(signature, error_model="numpy")(function)
+    return (
+        compiled(error_model="numpy")(function) if cache else njit(signature, error_model="numpy")(function)
+    )
+
+
+def _address(function: Any, signature: Any) -> int:
+    if function is None:
+        return 0
+    if tuple(signature.args) not in function.overloads:
+        function.compile(signature)
+    return int(_get_wrapper_address(function, signature))
 
 
 @lru_cache(maxsize=256)
 def address_of_force(function: Any) -> int:
     """Return where a compiled force lies in memory; 0 for None. It stays where it is, and is looked up once."""
-    return 0 if function is None else int(_get_wrapper_address(function, _FORCE))
+    return _address(function, _FORCE)
 
 
 @lru_cache(maxsize=256)
 def address_of_rates(function: Any) -> int:
     """Return where a compiled rate lies in memory; 0 for None."""
-    return 0 if function is None else int(_get_wrapper_address(function, _RATES))
+    return _address(function, _RATES)
 
 
 def _call(result: Any) -> Any:

@@ -12,6 +12,7 @@ from identify.fitting.harmonic_residual import HarmonicResidual, harmonic_residu
 from identify.fitting.initial_values import initial_values, regress_model
 from identify.fitting.misfit_errors import misfit_density, with_misfit_errors
 from identify.fitting.noise_colour import ChannelColour, noise_colours
+from identify.fitting.own_linear import own_springs
 from identify.model.model import Model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.levels import stale
@@ -132,6 +133,7 @@ def fit_baseline(
     windows = tuple(prepared.window for prepared in decays)
     frequency = decays[0].frequency
     start = known if known is not None else initial_values(decays, model, {})
+    start = own_springs(decays, model, start) | start
     found = fit(model, windows, start, frequency)
     mended = tuple(_without_stale(prepared, found, i) for i, prepared in enumerate(decays))
     if any(new is not old for new, old in zip(mended, decays, strict=True)):

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from identify.arrays import Array
 from identify.effects.library import fault_allowed_as
@@ -11,6 +10,7 @@ from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.signal.running import running_median
 
 UNSTATED_GAIN_UNCERTAINTY = 0.03
 """Relative uncertainty allowed to a pair of channels whose calibration says nothing: ordinary sensors are 1 to 5 % off."""
@@ -147,6 +147,6 @@ def _off(fit: Fit, channel: str, i: int) -> Array:
     used = np.flatnonzero(window.used[channel] & np.isfinite(residual))
     if len(used) < _NEAR:
         return residual
-    slow = median_filter(residual[used], _NEAR, mode="nearest")
+    slow = running_median(residual[used], _NEAR)
     with np.errstate(invalid="ignore"):  # a motion that ran away has no residual
         return np.asarray(residual - np.interp(np.arange(len(residual)), used, slow))

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from identify.arrays import Array
 from identify.effects.effect import Scales, Starts
@@ -100,7 +99,12 @@ def _strengths(decays: tuple[PreparedDecay, ...], model: Model, inner: dict[str,
         return np.clip(np.zeros(len(model.forces)), low[: len(model.forces)], high[: len(model.forces)])
     size[size == 0.0] = 1.0
     triangle = np.asarray(np.linalg.qr(np.column_stack([design / size, restoring]), mode="r"))
-    found = lsq_linear(triangle[:, :-1], triangle[:, -1], (low * size, high * size), method="bvls").x / size
+    found = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=-1)[0]
+    if np.any((found < low * size) | (found > high * size)):
+        from scipy.optimize import lsq_linear  # a tenth of a second to load, and seldom needed
+
+        found = lsq_linear(triangle[:, :-1], triangle[:, -1], (low * size, high * size), method="bvls").x
+    found = found / size
     return np.asarray(found[: len(model.forces)])
 
 
@@ -124,7 +128,10 @@ def _columns(prepared: PreparedDecay, model: Model, inner: dict[str, float]) -> 
     along = (prepared.time, motion.displacement, motion.velocity, prepared.frequency)
     held = prepared.window.pre_release
     before = None if held is None else (held.time, held.displacement, held.velocity)
-    columns = [force_along(term, inner_values(term, inner), *along, before) for term in model.forces]
+    columns = [
+        prepared.window.lightness * force_along(term, inner_values(term, inner), *along, before)
+        for term in model.forces
+    ]
     if prepared.window.estimates_mass:
         assert prepared.window.force is not None
         columns.append(-prepared.window.force)

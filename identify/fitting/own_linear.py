@@ -2,18 +2,23 @@
 
 On a rig neither is quite the same from one release to the next: brakes are set, air, bearings and temperature change. So
 both may differ, within priors. A prior counts in units of what a model leaves, not of the noise: else a wrong model that
-leaves a thousand times the noise could bend them at will.
+leaves a thousand times the noise could bend them at will. What was changed on purpose is each release's own.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from identify.arrays import Array
+from identify.effects.force_effect import LinearPart
 from identify.fitting.parameter_layout import OWN_STIFFNESS, Deviation, windows_by_release
 from identify.fitting.problem import Problem
+from identify.model.model import Model
+from identify.model.parameter_id import nuisance
 from identify.preprocessing.fit_window import FitWindow, OwnLinear
+from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.oscillation import running_amplitude
 
 STIFFNESS_VARIES = 0.01
@@ -21,6 +26,15 @@ STIFFNESS_VARIES = 0.01
 
 DAMPING_VARIES = 1.0
 """The same for viscous damping, in units of the mean loss of the releases."""
+
+VARIES = ("stiffness", "damping", "inertia")
+"""What may be changed on purpose between releases of one rig."""
+
+_ANYTHING = 100.0
+"""Standard deviation of a spring (relative) or a damper (mean losses) that was changed on purpose: as good as unknown."""
+
+_BY_FREQUENCY = 0.05
+"""Relative error of a ratio of inertias that is taken from the frequencies of releases of unlike amplitudes."""
 
 _AS_GOOD = 2.0
 """Ratio of two weights up to which one serves for the other: a prior is known to no more."""
@@ -32,13 +46,64 @@ def with_own_linear(windows: Sequence[FitWindow], frequency: float) -> tuple[Fit
         np.mean([_loss(windows[i], frequency) for i in places])
         for places in windows_by_release(windows).values()
     ]
-    own = OwnLinear(STIFFNESS_VARIES * frequency**2, DAMPING_VARIES * float(np.mean(losses)))
+    spring, damper = shares_of(windows[0].varies)
+    own = OwnLinear(spring * frequency**2, damper * float(np.mean(losses)))
     return tuple(window.with_(own_linear=own) for window in windows)
 
 
+def shares_of(varies: frozenset[str]) -> tuple[float, float]:
+    """Return by how much spring (relative) and damper (mean losses) may differ where some things were changed on purpose."""
+    spring = _BY_FREQUENCY if "inertia" in varies else STIFFNESS_VARIES
+    return (
+        _ANYTHING if "stiffness" in varies else spring,
+        _ANYTHING if "damping" in varies or {"stiffness", "inertia"} <= varies else DAMPING_VARIES,
+    )
+
+
+def changed_on_purpose(
+    decays: Sequence[PreparedDecay], varies: frozenset[str], spring: float = 0.0
+) -> tuple[PreparedDecay, ...]:
+    """Return releases between which some of VARIES was changed on purpose: each has its own values of that.
+
+    Where only the inertia was changed, its ratio is that of the squared frequencies, and all forces per unit of inertia
+    follow it; `spring` is the stiffness (1/s^2) that these are shares of, the first release's unless given. Where the
+    stiffness was changed too, frequencies do not tell the inertia: spring and damper are each one's own then.
+    """
+    if not varies or not decays:
+        return tuple(decays)
+    spring = spring or decays[0].frequency ** 2
+    only_inertia = "inertia" in varies and "stiffness" not in varies
+    windows = [
+        prepared.window.with_(
+            varies=varies,
+            lightness=prepared.frequency**2 / spring if only_inertia else 1.0,
+            release=place,
+        )
+        for place, prepared in enumerate(decays)
+    ]
+    pairs = zip(decays, with_own_linear(windows, decays[0].frequency), strict=True)
+    return tuple(replace(prepared, window=window) for prepared, window in pairs)
+
+
+def own_springs(
+    decays: Sequence[PreparedDecay], model: Model, start: Mapping[str, float]
+) -> dict[str, float]:
+    """Return where the own springs of releases may begin whose springs were changed, by unknown's name."""
+    strength = model.linear_strength(LinearPart.STIFFNESS)
+    groups = windows_by_release([prepared.window for prepared in decays])
+    if strength is None:
+        return {}
+    return {
+        str(nuisance(OWN_STIFFNESS, number, len(groups))): decays[places[0]].frequency ** 2
+        - start[str(strength)]
+        for number, places in enumerate(groups.values())
+        if "stiffness" in decays[places[0]].window.varies
+    }
+
+
 def without_own_linear(windows: Sequence[FitWindow]) -> tuple[FitWindow, ...]:
-    """Return windows whose releases share spring and damper."""
-    return tuple(w if w.own_linear is None else w.with_(own_linear=None) for w in windows)
+    """Return windows whose releases share spring and damper, unless these were changed on purpose."""
+    return tuple(w if w.own_linear is None or w.varies else w.with_(own_linear=None) for w in windows)
 
 
 def weighed(problem: Problem, theta: Array) -> tuple[FitWindow, ...]:
@@ -75,7 +140,8 @@ def percent_off(problem: Problem, theta: Array, one: Deviation) -> float:
     own = problem.windows[one.windows[0]].own_linear
     assert own is not None
     is_spring = problem.unknowns[one.own].id.parameter == OWN_STIFFNESS
-    share, std = (STIFFNESS_VARIES, own.stiffness) if is_spring else (DAMPING_VARIES, own.damping)
+    spring, damper = shares_of(problem.windows[one.windows[0]].varies)
+    share, std = (spring, own.stiffness) if is_spring else (damper, own.damping)
     return 100.0 * share * problem.deviation(theta, one) / std
 
 

@@ -9,7 +9,7 @@ from identify.arrays import Array, Mask
 from identify.estimate import Estimate
 from identify.fitting.initial_values import initial_values
 from identify.fitting.levenberg_marquardt import minimise, minimise_fully
-from identify.fitting.own_linear import percent_off, weighed, with_own_linear, without_own_linear
+from identify.fitting.own_linear import own_springs, percent_off, weighed, with_own_linear, without_own_linear
 from identify.fitting.parameter_layout import NOWHERE
 from identify.fitting.problem import Problem
 from identify.fitting.segments import segments_of
@@ -71,6 +71,7 @@ def predict(
     start = known | initial_values(pieces, model, known) | known | _faults(model, known, len(pieces))
     windows, frequency = tuple(piece.window for piece in pieces), pieces[0].frequency
     windows = without_own_linear(windows) if hold else with_own_linear(windows, frequency)
+    start = own_springs(pieces, model, start) | start
     return predict_windows(model, known, windows, start, frequency)
 
 

@@ -68,6 +68,8 @@ class Problem:
         self.expected = self.layout.deviations
         self._own = [[one for one in self.expected if i in one.windows] for i in range(len(windows))]
         self.pattern = BlockPattern.of(moves, len(windows), [one.own for one in self.expected])
+        strengths = {str(term.strength) for term in model.forces}
+        self._strengths = [i for i, u in enumerate(self.unknowns) if u.name in strengths]
         self.steps = np.zeros(len(self.unknowns))
         self._paths = [frequency * amplitude_of(window, frequency) / window.rate for window in windows]
         self._kept: list[list[_Motion]] = [[] for _ in windows]
@@ -99,12 +101,13 @@ class Problem:
         return int(min(max(fewer, np.ceil(self._steps_of_memory(table, i))), fine))
 
     def within(self, theta: Array, i: int) -> Array:
-        """Return the unknowns with the shared ones as they are in window i: with what its release has of its own."""
-        if not self._own[i]:
+        """Return the unknowns with the shared ones as in window i: with its release's own part, over its inertia."""
+        if not self._own[i] and self.windows[i].lightness == 1.0:
             return theta
         theta = theta.copy()
         for one in self._own[i]:
             theta[one.shared] += self.deviation(theta, one)
+        theta[self._strengths] *= self.windows[i].lightness
         return theta
 
     def deviation(self, theta: Array, one: Deviation) -> float:

@@ -35,6 +35,7 @@ def release_values(found: Fit) -> tuple[ReleaseValue, ...]:
             continue
         at = unknown.deviates
         shared = found.unknowns[at]
+        light = found.windows[unknown.moves[0]].lightness
         variance = found.covariance[i, i] + 2.0 * found.covariance[i, at] + found.covariance[at, at]
         own = float(found.theta[i])
         values.append(
@@ -42,8 +43,8 @@ def release_values(found: Fit) -> tuple[ReleaseValue, ...]:
                 releases.index(unknown.moves[0]),
                 shared.name,
                 Estimate(
-                    max(float(found.theta[at]) + own, shared.low),
-                    float(np.sqrt(max(variance, 0.0))),
+                    light * max(float(found.theta[at]) + own, shared.low),
+                    light * float(np.sqrt(max(variance, 0.0))),
                     shared.unit,
                 ),
                 100.0 * own / float(found.theta[at]) if found.theta[at] else float("inf"),

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
 
 from identify.arrays import Array
 from identify.errors import NotIdentifiable
@@ -17,6 +16,7 @@ from identify.signal.fractional_delay import bridge, read_at_shift
 from identify.signal.kinematics import Agreement, Pair, agree
 from identify.signal.oscillation import dominant_frequency, running_amplitude
 from identify.signal.reversals import reversal_excess
+from identify.signal.running import running_maximum
 from identify.signal.smoothing import slope
 from identify.summary import Summarised, Summary
 
@@ -176,7 +176,7 @@ def jump_variance(high: Array, noise: float, rate: float) -> Array:
         return extra
     third = np.abs(np.diff(high, 3))
     reach = max(3, round(rate / frequency))
-    amplitude = maximum_filter1d(np.abs(high - np.median(high)), reach)[1:-2]
+    amplitude = running_maximum(np.abs(high - np.median(high)), reach)[1:-2]
     own = (2.0 * np.sin(min(np.pi * frequency / rate, 0.5 * np.pi))) ** 3 * amplitude
     jump = np.where(third > 4.5 * np.sqrt(20.0) * noise + 2.0 * own, third, 0.0) ** 2 / 96.0
     extra[1:-2] += jump

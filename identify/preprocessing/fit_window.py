@@ -54,7 +54,8 @@ class FitWindow:
     pieces of a long release, and `release` counts the releases that are fitted together. `rate_std` is the standard error
     of the rate (Hz), None when unknown. `colour` holds what the noise of a channel has beside its white part, in units of
     `sigma`. `own_linear` says by how much spring and damper of its release may differ from those of all; None where they
-    are shared.
+    are shared. `varies` names what was changed on purpose between the releases ("stiffness", "damping", "inertia"), and
+    `lightness` is the inertia that all strengths are divided by over this release's.
     """
 
     rate: float
@@ -75,6 +76,8 @@ class FitWindow:
     rate_std: float | None = None
     release: int = 0
     own_linear: OwnLinear | None = None
+    varies: frozenset[str] = frozenset()
+    lightness: float = 1.0
 
     def __len__(self) -> int:
         return len(next(iter(self.readings.values())))

@@ -1,10 +1,11 @@
 """Lost readings: they stand still, fall to zero, or fly off while the motion runs on."""
 
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
-from identify.arrays import Array, Mask
+from identify.arrays import Array, Mask, frozen
 from identify.signal.levels import stale, steps_between
 
 _STENCIL = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0
@@ -53,10 +54,11 @@ def _off_cubic(readings: Array, length: int) -> Array:
     return np.asarray(np.abs(windows[:, 2:-2] - around @ _cubic(length)).max(axis=1))
 
 
+@lru_cache(maxsize=_LONGEST)
 def _cubic(length: int) -> Array:
     """Return the weights of two readings on either side of a run in the cubic through them, shape (4, length)."""
     at = np.array([-2.0, -1.0, length, length + 1.0])
-    return np.stack(
+    return frozen(
         [
             np.prod((np.arange(length)[:, None] - np.delete(at, i)) / (at[i] - np.delete(at, i)), axis=1)
             for i in range(4)

@@ -26,6 +26,9 @@ from identify.signal.fractional_delay import bridge
 from identify.summary import Summarised, Summary
 
 _SHORTEST_CYCLES = 4.0
+BESIDE_OTHERS = 2.0
+"""Cycles that a release must hold which is fitted together with others: it brings its start, they the rest."""
+
 _LAG_REACH = 0.06
 _SHORTEST_REST = 24
 _REVERSAL_MARGIN = 0.02
@@ -109,13 +112,15 @@ class PreparedDecay(Summarised):
         return float(np.max(np.abs(self.motion.displacement)))
 
 
-def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -> PreparedDecay:
+def prepare(
+    decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0, fewest_cycles: float = _SHORTEST_CYCLES
+) -> PreparedDecay:
     """Make one release ready to be fitted: locate, align, reconstruct the motion, cut the record where friction takes over.
 
     `gain_uncertainty` is the relative uncertainty of the gain between the
     two channels that their calibrations leave open, 0 where they say nothing. Where a recorded force drives the motion
     on, it is taken into account, and the mass is estimated unless it is known. Raises NotIdentifiable when fewer than
-    four cycles remain.
+    `fewest_cycles` remain: four, of a release that stands alone; `BESIDE_OTHERS`, of one among several.
     """
     located = decay if isinstance(decay, AlignedDecay) else locate_and_align(decay)
     aligned, block = averaged(located)
@@ -143,8 +148,8 @@ def prepare(decay: FreeDecay | AlignedDecay, *, gain_uncertainty: float = 0.0) -
     use = record_use(
         located, begin, begin + length / record.rate, 2.0 * np.pi / frequency, to_the_end=to_the_end
     )
-    if cycles < _SHORTEST_CYCLES:
-        raise _refusal(record, _too_few(cycles, frequency, use))
+    if cycles < fewest_cycles:
+        raise _refusal(record, _too_few(cycles, frequency, use, fewest_cycles))
     motion = replace(motion.part(slice(length)), displacement=motion.displacement[:length] - zero)
     lost = {name: mask[release.settle :][: len(motion.displacement)] for name, mask in aligned.lost.items()}
     window = _window(
@@ -193,16 +198,17 @@ def _beyond_readings(record: FreeDecay, frequency: float) -> str:
     )
 
 
-def _too_few(cycles: float, frequency: float, use: RecordUse) -> str:
+def _too_few(cycles: float, frequency: float, use: RecordUse, fewest: float) -> str:
+    at_least = "four" if fewest == _SHORTEST_CYCLES else f"{fewest:g} beside other releases"
     if use.ended == "readings_missing":
         before = (use.end_s - use.begin_s) * frequency / (2.0 * np.pi)
         return (
             f"Only {before:.1f} cycles of free motion lie before {use.end_s:.2f} s, where {use.missing_s:.2g} s of readings "
-            "are missing; at least four are needed: cut the record so that it begins after them, or record again."
+            f"are missing; at least {at_least} are needed: cut the record so that it begins after them, or record again."
         )
     return (
         f"Only {cycles:.1f} cycles of free motion stand above friction "
-        "and noise; record at least four, from a larger release."
+        f"and noise; record at least {at_least}, from a larger release."
     )
 
 

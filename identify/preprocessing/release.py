@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.ndimage import binary_dilation, maximum_filter1d, median_filter, minimum_filter1d
 
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
@@ -16,6 +15,7 @@ from identify.preprocessing.sampling import too_coarse
 from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree
+from identify.signal.running import running_maximum, running_median, running_minimum
 
 ReleaseKind = Literal["displaced", "impulse", "in_motion"]
 
@@ -248,7 +248,7 @@ def _coarse(channel: _Channel, step: int, period: float) -> Array:
     if channel.derivative < 2:
         return means
     width = 2 * max(1, round(period / step / 12.0)) + 1
-    return np.asarray(median_filter(means, width, mode="nearest"), dtype=np.float64)
+    return running_median(means, width)
 
 
 def _release(
@@ -365,12 +365,8 @@ def _rest(
 
 def _still(values: Array, window: int, tolerance: float) -> Mask:
     """Where the channel stays within the tolerance over a window of `window` samples that holds the sample."""
-    spread = maximum_filter1d(values, window, mode="nearest") - minimum_filter1d(
-        values, window, mode="nearest"
-    )
-    calm = spread <= tolerance
-    grown: Mask = binary_dilation(calm, np.ones(window, dtype=bool))
-    return grown
+    calm = running_maximum(values, window) - running_minimum(values, window) <= tolerance
+    return running_maximum(calm[::-1], window)[::-1]
 
 
 def _end_of_motion(channel: _Channel, period: float, burst: _Burst) -> int:

@@ -1,7 +1,7 @@
 """The Hilbert envelope: the older reference beside the wavelet's (Feldman 1997)."""
 
 import numpy as np
-from scipy import fft
+from numpy import fft
 
 from identify.arrays import Array
 

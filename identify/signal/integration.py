@@ -4,15 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline
 from scipy.linalg import solveh_banded
 
 from identify.arrays import Array, Mask
 from identify.signal.kinematics import AVERAGES
-
-DEGREE = 3
-"""Degree of the splines: what twice-integrated noise asks for, and little freedom at the ends."""
-
+from identify.signal.splines import DEGREE, basis, clamped_knots, spline_and_derivatives
 
 _RIDGE = 1e-11
 """Added to the normal equations, whose diagonal is one, so that stretches without samples can be solved for."""
@@ -51,21 +47,19 @@ def slow_part(values: Array, rate: float, frequency: float, weights: Mask) -> Sl
     time = np.arange(len(values)) / rate
     end = float(time[-1])
     spans = max(1, round(end * frequency / 2.0))
-    knots = np.concatenate([[0.0] * DEGREE, np.linspace(0.0, end, spans + 1), [end] * DEGREE])
+    knots = clamped_knots(0.0, end, spans)
     step = max(1, int(rate / (POINTS_PER_PERIOD * frequency)))
     rows = np.flatnonzero(weights)[::step]
-    splines = BSpline.design_matrix(np.clip(time[rows], 0.0, end), knots, DEGREE)
+    first, weight = basis(time[rows], knots)
     columns = len(knots) - DEGREE - 1
-    over = splines.indices.reshape(len(rows), DEGREE + 1)
-    weight = splines.data.reshape(len(rows), DEGREE + 1)
+    over = first[:, None] + np.arange(DEGREE + 1)
     phase = 2.0 * np.pi * frequency * time[rows]
     waves = np.stack([np.ones_like(phase), np.cos(phase), np.sin(phase)], axis=1)
     # the three columns of a spline stand side by side
     design = (weight[:, :, None] * waves[:, None, :]).reshape(len(rows), -1)
     place = (3 * over[:, :, None] + np.arange(3)).reshape(len(rows), -1)
     found = _banded_least_squares(design, place, values[rows], 3 * columns)
-    spline = BSpline(knots, found[::3], DEGREE)
-    return Slow(spline(time), spline.derivative(1)(time), spline.derivative(2)(time))
+    return Slow(*spline_and_derivatives(time, knots, found[::3], 2))
 
 
 def _banded_least_squares(design: Array, place: NDArray[np.int_], values: Array, columns: int) -> Array:

@@ -10,10 +10,11 @@ and of the missing half.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
 
 from identify.arrays import Array, Mask
+from identify.signal.fast_length import fast_length
 
 Complex = NDArray[np.complex128]
 _REACH = 4.0  # the window is cut at 4 standard deviations, where it is 3e-4
@@ -47,7 +48,7 @@ def prepare_ridge(valid: Mask, frequency: float, width: float, centres: NDArray[
     """
     n = len(valid)
     reach = int(np.ceil(_REACH * width))
-    length = fft.next_fast_len(n + reach)
+    length = fast_length(n + reach)
     offsets = np.arange(-reach, reach + 1)
     window = np.exp(-0.5 * (offsets / width) ** 2)
     s = offsets / width
@@ -124,7 +125,7 @@ def scalogram(
     standard deviation. The modulus, shape (f, t), is scaled so that a steady sine shows its amplitude; times (t,) in s.
     """
     n = len(samples)
-    length = fft.next_fast_len(2 * n)
+    length = fast_length(2 * n)
     spectrum = fft.fft(samples - np.mean(samples), length)
     axis = fft.fftfreq(length, 1 / rate)
     ratio = axis[None, :] / frequencies[:, None] - 1

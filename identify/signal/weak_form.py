@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy import fft
 from numpy.typing import NDArray
-from scipy import fft
 from scipy.linalg import cholesky_banded, solve_banded
 
 from identify.arrays import Array, Mask
+from identify.signal.fast_length import fast_length
 from identify.signal.morlet import Complex
 
 WINDOW_CYCLES = 2.0
@@ -94,7 +95,7 @@ def band_of(windows: Windows, kernel: Complex, rate: float, spectrum: Callable[[
     """
     overlap = (len(kernel) - 1) // windows.step + _TAIL
     width = 2 * (overlap + 1)
-    length = fft.next_fast_len(2 * (len(kernel) + (_TAIL + 1) * windows.step))
+    length = fast_length(2 * (len(kernel) + (_TAIL + 1) * windows.step))
     level = spectrum(np.abs(2 * np.pi * fft.fftfreq(length, 1 / rate)))
     parts = (fft.fft(kernel.real, length), fft.fft(kernel.imag, length))
     apart = np.arange(overlap + 1) * windows.step

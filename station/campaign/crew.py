@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from types import TracebackType
 from typing import Protocol, Self
 
-from station.campaign.work import Answer, Work
+from station.campaign.work import Answer, Work, perform
 
 
 class Crew(Protocol):
@@ -35,6 +35,43 @@ class Crew(Protocol):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Send everybody home; what is under way is dropped."""
+
+
+class InThisProcess:
+    """A crew of this process alone: one session after another."""
+
+    workers = 1
+
+    def __init__(self) -> None:
+        self._waiting: list[Work] = []
+
+    @property
+    def wanted(self) -> int:
+        """How many more sessions keep it busy."""
+        return 1 - len(self._waiting)
+
+    @property
+    def busy(self) -> bool:
+        """Whether an answer is still to come."""
+        return bool(self._waiting)
+
+    def submit(self, work: Work) -> None:
+        """Hand a session over."""
+        self._waiting.append(work)
+
+    def answers(self) -> list[Answer]:
+        """Return the answer of the session that was handed over."""
+        work = self._waiting.pop()
+        return [Answer(work, perform(work))]
+
+    def __enter__(self) -> Self:
+        """Begin."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End."""
 
 
 def perform_all(works: Iterable[Work], crew: Crew) -> Iterator[Answer]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from station.exits import UsageProblem
 
 LARGEST = 50 << 20
-SESSION, DATE = "session", "date"
+SESSION, FILE, DATE = "session", "file", "date"
 
 
 @dataclass(frozen=True)
@@ -22,9 +22,9 @@ class Known:
 
 
 def read_metadata(file: Path) -> tuple[dict[str, Known], tuple[str, ...]]:
-    """Return what a table says of each session, by its name, and notes on what in it could not be used.
+    """Return what a table says of each session, by its name or that of its file, and notes on what could not be used.
 
-    The table is comma separated, or by semicolons or tabs, with a header; one column is `session`, another may be
+    The table is comma separated, or by semicolons or tabs, with a header; one column is `session` or `file`, another may be
     `date` (as 2026-03-01 or 2026-03-01T14:30), the others are numbers. Raises UsageProblem when it is none of this.
     """
     try:
@@ -36,19 +36,20 @@ def read_metadata(file: Path) -> tuple[dict[str, Known], tuple[str, ...]]:
     rows = _rows(content.decode("utf-8-sig", errors="replace"))
     header = [name.strip() for name in rows[0]] if rows else []
     lowered = [name.lower() for name in header]
-    if SESSION not in lowered:
+    name_column = next((lowered.index(name) for name in (SESSION, FILE) if name in lowered), None)
+    if name_column is None:
         raise UsageProblem(
-            f"the metadata {file}: no column is called session; the first line names the columns"
+            f"the metadata {file}: no column is called session or file; the first line names the columns"
         )
     found: dict[str, Known] = {}
     texts: dict[str, None] = {}
     for number, row in enumerate(rows[1:], start=2):
         cells = dict(zip(header, (cell.strip() for cell in row), strict=False))
-        name = cells.get(header[lowered.index(SESSION)], "")
+        name = cells.get(header[name_column], "")
         numbers: dict[str, float] = {}
         date = None
         for column, cell in cells.items():
-            if column.lower() == SESSION or not cell or not column:
+            if column.lower() in (SESSION, FILE) or not cell or not column:
                 continue
             if column.lower() == DATE:
                 date = _date(cell, file, number)

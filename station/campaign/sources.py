@@ -66,6 +66,14 @@ def is_folder_of_sessions(argument: str) -> bool:
     return folder.is_dir() and not (folder / INFO).exists() and not (folder / RAW).exists()
 
 
+def is_folder_of_files(argument: str) -> bool:
+    """Whether an argument is a folder that holds files and neither a session nor any of its own."""
+    folder = Path(argument)
+    if not is_folder_of_sessions(argument) or list_sessions(folder):
+        return False
+    return any(entry.is_file() and not entry.name.startswith(".") for entry in folder.iterdir())
+
+
 def default_folder(arguments: tuple[str, ...], settings: Settings) -> Path:
     """Return where a campaign is kept: in the folder of sessions, when there is only one, else in the settings'."""
     if len(arguments) == 1 and is_folder_of_sessions(arguments[0]):

@@ -63,10 +63,11 @@ def _contents(work: Work) -> dict[str, Any]:
     from identify.errors import NotIdentifiable
     from station.results.identification_document import amplitude
     from station.story.pipeline import identify
-    from station.story.preparation import prepare_recording
+    from station.story.preparation import locate, prepare_recording
 
     recording = _recording(work)
-    result = identify(recording, work.options)
+    found = locate(recording, work.options)
+    result = identify(recording, work.options, found)
     content: dict[str, Any] = {
         "unit": result.decay.unit,
         "amplitude": _size(amplitude(result)),
@@ -74,7 +75,7 @@ def _contents(work: Work) -> dict[str, Any]:
         "refusals": dict(result.refusals),
     }
     try:
-        prepared = prepare_recording(recording, work.options, work.gain_percent)
+        prepared = prepare_recording(recording, work.options, work.gain_percent, found)
         content = _merged(content, _diagnosed(prepared) if work.diagnose else _fitted(prepared))
         if content["amplitude"] is None:
             content["amplitude"] = prepared.amplitude

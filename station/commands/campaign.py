@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import GAIN, known_places
+from station.commands.options import GAIN, VARIES, known_places
 from station.output import json_option, print_json, progress, screen
 
 if TYPE_CHECKING:
     from station.campaign.crew import Crew
+    from station.campaign.metadata import Known
     from station.results.campaign_document import CampaignDocument
-
-TABLE, TRENDS = "sessions.csv", "trends.csv"
+    from station.settings import Settings
 
 
 @click.command("campaign")
@@ -28,8 +28,17 @@ TABLE, TRENDS = "sessions.csv", "trends.csv"
     "--metadata",
     type=click.Path(path_type=Path),
     metavar="CSV",
-    help="Numbers known of the sessions, as temperatures.",
+    help="Numbers known of the sessions or files, as temperatures.",
 )
+@click.option(
+    "--recipe",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Import the files of FOLDER by this recipe.",
+)
+@click.option("--ask", is_flag=True, help="Ask what the columns of the first file are, for all.")
+@click.option("--names", metavar="PATTERN", help='What the names of files say, as "{arm:d}P.txt".')
+@VARIES
 @click.option(
     "--workers", type=click.IntRange(1, 1024), metavar="N", help="Processes here (default: one a core)."
 )
@@ -43,6 +52,10 @@ def command(
     diagnose: bool,
     output: Path | None,
     metadata: Path | None,
+    recipe: Path | None,
+    ask: bool,
+    names: str | None,
+    varies: str | None,
     workers: int | None,
     scheduler: str | None,
     gain_percent: float | None,
@@ -50,29 +63,38 @@ def command(
 ) -> None:
     """Identify hundreds of sessions and look at them together.
 
-    FOLDER holds sessions (default: ./sessions). Each result is kept as soon as
-    it is there; a second run does what is missing or changed.
+    FOLDER holds sessions (default: ./sessions), or files of one logger, which
+    are imported first. Each result is kept as soon as it is there; a second run
+    does what is missing or changed.
     """
     from station.campaign.kept import Kept
     from station.campaign.metadata import read_metadata
     from station.campaign.run import Request, run_campaign
-    from station.campaign.sources import default_folder, find_sources
+    from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
     from station.campaign.together import campaign_document
     from station.operations.identifying import NothingIdentified
     from station.settings import load_settings
     from station.text.campaign_progress import CampaignProgress
-    from station.text.campaign_table import sessions_csv, trends_csv
+    from station.text.campaign_table import SESSIONS, TRENDS, sessions_csv, trends_csv
     from station.text.campaign_text import show_campaign
 
     settings = load_settings(settings_file)
     known, notes = read_metadata(metadata) if metadata is not None else ({}, ())
     for note in notes:
         progress(note)
-    kept = Kept(output or default_folder(sessions, settings))
+    if recipe or ask or names or varies or (len(sessions) == 1 and is_folder_of_files(sessions[0])):
+        place, folders = _imported(sessions, settings, (recipe, ask, names, varies), metadata, known)
+        given: tuple[str, ...] = (str(place),)
+        sessions = tuple(map(str, folders))
+        kept = Kept(output or place / FOLDER)
+    else:
+        given, kept = sessions, Kept(output or default_folder(sessions, settings))
     sources = find_sources(sessions, settings)
-    unknown = len(set(known) - {source.name for source in sources})
+    told = {source.name: {source.name, source.info.source_file if source.info else ""} for source in sources}
+    unknown = len(set(known) - set().union(*told.values()))
     if unknown:
         progress(f"{unknown} of the {len(known)} sessions in {metadata} are not among these")
+    known = {name: known[key] for name, keys in told.items() for key in keys if key in known}
     watch = CampaignProgress(len(sources))
     request = Request(settings, gain_percent, diagnose)
     try:
@@ -83,16 +105,61 @@ def command(
         raise
     watch.end()
     document = campaign_document(kept.folder, diagnose, run, known)
-    kept.write_table(document, {TABLE: sessions_csv(document), TRENDS: trends_csv(document)})
+    kept.write_table(document, {SESSIONS: sessions_csv(document), TRENDS: trends_csv(document)})
     if as_json:
         print_json(document.plain())
     else:
         show_campaign(screen(), document)
-        folders = {source.name: source.folder for source in sources}
-        for line in _next(document, folders, sessions):
+        folders_of = {source.name: source.folder for source in sources}
+        for line in _next(document, folders_of, given):
             screen().print(line, markup=False, soft_wrap=True)
     if not document.rows:
         raise NothingIdentified(f"none of the {len(sources)} sessions has a result; the reasons are above")
+
+
+def _imported(
+    arguments: tuple[str, ...],
+    settings: "Settings",
+    said: tuple[Path | None, bool, str | None, str | None],
+    metadata: Path | None,
+    known: "dict[str, Known]",
+) -> tuple[Path, list[Path]]:
+    """Import the files of a folder; return where their sessions are, and each."""
+    from daq.importing.options import ImportOptions
+    from daq.importing.propose import Doubtful
+    from daq.importing.recipe import read_recipe, to_toml
+    from station.campaign.files import FolderImport, Names, files_in
+    from station.commands.asking import asked
+    from station.exits import UsageProblem
+    from station.operations.new_session import session_info
+    from station.safe_text import harmless
+
+    recipe, ask, names, varies = said
+    if len(arguments) != 1 or not Path(arguments[0]).is_dir() or (recipe and ask):
+        raise UsageProblem(
+            "--recipe, --ask, --names and --varies are for one FOLDER of files; give --recipe or --ask"
+        )
+    folder = Path(arguments[0])
+    files = files_in(folder, (recipe, metadata))
+    form = Names(names) if names else None
+    meant = [file for file in files if form is None or form.said(file.name)]
+    if not meant:
+        raise UsageProblem(f"{folder}: no file in it{f' is of the form {names}' if names else ''}")
+    given = read_recipe(recipe) if recipe else asked(meant[0], ImportOptions()) if ask else None
+    place = settings.sessions / (folder.resolve().name or "files")
+    info = session_info(settings, None, None, None, None, (), varies)
+    work = FolderImport(place, settings.sessions, given, form, known, info)
+    try:
+        made = list(work.sessions(files, progress))
+    except Doubtful as refusal:
+        click.echo(harmless(to_toml(refusal.proposal.recipe)))
+        raise UsageProblem(
+            f"{refusal}. In a terminal --ask shows the columns; or write the recipe above into a file, correct it, and give "
+            "that by --recipe"
+        ) from refusal
+    if not made:
+        raise UsageProblem(f"{folder}: none of its {len(files)} files could be read; the reasons are above")
+    return place, made
 
 
 def _next(document: "CampaignDocument", folders: dict[str, Path], given: tuple[str, ...]) -> list[str]:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, FULL, GAIN, MODEL, NO_VIEWER, SESSIONS
+from station.commands.options import EFFECTS, FULL, GAIN, MODEL, NO_VIEWER, SESSIONS, VARIES
 from station.output import json_option, print_json, progress, screen
 from station.suggestions import MEASURED_CURVE
 from station.text.next_step import next_line
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     metavar="PERCENT",
     help="Name no force that removes less than this share of the motion.",
 )
+@VARIES
 @click.option("--anyway", is_flag=True, help="Even if the sessions look like different benches.")
 @FULL
 @NO_VIEWER
@@ -40,6 +41,7 @@ def command(
     effects_file: Path | None,
     gain_percent: float | None,
     worth: float,
+    varies: str,
     anyway: bool,
     full: bool,
     no_viewer: bool,
@@ -48,9 +50,10 @@ def command(
     """Find out which effect a model lacks.
 
     SESSION is a session or a data file; several share the physics, which is
-    looked at first. Without --model it is the current model: the refined one;
-    before any `refine` the one that `station identify` found at orders of your
-    choice, else the usual one: stiffness, dry and viscous friction.
+    looked at first, but for what --varies says was changed between them.
+    Without --model it is the current model: the refined one; before any
+    `refine` the one that `station identify` found at orders of your choice,
+    else the usual one: stiffness, dry and viscous friction.
     """
     from station.operations.diagnosing import (
         diagnose_sessions,
@@ -63,7 +66,9 @@ def command(
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
-    opened = open_or_refuse(sessions, settings, gain_percent, as_json)
+    opened = open_or_refuse(sessions, settings, gain_percent, as_json, varies)
+    for name, why in opened.left_out.items():
+        progress(f"{name} is left out: {why}")
     shared = physics_shared(opened, anyway, progress)
     found, document = diagnose_sessions(opened, model_file, effects_file, progress, worth=worth)
     if shared is not None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.commands.options import COLUMNS, CONDITIONS, MASS, MASS_STD, UNITS, number_or_name, pairs
+from station.commands.options import COLUMNS, CONDITIONS, MASS, MASS_STD, UNITS, VARIES, number_or_name, pairs
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 from station.text.next_step import next_line
@@ -63,6 +63,7 @@ if TYPE_CHECKING:
 @click.option("--specimen", help="What was tested.")
 @click.option("--operator", help="Who tested it.")
 @CONDITIONS
+@VARIES
 @json_option
 @click.pass_obj
 def command(
@@ -78,6 +79,7 @@ def command(
     specimen: str | None,
     operator: str | None,
     conditions: tuple[str, ...],
+    varies: str | None,
     recipe: str | None,
     ask: bool,
     as_json: bool,
@@ -107,7 +109,7 @@ def command(
         raise UsageProblem(
             f"--recipe {recipe} says all of how the file is read: write the choice there, or leave it out"
         )
-    info = session_info(settings, mass, mass_std, specimen, operator, conditions)
+    info = session_info(settings, mass, mass_std, specimen, operator, conditions, varies)
     try:
         given = None if recipe in (None, NONE) else read_recipe(Path(recipe or ""))
         if ask:

@@ -92,6 +92,12 @@ MASS = click.option(
 MASS_STD = click.option(
     "--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass."
 )
+VARIES = click.option(
+    "--varies",
+    metavar="NAME,...",
+    default="",
+    help="What was changed on purpose between the sessions: stiffness, damping, inertia.",
+)
 FULL = click.option("--full", is_flag=True, help="Print all that is known, not only the result.")
 NO_VIEWER = click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
 CONDITIONS = click.option(
@@ -103,6 +109,9 @@ CONDITIONS = click.option(
 )
 
 
+VARIES = click.option(
+    "--varies", metavar="NAME,...", help="What differs between the sessions of one rig, as stiffness,inertia."
+)
 COLUMNS = click.option(
     "--column",
     "columns",

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import EFFECTS, SESSIONS, known_model_place
+from station.commands.options import EFFECTS, SESSIONS, VARIES, known_model_place
 from station.output import json_option, print_json, progress, screen
 
 
@@ -12,6 +12,7 @@ from station.output import json_option, print_json, progress, screen
 @click.argument("model", callback=known_model_place)
 @SESSIONS
 @EFFECTS
+@VARIES
 @click.option("--hold", is_flag=True, help="Hold the linear spring and the viscous part too.")
 @json_option
 @click.pass_obj
@@ -20,6 +21,7 @@ def command(
     model: str,
     sessions: tuple[str, ...],
     effects_file: Path | None,
+    varies: str,
     hold: bool,
     as_json: bool,
 ) -> None:
@@ -27,14 +29,17 @@ def command(
 
     MODEL is a model file, or a session that was refined or diagnosed. Its
     physics is held; start, zero, lag, gain and offsets of each SESSION are
-    refitted, and the linear spring and viscous part within 1 % and 100 %.
+    refitted, and the linear spring and viscous part within 1 % and 100 %;
+    what --varies says was changed is each SESSION's own.
     The usual model predicts under the same rule.
     """
     from station.operations.validating import validate_sessions
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
-    document = validate_sessions(model, sessions, settings, effects_file, hold=hold, progress=progress)
+    document = validate_sessions(
+        model, sessions, settings, effects_file, hold=hold, varies=varies, progress=progress
+    )
     if as_json:
         print_json(document.plain())
     else:

@@ -8,7 +8,7 @@ from identify.errors import NotIdentifiable
 from identify.model.model import base_model
 from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
 from station.operations.current_model import CurrentModel, current_model
-from station.operations.session_set import SessionSet, open_sessions, whole_library
+from station.operations.session_set import SessionSet, declared, open_sessions, whole_library
 from station.output import print_json
 from station.results.diagnosis_document import (
     DiagnosisDocument,
@@ -29,11 +29,19 @@ class NotEnoughData(Problem):
 
 
 def open_or_refuse(
-    arguments: tuple[str, ...], settings: Settings, gain_percent: float | None, as_json: bool
+    arguments: tuple[str, ...],
+    settings: Settings,
+    gain_percent: float | None,
+    as_json: bool,
+    varies: str = "",
 ) -> SessionSet:
-    """Open the sessions; where one holds too little, print the verdict as JSON if asked and raise NotEnoughData."""
+    """Open the sessions; where all hold too little, print the verdict as JSON if asked and raise NotEnoughData.
+
+    `varies` names what was changed on purpose between them, with commas.
+    """
+    changed = declared([varies.split(",")] if varies else ())
     try:
-        return open_sessions(arguments, settings, gain_percent)
+        return open_sessions(arguments, settings, gain_percent, changed)
     except NotIdentifiable as refusal:
         if as_json:
             names = tuple(Path(argument).name for argument in arguments)
@@ -47,6 +55,9 @@ def physics_shared(sessions: SessionSet, anyway: bool, progress: Progress) -> Sh
     Raises UsageProblem where a stiffness is another by so much that the benches are plainly different, unless `anyway`.
     """
     if len(sessions.decays) < 2:
+        return None
+    if sessions.varies:
+        progress(f"{', '.join(sorted(sessions.varies))}: each session has its own, as declared")
         return None
     shared, names = shared_physics(sessions.decays), sessions.names
     for difference in shared.differences:
@@ -63,7 +74,8 @@ def physics_shared(sessions: SessionSet, anyway: bool, progress: Progress) -> Sh
     if others and not anyway:
         raise UsageProblem(
             f"{', '.join(others)}: not the bench of {names[0]}, the stiffness per unit mass differing by more than a "
-            f"factor of {OTHER_BENCH:g}; diagnose them apart, or give --anyway if they do share their physics"
+            f"factor of {OTHER_BENCH:g}; diagnose them apart, or, if a spring or a mass of one rig was changed, with "
+            "--varies stiffness or --varies inertia; --anyway if they do share their physics"
         )
     return shared
 
@@ -94,7 +106,9 @@ def diagnose_sessions(
         steps=steps,
     )
     document = diagnosis_document(sessions.names, found, model.expressions, left_out)
-    return found, document.model_copy(update={"model_is": model.words, "model_remark": model.remark})
+    known = {"varies": sorted(sessions.varies), "left_out": sessions.left_out}
+    known |= {"model_is": model.words, "model_remark": model.remark}
+    return found, document.model_copy(update=known)
 
 
 def keep(sessions: SessionSet, document: DiagnosisDocument) -> None:

@@ -17,7 +17,7 @@ from station.settings import Settings
 from station.story.adequacy import recording_doubt
 from station.story.identification import Identification
 from station.story.pipeline import identify, with_adequacy
-from station.story.preparation import Options, options_for, prepare_recording
+from station.story.preparation import Options, locate, options_for, prepare_recording
 
 if TYPE_CHECKING:
     from station.views.tab import Tab
@@ -38,9 +38,10 @@ def identify_session(session: Session, options: Options) -> tuple[Identification
     The model that was found is judged on the same record, so that nobody quotes what does not explain it.
     """
     recording = session.recording()
-    result = identify(recording, options)
+    found = locate(recording, options)
+    result = identify(recording, options, found)
     try:
-        prepared = with_floor(session, prepare_recording(recording, options))
+        prepared = with_floor(session, prepare_recording(recording, options, found=found))
         result = with_adequacy(result, prepared, _doubt(session))
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})

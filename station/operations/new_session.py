@@ -32,10 +32,12 @@ def session_info(
     specimen: str | None,
     operator: str | None,
     conditions: tuple[str, ...] = (),
+    varies: str | None = None,
 ) -> SessionInfo:
     """Return a session's metadata from options, else from the settings.
 
-    `conditions` are numbers known of the test, each as "temperature [degC]=21.5". UsageProblem for a value that cannot be.
+    `conditions` are numbers known of the test, each as "temperature [degC]=21.5"; `varies` are names with commas between.
+    UsageProblem for a value that cannot be.
     """
     known = settings.specimen
     measured = dict(_condition(text) for text in conditions)
@@ -46,6 +48,7 @@ def session_info(
             mass_kg=mass if mass is not None else known.mass_kg,
             mass_std_kg=mass_std if mass is not None or mass_std is not None else known.mass_std_kg,
             conditions=measured,
+            varies=tuple(name.strip() for name in (varies or "").split(",") if name.strip()),
         )
     except ValidationError as error:
         raise UsageProblem(f"{refusal(error).replace('_kg', ' [kg]').replace('_', ' ')}") from error

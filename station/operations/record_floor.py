@@ -28,10 +28,16 @@ class NoiseFloor(Document):
 
 
 def prepare_with_floor(
-    session: Session, settings: Settings, gain_percent: float | None = None, *, mass: float | None = None
+    session: Session,
+    settings: Settings,
+    gain_percent: float | None = None,
+    *,
+    mass: float | None = None,
+    beside_others: bool = False,
 ) -> PreparedDecay:
     """Return the release of a session, ready to be fitted, with its floor; arguments and errors as `prepare_session`."""
-    return with_floor(session, prepare_session(session, settings, gain_percent, mass=mass))
+    prepared = prepare_session(session, settings, gain_percent, mass=mass, beside_others=beside_others)
+    return with_floor(session, prepared)
 
 
 def with_floor(session: Session, prepared: PreparedDecay) -> PreparedDecay:

@@ -1,27 +1,36 @@
 """The sessions that the operator named, and the library of effects."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from daq.session import Session
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
+from identify.errors import NotIdentifiable
+from identify.fitting.own_linear import VARIES, changed_on_purpose
 from identify.fitting.segments import largest_first
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.record_floor import prepare_with_floor
 from station.results.sessions import open_session
 from station.settings import Settings
+from station.suggestions import did_you_mean
 
 MOST_SESSIONS = 12
 
 
 @dataclass(frozen=True, eq=False)
 class SessionSet:
-    """The sessions that the operator named, and the release of each, ready to be fitted, the largest first."""
+    """The sessions that the operator named, and the release of each, ready to be fitted, the largest first.
+
+    `varies` is what was changed on purpose between them; `left_out` says why a session holds too little, by its name.
+    """
 
     sessions: tuple[Session, ...]
     decays: tuple[PreparedDecay, ...]
+    varies: frozenset[str] = frozenset()
+    left_out: dict[str, str] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -30,12 +39,16 @@ class SessionSet:
 
 
 def open_sessions(
-    arguments: tuple[str, ...], settings: Settings, gain_percent: float | None = None
+    arguments: tuple[str, ...],
+    settings: Settings,
+    gain_percent: float | None = None,
+    varies: frozenset[str] = frozenset(),
 ) -> SessionSet:
     """Open sessions (or data files, which are imported) and prepare their releases, the largest first.
 
-    `gain_percent` replaces what the sensors' certificates say. Raises UsageProblem when the sessions do not
-    belong together, NotIdentifiable when one holds too little.
+    `gain_percent` replaces what the sensors' certificates say; `varies` is what was changed on purpose, beside what the
+    sessions' metadata say. Of several sessions those that hold too little are left out. Raises UsageProblem when the
+    sessions do not belong together, NotIdentifiable when all hold too little.
     """
     if len(arguments) > MOST_SESSIONS:
         raise UsageProblem(f"{len(arguments)} sessions are too many at once; give at most {MOST_SESSIONS}")
@@ -43,10 +56,39 @@ def open_sessions(
     folders = [session.folder.resolve() for session in sessions]
     if len(set(folders)) < len(folders):
         raise UsageProblem("one session was given twice; each release counts once")
-    decays = tuple(prepare_with_floor(session, settings, gain_percent) for session in sessions)
+    ready: list[tuple[Session, PreparedDecay]] = []
+    left_out: dict[str, str] = {}
+    several = len(sessions) > 1
+    for session in sessions:
+        try:
+            decay = prepare_with_floor(session, settings, gain_percent, beside_others=several)
+            ready.append((session, decay))
+        except NotIdentifiable as refusal:
+            if not several:
+                raise
+            left_out[session.folder.name] = str(refusal).removeprefix(f"{session.folder.name}: ")
+    if not ready:
+        raise NotIdentifiable("; ".join(f"{name}: {why}" for name, why in left_out.items()))
+    if several and len(ready) == 1:  # alone after all, by the rule for one
+        ready = [(ready[0][0], prepare_with_floor(ready[0][0], settings, gain_percent))]
+    sessions, decays = (tuple(part) for part in zip(*ready, strict=True))
     _check_alike(sessions, decays)
     order = largest_first(decays)
-    return SessionSet(tuple(sessions[i] for i in order), tuple(decays[i] for i in order))
+    sessions, decays = tuple(sessions[i] for i in order), tuple(decays[i] for i in order)
+    varies |= declared(session.info.varies for session in sessions)
+    if len(decays) > 1:
+        decays = changed_on_purpose(decays, varies)
+    return SessionSet(sessions, decays, varies, left_out)
+
+
+def declared(names: Iterable[Sequence[str]]) -> frozenset[str]:
+    """Return what was changed on purpose, by several lists of names; UsageProblem for a name that is none of VARIES."""
+    found = frozenset(name.strip() for several in names for name in several)
+    for name in sorted(found - set(VARIES)):
+        raise UsageProblem(
+            f"'{name}' cannot vary between sessions{did_you_mean(name, VARIES)}; {', '.join(VARIES)} can"
+        )
+    return found
 
 
 def _check_alike(sessions: tuple[Session, ...], decays: tuple[PreparedDecay, ...]) -> None:

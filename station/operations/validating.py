@@ -6,13 +6,15 @@ from pathlib import Path
 from daq.errors import StationError
 from daq.session import Session
 from identify.effects.effect import Effect
+from identify.effects.force_effect import LinearPart
 from identify.errors import NotIdentifiable
+from identify.fitting.own_linear import changed_on_purpose
 from identify.fitting.parameter_layout import in_unit
 from identify.fitting.validation import Validated, validate
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.session_set import whole_library
+from station.operations.session_set import declared, whole_library
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.ladder import read_ladder
 from station.results.models import KnownModel, ModelFile, known_model, read_model_file
@@ -48,9 +50,13 @@ def validate_sessions(
     effects_file: Path | None = None,
     *,
     hold: bool = False,
+    varies: str = "",
     progress: Progress = silent,
 ) -> ValidationDocument:
     """Predict sessions by a model (a file, or a session that keeps one); keep the document in each of them.
+
+    `varies` names, with commas, what was changed on purpose from what the model was fitted to, beside what the sessions'
+    metadata say: each session has its own of that.
 
     Sessions that hold too little, and those that the model was fitted to, are skipped, which is said. Raises
     NotIdentifiable where all hold too little, UsageProblem where the model does not suit a session.
@@ -62,8 +68,11 @@ def validate_sessions(
         raise UsageProblem("one session was given twice; each release counts once")
     ready, skipped = _prepared(opened, given, settings, progress)
     names = tuple(session.folder.name for session, _ in ready)
-    decays = tuple(decay for _, decay in ready)
-    own = _own_decays(given, settings)
+    changed = declared(
+        [*(session.info.varies for session, _ in ready), *([varies.split(",")] if varies else ())]
+    )
+    decays = changed_on_purpose([decay for _, decay in ready], changed, _spring_of(given))
+    own = changed_on_purpose(_own_decays(given, settings), changed, _spring_of(given))
     progress(f"fitting the usual model, and predicting {len(decays)} session{'s' * (len(decays) != 1)}")
 
     def report(one: Validated) -> None:
@@ -95,6 +104,12 @@ def open_model(argument: str, settings: Settings, library: tuple[Effect, ...]) -
     file, fitted_to = _kept_model(session)
     known = known_model(file, f"the model of {session.folder.name}", library)
     return GivenModel(session.folder.name, file, known, fitted_to)
+
+
+def _spring_of(given: GivenModel) -> float:
+    """Return the stiffness of a model, 1/s^2; 0 where it has none."""
+    strength = given.known.model.linear_strength(LinearPart.STIFFNESS)
+    return 0.0 if strength is None else float(given.known.values[str(strength)])
 
 
 def _session_of(file: Path) -> tuple[Session, ...]:

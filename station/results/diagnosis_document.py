@@ -233,6 +233,7 @@ class DiagnosisDocument(Document):
     `walk` is a random walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
     `hypotheses` are what is left, the likeliest first; `next_release` would tell most between them, None where none can.
+    `varies` is what was changed on purpose between the sessions; `left_out` says, by name, why a session holds too little.
     `model_is` says which model it is that was diagnosed, `model_remark` why it is not the one that was identified.
     """
 
@@ -263,6 +264,8 @@ class DiagnosisDocument(Document):
     modes: list[ModeDocument] = Field(default_factory=list)
     hypotheses: list[HypothesisDocument] = Field(default_factory=list)
     next_release: NextReleaseDocument | None = None
+    varies: list[str] = Field(default_factory=list)
+    left_out: dict[str, str] = Field(default_factory=dict)
     model_is: str = "the usual model"
     model_remark: str = ""
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
+from daq.importing.recipe import to_toml
 from station.exits import UsageProblem
 
 
@@ -16,7 +17,9 @@ def explained(file: Path, options: ImportOptions, refusal: ImportProblem) -> Usa
     words = [word for option in _given(options) for word in option]
     command = shlex.join(["station", "import", str(file), *words])
     asking = "in a terminal --ask shows the columns; to take the proposed recipe as it is, type"
-    return UsageProblem(f"{refusal}. Or {asking}: {command}")
+    proposal = refusal.proposal
+    said = {"doubts": list(proposal.doubts), "recipe": to_toml(proposal.recipe)}
+    return UsageProblem(f"{refusal}. Or {asking}: {command}", **said)
 
 
 def _given(options: ImportOptions) -> list[list[str]]:

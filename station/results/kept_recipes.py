@@ -18,11 +18,12 @@ NONE = "none"
 
 def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
     """Return a file with the newest confirmed recipe in `sessions` that fits it, and a sentence on it; without any, with
-    what is proposed. A file is known by the names of its columns; one without names only where it leaves a doubt.
+    what is proposed. A file is known by the names of its columns and the units that it states; one without names only where
+    it leaves a doubt.
     """
     tables: dict[str, Table | None] = {}
     for place, recipe in _confirmed(sessions):
-        in_text = recipe.format in ("text", "serial", "labview", "json")
+        in_text = recipe.format in ("text", "serial", "json")
         written = recipe.model_copy(update={"fields": ()}) if in_text else recipe
         key = written.model_dump_json(exclude={"rate", "resample", "restarts"})
         if key not in tables:
@@ -32,8 +33,8 @@ def look_with_kept(file: Path, sessions: Path) -> tuple[Look, str]:
             continue
         if any(field.name for field in recipe.fields) or _is_in_doubt(file):
             return Look(table, Proposal(recipe, {})), (
-                f"read by the recipe that was confirmed for {place.parent.name}, whose columns are the same ({place}); "
-                "--recipe none reads the file anew"
+                f"read by the recipe that was confirmed for {place.parent.name}, whose columns and units are the same "
+                f"({place}); --recipe none reads the file anew"
             )
     return look_at(file), ""
 

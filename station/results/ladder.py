@@ -1,16 +1,18 @@
 """The ladder as it is kept in a session: every step with its model, so that each can be gone back to."""
 
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import Field
 
 from daq.session import Session
 from daq.storage import digest
-from identify.diagnosis.ladder import Step
 from station.exits import UsageProblem
 from station.results.documents import Document, Errors, Part, read_with_checksum, to_text
 from station.results.models import ModelFile, Value, model_file, written
 from station.story.residual import reaches_floor
+
+if TYPE_CHECKING:
+    from identify.diagnosis.ladder import Step
 
 LADDER = "ladder.json"
 MODEL = "model.json"
@@ -82,7 +84,7 @@ class KeptLadder(Document):
         return self.model_copy(update=changes)
 
 
-def kept_step(step: Step, expressions: tuple[str, ...], begun_with: str = "") -> KeptStep:
+def kept_step(step: "Step", expressions: tuple[str, ...], begun_with: str = "") -> KeptStep:
     """Return a step as it is kept; `begun_with` says of the first which model it is."""
     return KeptStep(
         added=step.added,

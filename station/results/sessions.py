@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
-from daq.importing.cutting import cut
+from daq.importing.apply import stated
 from daq.importing.errors import ImportProblem
 from daq.importing.options import ImportOptions
 from daq.importing.propose import Doubtful
 from daq.importing.reading import Look, look_at
 from daq.importing.recipe import Recipe, to_toml
+from daq.importing.resampling import cut
 from daq.recording import Recording
 from daq.session import Session
 from daq.session_info import SessionInfo
@@ -23,7 +24,7 @@ from station.output import progress
 from station.results.import_command import explained
 from station.results.kept_recipes import look_with_kept
 from station.results.session_names import find_session, no_such
-from station.story.free_part import free_from
+from station.story.free_part import dies_away, free_from
 from station.story.preparation import Options, free_decay
 from station.suggestions import did_you_mean
 
@@ -51,9 +52,9 @@ def open_session(argument: str, sessions: Path, info: SessionInfo | None = None)
     if path.is_dir():
         return Session.open(path)
     if path.is_file():
-        known = _imported_before(path, sessions)
-        if known is not None:
-            return Session.open(known)
+        known = made_of(path, sessions)
+        if known:
+            return Session.open(known[0])
         return _import_on_the_way(path, sessions, info or SessionInfo())
     named = find_session(argument, sessions)
     if named is not None:
@@ -84,11 +85,12 @@ def import_file(
     recipe: Recipe | None = None,
     *,
     anew: bool = False,
+    kept: Path | None = None,
 ) -> Imported:
     """Read a file and make a session of each release in it, by a `recipe` where one is given.
 
-    Without options, a recipe that was confirmed for a file of this shape is used again (`kept_recipes`), unless the file is
-    to be read `anew`. The recipe is kept in each session.
+    Without options, a recipe that was confirmed for a file of this shape, in the folder of sessions or in `kept`, is used
+    again (`kept_recipes`), unless the file is to be read `anew`. The recipe is kept in each session.
 
     With one release the session is `folder`, or the file's name within `sessions`; where the file holds several runs
     `_run` and the name of the run are added, and a number where one holds several releases. Nothing is overwritten.
@@ -99,7 +101,7 @@ def import_file(
         place = file.parent
         names = sorted(entry.name for entry in place.iterdir()) if place.is_dir() else []
         raise UsageProblem(f"{file}: there is no such file{did_you_mean(file.name, names)}")
-    look, said = _look(file, None if anew else sessions, options, recipe)
+    look, said = _look(file, None if anew else kept or sessions, options, recipe)
     try:
         read = look.read(accept=options.accept)
     except ImportProblem as refusal:
@@ -112,13 +114,13 @@ def import_file(
     run = "all" if options.run == "all" else None  # one run of a file, as its times, says nothing of the next
     told = replace(options, run=run, start=None, stop=None) != ImportOptions()
     confirmed = recipe is not None or told or bool(said) or read.recipe.confirmed
-    kept = to_toml(read.recipe.model_copy(update={"confirmed": confirmed}))
+    used = to_toml(read.recipe.model_copy(update={"confirmed": confirmed, "stated": stated(look.table)}))
     first = folder or sessions / _free_name(file, sessions, [name for name, _ in pieces])
     made = []
     for name, part in pieces:
         where = first.with_name(f"{first.name}{name}")
         known = info.model_copy(update={"name": where.name})
-        made.append(Session.create_imported(where, part, file, known, kept))
+        made.append(Session.create_imported(where, part, file, known, used))
     return Imported(tuple(made), tuple(part for _, part in pieces), (*filter(None, [said]), *notes))
 
 
@@ -172,16 +174,11 @@ def _free_name(file: Path, sessions: Path, names: Sequence[str]) -> str:
     return name
 
 
-def _imported_before(file: Path, sessions: Path) -> Path | None:
-    """Return the session that was made of this very file, with nothing but defaults, if there is one."""
-    if not sessions.is_dir():
-        return None
+def made_of(file: Path, sessions: Path) -> list[Path]:
+    """Return the sessions that were made of this very file."""
     content = file.read_bytes()
-    for folder in sorted(sessions.glob(f"{_stem(file)}*")):
-        copy = folder / "source" / file.name
-        if copy.is_file() and copy.read_bytes() == content:
-            return folder
-    return None
+    copies = ((folder, folder / "source" / file.name) for folder in sorted(sessions.glob(f"{_stem(file)}*")))
+    return [folder for folder, copy in copies if copy.is_file() and copy.read_bytes() == content]
 
 
 def _stem(file: Path) -> str:
@@ -210,8 +207,12 @@ def split(recording: Recording, *, whole: bool = False) -> tuple[list[Recording]
         )
     starts = [0, *(_begin(before, after) for before, after in pairwise(releases))]
     stops = [*starts[1:], recording.samples.shape[1]]
-    note = f"{len(releases)} releases found: each becomes a session"
-    return [cut(recording, start, stop) for start, stop in zip(starts, stops, strict=True)], (note,)
+    pieces = [cut(recording, start, stop) for start, stop in zip(starts, stops, strict=True)]
+    if 2 * sum(dies_away(free_decay(piece, Options())) for piece in pieces) < len(pieces):
+        return [recording], (
+            f"{len(releases)} beginnings of a motion found, most of which do not die away: driven, and so one session",
+        )
+    return pieces, (f"{len(releases)} releases found: each becomes a session",)
 
 
 def _from_release(

@@ -1,11 +1,11 @@
 """The part of a record in which the mass swings freely, after a push or a drive that stops."""
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from identify.arrays import Array
 from identify.free_decay import FreeDecay
 from identify.signal.oscillation import dominant_frequency
+from identify.signal.running import running_maximum, running_minimum
 
 GROWN = 0.6
 """A motion that was once below this share of its largest amplitude, earlier, has been pushed or driven."""
@@ -21,6 +21,12 @@ last third of its record, is still being driven, or too short to tell."""
 FEWEST_PERIODS = 4.0
 
 
+def dies_away(decay: FreeDecay) -> bool:
+    """Whether the motion of a record, or of a piece of one, falls to the end; half the span of a period is its amplitude."""
+    found = _amplitudes(decay)
+    return found is not None and not _goes_on(found[0], float(found[0].max()))
+
+
 def free_from(decay: FreeDecay) -> tuple[int, str] | None:
     """Return the sample from which the mass swings freely and what came before it, or None where the motion decays from
     the beginning, or does not decay.
@@ -28,16 +34,10 @@ def free_from(decay: FreeDecay) -> tuple[int, str] | None:
     The amplitude is half the span of one period. A motion that grows was pushed; one whose amplitude stays within 10 %
     for three times as long as it then takes to lose the next 10 % was driven, which no damping law does.
     """
-    values = next(v for v in (decay.displacement, decay.velocity, decay.acceleration) if v is not None)
-    known = np.isfinite(values) & decay.valid
-    if np.count_nonzero(known) < 8:
+    found = _amplitudes(decay)
+    if found is None:
         return None
-    filled = np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])
-    frequency = dominant_frequency(filled, decay.rate, 0 if decay.displacement is not None else 1)
-    if frequency <= 0.0 or len(filled) * frequency / decay.rate < FEWEST_PERIODS:
-        return None
-    period = max(2, round(decay.rate / frequency))
-    amplitude = _amplitude(filled, period)
+    amplitude, period = found
     largest = float(amplitude.max())
     if largest <= 0.0 or _goes_on(amplitude[period // 2 : -(period // 2) or None], largest):
         return None
@@ -48,11 +48,25 @@ def free_from(decay: FreeDecay) -> tuple[int, str] | None:
     steady = int(high[-1] - high[0]) > STEADY * max(int(fallen[0]), period)
     if steady:
         top = int(np.flatnonzero(amplitude >= 0.95 * largest)[-1])
-        return min(top + period // 2, len(values) - 1), "a drive that stops"
+        return min(top + period // 2, len(amplitude) - 1), "a drive that stops"
     top = int(np.argmax(amplitude))
     if top > period and float(amplitude[:top].min()) < GROWN * largest:
-        return min(top + period // 2, len(values) - 1), "a push"
+        return min(top + period // 2, len(amplitude) - 1), "a push"
     return None
+
+
+def _amplitudes(decay: FreeDecay) -> tuple[Array, int] | None:
+    """Return the amplitude (n,) and the period in samples; None where fewer than four periods are seen."""
+    values = next(v for v in (decay.displacement, decay.velocity, decay.acceleration) if v is not None)
+    known = np.isfinite(values) & decay.valid
+    if np.count_nonzero(known) < 8:
+        return None
+    filled = np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])
+    frequency = dominant_frequency(filled, decay.rate, 0 if decay.displacement is not None else 1)
+    if frequency <= 0.0 or len(filled) * frequency / decay.rate < FEWEST_PERIODS:
+        return None
+    period = max(2, round(decay.rate / frequency))
+    return _amplitude(filled, period), period
 
 
 def _goes_on(amplitude: Array, largest: float) -> bool:
@@ -64,5 +78,5 @@ def _goes_on(amplitude: Array, largest: float) -> bool:
 
 
 def _amplitude(values: Array, period: int) -> Array:
-    span: Array = 0.5 * (maximum_filter1d(values, period) - minimum_filter1d(values, period))
+    span: Array = 0.5 * (running_maximum(values, period) - running_minimum(values, period))
     return span

@@ -10,14 +10,10 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from daq.recording import Recording
 from identify.comparison.compare import compare_fitted as compare_baseline
-from identify.diagnosis.diagnose import Diagnosis
-from identify.diagnosis.diagnose import diagnose as diagnose_decays
-from identify.diagnosis.ladder import Ladder, Step
-from identify.diagnosis.refine import refine as refine_decay
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
@@ -28,7 +24,7 @@ from identify.fitting.segments import segments_by_release, segments_of
 from identify.formatting import plain_name
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
-from identify.preprocessing.aligned_decay import locate_and_align
+from identify.preprocessing.aligned_decay import AlignedDecay
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.restoring_force.restoring_force import (
     RestoringForceResult,
@@ -39,8 +35,12 @@ from identify.wavelet.wavelet import STIFFNESS_ORDERS, WaveletResult, identify_w
 from station.story.adequacy import adequacy, identified_model, needed_orders
 from station.story.compared import Compared
 from station.story.identification import Identification
-from station.story.preparation import Options, free_decay
+from station.story.preparation import Options, locate
 from station.story.residual import residual_words
+
+if TYPE_CHECKING:
+    from identify.diagnosis.diagnose import Diagnosis
+    from identify.diagnosis.ladder import Ladder, Step
 
 Value = TypeVar("Value")
 Progress = Callable[[str], None]
@@ -58,10 +58,11 @@ def silent(text: str) -> None:
     """Report no progress."""
 
 
-def identify(recording: Recording, options: Options) -> Identification:
+def identify(recording: Recording, options: Options, found: AlignedDecay | None = None) -> Identification:
     """Identify one recording with one release; a step that cannot be done says why, and the others still run.
 
-    Raises NotIdentifiable when no release can be found, since nothing can follow then.
+    `found` is what `locate` returns, where that is known. Raises NotIdentifiable when no release can be found, since
+    nothing can follow then.
     """
     refusals: dict[str, str] = {}
 
@@ -72,7 +73,7 @@ def identify(recording: Recording, options: Options) -> Identification:
             refusals[step] = str(refusal)
             return None
 
-    found = locate_and_align(free_decay(recording, options))
+    found = found or locate(recording, options)
     decay, alignment, aligned = found.recorded, found.alignment, found.decay
     if found.not_aligned:
         refusals["alignment"] = found.not_aligned
@@ -173,11 +174,13 @@ def diagnose(
     worth: float = 0.0,
     progress: Progress = silent,
     steps: Progress = silent,
-) -> tuple[Diagnosis, tuple[LeftOut, ...] | None]:
+) -> "tuple[Diagnosis, tuple[LeftOut, ...] | None]":
     """Find out what a model lacks; with several releases also the error on each of what was found on the others.
 
     `steps` is told each fit as it is counted, `progress` only what takes long.
     """
+    from identify.diagnosis.diagnose import diagnose as diagnose_decays
+
     chosen = model or base_model()
     progress(f"trying {len(library) - len(chosen.terms)} effects")
     found = diagnose_decays(decays, chosen, library=library, known=known, worth=worth, progress=steps)
@@ -194,10 +197,12 @@ def refine(
     *,
     library: tuple[Effect, ...] = LIBRARY,
     progress: Progress = silent,
-) -> Ladder:
+) -> "Ladder":
     """Add what is missing until nothing is; the first step is the model itself."""
 
-    def on_step(step: Step, sentence: str) -> None:
+    from identify.diagnosis.refine import refine as refine_decay
+
+    def on_step(step: "Step", sentence: str) -> None:
         names = " + ".join(plain_name(name) for name in step.effects)
         left = residual_words(step.error.motion_percent, step.error.chi_square)
         progress(f"{sentence}: {left} ({names})")

@@ -8,7 +8,8 @@ from daq.session import Session
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
 from identify.free_decay import FreeDecay
-from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
+from identify.preprocessing.prepared_decay import BESIDE_OTHERS, PreparedDecay, prepare
 from station.settings import Settings
 
 MOTION = ("displacement", "velocity", "acceleration")
@@ -45,25 +46,47 @@ def options_for(session: Session, settings: Settings, mass: float | None = None)
 
 
 def prepare_session(
-    session: Session, settings: Settings, gain_percent: float | None = None, *, mass: float | None = None
+    session: Session,
+    settings: Settings,
+    gain_percent: float | None = None,
+    *,
+    mass: float | None = None,
+    beside_others: bool = False,
 ) -> PreparedDecay:
-    """Return the release of a session, ready to be fitted.
+    """Return the release of a session, ready to be fitted; a short one will do `beside_others`.
 
     `gain_percent`, the relative uncertainty of the gain between the channels, replaces what the sensors' certificates
     say; `mass` (kg) replaces the session's. Raises NotIdentifiable, with the session's name, when it holds too little.
     """
     try:
-        return prepare_recording(session.recording(), options_for(session, settings, mass), gain_percent)
+        options = options_for(session, settings, mass)
+        return prepare_recording(session.recording(), options, gain_percent, beside_others=beside_others)
     except NotIdentifiable as refusal:
         raise NotIdentifiable(f"{session.folder.name}: {refusal}") from refusal
 
 
 def prepare_recording(
-    recording: Recording, options: Options, gain_percent: float | None = None
+    recording: Recording,
+    options: Options,
+    gain_percent: float | None = None,
+    found: AlignedDecay | None = None,
+    *,
+    beside_others: bool = False,
 ) -> PreparedDecay:
-    """Return the release of a recording, ready to be fitted; arguments and errors as `prepare_session`."""
+    """Return the release of a recording, ready to be fitted; arguments and errors as `prepare_session`.
+
+    `found` is what `locate` returns, where that is known.
+    """
     gain = gain_uncertainty(recording) if gain_percent is None else gain_percent / 100.0
-    return prepare(free_decay(recording, options), gain_uncertainty=gain)
+    located = found or locate(recording, options)
+    if beside_others:
+        return prepare(located, gain_uncertainty=gain, fewest_cycles=BESIDE_OTHERS)
+    return prepare(located, gain_uncertainty=gain)
+
+
+def locate(recording: Recording, options: Options) -> AlignedDecay:
+    """Return the release of a recording, located and on one clock; NotIdentifiable when there is none."""
+    return locate_and_align(free_decay(recording, options))
 
 
 def free_decay(recording: Recording, options: Options) -> FreeDecay:

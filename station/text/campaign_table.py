@@ -9,6 +9,8 @@ from station.results.campaign_document import CampaignDocument, CampaignRow
 ERRORS = ("chi2", "chi2_std", "motion_percent", "chi2_named", "motion_percent_named")
 LEADING = "=+-@\t\r"
 
+SESSIONS, TRENDS = "sessions.csv", "trends.csv"
+
 
 def sessions_csv(document: CampaignDocument) -> str:
     """Return every session with what is known of it, its errors, its verdict, and every parameter with its error."""

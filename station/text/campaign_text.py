@@ -5,10 +5,10 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from station.results.campaign_document import CampaignDocument, ChartDocument, TrendDocument
+from station.results.campaign_document import CampaignDocument, CampaignRow, ChartDocument, TrendDocument
 from station.text.campaign_progress import duration
 from station.text.layout import labelled
-from station.text.numbers import DASH, probability, three_figures, with_error
+from station.text.numbers import DASH, probability, three_figures, with_error, with_unit
 
 LABEL_WIDTH = 12
 MOST_TRENDS = 8
@@ -24,6 +24,9 @@ def show_campaign(console: Console, document: CampaignDocument) -> None:
     console.print()
     if document.charts:
         console.print(Padding(_charts(document.charts), (0, 0, 0, 1)))
+        console.print()
+    elif document.rows:
+        console.print(Padding(_few(document.rows), (0, 0, 0, 1)))
         console.print()
     trends = worth_showing(document.trends)
     if trends:
@@ -68,6 +71,24 @@ def _charts(charts: list[ChartDocument]) -> Table:
             Text("" if chart.unit == "1" else chart.unit),
             str(chart.sessions),
             Text(str(len(chart.outside)) if chart.outside else DASH, style="red" if chart.outside else ""),
+        )
+    return table
+
+
+def _few(rows: list[CampaignRow]) -> Table:
+    """Return the sessions themselves, where they are too few for charts."""
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
+    for head in ("session", "known of it", "amplitude", "stiffness K"):
+        table.add_column(head, overflow="fold")
+    for row in rows:
+        known = ", ".join(f"{name} {value:g}" for name, value in row.conditions.items())
+        found, size = row.result, row.result.amplitude
+        estimate = found.parameters.get("wavelet.K")
+        table.add_row(
+            Text(found.session),
+            Text(known or DASH),
+            DASH if size is None else f"{three_figures(size)} {found.unit}",
+            DASH if estimate is None else with_unit(estimate),
         )
     return table
 

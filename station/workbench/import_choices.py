@@ -1,5 +1,7 @@
 """What a dropped file's columns are: its numbers, a small plot, and select boxes filled with what is proposed."""
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from nicegui import ui
@@ -16,9 +18,9 @@ UNITS = ("s", "ms", "us", "m", "mm", "um", "rad", "deg", "m/s", "deg/s", "m/s^2"
 
 
 class ImportChoices:
-    """The question about one file; `answered` gives the recipe."""
+    """The question about a file, which stands for all `files`; `answered` gives the recipe, `of_files` what else."""
 
-    def __init__(self, question: ImportQuestion) -> None:
+    def __init__(self, question: ImportQuestion, files: Sequence[Path]) -> None:
         self._recipe = question.recipe
         self._boxes: list[tuple[ui.select, ui.select]] = []
         widgets.label(question.sentence, "small wrap")
@@ -37,6 +39,22 @@ class ImportChoices:
                 self._boxes.append((role, unit))
         self._rate = ui.number("Rate, Hz (in place of time stamps)", value=question.recipe.rate, min=0)
         self._rate.props("dense outlined clearable")
+        self._of_files: list[ui.input] = []
+        if len(files) > 1:
+            widgets.label(
+                f"The other {len(files) - 1} files are read alike, and all are looked at together.",
+                "small wrap",
+            )
+            for said in (
+                "Numbers in the names of files, as {arm:d}P.txt",
+                "What varies between them, as stiffness,inertia",
+            ):
+                self._of_files.append(ui.input(said).props("dense outlined"))
+
+    def of_files(self) -> tuple[str, str]:
+        """Return the form of the names of files, and what varies between them, as they are typed."""
+        names, varies = (str(box.value or "") for box in self._of_files)
+        return names, varies
 
     def answered(self) -> Recipe:
         """Return the recipe as the boxes stand. Raises UsageProblem, in a sentence, where a unit does not fit a role."""

@@ -7,7 +7,6 @@ from urllib.parse import quote
 
 from nicegui import events, ui
 
-from daq.importing.recipe import Recipe
 from station.exits import UsageProblem
 from station.operations.examples import EXAMPLES
 from station.workbench import widgets
@@ -16,7 +15,7 @@ from station.workbench.import_choices import ImportChoices
 from station.workbench.session_list import Entry
 from station.workbench.small_pictures import sparkline
 from station.workbench.uploads import plain_name
-from station.workbench.view_models import ImportQuestion
+from station.workbench.view_models import Campaign, ImportQuestion
 from station.workbench.worker import Cancelled, Failed, Job
 
 LARGEST = 200 << 20
@@ -39,6 +38,7 @@ class SessionsPanel:
         self._seen: tuple[Entry, ...] | None = None
         self._seen_refused: set[str] = set()
         self._job: Job | None = None
+        self._told = ""
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     def build(self) -> None:
@@ -47,10 +47,11 @@ class SessionsPanel:
             widgets.head("Import a recording")
             with ui.element("div").classes("drop"):
                 self._upload = ui.upload(
-                    label="Drop a file here: CSV, MATLAB .mat, UFF58",
+                    label="Drop a file here, or several of one logger: CSV, MATLAB .mat, UFF58",
+                    multiple=True,
                     auto_upload=True,
                     max_file_size=LARGEST,
-                    on_upload=self._dropped,
+                    on_multi_upload=self._dropped,
                     on_rejected=lambda: self._say("that file is too large: at most 200 MB", "bad"),
                 ).props('aria-label="Import a recording"')
             self._ask = ui.checkbox("Show the columns first").props("dense").classes("small")
@@ -156,57 +157,89 @@ class SessionsPanel:
         if await self._session_list.make_thumbnails():
             self.refresh()
 
-    async def _dropped(self, given: events.UploadEventArguments) -> None:
+    async def _dropped(self, given: events.MultiUploadEventArguments) -> None:
         self._upload.reset()
         if self._job is not None:
             self._say("another import is under way; cancel it, or wait", "bad")
             return
-        self._folder = tempfile.TemporaryDirectory(prefix="workbench-")  # one before goes with its file
-        file = Path(self._folder.name) / plain_name(given.file.name)
-        await given.file.save(file)
-        await self._import(file, None)
+        self._folder = tempfile.TemporaryDirectory(prefix="workbench-")  # one before goes with its files
+        files = []
+        for one in given.files:
+            files.append(Path(self._folder.name) / plain_name(one.name))
+            await one.save(files[-1])
+        await self._import(sorted(files))
 
-    async def _import(self, file: Path, recipe: Recipe | None) -> None:
-        """Make sessions of a file, or show what is to be said of it first."""
+    async def _import(self, files: list[Path], choices: ImportChoices | None = None) -> None:
+        """Make sessions of files, or show what is to be said of the first before."""
         self._job = Job()
-        self._importing(file.name)
-        ask = recipe is None and bool(self._ask.value)
+        first, mass = files[0], self._mass.value or None
+        self._importing(first.name if len(files) == 1 else f"{len(files)} files")
+        recipe = choices.answered() if choices is not None else None
+        ask = recipe is None and (bool(self._ask.value) or len(files) > 1)
+        told: ImportQuestion | Campaign | tuple[list[str], list[str]]
         try:
-            told = await self._workers.do(
-                self._job, "imports", "import", file, recipe, ask, self._mass.value or None
-            )
+            if choices is not None and recipe is not None and len(files) > 1:
+                told = await self._workers.do(
+                    self._job,
+                    "imports",
+                    "files",
+                    files,
+                    recipe,
+                    *choices.of_files(),
+                    mass,
+                    progress=self._progress,
+                )
+            else:
+                told = await self._workers.do(self._job, "imports", "import", first, recipe, ask, mass)
         except Cancelled:
-            self._say(f"the import of {file.name} was cancelled", "faint")
+            self._say(f"the import of {first.name} was cancelled", "faint")
         except (Failed, OSError) as failure:
-            self._say(str(failure).replace(f"{file.parent}/", ""), "bad")
+            self._say(str(failure).replace(f"{first.parent}/", ""), "bad")
         else:
             self._message.clear()
             with self._message:
                 if isinstance(told, ImportQuestion):
-                    self._question(file, told)
+                    self._question(files, told)
+                elif isinstance(told, Campaign):
+                    self._together(told)
                 elif recipe is not None:  # it was looked at: the session opens
                     ui.navigate.to(address_of(told[0][0]))
                 else:
-                    self._made(file.name, *told)
+                    self._made(first.name, *told)
         finally:
             self._job = None
 
-    def _question(self, file: Path, question: ImportQuestion) -> None:
+    def _question(self, files: list[Path], question: ImportQuestion) -> None:
         with ui.dialog(value=True) as dialog, ui.element("div").classes("card dialog"):
-            choices = ImportChoices(question)
+            choices = ImportChoices(question, files)
             with widgets.line():
-                does = partial(self._answered, file, choices, dialog)
-                widgets.button("Looks right", does, f"Read {file.name} so", strong=True)
+                does = partial(self._answered, files, choices, dialog)
+                what = files[0].name if len(files) == 1 else f"{len(files)} files"
+                widgets.button("Looks right", does, f"Read {what} so", strong=True)
                 widgets.button("Cancel", dialog.close)
 
-    async def _answered(self, file: Path, choices: ImportChoices, dialog: ui.dialog) -> None:
+    async def _answered(self, files: list[Path], choices: ImportChoices, dialog: ui.dialog) -> None:
         try:
-            recipe = choices.answered()
+            choices.answered()
         except UsageProblem as problem:
             ui.notify(str(problem), type="negative")
         else:
             dialog.close()
-            await self._import(file, recipe)
+            await self._import(files, choices)
+
+    def _together(self, told: Campaign) -> None:
+        """Show what a campaign says of several files."""
+        self.refresh()
+        with ui.dialog(value=True) as dialog, ui.element("div").classes("card dialog"):
+            widgets.head(f"{len(told.sessions)} sessions together")
+            widgets.label(told.text, "small").style("white-space:pre; font-family:monospace; overflow-x:auto")
+            with widgets.line():
+                does = partial(ui.navigate.to, address_of(told.sessions[0]))
+                widgets.button(f"Open {told.sessions[0]}", does, strong=True)
+                widgets.button("Close", dialog.close)
+
+    def _progress(self, text: str) -> None:
+        self._told = text
 
     def _made(self, name: str, made: list[str], notes: list[str]) -> None:
         """Open the first session that was made, with a notice of the others and of what was guessed."""
@@ -219,9 +252,10 @@ class SessionsPanel:
 
     def _importing(self, name: str) -> None:
         self._message.clear()
+        self._told = f"reading {name}"
         with self._message, widgets.line():
             widgets.spinner(16)
-            widgets.label(f"reading {name}", "small grow wrap")
+            widgets.label("", "small grow wrap").bind_text_from(self, "_told")
             widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
 
     def _say(self, text: str, kind: str) -> None:

@@ -32,6 +32,7 @@ from station.workbench.opened_session import Opened, kept_diagnosis, open_sessio
 from station.workbench.pruning import drop_needless
 from station.workbench.raw_trace import raw_traces
 from station.workbench.session_thumbnails import outline, thumbnail_of
+from station.workbench.several_files import import_files
 from station.workbench.unkept import MEASURED_CURVE, frame_of_tried
 from station.workbench.warm_up import warm_up
 
@@ -281,6 +282,7 @@ TASKS: dict[str, Callable[..., Any]] = {
     "validate": further_tasks.validate,
     "thumbnail": thumbnail,
     "import": import_file,
+    "files": import_files,
     "example": open_example,
     "viewer": viewer,
     "report": report,

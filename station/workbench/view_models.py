@@ -32,6 +32,14 @@ class ImportQuestion:
 
 
 @dataclass(frozen=True)
+class Campaign:
+    """What came of several files: the names of the sessions, and the campaign in 80 columns."""
+
+    sessions: list[str]
+    text: str
+
+
+@dataclass(frozen=True)
 class Section:
     """A cut through the phase plane: missing force and its standard error over a position."""
 

@@ -106,7 +106,28 @@ def test_beats_and_a_drive_are_seen_and_a_decay_is_neither():
     driven = curve(1.0 - 0.6 * np.exp(-0.4 * time))
     assert (decay.beats, decay.driven) == (False, False)
     assert beating.beats
+    assert not beating.driven
     assert driven.driven
+
+
+def test_amplitudes_whose_product_is_too_small_a_number_have_a_mean_all_the_same():
+    time, none = np.arange(3.0), np.zeros(3)
+    curve = DecayCurve(time, np.array([1e-3, 1e-300, 1e-300]), 8.0 * time, none, none)
+    assert np.log(curve.between) == pytest.approx(np.log([10.0**-151.5, 1e-300]))
+
+
+def test_a_motion_that_beats_to_the_end_about_one_amplitude_is_driven_and_a_beat_that_falls_is_not():
+    time = np.arange(90.0)
+    beat = 0.3 * np.cos(2.0 * np.pi * time / 6.0)
+
+    def curve(amplitude):
+        return DecayCurve(time, amplitude, 8.0 * time, 0.0 * time, 0.0 * time)
+
+    driven = curve(0.6 + beat + 1.2 * np.exp(-0.1 * time) * np.cos(2.0 * np.pi * time / 11.0) ** 2)
+    assert driven.driven
+    assert driven.beats_late
+    assert not curve((0.6 + beat) * np.exp(-0.02 * time)).driven
+    assert not curve((0.6 + beat) / (1.0 + 0.03 * time)).driven
 
 
 def test_a_record_is_cut_in_three_equal_ratios_of_amplitude_and_a_short_one_in_two():

@@ -38,6 +38,20 @@ def test_importing_the_package_imports_nothing_heavy():
     assert run.stdout.strip() == "[]"
 
 
+def test_the_library_loads_no_machine_code_and_of_scipy_its_linear_algebra_alone():
+    """What each takes a start costs a twentieth of a second or more."""
+    asked = (
+        "import sys, identify; library = identify.LIBRARY; import identify.preprocessing.prepared_decay as _; "
+        "functions = [f for e in library for n in ('force', 'friction', 'rates') if (f := getattr(e, n, None))]; "
+        "print(len(functions), sum(len(f.overloads) for f in functions), "
+        "[n for n in ('fft', 'interpolate', 'ndimage', 'optimize', 'signal', 'special') if f'scipy.{n}' in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
+    count, loaded, modules = run.stdout.strip().split(maxsplit=2)
+    assert int(count) > 20
+    assert (loaded, modules) == ("0", "[]")
+
+
 def test_every_public_name_is_there_and_no_other():
     for name in identify.__all__:
         assert getattr(identify, name) is not None

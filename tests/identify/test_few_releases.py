@@ -8,8 +8,12 @@ from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.few_releases import FewReleases
 from identify.diagnosis.search import singles
 from identify.effects.library import find_effect
+from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
+from identify.free_decay import FreeDecay
 from identify.model.model import base_model
+from identify.preprocessing.prepared_decay import BESIDE_OTHERS, prepare
+from mocks.generate import draw
 
 RIG = {"stiffness": 614.0, "mu_0": 0.13, "mu_1": 0.28, "rate": 256.0}
 SPRING = {"cubic_stiffness": {"k3": 9000.0}}
@@ -39,6 +43,20 @@ def test_the_largest_and_the_smallest_amplitude_are_searched_and_all_are_fitted_
     assert abs(k3.value - 9000.0) < 5.0 * k3.std
     assert again.reduced < 1.1
     assert len(again.windows) == len(decays)
+
+
+def test_six_releases_of_three_cycles_each_name_together_what_none_can_alone():
+    fixed = RIG | {"mu_0": 0.05, "parameters": {"quadratic_damping": {"c2": 3.0}}}
+    decays = []
+    for i in range(6):
+        made = draw("quadratic_damping", 0.05, 910 + i, amplitude=0.03 * 0.8**i, **fixed)
+        kept = slice(round((0.8 + 0.85) * made.rate))
+        decay = FreeDecay(made.rate, displacement=made.displacement[kept])
+        decays.append(prepare(decay, fewest_cycles=BESIDE_OTHERS))
+        with pytest.raises(NotIdentifiable, match="at least four"):
+            prepare(decay)
+    assert diagnose(decays).named == ("quadratic_damping",)
+    assert diagnose(decays[0]).verdict == "not_enough_data"
 
 
 def test_of_two_releases_both_are_searched():

@@ -55,6 +55,12 @@ def test_a_spring_twice_as_stiff_is_another_bench():
     assert all(np.isfinite(difference.sigmas) for difference in found.differences)
 
 
+def test_a_spring_eight_times_as_stiff_is_another_bench_however_badly_the_usual_model_follows():
+    decays = [release(1, "cubic_stiffness", 0.1)[0]]
+    decays.append(release(2, "cubic_stiffness", 0.1, stiffness=8.0 * STIFFNESS)[0])
+    assert shared_physics(decays).other_benches == (1,)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", PHYSICS)
 def test_no_effect_of_the_library_makes_two_releases_of_one_bench_differ(effect):

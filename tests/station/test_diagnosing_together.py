@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from many_sessions import make_session
 
+from daq.session_info import SessionInfo
 from mocks.generate import draw
 from station.cli import run as station
 from station.exits import UsageProblem
-from station.operations.diagnosing import physics_shared
+from station.operations.diagnosing import diagnose_sessions, physics_shared
 from station.operations.session_set import open_sessions
 from station.results.diagnosis_document import DiagnosisDocument, with_differences
 from station.settings import Settings
@@ -63,6 +64,48 @@ def test_another_spring_is_said_before_and_kept_with_the_diagnosis(sessions):
     (kept,) = with_differences(empty, shared).differences
     assert (kept.session, kept.parameter) == ("soft", "linear_stiffness.k")
     assert kept.percent == pytest.approx(-3.1, abs=0.1)
+
+
+def test_what_was_changed_on_purpose_is_declared_and_each_session_has_its_own(sessions):
+    said = []
+    both = open_sessions(
+        tuple(str(sessions / name) for name in ("a", "stiff")), Settings(), None, frozenset({"stiffness"})
+    )
+    assert physics_shared(both, False, said.append) is None
+    assert said == ["stiffness: each session has its own, as declared"]
+    found, document = diagnose_sessions(both)
+    assert found.verdict == "nothing_missing"
+    assert document.varies == ["stiffness"]
+    springs = [one.value.value for one in document.of_sessions if one.parameter == "linear_stiffness.k"]
+    assert springs == pytest.approx([STIFFNESS, 3.0 * STIFFNESS], rel=1e-3)
+
+
+def test_what_a_session_says_of_itself_need_not_be_said_again(sessions, tmp_path):
+    rig = {"stiffness": 3.0 * STIFFNESS, "mu_0": 0.13, "mu_1": 0.29, "seconds": 3.0}
+    made = draw(None, 0.0, 7, amplitude=0.02, **rig)
+    make_session(
+        tmp_path / "other",
+        made.rate,
+        np.array([made.displacement, made.acceleration]),
+        SessionInfo(varies=("stiffness",)),
+    )
+    names = (str(sessions / "a"), str(tmp_path / "other"))
+    assert open_sessions(names, Settings()).varies == {"stiffness"}
+
+
+def test_what_cannot_vary_is_refused_with_what_can(sessions, capsys):
+    names = [str(sessions / name) for name in ("a", "stiff")]
+    assert station(["diagnose", *names, "--varies", "stifness", "--no-viewer"]) == 2
+    assert "did you mean 'stiffness'" in capsys.readouterr().err
+
+
+def test_a_session_that_holds_too_little_is_left_out_and_the_others_are_diagnosed(sessions, tmp_path):
+    made = draw(None, 0.0, 7, amplitude=0.02, stiffness=STIFFNESS, mu_0=0.13, mu_1=0.29)
+    kept = slice(round((0.8 + 0.2) * made.rate))
+    make_session(tmp_path / "short", made.rate, np.array([made.displacement, made.acceleration])[:, kept])
+    left = open_sessions((str(sessions / "a"), str(tmp_path / "short"), str(sessions / "b")), Settings())
+    assert left.names == ("a", "b")
+    assert list(left.left_out) == ["short"]
 
 
 def test_another_bench_is_refused_with_what_to_do_unless_anyway(sessions, capsys):

@@ -2,6 +2,7 @@
 
 import json
 import shlex
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -139,6 +140,27 @@ def test_bare_numbers_are_runs_once_somebody_says_so(capsys):
     assert "if they are releases of one rig, --run all" in capsys.readouterr().err
     assert imported(capsys, "two.csv", "--run", "all")["runs"] == ["1", "2"]
     assert imported(capsys, "next.csv")["runs"] == ["1", "2"]
+
+
+def test_two_loggers_with_equal_names_and_other_units_are_not_confused(capsys):
+    imported_first = ("--column", "displacement=b", "--unit", "displacement=0.5 mm")
+    written("first.csv", "a,b\n(s),(mm)", T, 20 * DECAY)
+    imported(capsys, "first.csv", *imported_first)
+    written("alike.csv", "a,b\n(s),(mm)", T, 19 * DECAY)
+    assert "confirmed for first" in imported(capsys, "alike.csv")["notes"][0]
+    written("other.csv", "a,b\n(s),(m)", T, 0.02 * DECAY)
+    answer = imported(capsys, "other.csv")
+    assert "confirmed" not in answer["notes"][0]
+    assert np.max(Session.open(answer["sessions"][0]).recording().samples) == pytest.approx(0.02)
+
+
+def test_json_of_a_refused_file_holds_the_proposed_recipe(capsys):
+    written("odd.csv", "", T, DECAY)
+    assert run(["import", "odd.csv", "--json"]) == 2
+    answer = json.loads(capsys.readouterr().out)["error"]
+    assert answer["doubts"]
+    Path("proposed.toml").write_text(answer["recipe"], encoding="utf-8")
+    assert imported(capsys, "odd.csv", "--recipe", "proposed.toml")["rate_hz"] == pytest.approx(RATE)
 
 
 def test_a_recipe_is_kept_can_be_corrected_and_says_all(capsys):

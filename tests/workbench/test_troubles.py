@@ -1,5 +1,6 @@
 """What goes wrong at a bench: a wrong file, a stalled board, a session that strangers named."""
 
+import json
 import math
 import shutil
 
@@ -62,6 +63,31 @@ def test_a_file_that_does_not_explain_itself_shows_its_columns_and_is_read_as_th
     page.goto(bench.address)
     drop.set_input_files({"name": "next.csv", "mimeType": "text/csv", "buffer": text})
     page.wait_for_url("**session=next")
+
+
+def test_several_files_of_one_logger_run_through_a_campaign_by_one_answer(visit, bench):
+    rows = [
+        [(i / 50, 30.0 * math.exp(-0.004 * n * i) * math.cos(0.12 * i)) for i in range(1500)] for n in (1, 2)
+    ]
+    files = [
+        {"name": f"arm{n}.csv", "mimeType": "text/csv",
+         "buffer": "\n".join(f"{t:.2f} {x:.4f}" for t, x in one).encode()}
+        for n, one in enumerate(rows, start=1)
+    ]  # fmt: skip
+    page = visit.page
+    page.goto(bench.address)
+    page.locator(".drop input[type=file]").set_input_files(files)
+    page.get_by_text("The other 1 files are read alike").wait_for()
+    unit = page.get_by_label("Unit of column 2")
+    unit.click()
+    page.get_by_role("option", name="deg", exact=True).click()
+    page.get_by_label("Numbers in the names of files").fill("arm{n:d}.csv")
+    page.get_by_label("What varies between them").fill("damping")
+    page.get_by_role("button", name="Read 2 files so").click()
+    page.get_by_text("2 sessions identified").wait_for()
+    known = json.loads((bench.folder / "sessions" / "arm2" / "session.json").read_text(encoding="utf-8"))
+    assert known["conditions"] == {"n": 2.0}
+    assert known["varies"] == ["damping"]
 
 
 def test_a_record_that_is_too_short_says_so_and_so_does_a_damaged_one(visit, bench):

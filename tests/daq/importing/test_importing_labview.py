@@ -4,9 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from import_files import RATE, load, refusal, said, swing
+from import_files import RATE, load, refusal, swing, write
 
-from daq.importing.lvm import table_of
+from daq.importing.reading import look_at
+from daq.importing.recipe import Recipe
 
 FILE = "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t{point}\n{more}"
 CHANNELS = (
@@ -35,41 +36,32 @@ def test_names_units_and_time_come_from_the_headers(tmp_path: Path, x_columns: s
     recording = load(tmp_path, two_channels(x_columns, point), "a.lvm")
     assert recording.rate == pytest.approx(RATE, rel=1e-5)
     assert [(c.name, c.quantity, c.unit) for c in recording.channels] == [
-        ("Acceleration (g)", "acceleration", "m/s^2")
+        ("Acceleration", "acceleration", "m/s^2")
     ]
     assert recording.samples[0] == pytest.approx(swing(300)[3], abs=2e-5)
-    assert "a measurement file of LabVIEW was read by its headers" in said(recording)
 
 
-def test_of_several_segments_the_first_is_read(tmp_path: Path) -> None:
+def test_of_several_segments_a_recipe_reads_each(tmp_path: Path) -> None:
     text = two_channels(point=".")
     second = text[text.index("Channels\t2") :].replace("\t0.", "\t7.")
-    recording = load(tmp_path, text + "\n" + second, "a.lvm")
-    assert recording.samples.shape[1] == 300
-    assert "of its segments the first" in said(recording)
+    lines = (text + "\n" + second).split("\n")
+    words = [i for i, line in enumerate(lines, start=1) if i > 100 and line and not line[0].isdigit()]
+    assert "is not a number" in refusal(tmp_path, "\n".join(lines), "a.lvm")
+    names = next(i for i, line in enumerate(lines, start=1) if line.startswith("X_Value"))
+    fields = (
+        {"name": "X_Value", "role": "time"},
+        {"name": "Acceleration", "role": "acceleration", "unit": "g"},
+    )
+    recipe = Recipe.model_validate(
+        {"restarts": True, "dialect": {"commentRows": words, "headerRows": [names]}, "fields": fields}
+    )
+    first, again = look_at(write(tmp_path, "\n".join(lines), "a.lvm"), recipe=recipe).read().recordings
+    assert first.samples.shape == again.samples.shape == (1, 300)
 
 
 def test_a_file_without_time_and_step_is_refused_in_words(tmp_path: Path) -> None:
     text = two_channels("No", ".").replace("Delta_X", "Delta_Y")
     assert "--rate" in refusal(tmp_path, text, "a.lvm")
-
-
-def test_a_channel_without_a_unit_does_not_take_that_of_the_next() -> None:
-    found = table_of(
-        Path("a.lvm"),
-        two_channels(point=".").replace("Y_Unit_Label\tg\tVolts", "Y_Unit_Label\t\tVolts").split("\n"),
-    )
-    assert found is not None
-    header = next(line for line in found[1] if line)
-    assert header.split("\t") == ["time (s)", "Acceleration", "Voltage (Volts)"]
-
-
-@pytest.mark.parametrize("name", ["Decimal_Separator\t.", "X_Columns\tOne", "Separator\tTab"])
-def test_a_setting_that_is_empty_counts_as_not_made(name: str) -> None:
-    text = two_channels(point=".")
-    assert table_of(Path("a.lvm"), text.replace(name, name.split("\t")[0] + "\t").split("\n")) == table_of(
-        Path("a.lvm"), text.split("\n")
-    )
 
 
 @pytest.mark.parametrize(

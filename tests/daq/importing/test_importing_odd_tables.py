@@ -9,6 +9,8 @@ from import_files import OMEGA, RATE, load, refusal, said, swing, table, write
 
 from daq.importing import ImportProblem, read_runs
 from daq.importing.propose import Doubtful
+from daq.importing.reading import look_at
+from daq.importing.recipe import Recipe
 from daq.recording import Array
 
 GRAVITY = 9.80665
@@ -177,7 +179,7 @@ def test_a_mass_on_a_spring_in_a_video_is_read_along_the_axis_that_it_moves_alon
     x = 1.0 + 0.02 * np.sin(0.7 * t) + 0.01 * np.random.default_rng(6).standard_normal(len(t))
     recording = load(tmp_path, "mass_A\n" + table("t (s),x (cm),y (cm)", t, x, 24.0 * phi))
     np.testing.assert_allclose(recording.samples[0], 0.24 * phi, atol=1e-8)
-    assert "'x (cm)' moves less than a fifth as much" in said(recording)
+    assert "'x (cm)' moves" in said(recording)
 
 
 def test_points_of_a_video_in_json_give_the_angle_about_their_pivot(tmp_path: Path) -> None:
@@ -196,7 +198,7 @@ def test_of_two_times_the_one_that_rises_is_the_clock(tmp_path: Path) -> None:
     lasting = 10.0 + np.round(3.0 * np.sin(7.0 * t))
     recording = load(tmp_path, table("X (mm),Istante (ms),Durata (ms)", 1e3 * x, 1e3 * t, lasting))
     assert recording.rate == pytest.approx(100.0)
-    assert "'Durata (ms)' does not rise" in said(recording)
+    assert "'Durata (ms)' is a coarser time" in said(recording)
 
 
 def test_momentum_is_no_force_and_makes_no_angle(tmp_path: Path) -> None:
@@ -247,6 +249,8 @@ def test_a_velocity_is_enough(tmp_path: Path) -> None:
 T, X, V, A = swing()
 ROWS = np.column_stack([T, 1e3 * X]).tolist()
 JSON = {
+    "keys with points": {"a.b": {"c": {"d.e": {"t (s)": T.tolist(), "x (mm)": (1e3 * X).tolist()}}}, "a": 1},
+    "a very long key": {"k" * 300: {"t (s)": T.tolist(), "x (mm)": (1e3 * X).tolist()}},
     "rows with names": {"columns": ["t (s)", "x (mm)"], "data": ROWS},
     "rows with a header": [["t (s)", "x (mm)"], *ROWS],
     "records": [{"t (s)": t, "x (mm)": x} for t, x in ROWS],
@@ -372,7 +376,7 @@ def test_of_the_angles_of_one_body_the_one_that_it_swings_by_is_taken(tmp_path: 
     noise = 0.01 * np.random.default_rng(5).standard_normal((2, 300))
     recording = load(tmp_path, table(f"t (s),{names}", t, noise[0], 500.0 * u, noise[1]))
     assert recording.samples[0] == pytest.approx(np.radians(500.0 * u), abs=1e-4)
-    assert "moves less than a fifth as much as another axis" in said(recording)
+    assert "% as much as column" in said(recording)
 
 
 def test_angles_of_one_body_that_move_alike_are_for_the_operator_to_choose(tmp_path: Path) -> None:
@@ -444,3 +448,30 @@ def test_names_between_blanks_stand_above_a_table_of_tabs(tmp_path: Path) -> Non
     )
     np.testing.assert_allclose(recording.samples[0], phi, atol=1e-6)
     assert "'Time (S)' read as time" in said(recording)
+
+
+def test_the_size_of_a_vector_is_a_motion_where_it_stands_alone(tmp_path: Path) -> None:
+    t, u, _, _ = swing(300)
+    assert load(tmp_path, table("t (s),absolute angle (deg)", t, u)).channels[0].quantity == "displacement"
+
+
+def test_a_log_above_the_numbers_is_no_row_of_names(tmp_path: Path) -> None:
+    t, u, _, _ = swing(300)
+    text = "STARTING CAPTURE...\nBUTTON RELEASED, DUMPING DATA...\n" + table("", 1e6 * t, u, form="%.4f")
+    recording = load(tmp_path, text, columns={"displacement": 2}, units={"displacement": "V"})
+    assert recording.rate == pytest.approx(RATE)
+    assert recording.channels[0].name == "displacement"
+
+
+def test_a_recipe_says_where_the_table_of_a_json_file_is(tmp_path: Path) -> None:
+    other = {"t": list(range(900)), "x": [0.0] * 900, "y": [1.0] * 900}
+    text = json.dumps({"log": other, "test": {"rows": {"t": T.tolist(), "x": X.tolist(), "e": V.tolist()}}})
+    recipe = Recipe.model_validate(
+        {"fields": ({"name": "t", "role": "time"}, {"name": "x", "role": "displacement"}),
+         "dialect": {"property": "test.rows", "itemKeys": ["t", "x"]}}
+    )  # fmt: skip
+    (recording,) = look_at(write(tmp_path, text, "a.json"), recipe=recipe).read().recordings
+    np.testing.assert_array_equal(recording.samples[0], X)
+    wrong = recipe.model_copy(update={"dialect": recipe.dialect.model_copy(update={"property": "test.none"})})
+    with pytest.raises(ImportProblem, match=r"no table of numbers under 'test\.none'"):
+        look_at(tmp_path / "a.json", recipe=wrong)

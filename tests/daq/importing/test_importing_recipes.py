@@ -151,7 +151,7 @@ def test_a_clock_that_is_written_in_bursts_is_taken_before_one_that_is_none(tmp_
     text = "".join(chain(["Timestamp, Time_Elapsed(s), Angle(deg)\n", "-" * 37 + "\n"], rows))
     recording = load(tmp_path, text)
     assert recording.rate == pytest.approx(260.0, rel=2e-3)
-    assert "'Timestamp' makes no even clock" in " ".join(recording.notes)
+    assert "'Timestamp' is a coarser time" in " ".join(recording.notes)
 
 
 @pytest.mark.parametrize("loose", [0.0, 0.012])

@@ -62,11 +62,11 @@ def test_a_decimal_comma_is_no_separator(tmp_path: Path, row: str) -> None:
 @pytest.mark.parametrize(
     "row", ["{clock} -> {x:.2f}", "{clock} -> {x:.2f} {y:.3f}", "{clock} -> {x:.2f}; {y:.3f}"]
 )
-def test_a_bare_decimal_comma_shows_by_the_zeros_behind_it(tmp_path: Path, row: str) -> None:
+def test_a_bare_decimal_comma_is_read_where_somebody_says_so(tmp_path: Path, row: str) -> None:
     t, x = motion()
     rows = [row.format(clock="@", x=b, y=0.1 * b).replace(".", ",") for b in x]
     text = "".join(line.replace("@", clock(a)) + "\n" for a, line in zip(t, rows, strict=True))
-    recording = load(tmp_path, text, columns={"displacement": 2}, units={"displacement": "cm"})
+    recording = load(tmp_path, text, decimal=",", columns={"displacement": 2}, units={"displacement": "cm"})
     np.testing.assert_allclose(recording.samples[0], x / 100.0, atol=6e-5)
 
 

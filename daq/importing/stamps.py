@@ -1,0 +1,152 @@
+"""The even clock behind stamps that do not show it: rounded ones, rows stamped in blocks, a logger that changes its rate."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from daq.importing.quantisation import quantum
+from daq.recording import Array
+
+MARGIN = 1e-6
+FEWEST_ROUNDED, FEWEST_ROWS = 8, 20
+CAMERAS = (24000 / 1001, 30000 / 1001, 60000 / 1001)
+CLEAR = 0.01  # Hz; three such errors are still far less than the distance between two nominal rates
+ROWS_A_BLOCK = 3.0
+FEWEST_BLOCKS = 10
+NEAR = 1.5
+"""Intervals between blocks by which the reading of a block may be late: more is a hole, or no clock at all."""
+
+STRAY = 0.2
+"""Share of a sampling interval by which stamps may stray (rms) from a clock; or by no more than their rounding."""
+
+
+def rate_within_rounding(index: Array, time: Array, steps: Array) -> tuple[float, float, float] | None:
+    """Return period, time of sample 0 and the standard error of the period, by which every stamp is right once it is
+    rounded, or cut off, to its step; None when no even clock is.
+
+    `index` (n,), rising, are the samples, `time` (n,) their stamps in s and `steps` (n,) the roundings. All clocks that
+    fit form a polygon of period and start: its middle is returned, with the error of a value that is evenly
+    spread over the range of periods.
+    """
+    if len(index) < FEWEST_ROUNDED or not np.all(steps > 0.0):
+        return None
+    for below, above in ((0.5, 0.5), (0.0, 1.0)):
+        slack = MARGIN * steps
+        found = _clocks(index, time - below * steps - slack, time + above * steps + slack)
+        if found is not None:
+            low, high, start = found
+            return 0.5 * (low + high), start, (high - low) / np.sqrt(12.0)
+    return None
+
+
+def nominal_rate(rate: float, std: float) -> float | None:
+    """Return the rate to which a camera or a logger was set, if one lies within three standard errors of `rate`: a
+    whole number of Hz, or a camera's 23.976, 29.97, 59.94 Hz. None where the error is too large to tell.
+    """
+    nearest = min((float(round(rate)), *CAMERAS), key=lambda known: abs(known - rate))
+    return nearest if nearest >= 1.0 and abs(nearest - rate) <= 3.0 * std and std < CLEAR else None
+
+
+def _clocks(index: Array, low: Array, high: Array) -> tuple[float, float, float] | None:
+    """Return the least and the largest period of the lines between `low` and `high`, and the start in their middle."""
+    from scipy.optimize import linprog
+
+    floor = _hull(zip(index.tolist(), low.tolist(), strict=True), 1.0)
+    ceiling = _hull(zip(index.tolist(), high.tolist(), strict=True), -1.0)
+    matrix = np.array([[-1.0, -i] for i, _ in floor] + [[1.0, i] for i, _ in ceiling])
+    bound = np.array([-v for _, v in floor] + [v for _, v in ceiling])
+    free = [(None, None), (None, None)]
+    ends = []
+    for sign in (1.0, -1.0):
+        found = linprog([0.0, sign], A_ub=matrix, b_ub=bound, bounds=free)
+        if found.status != 0 or found.x is None:
+            return None
+        ends.append(np.asarray(found.x, dtype=np.float64))
+    middle = 0.5 * (ends[0] + ends[1])
+    return float(ends[0][1]), float(ends[1][1]), float(middle[0])
+
+
+def _hull(points: Iterable[tuple[float, float]], sign: float) -> list[tuple[float, float]]:
+    """Return the upper (`sign` 1) or the lower hull (-1) of points in rising order (monotone chain, Andrew 1979)."""
+    hull: list[tuple[float, float]] = []
+    for x, y in points:
+        while len(hull) > 1:
+            (a, b), (c, d) = hull[-2:]
+            if sign * ((c - a) * (y - b) - (d - b) * (x - a)) < 0.0:
+                break
+            hull.pop()
+        hull.append((x, y))
+    return hull
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """The even clock behind block stamps: period (s) with its standard error, time of row 0 (s), rows a block."""
+
+    period: float
+    period_std: float
+    start: float
+    rows: float
+
+
+def clock_of_blocks(time: Array) -> Blocks | None:
+    """Return the even clock of rows whose stamps `time` (n,), in s and never falling, come in blocks; None when they do
+    not.
+
+    The last row of a block was sampled just before the block was read. The line through these rows is the clock; how
+    far blocks stray from it gives its error.
+    """
+    last = np.flatnonzero(np.diff(time, append=np.inf) > 0.0)
+    if len(last) < FEWEST_BLOCKS or len(time) < ROWS_A_BLOCK * len(last):
+        return None
+    at, stamp = last[:-1], time[last[:-1]]  # the last block may be cut off
+    k, t = at - at.mean(), stamp - stamp.mean()
+    spread = float(k @ k)
+    period = float(k @ t) / spread
+    stray = t - period * k
+    interval = float(np.median(np.diff(stamp)))
+    if not period > 0.0 or float(np.max(np.abs(stray))) > NEAR * interval:
+        return None
+    error = float(np.sqrt(stray @ stray / max(len(t) - 2, 1) / spread))
+    return Blocks(period, error, float(stamp.mean() - period * at.mean()), len(time) / len(last))
+
+
+def even_part(time: Array) -> tuple[int, int, tuple[float, float]] | None:
+    """Return the larger part of stamps `time` (n,), in s and never falling, that follows one clock, as (first row, one past
+    its last), and the rates (Hz) before and after the other part; None where either part is no clock.
+
+    The parts meet at the row at which two lines leave least of the stamps, by least squares.
+    """
+    count = len(time)
+    if count < 2 * FEWEST_ROWS:
+        return None
+    index = np.arange(count, dtype=np.float64)
+    level = time - np.polyval(np.polyfit(index, time, 1), index)
+    left, right = _left_by_a_line(level), _left_by_a_line(level[::-1])[::-1]
+    row = FEWEST_ROWS + int(
+        np.argmin(left[FEWEST_ROWS - 1 : count - FEWEST_ROWS] + right[FEWEST_ROWS : count - FEWEST_ROWS + 1])
+    )
+    before, after = _rate(time[:row]), _rate(time[row:])
+    if before is None or after is None:
+        return None
+    return (0, row, (before, after)) if 2 * row >= count else (row, count, (before, after))
+
+
+def _left_by_a_line(values: Array) -> Array:
+    """Return the sum of squares that the best line leaves of the first 1, 2, ... values, (n,)."""
+    count = np.arange(1.0, len(values) + 1.0)
+    index = count - 1.0
+    x, y = np.cumsum(index), np.cumsum(values)
+    xx, xy, yy = np.cumsum(index**2), np.cumsum(index * values), np.cumsum(values**2)
+    spread = np.maximum(xx - x**2 / count, 1e-300)
+    return np.maximum(yy - y**2 / count - (xy - x * y / count) ** 2 / spread, 0.0)
+
+
+def _rate(time: Array) -> float | None:
+    """Return the rate (Hz) of stamps that follow a clock, else None."""
+    index = np.arange(len(time), dtype=np.float64)
+    slope, start = np.polyfit(index, time, 1)
+    apart = np.abs(time - start - slope * index)
+    even = float(np.sqrt(np.mean(apart**2))) <= STRAY * slope or float(np.max(apart)) < 1.1 * quantum(time)
+    return float(1.0 / slope) if slope > 0.0 and even else None

@@ -1,0 +1,45 @@
+"""Running windows, splines and quick lengths against scipy's, which are too slow to load at every start."""
+
+import numpy as np
+import pytest
+from scipy import fft, ndimage
+from scipy.interpolate import BSpline
+
+from identify.signal.fast_length import fast_length
+from identify.signal.running import running_maximum, running_median, running_minimum
+from identify.signal.splines import basis, clamped_knots, spline_and_derivatives
+
+READINGS = np.random.default_rng(1).normal(size=97)
+
+
+@pytest.mark.parametrize("width", [1, 2, 3, 7, 8, 9, 64, 96])
+def test_extremes_are_those_of_the_samples_about_each(width: int) -> None:
+    np.testing.assert_array_equal(running_maximum(READINGS, width), ndimage.maximum_filter1d(READINGS, width))
+    np.testing.assert_array_equal(running_minimum(READINGS, width), ndimage.minimum_filter1d(READINGS, width))
+
+
+@pytest.mark.parametrize("width", [1, 5, 9])
+def test_the_median_is_that_of_the_samples_about_each(width: int) -> None:
+    np.testing.assert_array_equal(
+        running_median(READINGS, width), ndimage.median_filter(READINGS, width, mode="nearest")
+    )
+
+
+@pytest.mark.parametrize("spans", [1, 2, 9])
+def test_splines_and_their_derivatives_are_scipy_s(spans: int) -> None:
+    knots, points = clamped_knots(-1.0, 3.0, spans), np.linspace(-1.0, 3.0, 83)
+    weights = np.random.default_rng(2).normal(size=len(knots) - 4)
+    first, values = basis(points, knots)
+    design = BSpline.design_matrix(points, knots, 3).toarray()
+    np.testing.assert_allclose(
+        values, np.take_along_axis(design, first[:, None] + np.arange(4), 1), atol=1e-14
+    )
+    spline = BSpline(knots, weights, 3)
+    for order, found in enumerate(spline_and_derivatives(points, knots, weights, 2)):
+        # the third derivative jumps at knots, on which points may fall: the second is rounded by some ten times 1e-16 of it
+        np.testing.assert_allclose(found, spline.derivative(order)(points), atol=1e-11)
+
+
+@pytest.mark.parametrize("least", [1, 7, 97, 1023, 4099, 65537])
+def test_quick_lengths_are_scipy_s(least: int) -> None:
+    assert fast_length(least) == fft.next_fast_len(least)
