@@ -13,7 +13,13 @@ from bench.guide_cases import HIGH, LIMITS_WORDS, LOW, Case, amplitudes, cases
 from bench.regimes import wilson
 
 TITLE = "The next release, chosen"
-POLICIES = ("guide", "same", "grid", "random", "options")
+POLICIES = {
+    "guide": "by the guide",
+    "same": "the guide's first one again and again",
+    "grid": "a grid upwards, the sides in turn",
+    "random": "at random, evenly between the limits and on both sides",
+    "options": "at random among the guide's own options",
+}
 WHOLE = ("guide", "random")
 THIRD = 3
 """Who plays all cases; the others play every third, for each takes minutes."""
@@ -172,26 +178,29 @@ def _policies(found: list[Outcome]) -> str:
     if "guide" in means and "random" in means:
         fewer = f"\n\nThe guide takes {100 * (1 - means['guide'] / means['random']):.0f} % fewer releases than random ones."
     return (
-        f"Hidden cases on the simulated bench, limits {LIMITS_WORDS}, at most six releases, all judged together after each and "
-        "ended by one rule; only the amplitudes are chosen otherwise: by the guide, the guide's first one again and again, a grid "
-        "upwards with sides in turn, at random evenly between the limits, or at random among the guide's own options. A minute counts 30 s of handling and 10 s of record a release.\n\n"
+        f"{len({o.case for o in found})} hidden cases on the simulated bench, limits {LIMITS_WORDS}, at most six releases, all "
+        "judged together after each and ended by one rule (docs/guided.md); only the amplitudes are chosen otherwise: "
+        + "; ".join(f"{policy}: {words}" for policy, words in POLICIES.items() if policy in means)
+        + ". A right end is the name that is hidden, nothing where nothing is, no name where the library has none. A minute counts "
+        "30 s of handling and 10 s of record a release.\n\n"
         + "\n".join([head, *rows]) + fewer
     )  # fmt: skip
 
 
 def _kinds(found: list[Outcome]) -> str:
-    head = f"| hidden | {' | '.join(f'{p}: right, median releases' for p in POLICIES)} |\n|---|{'---|' * len(POLICIES)}"
-    rows = []
+    played = [policy for policy in POLICIES if any(o.policy == policy for o in found)]
+    columns = " | ".join(f"{policy}: right, median releases" for policy in played)
+    rows = [f"| hidden | {columns} |", f"|---|{'---|' * len(played)}"]
     for kind in dict.fromkeys(o.case.kind for o in found):
         cells = []
-        for policy in POLICIES:
+        for policy in played:
             own = [o for o in found if o.case.kind == kind and o.policy == policy]
             counts = [o.releases if o.right else 6 for o in own]
             cells.append(
                 f"{sum(o.right for o in own)} of {len(own)}, {statistics.median(counts):g}" if own else ""
             )
         rows.append(f"| {kind} | {' | '.join(cells)} |")
-    return "\n".join([head, *rows])
+    return "\n".join(rows)
 
 
 def _calibration(pairs: list[tuple[float, float, float]], draw: bool) -> str:
