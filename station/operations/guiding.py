@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
+from daq.quality import Grade
 from daq.session import Session
 from daq.storage import write_whole
 from identify.diagnosis.diagnose import diagnose
@@ -34,6 +35,10 @@ RIG = ("--holder=-25,25", "--releases=20")
 
 SIMULATED = Limits(0.002, 0.025, ways=("longer", "rest"))
 """What the simulated rig allows."""
+
+
+MOST_TAKES = 3
+"""Recordings in a row that may tell nothing."""
 
 
 class Watcher(Protocol):
@@ -89,9 +94,13 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
         }
         document = None
         try:
+            _refuse_if_rejected(session)
             prepared = prepare_with_floor(session, test.settings)
             trial = SessionSet((*sessions, session), (*decays, prepared))
             found = diagnose(trial.decays)
+        except _Rejected as refusal:
+            turn["problem"] = str(refusal)
+            told = _again(told, str(refusal), [one.problem for one in turns])
         except NotIdentifiable as refusal:
             told = _instead(told, test.limits, str(refusal))
             turn["problem"] = str(refusal)
@@ -129,6 +138,23 @@ def _record(
     finally:
         provisional.close()
     return session, provisional.answer
+
+
+class _Rejected(Exception):
+    """The recording is not good enough to be judged; the message says why."""
+
+
+def _refuse_if_rejected(session: Session) -> None:
+    verdict = session.verdict
+    if verdict is not None and verdict.grade is Grade.REJECT:
+        raise _Rejected(f"the recording was rejected: {'; '.join(verdict.reasons)}")
+
+
+def _again(told: Guidance, reason: str, before: list[str]) -> Guidance:
+    """Return the same release again, unless the recordings before it were rejected too."""
+    if len(before) >= MOST_TAKES - 1 and all(before[1 - MOST_TAKES :]):
+        return Guidance("given_up", f"{MOST_TAKES} recordings in a row told nothing: {reason}")
+    return replace(told, words=f"Once more, for {reason}.")
 
 
 def _instead(told: Guidance, limits: Limits, reason: str) -> Guidance:
