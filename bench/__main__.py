@@ -24,6 +24,7 @@ SECTIONS = (
     "regimes",
     "rules",
     "bounds",
+    "guide",
     "peers",
     "recordings",
     "rigs",

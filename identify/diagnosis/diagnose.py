@@ -8,10 +8,12 @@ from identify.curves.confirm import confirm_releases
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.beside_walk import walk_sentence
 from identify.diagnosis.explain import explain
+from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from identify.diagnosis.judgement import judge, large_enough
 from identify.diagnosis.ladder import Ladder, Progress, add_found, step_of, without_needless_effects
 from identify.diagnosis.listed_suspects import listed_suspects
 from identify.diagnosis.next_experiment import next_experiment
+from identify.diagnosis.next_release import Limits, NextRelease, next_release
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.not_enough import is_drowned, too_few_cycles
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
@@ -47,6 +49,7 @@ from identify.summary import Summarised, Summary
 
 _MOST_STEPS = 5
 _SHOWN = 6
+_NO_RELEASE: tuple[Verdict, ...] = ("not_enough_data", "driven")
 _EXPLAINED: tuple[Verdict, ...] = ("missing_effect", "sensor_fault", "nothing_missing")
 
 
@@ -64,6 +67,8 @@ class Diagnosis(Summarised):
     None where the floor itself decides. `modes` are other modes of the structure that what is left shows. Forces that
     remove less than `worth` % of the motion were not named: `too_small` is what such a one removes, 0 where there is none.
     `walk` is a random walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
+    `hypotheses` are what it leaves, the likeliest first, and `next_release` is what would tell most between them, None where
+    a release cannot.
     """
 
     baseline: Baseline
@@ -84,6 +89,12 @@ class Diagnosis(Summarised):
     worth: float = 0.0
     too_small: float = 0.0
     walk: RandomWalk | None = None
+    hypotheses: tuple[Hypothesis, ...] = ()
+    next_release: NextRelease | None = None
+
+    def next_within(self, limits: Limits) -> NextRelease | None:
+        """Return the release that is expected to tell most of those that a rig allows; None where none can be simulated."""
+        return next_release(self.baseline.decays, self.hypotheses, limits)
 
     @property
     def of_releases(self) -> tuple[ReleaseValue, ...]:
@@ -99,9 +110,7 @@ class Diagnosis(Summarised):
     @property
     def named(self) -> tuple[str, ...]:
         """The effects that the verdict names."""
-        if self.verdict not in ("missing_effect", "sensor_fault"):
-            return ()
-        return (self.suspects[0].effect.name, *self.together)
+        return named_by(self.verdict, self.suspects, self.together)
 
     def refine(self, progress: Progress = lambda step, words: None) -> Ladder:
         """Add what is named, diagnose again, until nothing that has a name is missing; return the ladder.
@@ -216,6 +225,9 @@ def diagnose(
         f for f in unnamed_faults(settled.decays, settled.fit) if f.p_value < settled.alpha or f.remarked
     )
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
+    named = named_by(verdict, suspects, judgement.together)
+    hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape)
+    chosen = next_release(baseline.decays, hypotheses) if verdict not in _NO_RELEASE else None
     return Diagnosis(
         baseline=baseline,
         verdict=verdict,
@@ -225,7 +237,7 @@ def diagnose(
         final=settled.fit,
         shape=judgement.shape,
         explanation=_why(baseline, verdict, judgement, suspects, findings, settled, harmonics),
-        next_experiment=next_experiment(baseline, verdict, suspects),
+        next_experiment=next_experiment(baseline, verdict, suspects, chosen),
         library=library,
         confirmation=judgement.confirmation,
         decays=whole,
@@ -235,7 +247,16 @@ def diagnose(
         worth=worth,
         too_small=judgement.too_small,
         walk=judgement.walk,
+        hypotheses=hypotheses,
+        next_release=chosen,
     )
+
+
+def named_by(verdict: Verdict, suspects: tuple[Suspect, ...], together: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the effects that a verdict names."""
+    if verdict not in ("missing_effect", "sensor_fault"):
+        return ()
+    return (suspects[0].effect.name, *together)
 
 
 def _why(

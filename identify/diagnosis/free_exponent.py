@@ -28,7 +28,7 @@ def families(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidat
     tried from starting values of their own, as any other effect is.
     """
     goal = baseline.highest * baseline.fit.degrees
-    found = [candidate for family in FAMILIES for candidate in _from_members(baseline, family, tried, goal)]
+    found = [candidate for family in FAMILIES for candidate in from_members(baseline, family, tried, goal)]
     if not any(c.plausible and baseline.adequate(c.fit) for c in found):
         scales = scales_of(baseline.decays[0], {})
         terms = tuple(Term(family.effect, family.held(scales)) for family in FAMILIES)
@@ -36,9 +36,10 @@ def families(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidat
     return tuple(sorted(found, key=lambda candidate: candidate.score))
 
 
-def _from_members(
+def from_members(
     baseline: Baseline, family: Family, tried: tuple[Candidate, ...], goal: float
 ) -> Iterator[Candidate]:
+    """Yield the model refitted with a law of a free exponent, begun from those members of it that were `tried`."""
     enough = _NEAR_BEST * min((c.fit.chi_square for c in tried), default=0.0)
     members = [c for c in tried if c.name in family.members and c.fit.chi_square <= enough]
     term = Term(family.effect, family.held(scales_of(baseline.decays[0], {})))

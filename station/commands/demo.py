@@ -26,6 +26,14 @@ MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
 @click.option(
     "--mystery", is_flag=False, flag_value=-1, type=int, metavar="[SEED]", help="Hide an effect, find it."
 )
+@click.option(
+    "--guided",
+    is_flag=False,
+    flag_value=5,
+    type=int,
+    metavar="[SEED]",
+    help="Hide an effect; be guided to its name.",
+)
 @click.option("--example", metavar="NAME", help="Identify a recording that comes with the station.")
 @click.option("--list", "listed", is_flag=True, help="List the recordings that come with the station.")
 @click.option("--pty", is_flag=True, help="Connect through a pseudo terminal instead of TCP.")
@@ -44,13 +52,14 @@ def command(
     seed: int,
     speed: float,
     mystery: int | None,
+    guided: int | None,
     example: str | None,
     listed: bool,
     pty: bool,
     folder: Path | None,
     no_viewer: bool,
     as_json: bool,
-) -> None:
+) -> int | None:
     """Run the whole job on a simulated board: capture, align, identify, show.
 
     The board is `python -m mocks`, a process of its own; the station connects
@@ -59,7 +68,11 @@ def command(
     """
     if listed or example is not None:
         _examples(settings_file, example, as_json)
-        return
+        return None
+    if guided is not None:
+        from station.commands.guided_demo import play_guided
+
+        return play_guided(settings_file, guided, speed, pty, folder, as_json)
     from dataclasses import replace
 
     from daq.session_info import SessionInfo
@@ -74,7 +87,7 @@ def command(
         from station.operations.mystery import play
 
         play(settings, mystery if mystery >= 0 else None, speed, pty, folder, no_viewer, as_json)
-        return
+        return None
     info = SessionInfo(specimen=f"simulated testbed, seed {seed}", mass_kg=21.36, operator="demo")
     wanted = replace(capture_settings(settings, info), check_clock=speed == 1.0)
     where = folder or new_folder(settings.sessions, "demo")
@@ -86,6 +99,7 @@ def command(
         truth = json.loads(truth_file.read_text(encoding="utf-8"))
     made_of = {name: truth[name] for name in MADE_OF}
     finish(session, url, settings, as_json, _made_of(truth), made_of=made_of)
+    return None
 
 
 def _examples(settings_file: str | None, name: str | None, as_json: bool) -> None:

@@ -8,6 +8,8 @@ from pydantic import AliasChoices, Field
 from daq.session import Session
 from identify.comparison.shared_physics import SharedPhysics
 from identify.diagnosis.diagnose import Diagnosis
+from identify.diagnosis.hypotheses import odds
+from identify.diagnosis.next_release import NextRelease
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.verdict import Verdict
@@ -189,6 +191,36 @@ class ModeDocument(Part):
     words: str
 
 
+class HypothesisDocument(Part):
+    """What may be true: the effects beyond the model that was asked about, and the odds, 0 to 1 over all hypotheses."""
+
+    names: list[str]
+    title: str
+    odds: Number
+
+
+class NextReleaseDocument(Part):
+    """The release that is expected to tell most `between` two hypotheses, with the evidence expected of it, nats.
+
+    `amplitude` is signed, in `unit`; of a `push` what it swings to. `scatter` is the standard deviation; `same_nats` the
+    evidence of the same amplitude again. `longer` and `faster` are multiples of the record's length and rate; `rested` means
+    some seconds of rest before. `tells_more` is false where no release decides; `words` say all of it.
+    """
+
+    amplitude: Number
+    unit: str
+    push: bool
+    longer: Number
+    faster: Number
+    rested: bool
+    between: list[str]
+    nats: Number
+    scatter: Number
+    same_nats: Number
+    tells_more: bool
+    words: str
+
+
 class DiagnosisDocument(Document):
     """What a model lacks; `rivals` are suspects that this record does not tell from the one that is named.
 
@@ -200,6 +232,7 @@ class DiagnosisDocument(Document):
     `of_sessions` are the linear spring and damper of each session, where they differ and each has its own.
     `walk` is a random walk of spring and damper that a name is not told from, or that is left beside it; None elsewhere.
     `shares` are what each effect does at the largest and at the smallest amplitude; none where something has no name.
+    `hypotheses` are what is left, the likeliest first; `next_release` would tell most between them, None where none can.
     `varies` is what was changed on purpose between the sessions; `left_out` says, by name, why a session holds too little.
     `model_is` says which model it is that was diagnosed, `model_remark` why it is not the one that was identified.
     """
@@ -229,6 +262,8 @@ class DiagnosisDocument(Document):
     of_sessions: list[ReleaseValueDocument] = Field(default_factory=list)
     walk: WalkDocument | None = None
     modes: list[ModeDocument] = Field(default_factory=list)
+    hypotheses: list[HypothesisDocument] = Field(default_factory=list)
+    next_release: NextReleaseDocument | None = None
     varies: list[str] = Field(default_factory=list)
     left_out: dict[str, str] = Field(default_factory=dict)
     model_is: str = "the usual model"
@@ -268,6 +303,8 @@ def diagnosis_document(
             "held_out": None if left_out is None else _held_out(names, left_out),
             "explanation": found.explanation,
             "next_experiment": found.next_experiment,
+            "hypotheses": _hypotheses(found),
+            "next_release": None if found.next_release is None else next_release_document(found.next_release),
             "fitted": fitted,
             "final": model_file(baseline.stated(found.final), expressions) if found.named else None,
             "shares": found.shares,
@@ -379,6 +416,28 @@ def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -
         "rivals": suspect.rivals,
         "motion_percent": suspect.motion_after,
         "strength_known": suspect.strength_known,
+    }
+
+
+def _hypotheses(found: Diagnosis) -> list[dict[str, Any]]:
+    chances = odds(found.hypotheses)
+    return [
+        {"names": one.names, "title": one.title, "odds": chance}
+        for one, chance in zip(found.hypotheses, chances.tolist(), strict=True)
+    ]
+
+
+def next_release_document(chosen: NextRelease) -> dict[str, Any]:
+    """Return a chosen release as it is kept."""
+    best = chosen.best
+    return vars(best.experiment) | {
+        "unit": chosen.unit,
+        "between": chosen.between,
+        "nats": best.nats,
+        "scatter": best.scatter,
+        "same_nats": None if chosen.same is None else chosen.same.nats,
+        "tells_more": chosen.tells_more,
+        "words": chosen.words,
     }
 
 

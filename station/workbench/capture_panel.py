@@ -59,6 +59,10 @@ class CapturePanel:
             self._message = ui.element("div").props("aria-live=polite")
         ui.timer(TICK_S, self._tick)
 
+    def busy(self) -> bool:
+        """Whether a capture is under way, in whichever tab."""
+        return self._state.capturing is not None and not self._state.capturing.now.finished
+
     def _known(self) -> list[str]:
         from daq.port import system_ports
 
@@ -81,7 +85,7 @@ class CapturePanel:
         self._say(lines or [("no board answers; plug it in, type its port, or solve a mystery", "bad")])
 
     def _start(self) -> None:
-        if self._state.capturing is not None and not self._state.capturing.now.finished:
+        if self.busy():
             ui.notify("another tab is recording: this click started nothing", type="warning")
             return
         port = str(self._port.value or "").strip()
@@ -107,7 +111,7 @@ class CapturePanel:
     ) -> None:
         from station.operations.new_session import capture_settings, session_info
 
-        if self._state.capturing is not None and not self._state.capturing.now.finished:
+        if self.busy():
             return
         settings = self._state.settings
         if mass is not None and not mass > 0:

@@ -11,6 +11,7 @@ from station.workbench.cards_panel import CardsPanel
 from station.workbench.details_panel import DetailsPanel
 from station.workbench.empty_middle import say_empty
 from station.workbench.floor_card import FloorCard
+from station.workbench.guide_panel import GuidePanel
 from station.workbench.identification_panel import IdentificationPanel
 from station.workbench.ladder_panel import LadderPanel
 from station.workbench.notice_card import NoticeCard
@@ -51,6 +52,7 @@ class Page:
             with ui.element("aside").classes("bench-column rail").props('id=rail aria-label="The bench"'):
                 self._capture = CapturePanel(self._state, self._record, self._key)
                 self._capture.build()
+                GuidePanel(self._state.settings, self._capture.busy).build()
                 SessionsPanel(self._state, self._key).build()
             with (
                 ui.element("section")

@@ -1,0 +1,281 @@
+"""The evidence that an experiment is expected to give between hypotheses, before it is made.
+
+Each hypothesis in turn is taken for the truth, its parameters drawn from what the records so far leave open, and the
+record simulated. Every other hypothesis is then refitted to that record and, through the covariance of its parameters, to
+the records so far; half of the misfit that it keeps beyond that of the truth, in units of the noise, is the evidence
+against it (Chaloner and Verdinelli 1995; Foster et al. 2019).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.diagnosis.experiment import (
+    Experiment,
+    carried_over,
+    cut_where_small,
+    signed_amplitude,
+    smallest_followed,
+    window_of,
+)
+from identify.diagnosis.hypotheses import Hypothesis
+from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.fitting.fit import Fit
+from identify.fitting.jacobian import linearise
+from identify.fitting.problem import Problem
+from identify.preprocessing.fit_window import FitWindow
+from identify.preprocessing.prepared_decay import PreparedDecay
+
+DRAWS = 6
+_LEAVE = 2.0
+"""How many times more than in linear theory a draw may contradict the release that was fitted."""
+
+_DRAWN_BACK = 6
+_ROUNDS = 3
+_PICARD = 3
+_FLAT = 1e-12
+_BEYOND = 1e6
+"""Nats beyond which a linear step says no more than that a rival is refuted."""
+
+_WIDEST, _HELD = 0.5, 1e-9
+"""Shares of itself by which a parameter is drawn that the records so far do not determine, and one at its bound."""
+
+
+@dataclass(frozen=True, eq=False)
+class ExpectedEvidence:
+    """What an experiment is expected to tell: `nats[i, j, d]` against hypothesis j where i is true, of draw d.
+
+    (hypotheses, hypotheses, draws); nan on the diagonal, and for what runs away.
+    """
+
+    experiment: Experiment
+    nats: Array
+
+
+@dataclass(eq=False)
+class _Carried:
+    """A hypothesis carried over to an experiment: where its fit begins, what the records so far say, what it predicts."""
+
+    problem: Problem
+    centre: Array
+    precision: Array
+    spread: Array
+    misfit: Array
+    jacobian: Array
+    shared: list[int]
+    factors: Array
+
+    def left(self, records: Array, *, rounds: int) -> Array:
+        """Return the misfit (draws,) that a refit keeps of records (n, draws), themselves given as misfits."""
+        theta, misfit, jacobian = self.centre, self.misfit, self.jacobian
+        target = records[:, 0]
+        cost = float(np.sum((misfit - target) ** 2))
+        for _ in range(rounds):
+            step = _step(jacobian, self.precision, misfit - target, theta - self.centre)
+            moved = np.clip(theta + step, self.problem.low, self.problem.high)
+            again, slope = linearise(self.problem, moved)
+            if not np.isfinite(again).all():
+                break
+            off = moved - self.centre
+            new = float(np.sum((again - target) ** 2) + off @ self.precision @ off)
+            if not new < cost or not _sound(slope.blocks[0]):
+                break
+            theta, misfit, jacobian, better = moved, again, slope.blocks[0], cost - new
+            cost = new
+            if better < 1.0:
+                break
+        return _kept(jacobian, self.precision, misfit[:, None] - records, theta - self.centre)
+
+
+def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:
+    """Return by how much the shared parameters of a hypothesis may be off, drawn, (draws, shared): none in the first.
+
+    Drawn from the covariance of its fit. What contradicts the release that it was fitted to, since far from the fit the
+    covariance does not hold, is drawn back.
+    """
+    random, found = np.random.default_rng([2019, seed]), one.fit
+    shared = [u.name for u in found.unknowns if u.window < 0]
+    drawn = np.zeros((1 + DRAWS, len(shared)))
+    again = Experiment(signed_amplitude(last))
+    window = _window(again, last, one)
+    own = None if one.shape is not None or window is None else _carried(again, last, found, window)
+    if own is None:
+        return drawn
+    at = [own.problem.index[name] for name in shared]
+    free = np.ones(len(own.centre), dtype=bool)
+    free[at] = False
+    for row in drawn[1:]:
+        normal = random.standard_normal(len(own.centre))
+        offset = own.spread @ normal
+        allowed = _LEAVE * float(normal @ normal)
+        for _ in range(_DRAWN_BACK):
+            misfit = own.problem.residuals(np.clip(own.centre + offset, own.problem.low, own.problem.high))
+            change = (misfit - own.misfit)[:, None]
+            nothing = np.zeros((int(free.sum()),) * 2)
+            if (
+                np.isfinite(misfit).all()
+                and _kept(own.jacobian[free], nothing, change, np.zeros(len(nothing)))[0] < allowed
+            ):
+                row[:] = offset[at]
+                break
+            offset = 0.5 * offset
+    return drawn
+
+
+def expected_evidence(
+    experiment: Experiment,
+    last: PreparedDecay,
+    hypotheses: Sequence[Hypothesis],
+    *,
+    pairs: Sequence[tuple[int, int]],
+    drawn: Sequence[Array],
+) -> ExpectedEvidence | None:
+    """Return what an experiment would tell between hypotheses; None where its motion runs away or is soon at rest.
+
+    `last` is the largest release so far; `pairs` are places of a hypothesis that is true and of one to be refuted; `drawn`
+    are parameters of each (`draw_parameters`). The latter is refitted to the record at the middle of what is known, in a few
+    steps, and linearly from there to the others.
+    """
+    window = _window(experiment, last, hypotheses[0])
+    if window is None:
+        return None
+    carried = [_carried(experiment, last, one.fit, window) for one in hypotheses]
+    nats = np.full((len(hypotheses), len(hypotheses), 1 + DRAWS), np.nan)
+    for i in sorted({i for i, _ in pairs}):
+        own, shape = carried[i], hypotheses[i].shape
+        if own is None:
+            continue
+        records = _records(own, shape, last, drawn[i])
+        price = 0.0 if shape is not None else own.left(records, rounds=0)
+        for j in (j for one, j in pairs if one == i):
+            rival = carried[j]
+            if rival is not None:
+                nats[i, j] = 0.5 * (rival.left(records, rounds=_ROUNDS) - price)
+    return ExpectedEvidence(experiment, np.clip(nats, 0.0, _BEYOND))
+
+
+def _window(experiment: Experiment, last: PreparedDecay, first: Hypothesis) -> FitWindow | None:
+    """Return the window that an experiment would be compared in, as far as the likeliest hypothesis says."""
+    window = window_of(experiment, last, first.fit.windows[0])
+    problem = Problem(first.fit.model, (window,), first.fit.frequency, coarse=True)
+    theta = problem.theta(carried_over(experiment, last, first.fit)[0])
+    motion = problem.respond(np.clip(theta, problem.low, problem.high), 0).displacement
+    if not np.isfinite(motion).all() or not np.min(motion) < 0.0 < np.max(motion):
+        return None
+    return cut_where_small(window, motion, smallest_followed(last), 2.0 * np.pi / last.frequency)
+
+
+def _carried(experiment: Experiment, last: PreparedDecay, found: Fit, window: FitWindow) -> _Carried | None:
+    problem = Problem(found.model, (window,), found.frequency, coarse=True)
+    values, factors = carried_over(experiment, last, found)
+    theta = np.clip(problem.theta(values), problem.low, problem.high)
+    misfit, slope = linearise(problem, theta)
+    if not (np.isfinite(misfit).all() and _sound(slope.blocks[0])):
+        return None
+    precision, spread = _known(problem, found, factors)
+    names = [u.name for u in found.unknowns if u.window < 0]
+    return _Carried(
+        problem,
+        theta,
+        precision,
+        spread,
+        misfit,
+        slope.blocks[0],
+        [problem.index[name] for name in names],
+        np.array([factors[name] for name in names]),
+    )
+
+
+def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Array, Array]:
+    """Return what the records so far say of the unknowns of a problem: their precision, and a root of their covariance.
+
+    (unknowns, unknowns) each. Of what belongs to the new record alone they say nothing; what lies at its bound stays there.
+    """
+    shared = [i for i, u in enumerate(found.unknowns) if u.window < 0]
+    names = [found.unknowns[i].name for i in shared]
+    factor = np.array([factors[n] for n in names])
+    covariance = found.covariance[np.ix_(shared, shared)] * np.outer(factor, factor)
+    at = [problem.index[name] for name in names]
+    own = problem.sizes(problem.theta(found.point))[at]
+    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    loose = np.array([n in found.unidentifiable for n in names], dtype=bool)
+    fixed = np.array([not np.isfinite(found.values[n].std) for n in names], dtype=bool) & ~loose
+    widest = np.where(fixed, _HELD * own, np.where(loose, _WIDEST * own, np.inf))
+    shrink = np.minimum(1.0, widest / np.maximum(std, 1e-300))
+    covariance = covariance * np.outer(shrink, shrink)
+    size = np.maximum(std * shrink, _HELD * own)
+    values, vectors = np.linalg.eigh(covariance / np.outer(size, size))
+    values = np.maximum(values, _FLAT)
+    count = len(problem.unknowns)
+    precision, spread = np.zeros((count, count)), np.zeros((count, count))
+    precision[np.ix_(at, at)] = (vectors / values) @ vectors.T / np.outer(size, size)
+    spread[np.ix_(at, range(len(at)))] = size[:, None] * vectors * np.sqrt(values)
+    return precision, spread
+
+
+def _records(own: _Carried, shape: NonparametricForce | None, last: PreparedDecay, drawn: Array) -> Array:
+    """Return records of a hypothesis as its misfit, (n, draws): at parameters that are off by what is drawn."""
+    if shape is not None:
+        return np.repeat(_of_shape(own, shape, last)[:, None], len(drawn), axis=1)
+    problem, found = own.problem, []
+    for offset in drawn:
+        theta = own.centre.copy()
+        theta[own.shared] += own.factors * offset
+        misfit = problem.residuals(np.clip(theta, problem.low, problem.high))
+        found.append(misfit if np.isfinite(misfit).all() else own.misfit)
+    return np.stack(found, axis=1)
+
+
+def _of_shape(own: _Carried, shape: NonparametricForce, last: PreparedDecay) -> Array:
+    """Return the misfit of a record under a force without a name, along the motion that it makes, (n,)."""
+    problem, window = own.problem, own.problem.windows[0]
+    response = problem.respond(own.centre, 0)
+    for _ in range(_PICARD):
+        force = _along(shape, window.clock, response.displacement, response.velocity)
+        response = problem.respond(own.centre, 0, extra=-force)
+    misfit = problem.residual_of(0, problem.read(own.centre, 0, response))
+    return misfit if np.isfinite(misfit).all() else own.misfit
+
+
+def _along(shape: NonparametricForce, time: Array, u: Array, v: Array) -> Array:
+    """Return the force per unit mass of a free form along a motion, (n,); beyond where it was seen it stays as it is."""
+    first = shape.shapes[0]
+    places = {
+        "displacement": (u, 1.0),
+        "velocity": (v, 1.0),
+        "friction over displacement": (u, np.sign(v)),
+        "friction over speed": (np.abs(v), np.sign(v)),
+    }
+    at, factor = places.get(
+        first.coordinate, (time, {"(stiffness)": u, "(damping)": v}.get(first.coordinate[5:], np.sign(v)))
+    )
+    return np.asarray(np.interp(at, first.position, first.force) * factor)
+
+
+def _step(jacobian: Array, precision: Array, misfit: Array, off: Array) -> Array:
+    normal = jacobian @ jacobian.T + precision
+    return -_solve(normal, jacobian @ misfit + precision @ off)
+
+
+def _kept(jacobian: Array, precision: Array, misfit: Array, off: Array) -> Array:
+    """Return the smallest sum of squares, prior included, that a linear step leaves of misfits (n, draws), (draws,)."""
+    gradient = jacobian @ misfit + (precision @ off)[:, None]
+    best = _solve(jacobian @ jacobian.T + precision, gradient)
+    return np.asarray(np.sum(misfit**2, axis=0) + off @ precision @ off - np.sum(gradient * best, axis=0))
+
+
+def _sound(jacobian: Array) -> bool:
+    """Whether a Jacobian can be squared: that of a motion that all but runs away cannot."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.isfinite(jacobian @ jacobian.T).all())
+
+
+def _solve(normal: Array, right: Array) -> Array:
+    """Return the solution of symmetric equations; of what they do not determine, none."""
+    size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    values, vectors = np.linalg.eigh(normal / np.outer(size, size))
+    inverse = np.where(values > _FLAT, 1.0 / np.maximum(values, _FLAT), 0.0)
+    scaled = (right.T / size).T
+    return np.asarray(((vectors * inverse) @ (vectors.T @ scaled)).T / size).T

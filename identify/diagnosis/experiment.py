@@ -1,0 +1,147 @@
+"""An experiment: a release that could be recorded next, and how a fitted model is carried over to it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.effects.force_effect import ForceEffect
+from identify.fitting.fit import Fit
+from identify.preprocessing.fit_window import FitWindow, PreReleaseMotion
+from identify.preprocessing.prepared_decay import PreparedDecay
+
+_DERIVATIVE = {"displacement": 0, "velocity": 1, "acceleration": 2}
+_READINGS_A_CYCLE = 24
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A release from `amplitude` (signed, in the unit of the displacement), or a `push` that would reach it.
+
+    `longer` and `faster` are multiples of the record's length and rate; `heavier` is the added mass as a share of the
+    mass; `sensor` a further channel; `rested` says that the mass is held still before, so that memory begins at rest.
+    """
+
+    amplitude: float
+    push: bool = False
+    longer: float = 1.0
+    faster: float = 1.0
+    heavier: float = 0.0
+    sensor: str = ""
+    rested: bool = False
+
+    @property
+    def changes_rig(self) -> bool:
+        """Whether the rig must be changed for it: an operator at the rig cannot just do it."""
+        return self.heavier > 0.0 or bool(self.sensor)
+
+
+def window_of(experiment: Experiment, last: PreparedDecay, window: FitWindow) -> FitWindow:
+    """Return the window in which an experiment would be read, its readings a cosine that stands in for them.
+
+    `last` is the largest release so far, `window` as it was fitted. The noise is that of the record; of a further sensor it
+    is as large a share of the motion as that of the first channel. Coarse where the rate allows: 24 readings a cycle.
+    """
+    w = last.frequency
+    heavier = 1.0 / (1.0 + experiment.heavier)
+    share = last.use.share if last.use is not None else 1.0
+    samples = int(len(window) / max(share, 0.05) * experiment.longer)
+    scale = experiment.amplitude / signed_amplitude(last)
+    clock = window.time + np.arange(samples) / window.rate
+    sigma = {c: s / np.sqrt(experiment.faster) for c, s in window.sigma.items()}
+    channels = list(window.channels)
+    if experiment.sensor:
+        first = channels[0]
+        power = _DERIVATIVE[experiment.sensor] - _DERIVATIVE[first]
+        sigma[experiment.sensor] = window.sigma[first] * w**power
+        channels.append(experiment.sensor)
+    motion = experiment.amplitude * np.cos(w * np.sqrt(heavier) * clock)
+    readings = {c: motion * w ** _DERIVATIVE[c] for c in channels}
+    used = np.arange(samples) >= window.lead
+    before = window.pre_release
+    if before is not None:
+        before = PreReleaseMotion(before.time, scale * before.displacement, scale * before.velocity)
+    if experiment.push:
+        before = None
+    elif experiment.rested:
+        before = _held_before(experiment.amplitude, w, window.time)
+    made = replace(
+        window,
+        readings=readings,
+        used=dict.fromkeys(channels, used),
+        sigma=sigma,
+        colour={c: colour.beside_white(1.0 / experiment.faster) for c, colour in window.colour.items()},
+        pre_release=before,
+        force=None,
+        segment=False,
+        release=0,
+        own_linear=None,
+    )
+    return made.thinned(int(2.0 * np.pi / w * window.rate / _READINGS_A_CYCLE))
+
+
+def cut_where_small(
+    window: FitWindow, displacement: Array, smallest: float, cycle: float
+) -> FitWindow | None:
+    """Return a window that ends where a motion (n,) falls below an amplitude; None where fewer than five cycles remain."""
+    large = np.flatnonzero(np.abs(displacement) >= smallest)
+    samples = int(large[-1] + 0.5 * cycle * window.rate) if len(large) else 0
+    if samples < 5.0 * cycle * window.rate:
+        return None
+    return window.until(min(samples, len(window)))
+
+
+def smallest_followed(last: PreparedDecay) -> float:
+    """Return the amplitude down to which the motion of a release is followed, in its unit."""
+    cycle = max(int(2.0 * np.pi / last.frequency * last.window.rate), 1)
+    return float(np.max(np.abs(last.motion.displacement[-cycle:])))
+
+
+def carried_over(
+    experiment: Experiment, last: PreparedDecay, found: Fit
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return the values of a fit as an experiment has them, by name, and the factor by which each shared one changed.
+
+    A mass that is added makes every strength per unit mass smaller.
+    """
+    scale = experiment.amplitude / signed_amplitude(last)
+    values, factors = found.of_release(0), {}
+    mass = 1.0 / (1.0 + experiment.heavier)
+    strengths = {str(t.strength) for t in found.model.forces if not t.force.shared_parameters}
+    for unknown in found.unknowns:
+        if unknown.window < 0:
+            factors[unknown.name] = mass if unknown.name in strengths else 1.0
+            values[unknown.name] *= factors[unknown.name]
+        elif unknown.window == 0 and unknown.simulated and unknown.deviates < 0:
+            name = str(unknown.id.of_release(0, 1))
+            values[name] *= scale
+            if experiment.push and unknown.id.role == "state":
+                values[name] = 0.0
+    if experiment.push:
+        values |= {"displacement": 0.0, "velocity": experiment.amplitude * last.frequency * np.sqrt(mass)}
+    if experiment.sensor:  # its own, which is not known yet
+        values |= {"gain": 1.0}
+    return values, factors
+
+
+def has_memory(found: Fit) -> bool:
+    """Whether internal states at the start of a release are unknown in a fit: a rest before it would settle them."""
+    return any(u.id.role == "state" for u in found.unknowns if u.window == 0) and any(
+        isinstance(t.effect, ForceEffect) and t.force.rates is not None and t.force.fading_memory
+        for t in found.model.forces
+    )
+
+
+def signed_amplitude(last: PreparedDecay) -> float:
+    """Return the displacement from which a release was let go, with its side; the largest where that was not seen."""
+    before = last.window.pre_release
+    if before is not None and abs(before.displacement[0]) > 0.5 * last.amplitude:
+        return float(before.displacement[0])
+    return last.amplitude * (float(np.sign(last.motion.displacement[0])) or 1.0)
+
+
+def _held_before(amplitude: float, w: float, first: float) -> PreReleaseMotion:
+    """Return a mass that is held still for a second and let go, up to the first sample that is compared (s)."""
+    time = np.array([-1.0, 0.0, max(first, 1e-6)])
+    angle = w * np.maximum(time, 0.0)
+    return PreReleaseMotion(time, amplitude * np.cos(angle), -amplitude * w * np.sin(angle))

@@ -1,0 +1,135 @@
+"""`station guide`: a test that says what to release next, until it is sure what is missing."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from station import exits
+from station.commands.options import CONDITIONS, MASS, MASS_STD
+from station.output import json_option, print_json, progress, screen
+
+if TYPE_CHECKING:
+    from identify.diagnosis.next_release import Limits
+    from station.operations.guiding import GuidedTest
+    from station.results.guide_document import GuideDocument
+
+
+@click.command("guide")
+@click.option(
+    "--port",
+    metavar="URL",
+    help="Port of the board, as for `station capture` (default: the only board that answers).",
+)
+@click.option(
+    "--limits", metavar="LOW,HIGH", help="Amplitudes that are safe, as 2mm,25mm (default: a terminal asks)."
+)
+@click.option("--unattended", is_flag=True, help="The rig holds and releases the mass itself.")
+@click.option(
+    "--session",
+    "folder",
+    type=click.Path(path_type=Path),
+    metavar="FOLDER",
+    help="Folder of its sessions (default: ./sessions/guide_TIME).",
+)
+@MASS
+@MASS_STD
+@click.option(
+    "--duration",
+    type=click.FloatRange(0, 3600, min_open=True),
+    metavar="S",
+    help="Seconds after a release (8).",
+)
+@click.option("--rate", type=click.FloatRange(5, 20_000), metavar="HZ", help="Sampling rate (256).")
+@click.option(
+    "--patience",
+    type=click.FloatRange(0, 3600, min_open=True),
+    metavar="S",
+    help="How long to wait for a release (60).",
+)
+@click.option("--specimen", help="What is tested.")
+@click.option("--operator", help="Who tests it.")
+@CONDITIONS
+@json_option
+@click.pass_obj
+def command(
+    settings_file: str | None,
+    /,
+    port: str | None,
+    limits: str | None,
+    unattended: bool,
+    folder: Path | None,
+    mass: float | None,
+    mass_std: float | None,
+    specimen: str | None,
+    operator: str | None,
+    conditions: tuple[str, ...],
+    as_json: bool,
+    **timing: Any,
+) -> int:
+    """Say what to release, record it, judge it, and say what to release next.
+
+    It ends when a name is confirmed by two releases, when nothing can hide any
+    more within the limits, or when no release would tell more. All releases
+    form one campaign with one report.
+    """
+    from daq.ports import choose_port
+    from station.operations.guiding import GuidedTest
+    from station.operations.new_session import capture_settings, new_folder, session_info
+    from station.settings import load_settings
+
+    settings = load_settings(settings_file)
+    chosen = limits_of(limits if limits is not None else _asked(), unattended)
+    info = session_info(settings, mass, mass_std, specimen, operator, conditions)
+    wanted = capture_settings(settings, info, **timing)
+    named = choose_port(port or settings.capture.port)
+    place = folder or new_folder(settings.sessions, "guide")
+    document = show_guided(GuidedTest(named, wanted, chosen, place, settings, unattended), as_json)
+    if as_json:
+        print_json(document.plain())
+    return exits.DONE
+
+
+def show_guided(test: "GuidedTest", as_json: bool) -> "GuideDocument":
+    """Run a guided test on the screen (on stderr where JSON is wanted); return its document."""
+    from station.operations.guiding import guide
+    from station.report.guided import finish
+    from station.safe_text import SafeConsole
+    from station.text.guide_text import GuideScreen, show_guide
+
+    console = SafeConsole(stderr=True, highlight=False) if as_json else screen()
+    document = guide(test, GuideScreen(console, alone=test.alone))
+    progress("writing the report")
+    document = finish(test, document)
+    show_guide(console, document)
+    return document
+
+
+def limits_of(text: str, unattended: bool = False) -> "Limits":
+    """Return the limits of a rig from "2mm,25mm"; UsageProblem for what is none."""
+    from daq.importing.units import parse_scaled_unit, parse_unit
+    from identify.diagnosis.next_release import Limits
+
+    lengths = []
+    for word in text.split(","):
+        length = parse_scaled_unit(word.strip())
+        if length is None or length.si != "m" or parse_unit(word.strip()) is not None:
+            raise exits.UsageProblem(f"--limits {text}: write two lengths with their units, as 2mm,25mm")
+        lengths.append(length.scale)
+    if len(lengths) != 2 or not 0.0 < lengths[0] < lengths[1]:
+        raise exits.UsageProblem(
+            f"--limits {text}: write the smallest and the largest safe amplitude, both above 0, as 2mm,25mm"
+        )
+    ways = ("longer", "rest") if unattended else ("push", "longer", "rest")
+    return Limits(lengths[0], lengths[1], ways=ways)
+
+
+def _asked() -> str:
+    """Ask for the limits at a terminal; UsageProblem where there is none."""
+    if not (sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()):
+        raise exits.UsageProblem(
+            "give the safe amplitudes as --limits 2mm,25mm; without a terminal nobody can be asked"
+        )
+    answer: str = click.prompt("Between which amplitudes may the mass be released, as 2mm,25mm", err=True)
+    return answer

@@ -1,0 +1,197 @@
+"""A guided test: it asks for a release, records and judges it with all before, until that has settled what is missing."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from daq.capture import CaptureObserver, CaptureSettings, capture
+from daq.quality import Grade
+from daq.session import Session
+from daq.storage import write_whole
+from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.experiment import Experiment
+from identify.diagnosis.guidance import Guidance, first_release, guidance
+from identify.diagnosis.hypotheses import Hypothesis
+from identify.diagnosis.next_release import Limits
+from identify.errors import NotIdentifiable
+from identify.preprocessing.prepared_decay import PreparedDecay
+from station.operations.diagnosing import keep
+from station.operations.provisional import Provisional
+from station.operations.record_floor import prepare_with_floor
+from station.operations.session_set import SessionSet
+from station.results.diagnosis_document import (
+    DiagnosisDocument,
+    diagnosis_document,
+    next_release_document,
+)
+from station.results.guide_document import NAME, GuideDocument, TurnDocument
+from station.settings import Settings
+from station.text.capture_progress import Several
+
+RIG = ("--holder=-25,25", "--releases=20")
+"""Of the simulated board: between which displacements (mm) it holds the mass, and at which what it hides has its size."""
+
+SIMULATED = Limits(0.002, 0.025, ways=("longer", "rest"))
+"""What the simulated rig allows."""
+
+
+MOST_TAKES = 3
+"""Recordings in a row that may tell nothing."""
+
+
+class Watcher(Protocol):
+    """Who is told how a guided test goes on."""
+
+    def asks(self, number: int, told: Guidance) -> None:
+        """A release is wanted, for a reason."""
+
+    def observer(self) -> CaptureObserver:
+        """Return who watches the capture."""
+
+    def provisional(self, answer: str) -> None:
+        """A first answer while the decay is still running."""
+
+    def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
+        """A release was judged together with all before."""
+
+
+@dataclass(frozen=True, eq=False)
+class GuidedTest:
+    """What a guided test is given: a `port` that may be opened for each release, how to capture, the rig's limits.
+
+    `alone`: the rig holds and releases the mass itself. `begin` is the folder of its sessions.
+    """
+
+    port: str
+    capture: CaptureSettings
+    limits: Limits
+    folder: Path
+    settings: Settings
+    alone: bool = False
+
+
+def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = lambda: False) -> GuideDocument:
+    """Run a guided test; all its sessions lie in one folder, with the document that is returned.
+
+    Raises the StationError of a capture that fails; what was judged before is kept.
+    """
+    told, turns = first_release(test.limits), list[TurnDocument]()
+    sessions, decays = tuple[Session, ...](), tuple[PreparedDecay, ...]()
+    open_: tuple[Hypothesis, ...] = ()
+    while not told.over and not cancelled():
+        assert told.experiment is not None
+        watcher.asks(len(turns) + 1, told)
+        session, answer = _record(test, told.experiment, len(turns) + 1, decays, open_, watcher)
+        began = time.monotonic()
+        turn = {
+            "session": session.folder.name,
+            "asked": told.words,
+            "amplitude": told.experiment.amplitude,
+            "unit": "m",
+            "provisional": answer,
+        }
+        document = None
+        try:
+            _refuse_if_rejected(session)
+            prepared = prepare_with_floor(session, test.settings)
+            trial = SessionSet((*sessions, session), (*decays, prepared))
+            found = diagnose(trial.decays)
+        except _Rejected as refusal:
+            turn["problem"] = str(refusal)
+            told = _again(told, str(refusal), [one.problem for one in turns])
+        except NotIdentifiable as refusal:
+            told = _instead(told, test.limits, str(refusal))
+            turn["problem"] = str(refusal)
+        else:
+            sessions, decays, open_ = trial.sessions, trial.decays, found.hypotheses
+            told, document = (
+                guidance(found, len(sessions), test.limits),
+                diagnosis_document(trial.names, found),
+            )
+            turn |= _outcome(document, told, time.monotonic() - began)
+            keep(trial, document)
+        turns.append(TurnDocument.model_validate(turn))
+        watcher.judged(turns[-1], document)
+        _keep(test, turns, told)
+    return _keep(test, turns, told)
+
+
+def _record(
+    test: GuidedTest,
+    experiment: Experiment,
+    number: int,
+    before: tuple[PreparedDecay, ...],
+    hypotheses: tuple[Hypothesis, ...],
+    watcher: Watcher,
+) -> tuple[Session, str]:
+    wanted = replace(
+        test.capture,
+        duration_s=test.capture.duration_s * experiment.longer,
+        release_from=experiment.amplitude if test.alone else None,
+    )
+    provisional = Provisional(before, hypotheses, wanted.rate_hz, wanted.duration_s, watcher.provisional)
+    folder = test.folder / f"release_{number}"
+    try:
+        session = capture(test.port, wanted, folder, Several((watcher.observer(), provisional)))
+    finally:
+        provisional.close()
+    return session, provisional.answer
+
+
+class _Rejected(Exception):
+    """The recording is not good enough to be judged; the message says why."""
+
+
+def _refuse_if_rejected(session: Session) -> None:
+    verdict = session.verdict
+    if verdict is not None and verdict.grade is Grade.REJECT:
+        raise _Rejected(f"the recording was rejected: {'; '.join(verdict.reasons)}")
+
+
+def _again(told: Guidance, reason: str, before: list[str]) -> Guidance:
+    """Return the same release again, unless the recordings before it were rejected too."""
+    if len(before) >= MOST_TAKES - 1 and all(before[1 - MOST_TAKES :]):
+        return Guidance("given_up", f"{MOST_TAKES} recordings in a row told nothing: {reason}")
+    return replace(told, words=f"Once more, for {reason}.")
+
+
+def _instead(told: Guidance, limits: Limits, reason: str) -> Guidance:
+    """Return what to do after a release that told nothing: the largest amplitude, once; then it is given up."""
+    assert told.experiment is not None
+    if abs(told.experiment.amplitude) >= 0.99 * limits.high:
+        return Guidance("given_up", f"The largest release told nothing: {reason}")
+    side = 1.0 if told.experiment.amplitude > 0.0 else -1.0
+    return Guidance(
+        "go_on",
+        f"That told nothing ({reason}). The largest amplitude shows most.",
+        Experiment(side * limits.high),
+    )
+
+
+def _outcome(document: DiagnosisDocument, told: Guidance, seconds: float) -> dict[str, Any]:
+    return {
+        "verdict": document.verdict,
+        "named": document.named,
+        "hypotheses": document.hypotheses,
+        "next_release": None if told.chosen is None else next_release_document(told.chosen),
+        "judged_s": seconds,
+    }
+
+
+def _keep(test: GuidedTest, turns: list[TurnDocument], told: Guidance) -> GuideDocument:
+    document = GuideDocument.model_validate(
+        {
+            "format": 1,
+            "folder": str(test.folder),
+            "low": test.limits.low,
+            "high": test.limits.high,
+            "state": told.state,
+            "words": told.words,
+            "named": told.named,
+            "turns": turns,
+        }
+    )
+    write_whole(test.folder / NAME, document.model_dump_json(indent=1).encode() + b"\n")
+    return document

@@ -1,0 +1,47 @@
+"""What a guided test leaves: one report, and one campaign of all its releases."""
+
+from daq.session import Session
+from daq.storage import write_whole
+from station.campaign.kept import Kept
+from station.campaign.local_crew import LocalCrew
+from station.campaign.run import Request, run_campaign
+from station.campaign.sources import FOLDER, find_sources
+from station.campaign.together import campaign_document
+from station.operations.guiding import GuidedTest
+from station.report.write import NAME as REPORT
+from station.report.write import write_report
+from station.results.guide_document import NAME, GuideDocument
+from station.text.campaign_table import sessions_csv, trends_csv
+
+
+def finish(test: GuidedTest, document: GuideDocument) -> GuideDocument:
+    """Write the report of a guided test and the campaign of its sessions; return the document with their places.
+
+    The report is that of the largest release, which keeps the diagnosis of all. Nothing is written where none was judged.
+    """
+    judged = [turn for turn in document.turns if turn.verdict]
+    if not judged:
+        return document
+    kept = Kept(test.folder / FOLDER)
+    sources = find_sources((str(test.folder),), test.settings)
+    table = campaign_document(
+        kept.folder, False, run_campaign(sources, Request(test.settings), LocalCrew(1), kept, _Silent())
+    )
+    kept.write_table(table, {"sessions.csv": sessions_csv(table), "trends.csv": trends_csv(table)})
+    largest = max(judged, key=lambda turn: abs(turn.amplitude or 0.0))
+    session = Session.open(test.folder / largest.session)
+    report = write_report(session, test.folder / REPORT, settings=test.settings)
+    whole = document.model_copy(update={"report": str(report.path), "campaign": str(kept.folder)})
+    write_whole(test.folder / NAME, whole.model_dump_json(indent=1).encode() + b"\n")
+    return whole
+
+
+class _Silent:
+    def kept(self, name: str) -> None:
+        """Say nothing."""
+
+    def done(self, name: str) -> None:
+        """Say nothing."""
+
+    def failed(self, name: str, reason: str) -> None:
+        """Say nothing: the table has the reason."""

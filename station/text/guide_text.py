@@ -1,0 +1,115 @@
+"""A guided test in a terminal: what to release and why, and odds that move from release to release."""
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from daq.capture import CaptureObserver
+from identify.diagnosis.guidance import MOST, Guidance, State
+from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
+from station.results.guide_document import GuideDocument, TurnDocument
+from station.text.capture_progress import Watch
+from station.text.diagnosis_text import STYLES, headline
+from station.text.layout import labelled
+from station.text.numbers import typeset
+
+BAR, NAME, SHOWN = 24, 27, 5
+WIDTH = 12
+ENDINGS: dict[State, tuple[str, str]] = {
+    "confirmed": ("CONFIRMED", "bold green"),
+    "nothing": ("NOTHING IS MISSING", "bold green"),
+    "no_name": ("NO NAME HERE", "bold red"),
+    "alike": ("AS FAR AS THIS RIG CAN TELL", "bold yellow"),
+    "given_up": ("NOT SETTLED", "bold yellow"),
+    "go_on": ("STOPPED", "bold yellow"),
+}
+
+
+class GuideScreen:
+    """Prints a guided test as it goes on."""
+
+    def __init__(self, console: Console, *, alone: bool) -> None:
+        self._console, self._alone = console, alone
+        self._odds: dict[str, float] = {}
+
+    def asks(self, number: int, told: Guidance) -> None:
+        """Print what to release, and why."""
+        assert told.experiment is not None
+        self._console.print()
+        self._console.rule(
+            Text(f"release {number} of at most {MOST}: {to_do(told)}", style="bold cyan"), align="left"
+        )
+        self._console.print(labelled("why", told.words, WIDTH))
+        if not self._alone:
+            self._console.print(labelled("do", "hold it still until it is armed, then let go", WIDTH))
+
+    def observer(self) -> CaptureObserver:
+        """Return what prints the levels of a capture."""
+        return Watch()
+
+    def provisional(self, answer: str) -> None:
+        """Print a first answer while the decay is still running."""
+        self._console.print(labelled("so far", f"{answer} (the decay is still running)", WIDTH))
+
+    def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
+        """Print the verdict and the odds."""
+        self._console.print()
+        if document is None:
+            self._console.print(labelled("told nothing", turn.problem, WIDTH))
+            return
+        late = "" if turn.judged_s is None else f"   {turn.judged_s:.1f} s after the end"
+        line = Text(f" {headline(document)}", style=STYLES.get(document.verdict, "bold red"))
+        self._console.print(line.append(late, style="dim"))
+        self._console.print(Padding(odds_chart(turn.hypotheses, self._odds), (0, 0, 0, 1)))
+        self._odds = {one.title: one.odds or 0.0 for one in turn.hypotheses}
+
+
+def to_do(told: Guidance) -> str:
+    """Return what is to be done with the mass, in a clause."""
+    assert told.experiment is not None
+    one = told.experiment
+    size = f"{1e3 * one.amplitude:.3g} mm".replace("-", "−")
+    more = f", and record {one.longer:g} times as long" if one.longer > 1.0 else ""
+    return f"push it so that it swings to {size}{more}" if one.push else f"from {size}{more}"
+
+
+def odds_chart(hypotheses: list[HypothesisDocument], before: dict[str, float]) -> Table:
+    """Return the odds of each hypothesis as a bar, with what they were before this release."""
+    table = Table.grid(padding=(0, 1, 0, 0))
+    table.add_column(width=NAME, no_wrap=True, overflow="ellipsis")
+    table.add_column(width=BAR, no_wrap=True)
+    for column in ("right", "left"):
+        table.add_column(justify=column, no_wrap=True)
+    for one in hypotheses[:SHOWN]:
+        odds = one.odds or 0.0
+        was = f"(was {percent(before[one.title])})" if one.title in before else "(new)" if before else ""
+        table.add_row(Text(one.title), Text(bar(odds), style="cyan"), percent(odds), Text(was, style="dim"))
+    return table
+
+
+def bar(share: float) -> str:
+    """Return a share, 0 to 1, as a bar of eighths of a character."""
+    eighths = round(8 * BAR * max(0.0, min(share, 1.0)))
+    return ("█" * (eighths // 8) + " ▏▎▍▌▋▊▉"[eighths % 8].strip()).ljust(BAR)
+
+
+def percent(share: float) -> str:
+    """Return odds in %."""
+    return "under 1 %" if share < 0.01 else "over 99 %" if share > 0.99 else f"{100 * share:.0f} %"
+
+
+def show_guide(console: Console, document: GuideDocument) -> None:
+    """Print how a guided test ended, and where all of it is."""
+    title, style = ENDINGS[document.state]
+    console.print()
+    console.print(Text(f" {title}", style=style))
+    console.print(labelled("because", typeset(document.words), WIDTH))
+    for label, place in (
+        ("report", document.report),
+        ("campaign", document.campaign),
+        ("all of it", document.folder),
+    ):
+        if place is not None:
+            console.print(labelled(label, place, WIDTH))
+    console.print()

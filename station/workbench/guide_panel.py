@@ -1,0 +1,184 @@
+"""A guided test on the page: limits once, then what to release and why, and odds that move from release to release."""
+
+import threading
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
+
+import numpy as np
+from nicegui import ui
+
+from daq.capture import CaptureObserver, CaptureSettings
+from daq.errors import StationError
+from identify.diagnosis.guidance import Guidance
+from identify.diagnosis.next_release import Limits
+from identify.errors import NotIdentifiable
+from station.exits import Problem
+from station.operations.guiding import RIG, SIMULATED, GuidedTest, guide
+from station.operations.mystery import BOARD
+from station.operations.new_session import capture_settings, new_folder, session_info
+from station.report.guided import finish
+from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
+from station.results.guide_document import TurnDocument
+from station.settings import Settings
+from station.text.capture_progress import STATES
+from station.text.diagnosis_text import headline
+from station.text.guide_text import ENDINGS, percent, to_do
+from station.text.layout import sentence
+from station.workbench import widgets
+from station.workbench.capture_panel import MYSTERIES, MYSTERY_KG, MYSTERY_SPEED
+
+TICK_S = 0.2
+_SHOWN = 5
+
+
+@dataclass(frozen=True)
+class GuideNow:
+    """Where a guided test stands: what to do, why, how the capture goes, the last verdict and its odds."""
+
+    to_do: str = ""
+    why: str = ""
+    capture: str = "asking the board"
+    verdict: str = ""
+    odds: tuple[HypothesisDocument, ...] = ()
+    finished: bool = False
+
+
+class GuideRun(CaptureObserver):
+    """A guided test in a thread of its own, watched by every tab; it is its own watcher, and that of its captures."""
+
+    def __init__(self, board: AbstractContextManager[str], make: Callable[[str], GuidedTest]) -> None:
+        self.now = GuideNow()
+        self._board, self._make, self._ended = board, make, False
+        threading.Thread(target=self._run, name="guide", daemon=True).start()
+
+    def cancel(self) -> None:
+        """End it; what was recorded is kept."""
+        self._ended = True
+
+    def asks(self, number: int, told: Guidance) -> None:
+        """Note what to release, and why."""
+        self.now = replace(self.now, to_do=f"Release {number}: {to_do(told)}", why=told.words)
+
+    def observer(self) -> CaptureObserver:
+        """Return what watches a capture."""
+        return self
+
+    def state(self, name: str, detail: str) -> None:
+        """Note where the capture stands."""
+        self.now = replace(self.now, capture=f"{STATES.get(name, name)}: {detail}")
+
+    def block(self, first_index: int, samples: np.ndarray) -> None:
+        """Leave the capture the way Ctrl-C does where it was cancelled."""
+        if self._ended:
+            raise KeyboardInterrupt("cancelled on the workbench")
+
+    def provisional(self, answer: str) -> None:
+        """Note a first answer."""
+        self.now = replace(self.now, verdict=f"So far: {answer}")
+
+    def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
+        """Note the verdict and the odds."""
+        verdict = f"It told nothing: {turn.problem}" if document is None else headline(document)
+        self.now = replace(self.now, verdict=verdict, odds=tuple(turn.hypotheses[:_SHOWN]) or self.now.odds)
+
+    def _run(self) -> None:
+        try:
+            with self._board as port:
+                test = self._make(port)
+                document = guide(test, self, lambda: self._ended)
+            self.now = replace(self.now, capture="writing the report")
+            document = finish(test, document)
+            last = f"{ENDINGS[document.state][0]}. {document.words}"
+            self.now = replace(
+                self.now, to_do=last, why=f"All of it: {document.folder}", capture="", finished=True
+            )
+        except KeyboardInterrupt:
+            self._fail("cancelled; what was recorded is kept")
+        except (StationError, Problem, NotIdentifiable) as error:
+            self._fail(str(error))
+
+    def _fail(self, problem: str) -> None:
+        self.now = replace(self.now, to_do=sentence(problem.rstrip(".")), why="", capture="", finished=True)
+
+
+class GuidePanel:
+    """What begins a guided test and shows how it goes on."""
+
+    def __init__(self, settings: Settings, busy: Callable[[], bool]) -> None:
+        self._settings, self._busy = settings, busy
+        self._run: GuideRun | None = None
+        self._shown: GuideNow | None = None
+
+    def build(self) -> None:
+        """Make the panel."""
+        with ui.expansion("Guided test").props("dense").classes("card"):
+            with ui.element("div") as self._form:
+                with widgets.line():
+                    self._low = _length("Least, mm", 2.0)
+                    self._high = _length("Largest, mm", 25.0)
+                self._port = ui.input("Port", value=self._settings.capture.port or "").props("dense outlined")
+                self._alone = ui.checkbox("The rig releases itself")
+                begin = widgets.button("Begin", self._begin, "Begin the guided test", strong=True)
+                simulate = widgets.button("No board? On a simulated rig", self._simulate)
+                for made in (begin, simulate):
+                    made.style("width:100%; margin-top:6px")
+            with ui.element("div").props("aria-live=polite") as self._place:
+                pass
+        ui.timer(TICK_S, self._tick)
+
+    def _begin(self) -> None:
+        low, high = (1e-3 * (field.value or 0.0) for field in (self._low, self._high))
+        port = str(self._port.value or "").strip()
+        if not (0.0 < low < high and port):
+            ui.notify("give the port, and two amplitudes above 0, the smaller one first", type="warning")
+            return
+        ways = ("longer", "rest") if self._alone.value else ("push", "longer", "rest")
+        wanted = capture_settings(self._settings, session_info(self._settings, None, None, None, None))
+        self._start(nullcontext(port), wanted, Limits(low, high, ways=ways), bool(self._alone.value))
+
+    def _simulate(self) -> None:
+        from secrets import randbelow
+
+        from station.operations.simulated_board import simulated_board
+
+        seed = randbelow(MYSTERIES)
+        info = session_info(self._settings, MYSTERY_KG, None, f"mystery {seed}", None)
+        wanted = replace(capture_settings(self._settings, info), check_clock=False)
+        board = simulated_board(seed, MYSTERY_SPEED, False, *RIG, module=BOARD)
+        self._start(board, wanted, SIMULATED, True)
+
+    def _start(
+        self, board: AbstractContextManager[str], wanted: CaptureSettings, limits: Limits, alone: bool
+    ) -> None:
+        if self._busy() or (self._run is not None and not self._run.now.finished):
+            ui.notify("a recording is under way: this click started nothing", type="warning")
+            return
+        settings, folder = self._settings, new_folder(self._settings.sessions, "guide")
+        self._run = GuideRun(
+            board, lambda port: GuidedTest(port, wanted, limits, folder, settings, alone=alone)
+        )
+
+    def _tick(self) -> None:
+        if self._run is None or self._run.now is self._shown:
+            return
+        now = self._shown = self._run.now
+        self._form.set_visibility(now.finished)
+        self._place.clear()
+        with self._place:
+            widgets.label(now.to_do, "strong wrap")
+            widgets.label(now.why, "small wrap")
+            widgets.label(now.capture, "small faint wrap")
+            widgets.label(now.verdict, "strong wrap")
+            for one in now.odds:
+                odds = one.odds or 0.0
+                widgets.label(f"{one.title}: {percent(odds)}", "small")
+                ui.linear_progress(odds, show_value=False).props(f'aria-label="odds of {one.title}"')
+            if not now.finished:
+                widgets.button("Stop", self._run.cancel, "Stop the guided test")
+
+
+def _length(label: str, value: float) -> ui.number:
+    return (
+        ui.number(label, value=value, min=0, format="%g").props("dense outlined").style("flex:1; min-width:0")
+    )

@@ -1,0 +1,40 @@
+"""Specimens of the double: something hidden of a size fixed at 20 mm, of which a release from any amplitude can be drawn."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from identify.free_decay import FreeDecay
+from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from mocks.generate import draw
+
+MASS_KG = 21.36
+
+
+@dataclass(frozen=True)
+class Specimen:
+    hidden: str | None
+    strength: float
+    seed: int
+
+    @cached_property
+    def made_of(self) -> dict[str, Any]:
+        truth = draw(self.hidden, self.strength, self.seed, amplitude=0.02).truth
+        names = list(truth["strengths"])
+        found = truth["parameters"] if len(names) > 1 else dict.fromkeys(names, truth["parameters"])
+        return {
+            "parameters": {n: {k: v for k, v in p.items() if k != "z_start"} for n, p in found.items()},
+            "stiffness": truth["stiffness_per_mass"],
+            "mu_0": truth["mu_0"],
+            "mu_1": truth["mu_1"],
+            "lag": truth["displacement_late_s"],
+            "noise_displacement": truth["noise_m"],
+            "noise_acceleration": truth["noise_m_s2"],
+        }
+
+    def release(self, millimetres: float, number: int = 0) -> PreparedDecay:
+        strength = self.strength if self.hidden else 0.0
+        sample = draw(
+            self.hidden, strength, 100 * self.seed + number, amplitude=1e-3 * millimetres, **self.made_of
+        )
+        return prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration, mass=MASS_KG))

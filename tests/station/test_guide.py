@@ -1,0 +1,81 @@
+import json
+
+import pytest
+from rich.console import Console
+
+from identify.diagnosis.guidance import first_release
+from station.cli import run
+from station.commands.guide import limits_of
+from station.exits import UsageProblem
+from station.operations.guiding import _again
+from station.results.diagnosis_document import HypothesisDocument
+from station.text.guide_text import BAR, bar, odds_chart, percent
+
+
+def test_limits_are_two_lengths_with_their_units():
+    limits = limits_of("2mm, 2.5 cm")
+    assert (limits.low, limits.high) == pytest.approx((0.002, 0.025))
+
+
+@pytest.mark.parametrize("wrong", ["2,25", "2mm", "25mm,2mm", "0mm,3mm", "2mm,3kg", "-2mm,3mm", "a,b", ""])
+def test_limits_that_are_none_are_refused_in_words(wrong):
+    with pytest.raises(UsageProblem, match="2mm,25mm"):
+        limits_of(wrong)
+
+
+def test_an_unattended_rig_is_not_asked_to_push():
+    assert "push" in limits_of("2mm,25mm").ways
+    assert "push" not in limits_of("2mm,25mm", unattended=True).ways
+
+
+def test_without_a_terminal_the_limits_must_be_given(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run(["guide", "--port", "socket://127.0.0.1:9"]) == 2
+    assert "--limits 2mm,25mm" in capsys.readouterr().err
+
+
+def test_a_bar_is_as_long_as_its_share():
+    assert [len(bar(share).rstrip()) for share in (0.0, 0.5, 1.0)] == [0, BAR // 2, BAR]
+    assert all(len(bar(share)) == BAR for share in (0.0, 0.013, 0.3, 0.99, 1.0))
+    assert [percent(share) for share in (0.0, 0.004, 0.5, 0.999)] == [
+        "under 1 %",
+        "under 1 %",
+        "50 %",
+        "over 99 %",
+    ]
+
+
+def test_the_chart_says_what_the_odds_were_before():
+    console = Console(width=80, record=True)
+    new = [HypothesisDocument(names=["end_stop"], title="end stop", odds=0.75)]
+    new.append(HypothesisDocument(names=[], title="the usual model", odds=0.25))
+    console.print(odds_chart(new, {"end stop": 0.5}))
+    first, second = console.export_text().splitlines()[:2]
+    assert first.split()[-4:] == ["%", "(was", "50", "%)"]
+    assert second.rstrip().endswith("(new)")
+    assert first.count("█") == 18  # three quarters of 24
+
+
+def test_a_rejected_recording_is_taken_again_and_at_last_given_up():
+    told = first_release(limits_of("2mm,25mm"))
+    once = _again(told, "the recording was rejected: it clips", [])
+    assert once.experiment == told.experiment
+    assert "it clips" in once.words
+    assert not _again(told, "it clips", ["clips", "", "clips"]).over  # one between them was good
+    assert _again(told, "it clips", ["", "clips", "clips"]).state == "given_up"
+
+
+@pytest.mark.slow
+def test_a_newcomer_is_led_from_an_open_verdict_to_a_confirmed_one(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run(["demo", "--guided", "5", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["state"] == "confirmed"
+    assert told["named"] == [told["hidden"]["hidden"]]
+    first = told["turns"][0]
+    assert max(one["odds"] for one in first["hypotheses"]) < 0.98  # a rival is not distinguishable
+    assert all(turn["asked"] for turn in told["turns"])
+    folder = tmp_path / told["folder"]
+    assert (folder / "report.html").is_file()
+    assert (folder / "campaign" / "campaign.json").is_file()
+    assert json.loads((folder / "guide.json").read_text())["state"] == "confirmed"
