@@ -142,7 +142,9 @@ def surface(found: RestoringForceResult, length: str) -> str:
     )
     vertices, triangles = mesh(coarse)
     net = Triangulation(vertices[:, 0] * factor, vertices[:, 1], triangles)
-    axis.plot_trisurf(net, vertices[:, 2], color="#e4e4e4", edgecolor="#9a9a9a", lw=0.2, alpha=0.75)
+    axis.plot_trisurf(
+        net, vertices[:, 2], color="#e4e4e4", edgecolor="#9a9a9a", lw=0.2, alpha=0.75, rasterized=True
+    )
     every = max(1, len(found.force) // MOST_DOTS)
     points = (found.displacement * factor, found.velocity, found.force)
     axis.plot(*(values[::every] for values in points), ".", color=INK, ms=1.6)

@@ -11,8 +11,9 @@ from identify.fitting.fit import Fit
 from identify.formatting import plain_name
 from station.results.ladder import KeptLadder, KeptStep
 from station.story.measured_curves import MeasuredCurve, measured_curves
-from station.text.ladder_text import changed_parameters, step_words
-from station.text.layout import sentence
+from station.text import ladder_text
+from station.text.content import Equation, Paragraph, facts, markdown
+from station.text.ladder_text import step_words
 from station.text.numbers import scale, three_figures, with_unit
 from station.views import log, palette, plots
 from station.views.figure import figure, legend
@@ -168,29 +169,18 @@ def _errors(fitted: FittedLadder, place: int) -> "Figure":
 
 
 def summary(fitted: FittedLadder, place: int) -> str:
-    """Return what one step did, as markdown."""
-    step, floor = fitted.steps[place], fitted.ladder.floor
-    lines = [
-        f"# {fitted.name}, step {place}",
-        "",
-        f"**{step_words(step)}**: {' + '.join(plain_name(name) for name in step.effects)}",
-        "",
-    ]
-    lines += ["| error | this step | before | floor |", "|---|---:|---:|---:|"]
-    before = fitted.steps[place - 1].error if place else None
-    for name, title in ERRORS:
-        old = "" if before is None else three_figures(getattr(before, name))
-        lines.append(
-            f"| {title} | {three_figures(getattr(step.error, name))} | {old} | {three_figures(getattr(floor, name))} |"
-        )
-    if place:
-        lines += ["", "## What changed", ""]
-        lines += [f"- {text}" for text in changed_parameters(fitted.steps[place - 1], step)]
-    lines += ["", "## The model", "", f"`{step.model.equation}`", ""]
-    lines += [f"- {name} = {with_unit(value)}" for name, value in step.parameters.items()]
-    if place == len(fitted.steps) - 1 and fitted.ladder.stopped_because:
-        lines += ["", f"**{sentence(fitted.ladder.stopped_because)}**"]
-    return "\n".join(lines)
+    """Tell one step as markdown: the ladder up to it, what changed, and the model with its values."""
+    step = fitted.steps[place]
+    why = fitted.ladder.stopped_because if place == len(fitted.steps) - 1 else ""
+    up_to = fitted.ladder.with_(steps=fitted.steps[: place + 1], present=place, stopped_because=why)
+    words = ladder_text.told(up_to)
+    values = facts((name, with_unit(value)) for name, value in step.parameters.items())
+    model = (
+        Paragraph(" + ".join(plain_name(name) for name in step.effects)),
+        Equation((step.model.equation,)),
+    )
+    told = markdown((*words.brief, *words.more, *model, *values))
+    return f"# {fitted.name}, step {place}\n\n{words.headline}\n\n{told}"
 
 
 def tab(fitted: FittedLadder, root: str = ROOT) -> rrb.Container:

@@ -15,7 +15,8 @@ from station.results.models import name_of
 from station.settings import Settings
 from station.story.pipeline import Progress
 from station.story.residual import times
-from station.text.numbers import three_figures
+from station.text.content import Table
+from station.text.validation_text import predictions
 from station.workbench import identified, view_models
 from station.workbench.export import fitted_samples
 from station.workbench.frame_store import of_step
@@ -103,20 +104,10 @@ def preview(settings: Settings, progress: Progress, folder: Path, wanted: str) -
 
 def validate(
     settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]
-) -> tuple[str, view_models.TextTable]:
+) -> tuple[str, Table]:
     """Predict other sessions by the present model; return the sentence and the errors, session by session."""
-    document = validate_sessions(
-        str(folder), tuple(str(other) for other in others), settings, progress=progress
-    )
-    rows = []
-    for one in document.sessions:
-        word = "better" if one.better else "worse" if one.worse else "alike"
-        errors = (_left(one.usual.motion_percent), _left(one.model.motion_percent))
-        rows.append((one.session, *errors, word))
-    rows += [(one.session, "", "", f"skipped: {one.reason}") for one in document.skipped]
-    head = ("release", "usual model, % of the motion", "this model, % of the motion", "this model is")
-    return document.sentence, view_models.TextTable("Predicted, not fitted", head, tuple(rows))
-
-
-def _left(value: float | None) -> str:
-    return "diverges" if value is None else three_figures(value)
+    chosen = tuple(str(other) for other in others)
+    document = validate_sessions(str(folder), chosen, settings, progress=progress)
+    skipped = tuple((one.session, "", "", "", "", f"skipped: {one.reason}") for one in document.skipped)
+    table = predictions(document)
+    return document.sentence, replace(table, rows=(*table.rows, *skipped), marks=())

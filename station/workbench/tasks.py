@@ -18,9 +18,8 @@ from station.operations.session_set import SessionSet, open_sessions
 from station.results.diagnosis_document import DiagnosisDocument, with_differences
 from station.results.ladder import KeptLadder, write_ladder
 from station.settings import Settings
-from station.story.engineering_values import Weighing
 from station.story.pipeline import Progress
-from station.story.preparation import options_for
+from station.story.preparation import weighing_of
 from station.text.ladder_text import with_mass
 from station.workbench import further_tasks, view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
@@ -73,11 +72,8 @@ def details(settings: Settings, progress: Progress, folder: Path) -> view_models
 
 
 def _with_mass(settings: Settings, opened: Opened, ladder: KeptLadder) -> dict[str, str]:
-    options = options_for(opened.refinement.session, settings)
-    if options.mass is None:
-        return {}
-    unit = opened.refinement.prepared.window.unit
-    return with_mass(ladder.top, Weighing(options.mass, options.mass_std, unit))
+    weighing = weighing_of(opened.refinement.session, settings, opened.refinement.prepared.window.unit)
+    return {} if weighing is None else with_mass(ladder.top, weighing)
 
 
 def add_effect(settings: Settings, progress: Progress, folder: Path, wanted: str) -> view_models.View:
@@ -235,14 +231,14 @@ def open_example(settings: Settings, progress: Progress, name: str) -> str:
 def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path) -> int:
     """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
     from station.operations.identifying import identify_session, kept_options, write_view
-    from station.operations.viewer_tabs import viewed_tabs
+    from station.operations.viewer_tabs import kept_tabs
     from station.views import web_viewer
 
     session = Session.open(folder)
     progress("identifying")
     result, _ = identify_session(session, kept_options(session, settings))
     progress("writing the recording")
-    file = write_view(session, result, viewed_tabs(session, settings))
+    file = write_view(session, result, kept_tabs(session, settings))
     if not (temporary / web_viewer.FILES[0]).is_file():
         web_viewer.unpack(temporary)
     return file.stat().st_mtime_ns

@@ -6,6 +6,7 @@ from typing import Any
 from daq.importing.recipe import Recipe
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
+from station.text.content import Table
 
 Numbers = list[float | None]
 
@@ -236,24 +237,15 @@ class RawTrace:
 
 
 @dataclass(frozen=True)
-class TextTable:
-    """A table as it is read: its caption, the names of its columns, its rows."""
-
-    caption: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-
-
-@dataclass(frozen=True)
 class Identified:
-    """What both identifications find: the lag with what is said of it, tables, and reasons in sentences.
+    """What both identifications find: what is said of the lag, tables, and reasons in sentences.
 
     `judgement` says whose values may be quoted (`quotable`); "" where no model was fitted to the record. `beside` says the
     same of the identified model where the current one is another.
     """
 
-    lag: tuple[str, str]
-    tables: tuple[TextTable, ...]
+    lag: str
+    tables: tuple[Table, ...]
     notes: tuple[str, ...]
     judgement: str = ""
     quotable: bool = False
