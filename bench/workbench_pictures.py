@@ -35,7 +35,7 @@ def main(folder: Path) -> None:
             page.locator("button.card-suspect").nth(number).hover()
             page.wait_for_timeout(600)
             _keep(page, folder / f"workbench_{name}.png")
-        page.locator("button.card-suspect").first.click()
+        page.get_by_role("button", name="Add Stribeck friction").click()
         page.wait_for_function("document.querySelectorAll('.step').length == 2")
         page.mouse.move(640, 5)
         page.wait_for_timeout(1200)

@@ -83,7 +83,7 @@ def _numbers(fit: Fit) -> str:
         text = term.effect.equation
         for name, value in parameters_of(fit, term).items():
             number = with_error(value.value, value.std).replace("(error unknown)", "").strip()
-            number = re.sub(rf" ±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
+            number = re.sub(rf"{SPACE}±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
             number = f"({number})" if "×" in number or number.startswith("-") else number
             text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
         terms.append(text)

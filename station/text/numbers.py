@@ -51,8 +51,10 @@ def with_error(value: float | None, std: float | None) -> str:
     if last > 0 or exponent >= math.log10(_LARGE) or 10.0**exponent < _SMALL:
         decimals, factor = exponent - last, 10.0**exponent
         power = f"10{str(exponent).translate(_RAISED)}"
-        return f"({value / factor:.{decimals}f} ±{SPACE}{std / factor:.{decimals}f}){SPACE}×{SPACE}{power}"
-    return f"{value:.{-last}f} ±{SPACE}{std:.{-last}f}"
+        return (
+            f"({value / factor:.{decimals}f}{SPACE}±{SPACE}{std / factor:.{decimals}f}){SPACE}×{SPACE}{power}"
+        )
+    return f"{value:.{-last}f}{SPACE}±{SPACE}{std:.{-last}f}"
 
 
 def with_unit(found: Estimated) -> str:

@@ -16,7 +16,7 @@ from station.story.compared import Compared
 from station.text.numbers import energy_scale, scale, typeset
 from station.workbench import view_models
 
-MOST_POINTS = 6000
+MOST_POINTS = 3000
 EYE = 2000
 MOST_PLACES = 3
 

@@ -273,7 +273,6 @@ TASKS: dict[str, Callable[..., Any]] = {
     "identify": further_tasks.identify,
     "export": further_tasks.export,
     "reveal": further_tasks.reveal,
-    "trial": further_tasks.trial,
     "preview": further_tasks.preview,
     "validate": further_tasks.validate,
     "thumbnail": thumbnail,

@@ -110,25 +110,18 @@ class MapAxes:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """What stays while models change: the measurement, and the axes and cells of the maps, from the release alone.
+    """What stays while models change: the measurement, and the axes and cells of the map, from the release alone.
 
-    `amplitude` and `phase` (rad; 0 at the largest displacement, growing with time) belong to each moment of `time` (s since
-    the release). `cycle` has rows of amplitude and columns of phase, `over_time` rows of time (s) and columns of phase;
-    `velocity_per_amplitude` is the velocity that goes with one unit of amplitude. `units` are those of displacement
-    "u", velocity "v" and force "f".
+    `time` is in s since the release. `cycle` has rows of amplitude and columns of phase (rad; 0 at the largest
+    displacement, growing with time); `velocity_per_amplitude` is the velocity that goes with one unit of amplitude. `units`
+    are those of displacement "u", velocity "v" and force "f".
     """
 
     time: Numbers
-    displacement: Numbers
-    velocity: Numbers
-    amplitude: Numbers
-    phase: Numbers
-    frequency_hz: float
     velocity_per_amplitude: float
     units: dict[str, str]
     traces: tuple[Measured, ...]
     cycle: MapAxes
-    over_time: MapAxes
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,8 +136,6 @@ class Frame:
     left: tuple[Numbers, ...]
     cycle: Numbers
     cycle_std: Numbers
-    time: Numbers
-    time_std: Numbers
     says: dict[str, Any] = field(default_factory=dict)
 
 
