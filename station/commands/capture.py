@@ -144,7 +144,7 @@ def command(
 
 
 def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
-    """Return whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
+    """Tell whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
     verdict = session.verdict
     if verdict is None or verdict.grade.value == "OK" or again is False:
         return False

@@ -132,7 +132,7 @@ BAUD = click.option(
 
 
 def pairs(option: str, given: tuple[str, ...]) -> dict[str, str]:
-    """Return what an option with QUANTITY=VALUE was given. Raises UsageProblem for anything else."""
+    """Split an option of the form QUANTITY=VALUE. Raises UsageProblem for anything else."""
     found = {}
     for pair in given:
         name, separator, value = pair.partition("=")

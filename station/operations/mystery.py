@@ -63,7 +63,7 @@ class Solved:
 
     @property
     def right(self) -> bool:
-        """Whether what was hidden is what was named first, or stands beside it as not told apart."""
+        """Whether what was hidden is what was named first, or is not distinguishable from it."""
         hidden = self.truth["hidden"]
         return bool(self.found) and self.found[0] == hidden
 
@@ -157,7 +157,7 @@ def _solve(
 
 
 def what_was_hidden(session: Session) -> dict[str, Any]:
-    """Return what the board of a mystery's session hid, which its seed draws; UsageProblem for any other session."""
+    """Read what the board of a mystery's session hid, which its seed draws; UsageProblem for any other session."""
     seed = re.fullmatch(r"mystery (\d+)", session.info.specimen)
     if seed is None:
         raise UsageProblem(f"{session.folder.name} is no mystery: nothing is known to be hidden in it")
@@ -168,7 +168,7 @@ def what_was_hidden(session: Session) -> dict[str, Any]:
 
 
 def hidden_words(truth: dict[str, Any]) -> str:
-    """Return what was hidden and how strong: "Stribeck friction, 1.14 % of the rms of all forces"."""
+    """Write what was hidden and how strong: "Stribeck friction, 1.14 % of the rms of all forces"."""
     of = "all forces" if truth["kind"] == "physics" else "one channel"
     strength = 100.0 * next(iter(truth["strengths"].values()), 0.0)
     return f"{plain_name(truth['hidden'])}, {strength:.2f} % of the rms of {of}"

@@ -71,7 +71,7 @@ def open_refinement(
 
 
 def floor_of(prepared: PreparedDecay, step: Step) -> Errors:
-    """Return what noise alone leaves of the three errors."""
+    """Work out what noise alone leaves of the three errors."""
     motion, window = prepared.motion, step.fit.windows[0]
     used = moving(motion)
     channel = window.channels[0]
@@ -177,7 +177,7 @@ def _added(step: Step, name: str) -> tuple[str, str | None]:
         return _manual(step, f"{plain_name(name)} was added")
     percent = "less than 0.01" if share < 1e-4 else three_figures(100.0 * share)
     return (
-        f"{plain_name(name)} explains nothing ({percent} % of what is left, no more than chance would): take it out "
+        f"{plain_name(name)} explains nothing ({percent} % of the residual, no more than chance would): take it out "
         f"with --remove {name}"
     ), None
 

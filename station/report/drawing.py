@@ -1,4 +1,4 @@
-"""Pictures for paper: vector graphics in dark ink on white, curves told apart without colour, kept in the page itself."""
+"""Pictures for paper: dark ink on white, curves distinguishable without colour, kept in the page itself."""
 
 import base64
 import re

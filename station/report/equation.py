@@ -57,7 +57,7 @@ def equation(found: Findings) -> Section:
 
 
 def caution(compared: Compared) -> str:
-    """Return why the standard errors cannot be taken at their word, or ""."""
+    """Say why the standard errors cannot be taken at their word, or ""."""
     error = compared.error
     if error.chi_square <= 1.0 + FAR * error.floor_std:
         return ""
@@ -72,7 +72,7 @@ def _letters(fit: Fit) -> str:
 
 
 def _right_side(fit: Fit) -> str:
-    """Return what the sum of inertia and restoring forces equals: nil, or a recorded force per unit mass."""
+    """Write what the sum of inertia and restoring forces equals: nil, or a recorded force per unit mass."""
     return " = 0" if fit.windows[0].force is None else " = f(t)/m"
 
 

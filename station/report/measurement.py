@@ -130,7 +130,7 @@ def _release(found: Findings) -> list[tuple[str, str]]:
     amplitude = None if found.document is None else found.document.release.amplitude
     if amplitude is not None:
         factor, label = scale("displacement", decay.unit)
-        rows.append(("amplitude", f"{amplitude * factor:.4g} {typeset_unit(label)}"))
+        rows.append(("amplitude", f"{abs(amplitude) * factor:.4g} {typeset_unit(label)}"))
     return rows
 
 

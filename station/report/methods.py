@@ -26,7 +26,7 @@ def methods(found: Findings) -> Section:
             "Envelope on the ridge with its fit, instantaneous frequency (where it can be trusted), and backbone. "
             "A frequency that stays level means a linear stiffness."
         )
-        parts.append(Figure(caption, draw.envelope(result.wavelet, length)))
+        parts.append(Figure(caption, draw.envelope(result.wavelet, length, result.release.time_s)))
     caption = (
         "Residual against the order of damping (circle: the order chosen), and significance of the terms."
     )

@@ -47,7 +47,7 @@ def options_for(session: Session, settings: Settings, mass: float | None = None)
 
 
 def weighing_of(session: Session, settings: Settings, unit: str) -> Weighing | None:
-    """Return what turns strengths into N, kg and s for a displacement in `unit`; None where no mass is known."""
+    """Make what turns strengths into N, kg and s for a displacement in `unit`; None where no mass is known."""
     options = options_for(session, settings)
     return None if options.mass is None else Weighing(options.mass, options.mass_std, unit)
 
@@ -132,7 +132,7 @@ def _displacement_unit(recording: Recording) -> str:
 
 
 def _stated_lag(recording: Recording) -> Estimate | None:
-    """Return how much later the displacement (else velocity) is than the acceleration by their stated delays.
+    """Measure how much later the displacement (else velocity) is than the acceleration by their stated delays.
 
     None where no delay is stated, or one of the channels is missing.
     """

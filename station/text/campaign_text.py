@@ -21,7 +21,7 @@ def told(document: CampaignDocument) -> Told:
 
 
 def headline(document: CampaignDocument) -> str:
-    """Return how many sessions there are, and how many have no result."""
+    """Count how many sessions there are, and how many have no result."""
     done = "diagnosed" if document.diagnosed else "identified"
     failed = f", {len(document.failed)} failed" if document.failed else ""
     return f"{_sessions(len(document.rows))} {done}{failed}"

@@ -71,7 +71,7 @@ def _shared(effect: Effect) -> list[str]:
 
 
 def bounds(parameter: Parameter) -> str:
-    """Return what physics allows of a parameter, in words."""
+    """Write the bounds that physics sets to a parameter."""
     low, high = parameter.low, parameter.high
     if np.isfinite(low) and np.isfinite(high):
         return f"from {low:g} to {high:g}"

@@ -99,7 +99,7 @@ def probability(p: float | None) -> str:
 
 
 def change(before: float | None, after: float | None) -> str:
-    """Return by how much something fell or rose, as a factor or in %."""
+    """Say by how much something fell or rose, as a factor or in %."""
     if not before or not after:
         return ""
     if before >= 2 * after > 0:

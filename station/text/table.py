@@ -246,7 +246,7 @@ def _amplitude(row: Row) -> str:
     if row.amplitude is None:
         return DASH
     factor, unit = scale("displacement", row.unit)
-    return f"{row.amplitude * factor:.4g} {unit}"
+    return f"{abs(row.amplitude) * factor:.4g} {unit}"
 
 
 def _within(name: str) -> str:

@@ -86,7 +86,7 @@ def _close_up(fitted: FittedLadder) -> slice:
 
 
 def _reach(fitted: FittedLadder) -> float:
-    """Return how far the residual's axis goes on all steps, SI."""
+    """Measure how far the residual's axis goes on all steps, SI."""
     window = fitted.fits[0].windows[0]
     channel = window.channels[0]
     largest = max(

@@ -45,7 +45,7 @@ SCREEN = Look(
     measured=palette.css(palette.MEASURED),
     model=palette.css(palette.FORCE),
     second=palette.css(palette.ACCELERATION),
-    noise="#13402f",
+    noise="#00966e44",
     bar=palette.css(palette.FORCE),
 )
 

@@ -16,7 +16,7 @@ ROOT = "/results"
 def write(stream: rr.RecordingStream, name: str, result: Identification) -> None:
     """Log the table, the decay rebuilt from the parameters, and the force rebuilt from its fit."""
     found = told(name, result)
-    log.markdown(stream, f"{ROOT}/table", f"# {found.headline}\n\n{markdown(found.brief)}")
+    log.markdown(stream, f"{ROOT}/table", f"**{found.headline}**\n\n{markdown(found.brief)}")
     _decay(stream, result)
     _force(stream, result)
 

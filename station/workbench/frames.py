@@ -130,10 +130,10 @@ def _quantum(fit: Fit, channel: str) -> float:
 
 
 def frame_of(ground: Ground, fit: Fit) -> view_models.Frame:
-    """Return what a fitted model leaves: its motion, the misfit of each channel, and the force that it lacks in each cell.
+    """Work out what a fitted model leaves: its motion, each channel's residual, the force that it lacks in each cell.
 
     The force is estimated as `identify.comparison` does it: the model is run afresh every cycle, and a constant force in
-    each cell takes up what is left; so its standard error is that of the readings' noise.
+    each cell takes up the residual; so its standard error is that of the readings' noise.
     """
     shooting = shoot(*without_faults(ground.prepared, fit))
     cycle, cycle_std = _missing(shooting, ground.cycle, ground.force_scale)
@@ -144,7 +144,7 @@ def frame_of(ground: Ground, fit: Fit) -> view_models.Frame:
 def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:
     """Return a release and its fit, corrected for the sensors' faults in the model, which then has forces alone.
 
-    A fault would be taken for a force otherwise: what is left of a reading is laid to the motion.
+    A fault would be taken for a force otherwise: the residual of a reading is laid to the motion.
     """
     faults = [term.effect.name for term in fit.model.terms if not term.is_force]
     if not faults:
@@ -163,7 +163,7 @@ def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fi
 
 
 def motion_of(fit: Fit) -> tuple[tuple[view_models.Numbers, ...], tuple[view_models.Numbers, ...]]:
-    """Return the model's readings and what is left of the measured ones, channel by channel, in the units of the stage."""
+    """Take the model's readings and the residual, channel by channel, in the units of the stage."""
     window = fit.windows[0]
     step = max(1, math.ceil(len(window) / MOST_POINTS))
     models, lefts = [], []

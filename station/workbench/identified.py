@@ -46,7 +46,7 @@ def identified(
 
 
 def _judged(found: Adequacy | None, ladder: KeptLadder | None) -> tuple[str, bool, str]:
-    """Return whether values may be quoted, and of which model: the current one, with a word on the identified beside it."""
+    """Tell whether values may be quoted, and of which model: the current one, with a word on the identified beside it."""
     if found is None:
         return "", False, ""
     words = f"{judgement(found)}. It is {' + '.join(plain(name) for name in found.effects)}"

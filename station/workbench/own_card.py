@@ -92,7 +92,7 @@ class OwnCard:
 
 
 def check(text: str) -> tuple[bool, str]:
-    """Return whether an expression is wrong, and a sentence: what is wrong, or what was understood."""
+    """Tell whether an expression is wrong, and a sentence: what is wrong, or what was understood."""
     if "=" not in text:
         return True, f"Give it a name first, as {EXAMPLE}"
     try:

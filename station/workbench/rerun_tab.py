@@ -40,7 +40,12 @@ class RerunTab:
             widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
         try:
             stamp = await self._state.workers.do(
-                self._job, str(self._session.folder), "viewer", self._session.folder, self._state.temporary
+                self._job,
+                str(self._session.folder),
+                "viewer",
+                self._session.folder,
+                self._state.temporary,
+                self._dark(),
             )
         except Cancelled:
             self._say("Cancelled.")

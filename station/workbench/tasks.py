@@ -37,14 +37,14 @@ from station.workbench.warm_up import warm_up
 
 
 def look(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
-    """Return what the page shows of a session, as its results stand."""
+    """View a session as its results stand."""
     progress("reading the session")
     opened = open_session(settings, folder)
     return _view(settings, opened, opened.refinement.ladder)
 
 
 def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models.View:
-    """Return what the page shows; the frame of the present step comes with it, the others when `frames` is asked."""
+    """View a ladder; the frame of the present step comes with it, the others when `frames` is asked."""
     session, store = opened.refinement.session, opened.store
     diagnosis = kept_diagnosis(session)
     names = tuple(frame_id(step.model) for step in ladder.steps)
@@ -228,7 +228,7 @@ def open_example(settings: Settings, progress: Progress, name: str) -> str:
     return opened(name, settings.sessions).folder.name
 
 
-def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path) -> int:
+def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path, dark: bool) -> int:
     """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
     from station.operations.identifying import identify_session, kept_options, write_view
     from station.operations.viewer_tabs import kept_tabs
@@ -238,7 +238,7 @@ def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path
     progress("identifying")
     result, _ = identify_session(session, kept_options(session, settings))
     progress("writing the recording")
-    file = write_view(session, result, kept_tabs(session, settings))
+    file = write_view(session, result, kept_tabs(session, settings), dark=dark)
     if not (temporary / web_viewer.FILES[0]).is_file():
         web_viewer.unpack(temporary)
     return file.stat().st_mtime_ns
