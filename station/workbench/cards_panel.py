@@ -32,9 +32,10 @@ class CardsPanel:
         with ui.element("section").classes("suspects").props('aria-label="Suspects"'):
             with widgets.line("suspects-head"):
                 self._head = widgets.label("", "strong wrap grow verdict").props("aria-live=polite")
-                add = widgets.button("Add", lambda: None, strong=True)
-                add.props("id=add-selected").style("display:none")
-                add.on("click", lambda e: self._add(e.args), js_handler="() => emit(bench.state.selected)")
+                self._add_it = widgets.button("Add", lambda: None, strong=True).props("id=add-selected")
+                self._add_it.on(
+                    "click", lambda e: self._add(e.args), js_handler="() => emit(bench.state.selected)"
+                )
                 self._ask = widgets.button("Diagnose", self._diagnose, strong=True)
                 self._more = ui.element("div")
                 self._reveal = widgets.button("Reveal the mystery", self._say_hidden)
@@ -70,6 +71,7 @@ class CardsPanel:
         self._shown = now
         self._head.text = _headline(document, view.ladder, floor)
         self._head.classes(remove="good bad", add="good" if floor else "")
+        self._add_it.set_visibility(not floor and document is not None and bool(document.suspects))
         self._ask.set_visibility(not floor and document is None)
         self._again.set_visibility(not floor and document is not None)
         self._all.set_visibility(document is not None and not floor and bool(document.suspects))

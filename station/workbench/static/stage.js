@@ -22,6 +22,7 @@
     if (S.stage && S.scaled !== S.stage) { S.scaled = S.stage; S.channel = worst(); }
     if (S.stage && first()) S.reach = size(first().cycle, 0.98);  // colours are those of the first model, whatever is shown
     bench.draw();
+    setTimeout(say, 300);  // cards and buttons may come a moment after what is said of them
   };
   bench.choose = (key, value) => { S[key] = value; bench.draw(); };
   bench.select = (name) => { S.selected = name; bench.draw(); };
@@ -118,6 +119,7 @@
     return { before: last && last.short, now: film.short, says: film };
   }
   function say() {
+    if (!S.stage || !bench.shown()) return;
     const found = bench.previewed(), says = saidOf().says, place = document.getElementById("statement"), row = document.getElementById("ghost-step");
     if (place) {
       place.dataset.kind = found ? "preview" : S.film !== null ? "film" : says.floor ? "floor" : "present";
@@ -132,7 +134,7 @@
     document.querySelectorAll(".card-suspect").forEach((el) => { const on = el.dataset.preview === S.selected; el.classList.toggle("selected", on); if (el.tagName === "BUTTON") el.setAttribute("aria-pressed", on); el.classList.toggle("pointed", el.dataset.preview === S.pointed); });
     document.querySelectorAll(".step").forEach((el, i) => el.classList.toggle("looked", i === filmAt() && !found));
     const add = document.getElementById("add-selected"), film = document.getElementById("film"), words = document.getElementById("film-words");
-    if (add) { add.style.display = S.selected && S.selected !== "(own)" && S.names[S.selected] ? "" : "none"; add.querySelector(".q-btn__content").textContent = `Add ${S.names[S.selected]}`; }
+    if (add && S.selected !== "(own)") { add.disabled = !S.names[S.selected]; add.querySelector(".q-btn__content").textContent = `Add ${S.names[S.selected] || "what is selected"}`; }
     if (film && document.activeElement !== film) film.value = filmAt();
     if (words) words.textContent = S.film === null ? "" : `looking at step ${S.film}`;
   }
