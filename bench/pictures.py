@@ -16,9 +16,10 @@ PICTURES = ROOT / "docs" / "pictures"
 MADE_OF = "made_of.txt"
 SOURCES = (
     "station/workbench/static/*",
-    "station/workbench/*_panel.py",
+    "station/workbench/cards_panel.py",
     "station/workbench/*chart*.py",
-    "station/views/*.py",
+    "station/views/alignment.py",
+    "station/views/results.py",
     "station/report/*.html",
     "station/report/*figures.py",
     "station/report/first_page.py",

@@ -30,7 +30,7 @@ COMMANDS = (
     Entry("doctor", "doctor", "Check computer, port and board before a capture."),
     Entry("ports", "ports", "List the ports on which a board may be."),
     Entry("capture", "capture", "Record one release from a board, then identify it."),
-    Entry("profile", "profile", "Say what the lines of a board mean that prints numbers."),
+    Entry("profile", "profile", "Describe a board that prints numbers line by line."),
     Entry("replay", "replay", "Send a session's raw bytes through the decoder again."),
     Entry("import", "import_", "Turn a file of another board into sessions."),
     Entry("identify", "identify", "Find stiffness, friction and damping in a session."),

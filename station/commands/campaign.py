@@ -74,9 +74,9 @@ def command(
     from station.campaign.together import campaign_document
     from station.operations.identifying import NothingIdentified
     from station.settings import load_settings
+    from station.text import campaign_text
     from station.text.campaign_progress import CampaignProgress
     from station.text.campaign_table import SESSIONS, TRENDS, sessions_csv, trends_csv
-    from station.text import campaign_text
     from station.text.layout import tell
 
     settings = load_settings(settings_file)

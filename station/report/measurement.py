@@ -43,7 +43,7 @@ def _sampling(found: Findings) -> str:
     n = recording.samples.shape[1]
     std = recording.rate_std
     rate = with_error(recording.rate, std) if std else f"{recording.rate:.8g}"
-    given = "" if std else "; the rate as given, its error is in no value"
+    given = "" if std else "; the rate is taken as exact"
     return f"{rate} Hz, {n} samples, {n / recording.rate:.4g} s{given}"
 
 

@@ -51,7 +51,7 @@ def _facts(result: Identification) -> list[tuple[str, str]]:
     names = [name for name in (*MOTION, "force") if getattr(decay, name) is not None]
     kind, unit = ("inertia", "kg m²") if decay.unit == "rad" else ("mass", "kg")
     mass = f"{decay.mass:g} {unit}" if decay.mass is not None else f"{kind} not given: per unit {kind}"
-    given = " as given, the error of a clock is in no value" if decay.rate_std is None else ""
+    given = ", taken as exact" if decay.rate_std is None else ""
     return [
         ("model", "" if found is None else " + ".join(plain_name(name) for name in found.effects)),
         ("record", f"{len(decay)} samples at {decay.rate:g} Hz{given} ({' and '.join(names)}), {mass}"),

@@ -45,7 +45,7 @@ class Cube:
         self.labels = (
             f"displacement ± {self.scale[0] * factor:g} {unit}",
             f"velocity ± {self.scale[1]:g} {length}/s",
-            f"force per unit mass ± {self.scale[2]:g} {length}/s^2",
+            f"force per unit mass ± {self.scale[2]:g} {length}/s²",
         )
 
     def place(self, u: Array, v: Array, force: Array) -> Array:

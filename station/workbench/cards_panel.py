@@ -118,7 +118,9 @@ class CardsPanel:
 
     def _curve(self, words: str) -> None:
         """Offer what the model lacks as it was measured, where nothing that has a name may fit."""
-        self._button(MEASURED_CURVE, "the measured curve", words, "a spline of the residual; has no name", "")
+        self._button(
+            MEASURED_CURVE, "the measured curve", words, "a spline of the residual, without a name", ""
+        )
 
     def _card(self, suspect: SuspectDocument, view: view_models.View) -> None:
         name, top = suspect.effect, view.ladder.top

@@ -34,7 +34,7 @@ def _step(view: view_models.View, place: int, step: KeptStep, summary: str) -> d
     what = f"of the motion: residual of {name}, {times(error.chi2)} times the noise"
     more = " + ".join(plain(name) for name in step.effects)
     if present and floor:
-        more = f"Nothing but noise is left. {more}"
+        more = f"Only noise remains. {more}"
     elif present and summary:
         more = summary
     called = step.began if place == 0 else f"with {plain(step.added)}" if step.added else name

@@ -13,22 +13,21 @@ from station.exits import Problem
 from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
 from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
-from station.operations.refining import add, go_to, open_refinement, remove
+from station.operations.refining import add, drop_needless, go_to, open_refinement, remove
+from station.operations.refining import refine_to_floor as climb
 from station.operations.session_set import SessionSet, open_sessions
 from station.results.diagnosis_document import DiagnosisDocument, with_differences
 from station.results.ladder import KeptLadder, write_ladder
 from station.settings import Settings
-from station.story.pipeline import Progress
+from station.story.pipeline import Progress, silent
 from station.story.preparation import weighing_of
 from station.text.ladder_text import with_mass
 from station.workbench import further_tasks, view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
-from station.workbench.climbing import climb
 from station.workbench.decay_curves import curves_of
 from station.workbench.frame_store import of_ladder, of_step, of_suspects
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session
-from station.workbench.pruning import drop_needless
 from station.workbench.raw_trace import raw_traces
 from station.workbench.session_thumbnails import outline, thumbnail_of
 from station.workbench.several_files import import_files
@@ -106,7 +105,7 @@ def refine_to_floor(settings: Settings, progress: Progress, folder: Path) -> vie
         progress(_view(settings, opened, ladder))  # type: ignore[arg-type]
         progress(words)
 
-    return _view(settings, opened, climb(opened.refinement, seen))
+    return _view(settings, opened, climb(opened.refinement, silent, seen))
 
 
 def begin_again(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
