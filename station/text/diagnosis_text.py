@@ -34,12 +34,13 @@ def told(document: DiagnosisDocument, weighing: Weighing | None = None, *, full:
     first = "" if named or full else _first_sentence(document.explanation)
     said = [("values", _values(document, weighing)), ("alike", not_distinguishable(document))]
     record = [] if named else [("record next", document.next_experiment)]
-    sensor = [("sensor", found_in_sensor(finding, advice=True)) for finding in document.findings]
+    sensor = [("sensor", found_in_sensor(finding)) for finding in document.findings]
+    mend = [("to mend it", finding.what_to_do) for finding in document.findings]
     brief += [Paragraph(first)] if first else []
-    brief += facts((*said, *differ[:1], *sensor[:1], *record))
+    brief += facts((*said, *record, *differ[:1], *sensor[:1]))
     more: list[Part] = [Paragraph(typeset(document.explanation)), *shares_tables(document.shares)]
     rest = [("record next", document.next_experiment)] if named else []
-    more += facts((*_facts(document), *differ[1:], *sensor[1:], *rest))
+    more += facts((*_facts(document), *differ[1:], *sensor[1:], *mend, *rest))
     return Told(headline(document), TONES.get(document.verdict, "bad"), tuple(brief), tuple(more))
 
 

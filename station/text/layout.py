@@ -15,6 +15,9 @@ from station.text.next_step import next_line
 from station.text.numbers import SPACE
 
 LABEL_WIDTH = 12
+MOST_LINES, FEWEST = 12, 2
+"""Lines that a result takes with the command that comes next, and the facts that are never left out for them."""
+
 TONES = {"good": "bold green", "bad": "bold red", "unsure": "bold yellow", "": "bold"}
 MARKS = {"named": "bold", "present": "bold", "weak": "dim", "above": "dim", "noise": "green"}
 
@@ -29,8 +32,25 @@ def tell(told: Told, *following: str | Path, full: bool = False) -> None:
 
 def show(console: Console, told: Told, *, full: bool = False) -> None:
     """Print a result: its headline and what everybody reads; with `full` the rest."""
-    console.print(Padding(Text(_plain(told.headline), style=TONES[told.tone]), (0, 1)))
-    show_parts(console, (*told.brief, *(told.more if full else ())))
+    console.print(_headline(told))
+    show_parts(console, (*told.brief, *told.more) if full or not told.more else _within(console, told))
+
+
+def _headline(told: Told) -> Padding:
+    return Padding(Text(_plain(told.headline), style=TONES[told.tone]), (0, 1))
+
+
+def _within(console: Console, told: Told) -> tuple[Part, ...]:
+    """Return the brief parts without the last facts where they would take too many lines; `--full` has them."""
+    *parts, last = told.brief or (Facts(()),)
+    while isinstance(last, Facts) and len(last.rows) > FEWEST:
+        with console.capture() as lines:
+            console.print(_headline(told))
+            show_parts(console, (*parts, last))
+        if lines.get().count("\n") < MOST_LINES:
+            break
+        last = Facts(last.rows[:-1])
+    return (*parts, last)
 
 
 def show_parts(console: Console, parts: Iterable[Part]) -> None:

@@ -165,7 +165,7 @@ def test_the_terminal_says_percent_of_the_motion_and_times_the_noise_and_what_ea
 def test_a_misfit_that_nothing_predicts_is_said_with_its_size_and_no_name():
     found = document(confirmation(effects=False))
     text = printed(found)
-    assert text.strip().startswith("A MISFIT THAT NO EFFECT HERE PREDICTS")
+    assert text.strip().startswith("NO KNOWN EFFECT PREDICTS THE RESIDUAL")
     assert confirmed_by(found) == ""
     assert "first 5.00 %, second 6.00 %, third 10.0 % (median: phase 6.00 %, " in predicted_parts(found)
 
