@@ -15,7 +15,7 @@ from station.text.next_step import next_line
 from station.text.numbers import SPACE
 
 LABEL_WIDTH = 12
-MOST_LINES, FEWEST = 12, 2
+MOST_LINES, FEWEST = 12, 1
 """Lines that a result takes with the command that comes next, and the facts that are never left out for them."""
 
 TONES = {"good": "bold green", "bad": "bold red", "unsure": "bold yellow", "": "bold"}
