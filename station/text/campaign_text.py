@@ -57,7 +57,9 @@ def _few(rows: list[CampaignRow]) -> Table:
         found, size = row.result, row.result.amplitude
         estimate = found.parameters.get("wavelet.K")
         amplitude = DASH if size is None else f"{three_figures(size)} {found.unit}"
-        lines.append((found.session, known or DASH, amplitude, DASH if estimate is None else with_unit(estimate)))
+        lines.append(
+            (found.session, known or DASH, amplitude, DASH if estimate is None else with_unit(estimate))
+        )
     return Table("", ("session", "known of it", "amplitude", "stiffness K"), tuple(lines), texts=4)
 
 
