@@ -10,7 +10,7 @@ INSTALL := STATION_VENV=$(VENV) $(PYTHON) install.py
 DIAGNOSES := $(addprefix tests/identify/test_, $(addsuffix .py, curve_evidence diagnose explanation few_releases judgement \
   line_beside floor_not_reached own_linear places shares user_effects))
 
-.PHONY: help install launcher demo test slow check kernel bench constraints docs clean
+.PHONY: help install launcher demo test slow check kernel bench pictures constraints docs clean
 
 help:  ## what can be made
 	@grep -hE '^[a-z]+:.*##' Makefile | sed 's/:.*##/ -/'
@@ -51,6 +51,9 @@ kernel: $(TOOLS)  ## diagnoses on other arithmetic: linear algebra without AVX, 
 bench: $(TOOLS)  ## the long proofs; results go to docs/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	$(BIN)/python -m bench
+
+pictures: $(TOOLS)  ## the pictures of the documentation, of the page as it is
+	$(BIN)/python -m bench.pictures
 
 constraints:  ## the versions that are installed from now on: the newest, in a fresh environment; then run the tests
 	rm -rf build/newest

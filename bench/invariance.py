@@ -282,7 +282,8 @@ def judged(tables: list[Table], *, reordered: bool = False) -> Said:
     from station.operations.diagnosing import diagnose_sessions
     from station.operations.session_set import open_sessions
     from station.settings import Settings
-    from station.text.diagnosis_text import show_diagnosis, shown_suspects
+    from station.text.diagnosis_text import shown_suspects, told
+    from station.text.layout import show
 
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
@@ -300,7 +301,7 @@ def judged(tables: list[Table], *, reordered: bool = False) -> Said:
         except NotIdentifiable as refusal:
             return Said("refused", (), (), (), (str(refusal),))
         text = io.StringIO()
-        show_diagnosis(Console(file=text, width=2000, no_color=True), document)
+        show(Console(file=text, width=2000, no_color=True), told(document))
     shown = shown_suspects(document)
     return Said(
         document.verdict,

@@ -12,7 +12,8 @@ from identify.formatting import plain_name
 from station.operations.mystery import Solved, solve
 from station.settings import Settings
 from station.story.residual import times
-from station.text.ladder_text import show_ladder
+from station.text.ladder_text import steps_table
+from station.text.layout import show_parts
 from station.text.numbers import three_figures
 
 PAGE = ROOT / "README.md"
@@ -39,14 +40,11 @@ def block(solved: Solved) -> str:
 
 
 def _ladder(solved: Solved) -> str:
-    """Return the table of the ladder as the terminal shows it, without its title and what follows it."""
+    """Return the table of the ladder as the terminal shows it."""
     written = io.StringIO()
     console = Console(file=written, width=WIDTH, highlight=False, no_color=True)
-    show_ladder(console, solved.session.folder.name, solved.ladder)
-    lines = [line.rstrip() for line in written.getvalue().splitlines()]
-    first = next(i for i, line in enumerate(lines) if line.split()[:1] == ["step"]) - 1
-    last = next(i for i, line in enumerate(lines) if "noise alone" in line)
-    return "\n".join(lines[first : last + 1])
+    show_parts(console, [steps_table(solved.ladder)])
+    return "\n".join(line.rstrip() for line in written.getvalue().splitlines())
 
 
 def inside(page: str) -> str:

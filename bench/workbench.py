@@ -13,17 +13,17 @@ CLOCK = """() => { window.clock = (kind, counts, done) => { window.clocked = new
     if (!counts(event.target)) return;
     document.removeEventListener(kind, heard, true);
     const painted = () => requestAnimationFrame(() => requestAnimationFrame(() =>
-      done() && !bench.faded ? tell(performance.now() - event.timeStamp) : painted()));
+      done() ? tell(performance.now() - event.timeStamp) : painted()));
     painted();
   };
   document.addEventListener(kind, heard, true);
 }) } }"""
 """Milliseconds from the moment that the browser was told of the mouse until the frame with its effect is drawn."""
 
-PREVIEW = """name => clock("mouseover", at => at.closest("[data-preview]")?.dataset.preview === name,
-  () => bench.state.preview === name && bench.shown() === bench.state.frames[bench.state.suspects[name]]
-    && document.querySelector("#ghost-step.shown .value").textContent === bench.state.says[name].chi2)"""
-"""The map, the residual and the ghost bar of a suspect, its fading included."""
+PREVIEW = """name => clock("mousemove", at => at.closest("[data-preview]")?.dataset.preview === name,
+  () => bench.state.pointed === name && bench.shown() === bench.state.frames[bench.state.suspects[name]]
+    && document.querySelector("#ghost-step.shown .value").textContent === bench.state.says[name].times)"""
+"""The maps, the residual and the ghost bar of a suspect."""
 
 ANOTHER = """() => { const said = () => JSON.stringify([bench.state.steps, bench.state.present]), before = said();
   const steps = () => [...document.querySelectorAll(".step")];
@@ -31,7 +31,7 @@ ANOTHER = """() => { const said = () => JSON.stringify([bench.state.steps, bench
     && steps().findIndex(step => step.classList.contains("present")) === bench.state.present) }"""
 """Another model's curve and map, and the ladder with its step."""
 
-READY = "!document.querySelector('[inert]') && bench.plots?.left?.names"
+READY = "!document.querySelector('[inert]') && bench.chart?.('traces')?.getOption()?.series?.length"
 FIRST = "bench.state.suspects[document.querySelector('button.card-suspect').dataset.preview]"
 ALL = "document.querySelector('button.card-suspect[data-preview=measured_curve]')"
 

@@ -31,7 +31,7 @@ COMMANDS = (
     Entry("ports", "ports", "List the ports on which a board may be."),
     Entry("capture", "capture", "Record one release from a board, then identify it."),
     Entry("guide", "guide", "Say what to release next, until it is sure what is missing."),
-    Entry("profile", "profile", "Say what the lines of a board mean that prints numbers."),
+    Entry("profile", "profile", "Describe a board that prints numbers line by line."),
     Entry("replay", "replay", "Send a session's raw bytes through the decoder again."),
     Entry("import", "import_", "Turn a file of another board into sessions."),
     Entry("identify", "identify", "Find stiffness, friction and damping in a session."),
@@ -108,10 +108,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     What a command imports is no garbage: looking for it there at every 700 objects would take a sixth of a second.
     """
     from station.library_messages import say_in_one_line
+    from station.plain_letters import write_what_the_terminal_has
     from station.working_folder import import_nothing_from_it
 
     gc.set_threshold(100_000)
     import_nothing_from_it()
+    write_what_the_terminal_has(sys.stdout, sys.stderr)
     say_in_one_line()
     given = list(sys.argv[1:] if arguments is None else arguments)
     sys.exit(run(given))

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from importlib.resources import files
 
 MEASURED_CURVE = "measured_curve"
-"""What is added to a model where no effect of the library fits: the measured curve of what is left."""
+"""What is added to a model where no effect of the library fits: the measured curve of the residual."""
 
 _CLOSE = 0.6
 _MOST = 3
@@ -28,7 +28,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 def _likeness(word: str, name: str) -> float:
-    """Return how like a name a word is, 0 to 1: the whole of it, or one of its parts."""
+    """Say how like a name a word is, 0 to 1: the whole of it, or one of its parts."""
     parts = [part for part in re.split(r"[_\W]+", name) if len(part) >= _SHORTEST]
     whole = difflib.SequenceMatcher(None, word, name).ratio()
     return max([whole, *(_OF_A_PART * difflib.SequenceMatcher(None, word, part).ratio() for part in parts)])

@@ -29,7 +29,7 @@ _KINDS = (("float", "must be a number"), ("int", "must be a whole number"), ("tu
 
 
 def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:
-    """Return where a document or a setting is wrong and how: "specimen.mass_kg must be above 0 (it is -3)"."""
+    """Find where a document or a setting is wrong and how: "specimen.mass_kg must be above 0 (it is -3)"."""
     first = error.errors(include_url=False)[0]
     entry = ".".join(str(part) for part in first["loc"])
     if first["type"] == "extra_forbidden":

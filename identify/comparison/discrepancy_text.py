@@ -108,7 +108,5 @@ class DiscrepancyText:
 def _where(side: int, way: int) -> str:
     if side == 0 and way == 0:
         return ", in both directions"
-    words = "" if side == 0 else f" on the {'positive' if side > 0 else 'negative'} side"
-    if way != 0:
-        words += f", while it moves to the {'positive' if way > 0 else 'negative'} side"
-    return words
+    words = "" if side == 0 else f" at {'positive' if side > 0 else 'negative'} displacement"
+    return words if way == 0 else f"{words}, moving {'up' if way > 0 else 'down'}"

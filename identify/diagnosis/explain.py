@@ -220,7 +220,7 @@ def _alternatives(baseline: Baseline, top: Suspect, others: tuple[Suspect, ...])
     if baseline.adequate(baseline.fit):
         return f"{_beside_the_floor(baseline, top, tied)} {shows}"
     if tied:
-        return f"The floor would also be reached with {_listed(tied)}. {shows}"
+        return f"{_listed(tied)} would reach the floor too. {shows}"
     best = min(tried, key=lambda s: s.error_after, default=None)
     share = 0.0 if best is None else _explained(baseline, best)
     if best is None or share < EXPLAINS_NOTHING:

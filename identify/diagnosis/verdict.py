@@ -26,7 +26,7 @@ HEADLINES: dict[Verdict, str] = {
     "sensor_fault": "A sensor is at fault",
     "nothing_missing": "Nothing is missing",
     "unknown_effect": "Something is missing that has no name here",
-    "unconfirmed": "A misfit that no effect here predicts",
+    "unconfirmed": "No known effect predicts the residual",
     "driven": "The motion is driven",
     "not_enough_data": "Not enough data",
 }

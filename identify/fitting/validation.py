@@ -211,10 +211,9 @@ def _values(found: Baseline) -> dict[str, float]:
 
 
 def _from_to(before: float, after: float) -> str:
-    """Return two errors of prediction, the usual model's first."""
-    if np.isfinite([before, after]).all():
-        return f"{three_figures(before)} to {three_figures(after)} % of the motion"
-    first, second = (
-        f"{three_figures(e)} %" if np.isfinite(e) else "a run that diverges" for e in (before, after)
+    """Write two errors of prediction, the usual model's last."""
+    usual, own = (
+        f"{three_figures(e)} % of the motion" if np.isfinite(e) else "a run that diverges"
+        for e in (before, after)
     )
-    return f"from {first} to {second}"
+    return f"it leaves {own}, the usual model {usual}"

@@ -75,7 +75,7 @@ def is_folder_of_files(argument: str) -> bool:
 
 
 def default_folder(arguments: tuple[str, ...], settings: Settings) -> Path:
-    """Return where a campaign is kept: in the folder of sessions, when there is only one, else in the settings'."""
+    """Find where a campaign is kept: in the folder of sessions, when there is only one, else in the settings'."""
     if len(arguments) == 1 and is_folder_of_sessions(arguments[0]):
         return Path(arguments[0]) / FOLDER
     return settings.sessions / FOLDER

@@ -46,7 +46,7 @@ class Series:
 def campaign_document(
     folder: Path, diagnosed: bool, run: Run, metadata: dict[str, Known] | None = None
 ) -> CampaignDocument:
-    """Return what a run has found; `metadata` are the operator's by the sessions' names and come before theirs."""
+    """Put the findings of a run together; `metadata` are the operator's by the sessions' names and come before theirs."""
     rows = sorted(
         (_row(source, result, (metadata or {}).get(source.name, Known())) for source, result in run.results),
         key=lambda row: (row.made.timestamp() if row.made else 0.0, row.result.session),
@@ -108,7 +108,7 @@ def parameter_series(rows: list[CampaignRow]) -> list[Series]:
 
 
 def variables(rows: list[CampaignRow]) -> list[Series]:
-    """Return what parameters may depend on: amplitude, date and every number that is known of the tests."""
+    """List what parameters may depend on: amplitude, date and every number that is known of the tests."""
     found = []
     for unit in dict.fromkeys(row.result.unit for row in rows):
         values = [_plain(row.result.amplitude) if row.result.unit == unit else math.nan for row in rows]

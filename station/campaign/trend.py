@@ -60,7 +60,7 @@ def find_trend(x: Array, y: Array, std: Array) -> Trend | None:
 
 
 def _near(x: Array, y: Array, own: Array) -> NDArray[np.bool_]:
-    """Return which values lie where a robust line, their own errors and the scatter of most would have them."""
+    """Find which values lie where a robust line, their own errors and the scatter of most would have them."""
     some = slice(None, None, -(-len(x) // MOST_PAIRED))
     slope = stats.theilslopes(y[some], x[some]).slope if np.ptp(x[some]) > 0.0 else 0.0
     rest = y - slope * x
@@ -71,7 +71,7 @@ def _near(x: Array, y: Array, own: Array) -> NDArray[np.bool_]:
 
 
 def sure_ones(p_values: list[float], level: float = 0.05) -> list[bool]:
-    """Return which of several hypotheses are rejected together at a level, by Holm's step-down (1979)."""
+    """Find which of several hypotheses are rejected together at a level, by Holm's step-down (1979)."""
     order = np.argsort(p_values)
     sure = [False] * len(p_values)
     for rank, i in enumerate(order):

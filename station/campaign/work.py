@@ -109,7 +109,7 @@ def _size(amplitude: float | None) -> float | None:
 
 
 def identified_parameters(result: "Identification") -> dict[str, Any]:
-    """Return what both methods and the alignment found, by "method.parameter"."""
+    """Collect the findings of both methods and of the alignment, by "method.parameter"."""
     found: dict[str, Any] = {}
     for method, values in (("wavelet", result.wavelet), ("restoring_force", result.restoring_force)):
         if values is not None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from station.commands.options import GAIN, VARIES, known_places
-from station.output import json_option, print_json, progress, screen
+from station.output import json_option, print_json, progress
 
 if TYPE_CHECKING:
     from station.campaign.crew import Crew
@@ -74,9 +74,10 @@ def command(
     from station.campaign.together import campaign_document
     from station.operations.identifying import NothingIdentified
     from station.settings import load_settings
+    from station.text import campaign_text
     from station.text.campaign_progress import CampaignProgress
     from station.text.campaign_table import SESSIONS, TRENDS, sessions_csv, trends_csv
-    from station.text.campaign_text import show_campaign
+    from station.text.layout import tell
 
     settings = load_settings(settings_file)
     known, notes = read_metadata(metadata) if metadata is not None else ({}, ())
@@ -109,10 +110,8 @@ def command(
     if as_json:
         print_json(document.plain())
     else:
-        show_campaign(screen(), document)
         folders_of = {source.name: source.folder for source in sources}
-        for line in _next(document, folders_of, given):
-            screen().print(line, markup=False, soft_wrap=True)
+        tell(campaign_text.told(document), *_next(document, folders_of, given))
     if not document.rows:
         raise NothingIdentified(f"none of the {len(sources)} sessions has a result; the reasons are above")
 
@@ -162,17 +161,17 @@ def _imported(
     return place, made
 
 
-def _next(document: "CampaignDocument", folders: dict[str, Path], given: tuple[str, ...]) -> list[str]:
+def _next(
+    document: "CampaignDocument", folders: dict[str, Path], given: tuple[str, ...]
+) -> tuple[str | Path, ...]:
     """Return the command that comes next: the session that lies farthest out, else a diagnosis of all."""
-    from station.text.next_step import next_line
-
     outside = [one for chart in document.charts for one in chart.outside if one.session in folders]
     if outside:
         farthest = max(outside, key=lambda one: abs(one.sigmas or 0.0))
-        return [next_line("diagnose", folders[farthest.session])]
+        return ("diagnose", folders[farthest.session])
     if document.rows and not document.diagnosed:
-        return [next_line("campaign", "--diagnose", *given)]
-    return []
+        return ("campaign", "--diagnose", *given)
+    return ()
 
 
 def _crew(workers: int | None, scheduler: str | None, sessions: int) -> "Crew":

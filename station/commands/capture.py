@@ -144,7 +144,7 @@ def command(
 
 
 def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
-    """Return whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
+    """Tell whether a release that was not good is to be taken again: by the option, or by asking at a terminal."""
     verdict = session.verdict
     if verdict is None or verdict.grade.value == "OK" or again is False:
         return False
@@ -167,7 +167,9 @@ def finish(
     from station.operations.capturing import show_result
     from station.operations.identifying import identify_session, refuse_if_nothing
     from station.story.preparation import options_for
-    from station.text.terminal import next_steps, show_identification
+    from station.text.identification_text import next_command, told
+    from station.text.layout import tell
+    from station.text.next_step import next_line
 
     verdict = session.verdict
     if verdict is not None:
@@ -179,7 +181,7 @@ def finish(
             progress(f"  to take it again: {advice}")
     result, document = identify_session(session, options_for(session, settings))
     if not as_json:
-        show_identification(screen(), session.folder.name, result)
+        tell(told(session.folder.name, result))
         if note:
             screen().print(note, markup=False, soft_wrap=True)
     file = show_result(url, session, result)
@@ -193,5 +195,6 @@ def finish(
         }
         print_json(known | more)
     else:
-        next_steps(screen(), session.folder, result)
+        line = next_line(next_command(result), session.folder)
+        screen().print(line, markup=False, soft_wrap=True)
     refuse_if_nothing(result)

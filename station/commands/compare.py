@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from station.commands.options import EFFECTS, FULL, MASS_INSTEAD, MODEL, SESSION
-from station.output import json_option, print_json, progress, screen
+from station.output import json_option, print_json
 
 
 @click.command("compare")
@@ -14,7 +14,6 @@ from station.output import json_option, print_json, progress, screen
 @EFFECTS
 @MASS_INSTEAD
 @FULL
-@click.option("--view", "with_view", is_flag=True, help="Write the Compare tab for the viewer, and open it.")
 @json_option
 @click.pass_obj
 def command(
@@ -24,7 +23,6 @@ def command(
     effects_file: Path | None,
     mass: float | None,
     full: bool,
-    with_view: bool,
     as_json: bool,
 ) -> None:
     """Compare a model with SESSION: how large its errors are, and where.
@@ -33,7 +31,7 @@ def command(
     words; --full adds noise, cycles and harmonics. Without --model it is the session's current
     model: the refined one, and before any `refine` the one that it begins with.
     """
-    from station.operations.comparing import compare_session, write_view
+    from station.operations.comparing import compare_session
     from station.results.sessions import open_session
     from station.settings import load_settings
 
@@ -43,17 +41,8 @@ def command(
     if as_json:
         print_json(document.plain())
     else:
-        from station.text.comparison_text import show_comparison
-        from station.text.next_step import next_line
+        from station.text.comparison_text import told
+        from station.text.layout import tell
 
-        show_comparison(screen(), compared, full=full)
-        fails = not compared.judged.at_floor
-        screen().print(
-            next_line("diagnose" if fails else "report", opened.folder), markup=False, soft_wrap=True
-        )
-    if with_view:
-        from station.commands.view import open_if_possible
-
-        file = write_view(opened, compared)
-        progress(f"recording: {file}")
-        open_if_possible(file)
+        step = "report" if compared.judged.at_floor else "diagnose"
+        tell(told(compared), step, opened.folder, full=full)

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from station.commands.options import NO_VIEWER
-from station.output import json_option, print_json, progress, screen
+from station.output import json_option, print_json, progress
 
 SPEED = 4.0
 MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
@@ -120,7 +120,8 @@ def _examples(settings_file: str | None, name: str | None, as_json: bool) -> Non
     from station.operations.identifying import identify_session, refuse_if_nothing
     from station.settings import load_settings
     from station.story.preparation import options_for
-    from station.text.terminal import next_steps, show_identification
+    from station.text.identification_text import next_command, told
+    from station.text.layout import tell
 
     settings = load_settings(settings_file)
     session = open_example(name, settings.sessions)
@@ -128,8 +129,7 @@ def _examples(settings_file: str | None, name: str | None, as_json: bool) -> Non
     if as_json:
         print_json({"session": str(session.folder), "identification": document.plain()})
     else:
-        show_identification(screen(), session.folder.name, result)
-        next_steps(screen(), session.folder, result)
+        tell(told(session.folder.name, result), next_command(result), session.folder)
     refuse_if_nothing(result)
 
 

@@ -5,15 +5,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, FULL, GAIN, MODEL, NO_VIEWER, SESSIONS, VARIES
-from station.output import json_option, print_json, progress, screen
+from station.commands.options import EFFECTS, FULL, GAIN, MODEL, SESSIONS, VARIES
+from station.output import json_option, print_json, progress
 from station.suggestions import MEASURED_CURVE
-from station.text.next_step import next_line
 
 if TYPE_CHECKING:
-    from identify.diagnosis.diagnose import Diagnosis
-    from station.operations.session_set import SessionSet
     from station.results.diagnosis_document import DiagnosisDocument
+
+ANOTHER = "ANOTHER_RELEASE"
 
 
 @click.command("diagnose")
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
 @VARIES
 @click.option("--anyway", is_flag=True, help="Even if the sessions look like different benches.")
 @FULL
-@NO_VIEWER
+@click.option("--no-viewer", is_flag=True, hidden=True, expose_value=False)  # scripts of before give it
 @json_option
 @click.pass_obj
 def command(
@@ -44,7 +43,6 @@ def command(
     varies: str,
     anyway: bool,
     full: bool,
-    no_viewer: bool,
     as_json: bool,
 ) -> None:
     """Find out which effect a model lacks.
@@ -70,40 +68,31 @@ def command(
     for name, why in opened.left_out.items():
         progress(f"{name} is left out: {why}")
     shared = physics_shared(opened, anyway, progress)
-    found, document = diagnose_sessions(opened, model_file, effects_file, progress, worth=worth)
+    _, document = diagnose_sessions(opened, model_file, effects_file, progress, worth=worth)
     if shared is not None:
         document = with_differences(document, shared)
     keep(opened, document)
     if as_json:
         print_json(document.plain())
     else:
-        from station.story.engineering_values import Weighing
-        from station.story.preparation import options_for
-        from station.text.diagnosis_text import show_diagnosis
+        from station.story.preparation import weighing_of
+        from station.text.diagnosis_text import told
+        from station.text.layout import tell
 
-        options = options_for(opened.sessions[0], settings)
-        unit = opened.decays[0].window.unit
-        weighing = None if options.mass is None else Weighing(options.mass, options.mass_std, unit)
-        show_diagnosis(screen(), document, weighing, full=full)
-        for line in next_steps(opened, found, document):
-            screen().print(line, markup=False, soft_wrap=True)
+        weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
+        folders = [session.folder for session in opened.sessions]
+        tell(told(document, weighing, full=full), *next_step(folders, document), full=full)
     refuse_if_too_little(document)
-    if not no_viewer:
-        from station.operations.viewer_tabs import show_suspects
-
-        if show_suspects(opened, found, document):
-            progress("the viewer shows the suspects and the curves")
 
 
-def next_steps(opened: "SessionSet", found: "Diagnosis", document: "DiagnosisDocument") -> list[str]:
-    """Return the commands that come next."""
-    folder = opened.sessions[0].folder
-    if document.differences and not found.named:
-        return [next_line("diagnose", folder)]
-    if found.verdict in ("missing_effect", "sensor_fault"):
-        return [next_line("refine", folder, "--add", found.named[0])]
-    if found.verdict == "unknown_effect" and found.shape is not None and found.shape.coordinates:
-        return [next_line("refine", folder, "--add", MEASURED_CURVE)]
-    if found.verdict == "nothing_missing":
-        return [next_line("report", folder)]
-    return []  # what to record next is said already
+def next_step(folders: "list[Path]", document: "DiagnosisDocument") -> tuple[str | Path, ...]:
+    """Choose the command that comes next: where nothing is decided, to diagnose this together with another release."""
+    if document.named and document.verdict in ("missing_effect", "sensor_fault"):
+        return ("refine", folders[0], "--add", document.named[0])
+    if document.verdict == "unknown_effect" and document.shape is not None and document.shape.coordinates:
+        return ("refine", folders[0], "--add", MEASURED_CURVE)
+    if document.verdict == "nothing_missing":
+        return ("report", folders[0])
+    if document.differences:
+        return ("diagnose", folders[0])
+    return () if document.verdict == "not_enough_data" else ("diagnose", *folders, ANOTHER)

@@ -6,7 +6,7 @@ import click
 
 from station.commands.options import MASS_INSTEAD, SESSION
 from station.exits import UsageProblem
-from station.output import json_option, print_json, screen
+from station.output import json_option, print_json
 
 
 @click.command("identify")
@@ -55,15 +55,15 @@ def command(
     if as_json:
         print_json(document.plain())
     else:
-        from station.text.terminal import next_steps, show_identification
+        from station.text.identification_text import next_command, told
+        from station.text.layout import tell
 
-        show_identification(screen(), opened.folder.name, result)
-        next_steps(screen(), opened.folder, result)
+        tell(told(opened.folder.name, result), next_command(result), opened.folder)
     refuse_if_nothing(result)
     if with_view:
         from station.commands.view import show_session
 
-        show_session(opened, result, settings)
+        show_session(opened, result)
 
 
 def _orders(text: str) -> tuple[int, ...]:

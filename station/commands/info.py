@@ -8,8 +8,6 @@ from station.commands.options import SESSION
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 
-LABEL_WIDTH = 10
-
 
 @click.command("info")
 @SESSION
@@ -55,8 +53,9 @@ def command(settings_file: str | None, session: str, as_json: bool) -> None:
 
 
 def _print(document: dict[str, Any], rate: float, model: str) -> None:
+    from station.text.content import facts
     from station.text.flags import flagged_lines
-    from station.text.layout import labelled
+    from station.text.layout import show_parts
     from station.text.next_step import next_line
 
     console = screen()
@@ -80,9 +79,7 @@ def _print(document: dict[str, Any], rate: float, model: str) -> None:
         lines.append(("verdict", "; ".join([verdict["word"], *verdict["reasons"]])))
     lines += [("flagged", line) for line in flagged_lines(document["flags"], rate)]
     lines += [("note", note) for note in document["notes"]]
-    for label, text in lines:
-        if text:
-            console.print(labelled(label, text, LABEL_WIDTH))
+    show_parts(console, facts(lines))
     console.print(next_line(_next(document["results"]), document["session"]), markup=False, soft_wrap=True)
 
 

@@ -51,18 +51,18 @@ def _entry(summary: Any) -> dict[str, Any]:
 
 
 def _print(found: Any) -> None:
-    from rich.table import Table
+    from station.text.content import Table
+    from station.text.layout import show_parts
 
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("session", "made", "state", "verdict", "mass"):
-        table.add_column(name, overflow="ellipsis", no_wrap=True)
+    rows = []
     for summary in found:
         info = summary.info
         if info is None:
-            table.add_row(summary.folder.name, "", "damaged", summary.problem, "")
+            rows.append((summary.folder.name, "", "damaged", summary.problem, ""))
             continue
         made = info.created.astimezone().strftime("%Y-%m-%d %H:%M")
         mass = "" if info.mass_kg is None else f"{info.mass_kg:g} kg"
-        table.add_row(summary.folder.name, made, info.state.value, getattr(info, "verdict", ""), mass)
-    screen().print(table)
+        rows.append((summary.folder.name, made, info.state.value, getattr(info, "verdict", "") or "", mass))
+    head = ("session", "made", "state", "verdict", "mass")
+    show_parts(screen(), [Table("", head, tuple(rows), texts=5)])
     screen().print(next_line("info", found[-1].folder), markup=False, soft_wrap=True)

@@ -78,7 +78,7 @@ GAIN = click.option(
     "gain_percent",
     type=click.FloatRange(0, 50),
     metavar="PERCENT",
-    help="What the calibrations leave open between the channels.",
+    help="Uncertainty of the gain between the channels.",
 )
 MASS_INSTEAD = click.option(
     "--mass",
@@ -105,7 +105,7 @@ CONDITIONS = click.option(
     "conditions",
     multiple=True,
     metavar="NAME=NUMBER",
-    help='Known of the test, as "temperature [degC]=21.5".',
+    help='A known condition of the test, as "temperature [degC]=21.5".',
 )
 
 
@@ -132,7 +132,7 @@ BAUD = click.option(
 
 
 def pairs(option: str, given: tuple[str, ...]) -> dict[str, str]:
-    """Return what an option with QUANTITY=VALUE was given. Raises UsageProblem for anything else."""
+    """Split an option of the form QUANTITY=VALUE. Raises UsageProblem for anything else."""
     found = {}
     for pair in given:
         name, separator, value = pair.partition("=")

@@ -82,7 +82,7 @@ def command(
 
 
 def _decided(sample: "Sample", options: "LineOptions", *, may_ask: bool) -> "LineFormat":
-    """Return what the lines mean, from the options and, at a terminal, from what the operator answers."""
+    """Settle what the lines mean, from the options and, at a terminal, from what the operator answers."""
     from daq.errors import SettingsError
     from daq.sources.line_format import find_format
 

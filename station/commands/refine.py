@@ -7,7 +7,7 @@ import click
 
 from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSION, known_effect
 from station.exits import UsageProblem
-from station.output import json_option, print_json, progress, screen
+from station.output import json_option, print_json, progress
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -81,16 +81,12 @@ def command(
     if as_json:
         print_json(ladder_document(opened, ladder))
     else:
-        from station.story.engineering_values import Weighing
-        from station.story.preparation import options_for
-        from station.text.ladder_text import show_ladder
-        from station.text.next_step import next_line
+        from station.story.preparation import weighing_of
+        from station.text.ladder_text import told
+        from station.text.layout import tell
 
-        options = options_for(opened, settings)
-        unit = refinement.prepared.window.unit
-        weighing = None if options.mass is None else Weighing(options.mass, options.mass_std, unit)
-        show_ladder(screen(), opened.folder.name, ladder, weighing)
-        screen().print(next_line(*_next(opened, ladder)), markup=False, soft_wrap=True)
+        weighing = weighing_of(opened, settings, refinement.prepared.window.unit)
+        tell(told(ladder, weighing), *_next(opened, ladder), full=True)
     if not no_viewer:
         from station.operations import viewer_tabs
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from station.commands.options import EFFECTS, SESSIONS, VARIES, known_model_place
-from station.output import json_option, print_json, progress, screen
+from station.output import json_option, print_json, progress
 
 
 @click.command("validate")
@@ -43,10 +43,8 @@ def command(
     if as_json:
         print_json(document.plain())
     else:
-        from station.text.next_step import next_line
-        from station.text.validation_text import show_validation
+        from station.text.layout import tell
+        from station.text.validation_text import told
 
-        show_validation(screen(), document)
         better = document.verdict == "predicts_better"
-        step = ("report", sessions[0]) if better else ("diagnose", *sessions)
-        screen().print(next_line(*step), markup=False, soft_wrap=True)
+        tell(told(document), *(("report", sessions[0]) if better else ("diagnose", *sessions)))

@@ -11,7 +11,6 @@ from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from daq.session import Session
-    from station.settings import Settings
     from station.story.identification import Identification
 
 
@@ -29,7 +28,8 @@ if TYPE_CHECKING:
 def command(
     settings_file: str | None, session: str, screenshot: Path | None, no_viewer: bool, as_json: bool
 ) -> None:
-    """Open SESSION in the viewer: capture, alignment, both methods, results, curves.
+    """Open SESSION in the viewer: capture, alignment, both methods, results,
+    and the steps of its refinement.
 
     Identifies it first, and keeps the recording in the session's results.
     """
@@ -40,9 +40,9 @@ def command(
     settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     result, _ = identify_session(opened, kept_options(opened, settings))
-    from station.operations.viewer_tabs import viewed_tabs
+    from station.operations.viewer_tabs import kept_tabs
 
-    file = write_view(opened, result, viewed_tabs(opened, settings))
+    file = write_view(opened, result, kept_tabs(opened, settings))
     document: dict[str, Any] = {"session": str(opened.folder), "recording": str(file), "pictures": []}
     progress(f"recording: {file}")
     if screenshot is not None:
@@ -59,14 +59,11 @@ def command(
         screen().print(next_line("report", opened.folder), markup=False, soft_wrap=True)
 
 
-def show_session(session: "Session", result: "Identification", settings: "Settings") -> None:
+def show_session(session: "Session", result: "Identification") -> None:
     """Write the recording of an identification that is at hand, and open it where there is a screen."""
     from station.operations.identifying import write_view
-    from station.operations.session_curves import curves_as_measured
-    from station.operations.viewer_tabs import curves_tab
 
-    shown = curves_as_measured(session, settings)
-    file = write_view(session, result, () if shown is None else (curves_tab(shown),))
+    file = write_view(session, result)
     progress(f"recording: {file}")
     open_if_possible(file)
 

@@ -46,7 +46,7 @@ def record(
 
 
 def another_place(spare: Path | None) -> Callable[[StorageError], Path | None] | None:
-    """Return what gives another folder when the disk fails: `spare` once, then the operator at a terminal.
+    """Make what gives another folder when the disk fails: `spare` once, then the operator at a terminal.
 
     None without either: a disk that fails before the capture is then refused at once. What no answer finds a place
     for goes among the system's temporary files.

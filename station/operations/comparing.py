@@ -1,7 +1,6 @@
 """Compare a session with a model, and keep what was found in it."""
 
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from daq.session import Session
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -14,8 +13,6 @@ from station.settings import Settings
 from station.story.compared import Compared
 from station.story.pipeline import compare
 from station.story.preparation import options_for
-
-VIEW = "comparison.rrd"
 
 
 def compare_session(
@@ -59,13 +56,3 @@ def compared_with(
         words=current.words,
         remark=current.remark,
     )
-
-
-def write_view(session: Session, compared: Compared) -> Path:
-    """Write the Compare tab of the viewer into the session's results; return the file."""
-    from station.views import compare as tab
-
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / VIEW
-        tab.write_file(file, compared)
-        return session.write_result(VIEW, file.read_bytes())

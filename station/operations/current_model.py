@@ -34,7 +34,7 @@ class CurrentModel:
     remark: str = ""
 
     def start(self, decays: tuple[PreparedDecay, ...]) -> dict[str, float] | None:
-        """Return where a fit to some releases begins, by unknown's name; None where the data say."""
+        """Find where a fit to some releases begins, by unknown's name; None where the data say."""
         return None if self.values is None else starting_values(KnownModel(self.model, self.values), decays)
 
 

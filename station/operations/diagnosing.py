@@ -64,18 +64,17 @@ def physics_shared(sessions: SessionSet, anyway: bool, progress: Progress) -> Sh
         progress(f"{names[difference.index]}: {difference.words(names[0])}")
     if shared.differences:
         progress(
-            "these sessions do not share all of their physics: each may have a spring and viscous damping near the others', "
-            "what differs otherwise is counted as misfit of one model. To look at "
-            f"each alone: {command_line('diagnose', names[0])}"
+            "the sessions differ: each gets a spring and viscous damping of its own; any other difference counts against "
+            f"the common model. To look at one alone: {command_line('diagnose', names[0])}"
         )
     else:
         progress(f"the {len(names)} sessions share stiffness and friction, as far as each alone can say")
     others = [names[index] for index in shared.other_benches]
     if others and not anyway:
         raise UsageProblem(
-            f"{', '.join(others)}: not the bench of {names[0]}, the stiffness per unit mass differing by more than a "
-            f"factor of {OTHER_BENCH:g}; diagnose them apart, or, if a spring or a mass of one rig was changed, with "
-            "--varies stiffness or --varies inertia; --anyway if they do share their physics"
+            f"{', '.join(others)}: another bench than {names[0]}, since the stiffness per unit mass differs by more than a "
+            f"factor of {OTHER_BENCH:g}; diagnose them separately, or, if a spring or a mass of one rig was changed, with "
+            "--varies stiffness or --varies inertia; --anyway if they share their physics"
         )
     return shared
 

@@ -192,7 +192,7 @@ def _wiring(sample: BoardSample) -> Iterator[Finding]:
 
 
 def _swinging_from(x: np.ndarray) -> int | None:
-    """Return where x first goes to the other side of its middle in a swing, None when it does not swing."""
+    """Find where x first goes to the other side of its middle in a swing, None when it does not swing."""
     centred = x - x[-len(x) // 8 :].mean()
     if np.ptp(x) < MOVES * _noise(x):
         return None

@@ -24,7 +24,7 @@ _MOVED = ("displacement", "velocity")
 
 
 def exported_session(session: Session, settings: Settings, *, aligned: bool = True) -> tuple[Exported, str]:
-    """Return what goes into the file, and a sentence on the channels' clock.
+    """Gather what goes into the file, and a sentence on the channels' clock.
 
     With `aligned` the displacement (or velocity) is moved earlier by its lag behind the acceleration, where a lag can
     be estimated; values are not rescaled otherwise.
@@ -90,7 +90,7 @@ def _moved(recording: Recording, alignment: Alignment) -> tuple[Recording, str]:
 
 
 def facts_of(session: Session) -> dict[str, str]:
-    """Return what a file says of a session, as short texts by name."""
+    """List what a file says of a session, as short texts by name."""
     info = session.info
     board = info.board
     known = {

@@ -51,7 +51,7 @@ def identify_session(session: Session, options: Options) -> tuple[Identification
 
 
 def _doubt(session: Session) -> str:
-    """Return what the verdict holds against the recording's values; "" for a session that is not sealed."""
+    """Say what the verdict holds against the recording's values; "" for a session that is not sealed."""
     try:
         return recording_doubt(session.manifest())
     except NotASession:
@@ -78,11 +78,13 @@ def refuse_if_nothing(result: Identification) -> None:
         raise NothingIdentified("nothing could be identified: " + "; ".join(reasons))
 
 
-def write_view(session: Session, result: Identification, more: "tuple[Tab, ...]" = ()) -> Path:
+def write_view(
+    session: Session, result: Identification, more: "tuple[Tab, ...]" = (), *, dark: bool = True
+) -> Path:
     """Write the tabs of the viewer into the session's results, `more` after those of the identification."""
     from station.views import show
 
     with TemporaryDirectory() as folder:
         file = Path(folder) / VIEW
-        show.write(file, session.folder.name, result, more)
+        show.write(file, session.folder.name, result, more, dark=dark)
         return session.write_result(VIEW, file.read_bytes())

@@ -43,7 +43,7 @@ class LineChoice:
         return by_lines or self.source is not None
 
     def options(self, settings: Settings) -> LineOptions:
-        """Return what is known of the lines. Raises SettingsError for a profile that is not there."""
+        """Describe the lines. Raises SettingsError for a profile that is not there."""
         form = None if self.profile is None else load_profile(self.profile, profiles_of(settings))
         return LineOptions(form, dict(self.columns), self.units, self.rate, self.baud)
 

@@ -31,11 +31,13 @@ from station.output import print_json, progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.settings import Settings
+from station.story.compared import Compared
 from station.story.engineering_values import Weighing
-from station.text.comparison_text import show_comparison
-from station.text.diagnosis_text import show_diagnosis
-from station.text.ladder_text import show_ladder
-from station.text.numbers import with_unit
+from station.text import comparison_text, diagnosis_text, ladder_text
+from station.text.content import Part, Table, facts
+from station.text.layout import show, show_parts
+from station.text.next_step import next_line
+from station.text.numbers import DASH, typeset, with_unit
 
 MASS_KG = 21.36
 SEEDS = 1000
@@ -61,7 +63,7 @@ class Solved:
 
     @property
     def right(self) -> bool:
-        """Whether what was hidden is what was named first, or stands beside it as not told apart."""
+        """Whether what was hidden is what was named first, or is not distinguishable from it."""
         hidden = self.truth["hidden"]
         return bool(self.found) and self.found[0] == hidden
 
@@ -81,9 +83,8 @@ def play(
     chosen = secrets.randbelow(SEEDS) if seed is None else seed
     say(
         f"THE MYSTERY, number {chosen}",
-        "A simulated board starts as a program of its own. Something is hidden in its bench: a force that the usual "
-        "model (stiffness, dry and viscous friction) does not have, or a faulty sensor. This program does not "
-        "know which. Let us record one release and find out.",
+        "A simulated board hides a force that the usual model does not have, or a faulty sensor. This program does not "
+        "know which. It records one release to find out.",
     )
     solved, url = solve(
         settings, chosen, speed, pty, folder, no_viewer, say=say, console=None if as_json else console
@@ -130,32 +131,23 @@ def _solve(
     session: Session, settings: Settings, say: Say, console: Console | None, seed: int, envelope: Path
 ) -> Solved:
     sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
-    say(
-        "1. COMPARE: how well does the usual model explain the recording?",
-        "The model is fitted, then run freely from the release, and laid over the measurement.",
-    )
+    say("1. COMPARE: the usual model is fitted, run freely, and laid over the recording", "")
     refinement = open_refinement(session, settings)
     compared, _ = compare_session(session, settings)
     if console is not None:
-        show_comparison(console, compared)
-    say(
-        "2. DIAGNOSE: what is missing?",
-        "Every effect that the library knows is added in turn, refitted, and judged by what chance alone would do.",
-    )
+        show(console, replace(comparison_text.told(compared), brief=places(compared)))
+    say("2. DIAGNOSE: every effect of the library is added in turn, and fitted", "")
     _, document = diagnose_sessions(sessions, progress=progress)
     keep(sessions, document)
     if console is not None:
-        show_diagnosis(console, document, Weighing(MASS_KG))
+        show(console, diagnosis_text.told(document, Weighing(MASS_KG)))
     ladder = refinement.ladder
     if document.named:
-        say(
-            "3. ADD: it joins the model, and the error falls",
-            f"station refine {session.folder} --add {document.named[0]}",
-        )
+        say(f"3. ADD: station refine {session.folder.name} --add {document.named[0]}", "")
         for name in document.named:
             ladder = add(replace(refinement, ladder=ladder), name)
         if console is not None:
-            show_ladder(console, session.folder.name, ladder, Weighing(MASS_KG))
+            show(console, replace(ladder_text.told(ladder), brief=(ladder_text.steps_table(ladder),)))
     else:
         say("3. ADD: nothing", "The diagnosis names no effect, so none is added.")
     if not envelope.is_file():
@@ -165,7 +157,7 @@ def _solve(
 
 
 def what_was_hidden(session: Session) -> dict[str, Any]:
-    """Return what the board of a mystery's session hid, which its seed draws; UsageProblem for any other session."""
+    """Read what the board of a mystery's session hid, which its seed draws; UsageProblem for any other session."""
     seed = re.fullmatch(r"mystery (\d+)", session.info.specimen)
     if seed is None:
         raise UsageProblem(f"{session.folder.name} is no mystery: nothing is known to be hidden in it")
@@ -176,7 +168,7 @@ def what_was_hidden(session: Session) -> dict[str, Any]:
 
 
 def hidden_words(truth: dict[str, Any]) -> str:
-    """Return what was hidden and how strong: "Stribeck friction, 1.14 % of the rms of all forces"."""
+    """Write what was hidden and how strong: "Stribeck friction, 1.14 % of the rms of all forces"."""
     of = "all forces" if truth["kind"] == "physics" else "one channel"
     strength = 100.0 * next(iter(truth["strengths"].values()), 0.0)
     return f"{plain_name(truth['hidden'])}, {strength:.2f} % of the rms of {of}"
@@ -185,29 +177,26 @@ def hidden_words(truth: dict[str, Any]) -> str:
 def _reveal(console: Console, solved: Solved, say: Say) -> None:
     say("4. WHAT WAS HIDDEN: it is read only now", "")
     console.print(Padding(Text(hidden_words(solved.truth), style="bold"), (0, 1)))
-    for line in _side_by_side(solved):
-        console.print(Padding(Text(line), (0, 1)))
-    console.print()
+    show_parts(console, [_side_by_side(solved)])
     console.print(Padding(_verdict(solved), (0, 1)))
-    console.print()
-    folder = solved.session.folder
-    for line in (
-        f" all of it is in {folder}",
-        f" look:      station view {folder}",
-        f" try:       station refine {folder} --reset --auto",
-        f" again:     station demo --mystery {solved.seed}     another: station demo --mystery",
-    ):
+    for line in (next_line("report", solved.session.folder), " another: station demo --mystery"):
         console.print(line, markup=False, soft_wrap=True)
 
 
-def _side_by_side(solved: Solved) -> list[str]:
-    """Return the hidden effect's parameters, and those found where it was found, each with its unit."""
+def places(compared: Compared) -> tuple[Part, ...]:
+    """Tell where a model fails most."""
+    worst = compared.comparison.places[:1]
+    return facts((f"{place.significance:.0f} sigma", typeset(place.text)) for place in worst)
+
+
+def _side_by_side(solved: Solved) -> Table:
+    """Put the hidden effect's parameters beside those that were found, each with its unit."""
     strengths = (term.strength for term in base_model().terms)
     base = (solved.truth[key] for key in ("stiffness_per_mass", "mu_0", "mu_1"))
     true = dict(zip(strengths, base, strict=True))
     for effect, values in solved.truth["parameters"].items():
         true |= {ParameterId(effect, name): value for name, value in values.items()}
-    lines = []
+    rows = []
     for id, value in true.items():
         name, estimate = str(id), solved.ladder.top.parameters.get(str(id))
         if (
@@ -216,11 +205,11 @@ def _side_by_side(solved: Solved) -> list[str]:
             continue
         if estimate is None:
             if id.effect == solved.truth["hidden"]:
-                lines.append(f"{name:<30}{value:>11.5g}")
+                rows.append((name, f"{value:.5g}", DASH))
             continue
-        digits = f"{value:>11.5g}" if not estimate.std else f"{value:>11.{decimals_for(estimate.std)}f}"
-        lines.append(f"{name:<30}{digits}   found {with_unit(estimate)}")
-    return lines
+        hidden = f"{value:.5g}" if not estimate.std else f"{value:.{decimals_for(estimate.std)}f}"
+        rows.append((name, hidden, with_unit(estimate)))
+    return Table("", ("", "hidden", "found"), tuple(rows))
 
 
 def _verdict(solved: Solved) -> Text:
@@ -261,10 +250,9 @@ def _document(solved: Solved) -> dict[str, Any]:
 
 def _on_screen(console: Console) -> Say:
     def say(title: str, text: str) -> None:
-        console.print()
         console.rule(Text(title, style="bold cyan"), align="left")
         if text:
-            console.print(Padding(Text(text), (0, 1, 1, 1)))
+            console.print(Padding(Text(text), (0, 1)))
 
     return say
 

@@ -76,7 +76,7 @@ def _length(text: str | None) -> float | None:
 
 
 def capture_settings(settings: Settings, info: SessionInfo, **timing: Any) -> CaptureSettings:
-    """Return how to capture: options where they were given, else the settings."""
+    """Say how to capture: options where they were given, else the settings."""
 
     def chosen(option: str, default: float) -> float:
         given = timing.get(option)

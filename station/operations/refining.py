@@ -1,13 +1,22 @@
 """Refine: one effect in or out of a session's model, or all that is missing; the ladder is kept."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from daq.session import Session
 from identify.diagnosis.curve_of_rest import curve_of_rest
-from identify.diagnosis.ladder import Step, add_effect, first_step, remove_effect, share_explained
+from identify.diagnosis.ladder import (
+    Step,
+    add_effect,
+    first_step,
+    remove_effect,
+    share_explained,
+    without_needless_effects,
+)
+from identify.diagnosis.refine import refine
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
 from identify.formatting import plain_name, three_figures
@@ -21,9 +30,11 @@ from station.results.documents import Errors, seen
 from station.results.ladder import LADDER, KeptLadder, KeptStep, kept_step, read_ladder, write_ladder
 from station.results.models import known_model, name_of, parsed_effect
 from station.settings import Settings
-from station.story.pipeline import Progress, refine
+from station.story.pipeline import Progress
 from station.story.residual import residual_words
 from station.suggestions import MEASURED_CURVE, did_you_mean
+
+Seen = Callable[[KeptLadder, str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +82,7 @@ def open_refinement(
 
 
 def floor_of(prepared: PreparedDecay, step: Step) -> Errors:
-    """Return what noise alone leaves of the three errors."""
+    """Work out what noise alone leaves of the three errors."""
     motion, window = prepared.motion, step.fit.windows[0]
     used = moving(motion)
     channel = window.channels[0]
@@ -96,6 +107,12 @@ def add(refinement: Refinement, wanted: str) -> KeptLadder:
 
     `measured_curve` adds what the model leaves as a spline over the coordinate that it depends on.
     """
+    step, why = tried(refinement, wanted)
+    return _extended(refinement, (step,), why)
+
+
+def tried(refinement: Refinement, wanted: str) -> tuple[KeptStep, tuple[str, str | None]]:
+    """Fit what `add` would keep; return the step, and what to say of it. Nothing is kept."""
     expressions = refinement.ladder.top.model.expressions
     top = step_again(refinement, refinement.ladder.top)
     effect: Effect
@@ -111,7 +128,7 @@ def add(refinement: Refinement, wanted: str) -> KeptLadder:
         step = add_effect(top, effect)
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
-    return _extended(refinement, (kept_step(step, expressions),), _added(step, effect.name))
+    return kept_step(step, expressions), _added(step, effect.name)
 
 
 def _free_name(taken: tuple[str, ...]) -> str:
@@ -137,19 +154,58 @@ def remove(refinement: Refinement, name: str) -> KeptLadder:
     )
 
 
-def refine_to_floor(refinement: Refinement, progress: Progress) -> KeptLadder:
-    """Add what is missing until nothing is; each step is reported to `progress`."""
-    top = refinement.ladder.top
+def refine_to_floor(
+    refinement: Refinement, progress: Progress, found_so_far: Seen | None = None
+) -> KeptLadder:
+    """Add what is missing until nothing is; each step is told to `progress`, and kept as soon as it is found.
+
+    `found_so_far` gets the kept ladder after each step, and the step in words.
+    """
+    begun, top = refinement.ladder, refinement.ladder.top
     known = known_model(top.model, "the ladder", refinement.library)
+    steps: list[KeptStep] = []
+    reached = refinement
+
+    def on_step(step: Step, words: str) -> None:
+        nonlocal reached
+        left = residual_words(step.error.motion_percent, step.error.chi_square)
+        progress(f"{words}: {left} ({' + '.join(plain_name(name) for name in step.effects)})")
+        if not step.added and not step.removed:
+            return
+        steps.append(kept_step(step, top.model.expressions))
+        reached = _as_far_as(reached, begun, steps, (f"as found so far, {words}", None))
+        if found_so_far is not None:
+            did = f"{plain_name(step.added)} added" if step.added else f"{plain_name(step.removed)} taken out"
+            found_so_far(reached.ladder, f"{did}; looking for what else is missing")
+
+    start = known.values | top.nuisances
     found = refine(
-        refinement.prepared,
-        known.model,
-        known.values | top.nuisances,
-        library=refinement.library,
-        progress=progress,
+        refinement.prepared, known.model, library=refinement.library, known=start, progress=on_step
     )
-    new = tuple(kept_step(step, top.model.expressions) for step in found.steps[1:])
-    return _extended(refinement, new, (found.stopped_because, found.verdict))
+    return _as_far_as(reached, begun, steps, (found.stopped_because, found.verdict)).ladder
+
+
+def _as_far_as(
+    reached: Refinement, begun: KeptLadder, new: list[KeptStep], why: tuple[str, str | None]
+) -> Refinement:
+    """Keep the ladder that was begun with, and some new steps on it; it follows what was kept last."""
+    from_here = replace(reached, ladder=begun.with_(seen=reached.ladder.seen))
+    return replace(reached, ladder=_extended(from_here, tuple(new), why))
+
+
+def drop_needless(refinement: Refinement) -> tuple[KeptLadder, str]:
+    """Take out the effects without which the residual hardly rises, the least useful first; what was begun with stays.
+
+    Returns the ladder, which is kept, and a sentence.
+    """
+    ladder = refinement.ladder
+    dropped = without_needless_effects(step_again(refinement, ladder.top), set(ladder.steps[0].effects))
+    if not dropped:
+        return ladder, "Each effect that was added is needed: without it the residual rises."
+    steps = tuple(kept_step(step, ladder.top.model.expressions) for step in dropped)
+    names = ", ".join(plain_name(step.removed) for step in dropped)
+    words = f"removed, because the residual hardly rises without: {names}"
+    return _extended(refinement, steps, (words, None)), f"{words[:1].upper()}{words[1:]}."
 
 
 def go_to(refinement: Refinement, number: int) -> KeptLadder:
@@ -177,7 +233,7 @@ def _added(step: Step, name: str) -> tuple[str, str | None]:
         return _manual(step, f"{plain_name(name)} was added")
     percent = "less than 0.01" if share < 1e-4 else three_figures(100.0 * share)
     return (
-        f"{plain_name(name)} explains nothing ({percent} % of what is left, no more than chance would): take it out "
+        f"{plain_name(name)} explains nothing ({percent} % of the residual, no more than chance would): take it out "
         f"with --remove {name}"
     ), None
 

@@ -6,7 +6,7 @@ from identify.effects.effect import Effect
 from identify.errors import NotIdentifiable
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import Problem
-from station.results.curves import NamedCurves, diagnosed_curves, measured_curves
+from station.results.curves import NamedCurves, diagnosed_curves
 from station.results.diagnosis_document import DiagnosisDocument
 from station.settings import Settings
 from station.story.preparation import prepare_session
@@ -42,12 +42,3 @@ def _beside(session: Session, name: str, settings: Settings) -> PreparedDecay | 
         return prepare_session(Session.open(folder), settings)
     except (StationError, Problem, NotIdentifiable, OSError):
         return None
-
-
-def curves_as_measured(session: Session, settings: Settings) -> NamedCurves | None:
-    """Return the curves of one session with the usual model's law; None where it holds too little."""
-    try:
-        prepared = prepare_session(session, settings)
-    except NotIdentifiable:
-        return None
-    return measured_curves((session.folder.name,), (prepared,))

@@ -19,22 +19,16 @@ SURE = 3.0
 COARSE = 5000.0
 
 
-def overlay(compared: Compared) -> str:
-    """Draw measured and modelled channels, and under each what is left with the band of the noise."""
-    window, fit = compared.baseline.fit.windows[0], compared.baseline.fit
-    rows = 2 * len(window.channels)
-    drawn, axes = paper(1.3 * rows, rows, sharex=True, height_ratios=[1.5, 1.0] * len(window.channels))
-    for place, channel in enumerate(window.channels):
-        factor, name = scale(channel, window.unit)
-        measured = np.where(window.used[channel], window.readings[channel], np.nan)
-        axis = axes[2 * place]
-        both(axis, window.clock, measured * factor, fit.predicted[0][channel] * factor, ("measured", "model"))
-        axis.set_ylabel(literal(f"{channel}\n[{name}]"))
-        axis.legend(loc="upper right", ncols=2)
-        axis.margins(y=0.16)
-        left_over(axes[2 * place + 1], compared, channel)
-    axes[-1].set(xlabel="time since the release [s]", xlim=(window.clock[0], window.clock[-1]))
-    return embedded(drawn)
+def measured_and_model(axis: "Axes", compared: Compared, channel: str) -> None:
+    """Draw one channel as it was measured, and the model run freely."""
+    fit = compared.baseline.fit
+    window = fit.windows[0]
+    factor, name = scale(channel, window.unit)
+    measured = np.where(window.used[channel], window.readings[channel], np.nan)
+    both(axis, window.clock, measured * factor, fit.predicted[0][channel] * factor, ("measured", "model"))
+    axis.set_ylabel(literal(f"{channel}\n[{name}]"))
+    axis.legend(loc="upper right", ncols=2)
+    axis.margins(y=0.16)
 
 
 def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
@@ -53,14 +47,19 @@ def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
     axis.set_ylabel(literal(f"residual [{name}]"))
 
 
-def closing_in(first: Compared, last: Compared) -> str:
-    """Draw the residuals of the first and of the current model in the same channel, each with the band of the noise."""
-    channel = first.baseline.fit.windows[0].channels[0]
-    drawn, axes = paper(2.9, 2, sharex=True)
-    for axis, compared in zip(axes, (first, last), strict=True):
+def front(first: Compared | None, last: Compared) -> str:
+    """Draw measurement and current model in one channel, and under them the residual before and after."""
+    window = last.baseline.fit.windows[0]
+    channel = window.channels[0]
+    shown = [one for one in (first, last) if one is not None]
+    drawn, axes = paper(
+        1.7 + 0.95 * len(shown), 1 + len(shown), sharex=True, height_ratios=[1.6] + [1.0] * len(shown)
+    )
+    measured_and_model(axes[0], last, channel)
+    for axis, compared in zip(axes[1:], shown, strict=True):
         left_over(axis, compared, channel)
-        axis.set_title(f"{compared.words}: residual of the {channel}")
-    axes[-1].set_xlabel("time since the release [s]")
+        axis.set_title(compared.words, fontsize=8)
+    axes[-1].set(xlabel="time since the release [s]", xlim=(window.clock[0], window.clock[-1]))
     return embedded(drawn)
 
 

@@ -1,4 +1,4 @@
-"""The suspects, the curves and the ladder in figures for paper."""
+"""The suspects and the curves in figures for paper."""
 
 from textwrap import fill
 
@@ -7,41 +7,12 @@ import numpy as np
 from identify.diagnosis.force_map import ForceMap
 from station.report.drawing import embedded, paper
 from station.results.curves import NamedCurves
-from station.results.diagnosis_document import CurveDocument, DiagnosisDocument
+from station.results.diagnosis_document import CurveDocument
 from station.results.diagnosis_fits import DiagnosisFits
-from station.results.ladder import KeptLadder
 from station.story.measured_curves import MeasuredCurve
-from station.text.ladder_text import step_words
 from station.views import plots
 from station.views.curve_panels import draw_panels
 from station.views.plots import PAPER, literal
-from station.views.suspects import MOST_BARS
-
-
-def errors(document: DiagnosisDocument) -> str | None:
-    """Draw the residual after adding each suspect against the floor; None where there is nothing to draw."""
-    rows = [("before", document.error.chi2)]
-    rows += [(s.effect, s.error_after) for s in document.suspects]
-    known = [(name, value) for name, value in rows if value is not None]
-    spread = 0.0 if document.noise_floor is None else document.noise_floor.chi2_std
-    return _residuals(known[: MOST_BARS + 1], spread, " with it added")
-
-
-def steps(ladder: KeptLadder) -> str | None:
-    """Draw the residual step by step down to the floor."""
-    rows = [
-        (f"{place}: {step_words(step)}", step.error.chi2)
-        for place, step in enumerate(ladder.steps[: ladder.present + 1])
-    ]
-    return _residuals([(n, v) for n, v in rows if v is not None], ladder.top.chi2_std, "")
-
-
-def _residuals(rows: list[tuple[str, float]], std: float, when: str) -> str | None:
-    if not rows:
-        return None
-    drawn, (axis,) = paper(0.75 + 0.24 * len(rows))
-    plots.residuals(axis, rows, std, PAPER, when=when)
-    return embedded(drawn)
 
 
 def force_maps(fits: DiagnosisFits) -> str:

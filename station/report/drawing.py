@@ -1,4 +1,4 @@
-"""Pictures for paper: vector graphics in dark ink on white, curves told apart without colour, kept in the page itself."""
+"""Pictures for paper: dark ink on white, curves distinguishable without colour, kept in the page itself."""
 
 import base64
 import re
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 WIDTH = 6.9
 INK, GREY, BAND, MODEL, OTHER = PAPER.ink, PAPER.faint, PAPER.noise, PAPER.model, "#a63603"
-MOST_POINTS = 1200
+MOST_POINTS = 900
 _PATH = re.compile(rb'\bd="[^"]*"')
 _DECIMALS = re.compile(rb"(\.\d\d)\d+")  # a hundredth of a point is finer than any printer
 
@@ -48,7 +48,9 @@ STYLE: dict[Any, Any] = {
     "lines.linewidth": 1.0,
     "legend.fontsize": 8,
     "legend.frameon": False,
-    "svg.fonttype": "path",
+    "svg.fonttype": "none",
+    "font.sans-serif": ["Liberation Sans", "Arial", "Helvetica", "DejaVu Sans"],
+    "savefig.dpi": 150,
     "svg.hashsalt": "report",
 }
 

@@ -6,16 +6,17 @@ from identify.effects.effect import Parameter
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Term
-from station.report.content import Equation, Figure, Paragraph, Part, Section, Table, left_out
 from station.report.diagnosis_figures import measured_curve as draw_curve
 from station.report.findings import Findings
+from station.report.section import Section
 from station.results.models import parameters_of
 from station.story.compared import Compared
 from station.story.engineering_values import times_mass
 from station.story.measured_curves import measured_curves
 from station.story.residual import residual_words
+from station.text.content import Equation, Figure, Paragraph, Part, Table, left_out
 from station.text.layout import sentence
-from station.text.numbers import SPACE, typeset, typeset_error, typeset_symbol, typeset_unit
+from station.text.numbers import SPACE, typeset, typeset_symbol, typeset_unit, with_error
 
 TITLE = "The equation of motion"
 FAR = 4.0
@@ -56,7 +57,7 @@ def equation(found: Findings) -> Section:
 
 
 def caution(compared: Compared) -> str:
-    """Return why the standard errors cannot be taken at their word, or ""."""
+    """Say why the standard errors cannot be taken at their word, or ""."""
     error = compared.error
     if error.chi_square <= 1.0 + FAR * error.floor_std:
         return ""
@@ -71,7 +72,7 @@ def _letters(fit: Fit) -> str:
 
 
 def _right_side(fit: Fit) -> str:
-    """Return what the sum of inertia and restoring forces equals: nil, or a recorded force per unit mass."""
+    """Write what the sum of inertia and restoring forces equals: nil, or a recorded force per unit mass."""
     return " = 0" if fit.windows[0].force is None else " = f(t)/m"
 
 
@@ -81,8 +82,8 @@ def _numbers(fit: Fit) -> str:
     for term in fit.model.forces:
         text = term.effect.equation
         for name, value in parameters_of(fit, term).items():
-            number = typeset_error(value.value, value.std).replace("(error unknown)", "").strip()
-            number = re.sub(rf" ±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
+            number = with_error(value.value, value.std).replace("(error unknown)", "").strip()
+            number = re.sub(rf"{SPACE}±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
             number = f"({number})" if "×" in number or number.startswith("-") else number
             text = re.sub(rf"(?<![\w']){re.escape(name)}(?![\w'])", lambda _, n=number: n, text)  # type: ignore[misc]
         terms.append(text)
@@ -102,7 +103,7 @@ def _parameters(fit: Fit, length: str, found: Findings) -> Table:
             cells = (term.effect.name, typeset_symbol(name), _meaning(term, name).meaning)
             row: tuple[str, ...] = (
                 *cells,
-                typeset_error(value.value, value.std),
+                with_error(value.value, value.std),
                 typeset_unit(value.unit) or "1",
             )
             if mass is not None:
@@ -126,4 +127,4 @@ def _times(value: float, std: float, label: str, found: Findings) -> str:
     whole = times_mass(Estimate(value, std, label), mass, mass_std, unit)
     if whole is None:
         return ""
-    return f"{typeset_error(whole.value, whole.std)}{SPACE}{typeset_unit(whole.unit)}"
+    return f"{with_error(whole.value, whole.std)}{SPACE}{typeset_unit(whole.unit)}"

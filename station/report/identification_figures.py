@@ -21,6 +21,7 @@ from station.views.restoring_force import mesh
 if TYPE_CHECKING:
     pass
 
+SINCE = "time since the release [s]"
 MOST_CHANNELS = 8
 MOST_SHADED = 200
 LONGEST = 24
@@ -31,18 +32,20 @@ def record(recording: Recording, release: float | None, flags: Sequence[FlagEntr
     """Draw the channels as recorded, lost samples as holes, flagged ones shaded, the `release` (s) as a line."""
     channels = recording.channels[:MOST_CHANNELS]
     drawn, axes = paper(0.4 + 1.35 * len(channels), len(channels), sharex=True)
-    time = np.arange(recording.samples.shape[1]) / recording.rate
+    begin = release or 0.0
+    time = np.arange(recording.samples.shape[1]) / recording.rate - begin
     for axis, channel, samples in zip(axes, channels, recording.samples, strict=False):
         factor, label = scale_as_recorded(channel.quantity, channel.unit)
         curve(axis, time, np.where(recording.valid, samples, np.nan) * factor, color=INK, lw=0.7)
         name = channel.name if channel.quantity == "other" else channel.quantity
         axis.set_ylabel(literal(f"{name[:LONGEST]} [{label}]"))
         for run in [run for run in flags if run.channel == channel.name][:MOST_SHADED]:
-            begin, stop = run.first / recording.rate, (run.first + run.count) / recording.rate
-            axis.axvspan(begin, stop, color=OTHER, alpha=0.25, lw=0.5)
+            first, stop = run.first / recording.rate, (run.first + run.count) / recording.rate
+            axis.axvspan(first - begin, stop - begin, color=OTHER, alpha=0.25, lw=0.5)
         if release is not None:
-            axis.axvline(release, color=OTHER, lw=1.0, ls="--")
-    axes[-1].set(xlabel="time from the first sample [s]", xlim=(0.0, time[-1] + 1.0 / recording.rate))
+            axis.axvline(0.0, color=OTHER, lw=1.0, ls="--")
+    name = "time from the first sample [s]" if release is None else SINCE
+    axes[-1].set(xlabel=name, xlim=(time[0], time[-1] + 1.0 / recording.rate))
     return embedded(drawn)
 
 
@@ -57,23 +60,24 @@ def alignment(result: Identification) -> str | None:
     return embedded(drawn)
 
 
-def envelope(found: WaveletResult, length: str) -> str:
+def envelope(found: WaveletResult, length: str, release: float) -> str:
     """Draw envelope with fit, instantaneous frequency and backbone: the paper's figure 4 and what it rests on."""
+    time = found.time - release
     factor, name = scale("displacement", length)
     drawn, axes = paper(3.9, 2, 2, width_ratios=[2.2, 1])
     top, _, below, _ = axes
     backbone = joined(drawn, axes[1::2])
-    curve(top, found.time, found.envelope * factor, color="#b5b5b5", lw=2.6, label="ridge of the transform")
-    curve(top, found.time, found.envelope_fit * factor, color=MODEL, lw=1.0, label="fit, eq. (5)")
-    top.set(xlabel="time [s]", ylabel=literal(f"envelope [{name}]"))
+    curve(top, time, found.envelope * factor, color="#b5b5b5", lw=2.6, label="ridge of the transform")
+    curve(top, time, found.envelope_fit * factor, color=MODEL, lw=1.0, label="fit")
+    top.set(xlabel=SINCE, ylabel=literal(f"envelope [{name}]"))
     top.set_ylim(bottom=0)
     top.legend(loc="upper right")
     frequency = np.where(found.trusted, found.frequency, np.nan)
-    curve(below, found.time, frequency, color=INK, lw=0.9)
+    curve(below, time, frequency, color=INK, lw=0.9)
     middle = float(np.nanmedian(frequency)) if np.isfinite(frequency).any() else 1.0
     spread = np.abs(frequency - middle)
     half = max(1.5 * float(np.nanpercentile(spread, 98)) if np.isfinite(spread).any() else 0.0, 0.01 * middle)
-    below.set(xlabel="time [s]", ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
+    below.set(xlabel=SINCE, ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
     below.set_xlim(top.get_xlim())
     plots.backbone(backbone, found, factor, name, half, PAPER, MODEL)
     backbone.set_title("backbone")
@@ -100,8 +104,9 @@ WIDE = {1: 3.0, 2: 5.0, 3: 6.9}
 
 
 def reconstruction(result: Identification) -> str:
-    """Draw the decay and the restoring force, measured and reconstructed, and what is left: figures 5 and 6."""
+    """Draw the decay and the restoring force, measured and reconstructed, and the residual: figures 5 and 6."""
     wavelet, force, length = result.wavelet, result.restoring_force, result.decay.unit
+    begin = result.release.time_s
     rows = 2 * ((wavelet is not None) + (force is not None))
     drawn, axes = paper(1.25 * rows, rows, height_ratios=[1.5, 1.0] * (rows // 2), sharex=True)
     row = 0
@@ -109,21 +114,29 @@ def reconstruction(result: Identification) -> str:
         factor, name = scale(wavelet.channel, length)
         fine, fine_name = scale(wavelet.channel, length, fine=True)
         measured, model = result.rebuilt_decay(wavelet)
-        both(axes[0], wavelet.time, measured * factor, model * factor, ("measured", "rebuilt, wavelet"))
+        both(
+            axes[0], wavelet.time - begin, measured * factor, model * factor, ("measured", "rebuilt, wavelet")
+        )
         axes[0].set_ylabel(literal(f"{wavelet.channel}\n[{name}]"))
-        curve(axes[1], wavelet.time, (measured - model) * fine, color=OTHER, lw=0.7)
-        axes[1].set_ylabel(literal(f"left [{fine_name}]"))
+        curve(axes[1], wavelet.time - begin, (measured - model) * fine, color=OTHER, lw=0.7)
+        axes[1].set_ylabel(literal(f"residual [{fine_name}]"))
         row = 2
     if force is not None:
         label = f"{length}/s^2"
-        both(axes[row], force.time, force.force, force.force_fit, ("measured", "fitted, restoring force"))
+        both(
+            axes[row],
+            force.time - begin,
+            force.force,
+            force.force_fit,
+            ("measured", "fitted, restoring force"),
+        )
         axes[row].set_ylabel(literal(f"force per unit\nmass [{label}]"))
-        curve(axes[row + 1], force.time, force.force - force.force_fit, color=OTHER, lw=0.7)
-        axes[row + 1].set_ylabel(literal(f"left [{label}]"))
+        curve(axes[row + 1], force.time - begin, force.force - force.force_fit, color=OTHER, lw=0.7)
+        axes[row + 1].set_ylabel(literal(f"residual [{label}]"))
     for place in range(0, rows, 2):
         axes[place].legend(loc="upper right", ncols=2)
         axes[place].margins(y=0.16)
-    axes[-1].set_xlabel("time from the first sample [s]")
+    axes[-1].set_xlabel(SINCE)
     return embedded(drawn)
 
 
@@ -142,7 +155,9 @@ def surface(found: RestoringForceResult, length: str) -> str:
     )
     vertices, triangles = mesh(coarse)
     net = Triangulation(vertices[:, 0] * factor, vertices[:, 1], triangles)
-    axis.plot_trisurf(net, vertices[:, 2], color="#e4e4e4", edgecolor="#9a9a9a", lw=0.2, alpha=0.75)
+    axis.plot_trisurf(
+        net, vertices[:, 2], color="#e4e4e4", edgecolor="#9a9a9a", lw=0.2, alpha=0.75, rasterized=True
+    )
     every = max(1, len(found.force) // MOST_DOTS)
     points = (found.displacement * factor, found.velocity, found.force)
     axis.plot(*(values[::every] for values in points), ".", color=INK, ms=1.6)

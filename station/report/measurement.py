@@ -4,22 +4,14 @@ from datetime import UTC
 
 from daq.recording import Channel
 from station.report import identification_figures as draw
-from station.report.content import Facts, Figure, Paragraph, Part, Section, Table
 from station.report.findings import Findings
+from station.report.first_page import NOT_STATED, mass_words
+from station.report.section import Section
+from station.text.content import Facts, Figure, Paragraph, Part, Table, facts
 from station.text.flags import flagged_lines
-from station.text.numbers import (
-    noise_scale,
-    scale,
-    typeset,
-    typeset_error,
-    typeset_figures,
-    typeset_symbol,
-    typeset_unit,
-    typeset_with_unit,
-)
-from station.text.terminal import KINDS, uncorrected
-
-NOT_STATED = "not stated"
+from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
+from station.text.layout import sentence
+from station.text.numbers import scale, three_figures, typeset_unit, with_error
 
 
 def setup(found: Findings) -> Section:
@@ -31,40 +23,27 @@ def setup(found: Findings) -> Section:
         ("operator", info.operator or NOT_STATED),
         ("recorded" if board else "imported", info.created.astimezone(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")),
         ("source", info.source_file or info.source or NOT_STATED),
-        ("mass", _mass(found)),
+        ("mass", mass_words(found)),
         ("sampling", _sampling(found)),
         ("remarks", info.remarks),
     ]
     if board is not None:
         rows.insert(4, ("board", f"{board.board}, firmware {board.firmware}, identity {board.unique_id}"))
-    facts = Facts(tuple((label, text) for label, text in rows if text))
     table = Table(
         "Channels and their calibration",
         ("channel", "quantity", "unit", "sensor", "calibrated", "uncertainty", "resolution", "range"),
         tuple(_channel(found, channel) for channel in recording.channels),
         texts=5,
     )
-    return Section("setup", "Set-up and calibration", (facts, table))
-
-
-def _mass(found: Findings) -> str:
-    mass, std = found.options.mass, found.options.mass_std
-    if mass is None:
-        return "not given: all results are per unit mass"
-    name = "kg m²" if _length(found) == "rad" else "kg"
-    return f"{typeset_error(mass, std)} {name}" if std else f"{mass:g} {name} (its error was not given)"
-
-
-def _length(found: Findings) -> str:
-    return "m" if found.identification is None else found.identification.decay.unit
+    return Section("setup", "Set-up and calibration", (*facts(rows), table))
 
 
 def _sampling(found: Findings) -> str:
     recording = found.recording
     n = recording.samples.shape[1]
     std = recording.rate_std
-    rate = typeset_error(recording.rate, std) if std else f"{recording.rate:.8g}"
-    given = "" if std else "; the rate as given, its error is in no value"
+    rate = with_error(recording.rate, std) if std else f"{recording.rate:.8g}"
+    given = "" if std else "; the rate is taken as exact"
     return f"{rate} Hz, {n} samples, {n / recording.rate:.4g} s{given}"
 
 
@@ -78,7 +57,7 @@ def _channel(found: Findings, channel: Channel) -> tuple[str, ...]:
         channel.sensor or NOT_STATED,
         (known.calibrated if known else "") or NOT_STATED,
         NOT_STATED if uncertainty is None else f"{100 * uncertainty:.2g} %",
-        "–" if channel.resolution is None else typeset_figures(channel.resolution),
+        "–" if channel.resolution is None else three_figures(channel.resolution),
         "–" if low is None or high is None else f"{low:.4g} to {high:.4g}",
     )
 
@@ -93,14 +72,7 @@ def capture(found: Findings) -> Section:
     rows += [("flagged", "; ".join(lines))] if lines else []
     if result is not None:
         rows += _release(found)
-        decay = result.decay
-        for name in ("displacement", "velocity", "acceleration"):
-            noise = getattr(decay, f"noise_{name}")
-            if noise is not None:
-                factor, label = noise_scale(name, decay.unit, noise)
-                rows.append(
-                    (f"noise, {name}", f"{typeset_figures(noise * factor)} {typeset_unit(label)} rms")
-                )
+        rows += [(f"noise, {name}", noise) for name, noise in noise_of(result)]
     if found.recording.notes:
         rows.append(("how it was read", "; ".join(found.recording.notes)))
     parts.append(Facts(tuple(rows)))
@@ -151,14 +123,14 @@ def _release(found: Findings) -> list[tuple[str, str]]:
     rows = [
         (
             "release",
-            f"at {typeset_error(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}",
+            f"at {with_error(release.time_s, release.std_s)} s: {KINDS.get(release.kind, release.kind)}",
         ),
         ("rest before", f"{rest:.2f} s"),
     ]
     amplitude = None if found.document is None else found.document.release.amplitude
     if amplitude is not None:
         factor, label = scale("displacement", decay.unit)
-        rows.append(("amplitude", f"{amplitude * factor:.4g} {typeset_unit(label)}"))
+        rows.append(("amplitude", f"{abs(amplitude) * factor:.4g} {typeset_unit(label)}"))
     return rows
 
 
@@ -170,19 +142,13 @@ def alignment(found: Findings) -> Section:
         reason = found.left_out.get("alignment", "")
         parts.append(Paragraph(f"The channels were not aligned: {_ended(reason)}"))
         return Section("alignment", "Alignment of the channels", tuple(parts))
-    aligned = result.alignment
-    late = "late" if aligned.lag.value >= 0 else "early"
-    lag = typeset_error(abs(aligned.lag.value) * 1e6, aligned.lag.std * 1e6)
-    facts = [
-        ("lag", f"the displacement is {late} by {lag} µs; corrected"),
-        ("gain", f"{typeset_with_unit(aligned.gain)} (the acceleration's against the displacement's)"),
-        ("method", f"{aligned.method}; no law of force is used"),
-        ("caution", aligned.caution),
-    ]
-    warning = uncorrected(result)
-    if warning:
-        facts.append(("without it", typeset(f"without {warning}").replace("mu_1", typeset_symbol("mu_1"))))
-    parts.append(Facts(tuple((label, text) for label, text in facts if text)))
+    parts += facts(
+        (
+            ("lag", sentence(lag_words(result))),
+            ("method", f"{result.alignment.method}; no law of force is used"),
+            ("without it", uncorrected(result)),
+        )
+    )
     picture = draw.alignment(result)
     if picture is not None:
         caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."

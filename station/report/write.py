@@ -11,16 +11,16 @@ from station.report.drawing import STYLE
 from station.report.equation import equation
 from station.report.failure import comparison
 from station.report.findings import Findings, gather
-from station.report.loop import apart, ladder, suspects
+from station.report.first_page import first_page
+from station.report.loop import ladder, suspects
 from station.report.measurement import alignment, capture, setup
 from station.report.methods import methods
 from station.report.provenance import provenance
-from station.report.summary import summary
 from station.settings import Settings
 from station.story.pipeline import Progress, silent
 
 NAME = "report.html"
-SECTIONS = (setup, capture, alignment, methods, comparison, suspects, ladder, equation, apart, provenance)
+SECTIONS = (comparison, suspects, ladder, equation, setup, capture, alignment, methods, provenance)
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def rendered(found: Findings) -> str:
 
     _reasons(found)
     with matplotlib.rc_context(STYLE):
-        sections = tuple(make(found) for make in SECTIONS)
+        front, sections = first_page(found), tuple(make(found) for make in SECTIONS)
     template = files("station.report").joinpath("page.html").read_text(encoding="utf-8")
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -71,7 +71,7 @@ def rendered(found: Findings) -> str:
         session=found.session.folder.name,
         info=found.session.info,
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        summary=summary(found),
+        front=front,
         sections=sections,
         left_out=sorted(found.left_out.items()),
     )

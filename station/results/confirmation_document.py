@@ -96,7 +96,7 @@ def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> Con
 
 
 def _names(found: Confirmation, sessions: tuple[str, ...]) -> tuple[str, ...]:
-    """Return what the parts are called: by their sessions, of which some may be too short to have a curve."""
+    """Name the parts: by their sessions, of which some may be too short to have a curve."""
     with_curve = tuple(sessions[i] for i in found.releases if i < len(sessions))
     if found.one_record:
         several = len(sessions) > 1 and len(with_curve) == 1

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from identify.curves.fitted_law import usual_law
 from identify.curves.laid_over import DecayCurves, decay_curves
 from identify.diagnosis.found_laws import laws_of_models
 from identify.effects.effect import Effect
@@ -19,14 +18,6 @@ class NamedCurves:
 
     names: tuple[str, ...]
     curves: DecayCurves
-
-
-def measured_curves(names: tuple[str, ...], decays: tuple[PreparedDecay, ...]) -> NamedCurves | None:
-    """Return the curves of releases with the usual model's law; None where they hold too little."""
-    try:
-        return NamedCurves(names, decay_curves(decays, (usual_law(decays),)))
-    except NotIdentifiable:
-        return None
 
 
 def diagnosed_curves(

@@ -64,7 +64,7 @@ class ChannelFloor(ChannelNoise):
 
 
 class HarmonicsDocument(Part):
-    """Power of what is left at the motion's harmonics, over what noise of the level between them gives; its p-value."""
+    """Power of the residual at the motion's harmonics, relative to noise of the level between them, and its p-value."""
 
     ratio: Number
     p_value: Number
@@ -74,7 +74,7 @@ class HarmonicsDocument(Part):
 class NoiseFloorDocument(Part):
     """The floor of chi2 with its standard error, and the noise of each channel (of the first session).
 
-    `sure` is false where the floor is a guess (one channel, or no rest); `harmonics` then says whether what is left near
+    `sure` is false where the floor is a guess (one channel, or no rest); `harmonics` then says whether a residual near
     it speaks against the model, None where it was not asked.
     """
 

@@ -2,16 +2,13 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.force_map import ForceMap, force_added, force_left, force_map
 from identify.effects.effect import Effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit, fit
 from identify.model.model import Term
 from identify.preprocessing.prepared_decay import PreparedDecay
-from station.results.diagnosis_document import DiagnosisDocument, in_order
+from station.results.diagnosis_document import DiagnosisDocument
 from station.results.models import ModelFile, known_model, starting_values
 
 MOST = 3
@@ -40,14 +37,6 @@ class DiagnosisFits:
             (term, force_map(self.prepared, force_added(self.prepared, self.base, found, term, self.index)))
             for term, found in self.best
         )
-
-
-def fits_of(found: Diagnosis, document: DiagnosisDocument, most: int = MOST) -> DiagnosisFits:
-    """Return the fits of a diagnosis that was just made."""
-    decays = found.baseline.decays
-    index = int(np.argmax([prepared.amplitude for prepared in decays]))
-    best = tuple((s.term, s.fit) for s in in_order(found)[:most])
-    return DiagnosisFits(document, decays[index], index, found.baseline.fit, best)
 
 
 def refitted(

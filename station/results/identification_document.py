@@ -171,7 +171,7 @@ def _release(result: Identification) -> ReleaseDocument:
 
 
 def amplitude(result: Identification) -> float | None:
-    """Return how far the mass was from its rest at the release, m or rad, or None.
+    """Measure how far the mass was from its rest at the release, m or rad, or None.
 
     Signed where it was held away and the displacement was measured: its mean before the release less its
     mean over the last tenth of the record. Otherwise the envelope at the start of the ridge.

@@ -137,7 +137,7 @@ def read_model_file(file: Path) -> ModelFile:
 
 
 def first_fault(error: ValidationError) -> str:
-    """Return where a document is wrong and how, in a sentence."""
+    """Find where a document is wrong and how, in a sentence."""
     return refusal(error)
 
 
@@ -217,7 +217,7 @@ def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
 
 
 def starting_values(known: KnownModel, decays: tuple[PreparedDecay, ...]) -> dict[str, float]:
-    """Return where a fit may begin, by unknown's name: the file's values, the releases' own from their motions."""
+    """Find where a fit may begin, by unknown's name: the file's values, the releases' own from their motions."""
     start = initial_values(decays, known.model, known.values)
     for term in known.model.terms:
         for parameter in term.free:

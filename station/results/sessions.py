@@ -231,7 +231,7 @@ def _from_release(
 
 
 def _begin(before: Release, after: Release) -> int:
-    """Return where the record of a release begins: with its rest, after the motion before it."""
+    """Find where the record of a release begins: with its rest, after the motion before it."""
     if after.rest[1] > after.rest[0]:
         return max(after.rest[0], min(before.end, after.rest[1] - 1))
     return max(before.end, before.index + 1)

@@ -114,7 +114,7 @@ def adequacy(
 
 
 def _doubt_of_clock(window: FitWindow) -> str:
-    """Return by how much the sampling rate may be off where that is too much to quote; "" where it was given as it is."""
+    """Say by how much the sampling rate may be off where that is too much to quote; "" where it was given as it is."""
     share = (window.rate_std or 0.0) / window.rate
     return "" if share <= CLOCK_LIMIT else f"the sampling rate may be off by {100.0 * share:.2g} %"
 
@@ -151,7 +151,7 @@ def judgement(found: Adequacy) -> str:
 
 
 def scale_doubt(gain: Estimate) -> str:
-    """Return by how much forces are uncertain since the gains of the two channels differ; "" where they agree."""
+    """Say by how much forces are uncertain since the gains of the two channels differ; "" where they agree."""
     off = abs(gain.value - 1.0)
     if off <= max(FAR_APART * gain.std, GAIN_WORTH_SAYING):
         return ""

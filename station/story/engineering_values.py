@@ -86,7 +86,7 @@ class Weighing:
 def engineering_values(
     fit: Fit, mass: float | None, mass_std: float | None = None
 ) -> tuple[EngineeringValue, ...]:
-    """Return what is quoted of a fit: its strengths in N, kg and s where the `mass` (kg) is known, frequency and damping.
+    """List what is quoted of a fit: strengths in N, kg and s where the `mass` (kg) is known, frequency and damping.
 
     The frequency is that of the undamped spring, the damping ratio and the logarithmic decrement those of the viscous
     part: mu_1/(2 w) and 2 pi zeta/sqrt(1 - zeta^2), with w^2 the stiffness per unit mass.

@@ -70,7 +70,7 @@ def _amplitudes(decay: FreeDecay) -> tuple[Array, int] | None:
 
 
 def _goes_on(amplitude: Array, largest: float) -> bool:
-    """Return whether the motion does not die away."""
+    """Tell whether the motion does not die away."""
     if not len(amplitude):
         return True
     end, before = float(amplitude[-1]), float(amplitude[2 * len(amplitude) // 3])

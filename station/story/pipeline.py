@@ -21,7 +21,6 @@ from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
 from identify.fitting.leave_one_out import LeftOut, leave_one_out
 from identify.fitting.segments import segments_by_release, segments_of
-from identify.formatting import plain_name
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
 from identify.preprocessing.aligned_decay import AlignedDecay
@@ -36,11 +35,9 @@ from station.story.adequacy import adequacy, identified_model, needed_orders
 from station.story.compared import Compared
 from station.story.identification import Identification
 from station.story.preparation import Options, locate
-from station.story.residual import residual_words
 
 if TYPE_CHECKING:
     from identify.diagnosis.diagnose import Diagnosis
-    from identify.diagnosis.ladder import Ladder, Step
 
 Value = TypeVar("Value")
 Progress = Callable[[str], None]
@@ -188,23 +185,3 @@ def diagnose(
         return found, None
     progress("leaving one session out at a time")
     return found, leave_one_out(found.final, segments_by_release(decays))
-
-
-def refine(
-    prepared: PreparedDecay,
-    model: Model | None = None,
-    known: dict[str, float] | None = None,
-    *,
-    library: tuple[Effect, ...] = LIBRARY,
-    progress: Progress = silent,
-) -> "Ladder":
-    """Add what is missing until nothing is; the first step is the model itself."""
-
-    from identify.diagnosis.refine import refine as refine_decay
-
-    def on_step(step: "Step", sentence: str) -> None:
-        names = " + ".join(plain_name(name) for name in step.effects)
-        left = residual_words(step.error.motion_percent, step.error.chi_square)
-        progress(f"{sentence}: {left} ({names})")
-
-    return refine_decay(prepared, model, library=library, known=known, progress=on_step)

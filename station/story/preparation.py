@@ -11,6 +11,7 @@ from identify.free_decay import FreeDecay
 from identify.preprocessing.aligned_decay import AlignedDecay, locate_and_align
 from identify.preprocessing.prepared_decay import BESIDE_OTHERS, PreparedDecay, prepare
 from station.settings import Settings
+from station.story.engineering_values import Weighing
 
 MOTION = ("displacement", "velocity", "acceleration")
 MAX_ORDER, STIFFNESS_ORDERS = 3, (1,)
@@ -43,6 +44,12 @@ def options_for(session: Session, settings: Settings, mass: float | None = None)
     if info.mass_kg is not None:
         return Options(info.mass_kg, info.mass_std_kg, orders.max_order, orders.stiffness_orders)
     return Options(specimen.mass_kg, specimen.mass_std_kg, orders.max_order, orders.stiffness_orders)
+
+
+def weighing_of(session: Session, settings: Settings, unit: str) -> Weighing | None:
+    """Make what turns strengths into N, kg and s for a displacement in `unit`; None where no mass is known."""
+    options = options_for(session, settings)
+    return None if options.mass is None else Weighing(options.mass, options.mass_std, unit)
 
 
 def prepare_session(
@@ -125,7 +132,7 @@ def _displacement_unit(recording: Recording) -> str:
 
 
 def _stated_lag(recording: Recording) -> Estimate | None:
-    """Return how much later the displacement (else velocity) is than the acceleration by their stated delays.
+    """Measure how much later the displacement (else velocity) is than the acceleration by their stated delays.
 
     None where no delay is stated, or one of the channels is missing.
     """

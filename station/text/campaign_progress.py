@@ -48,7 +48,7 @@ class CampaignProgress:
         self._print(self.line())
 
     def line(self) -> str:
-        """Return how far it is: "312/500 sessions, 4.1/s, 46 s left, 3 failed"."""
+        """Measure how far it is: "312/500 sessions, 4.1/s, 46 s left, 3 failed"."""
         here = min(self._done + self._kept + self._failed, self._total)
         parts = [f"{here}/{self._total} sessions"]
         if self._kept:

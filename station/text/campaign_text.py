@@ -1,44 +1,27 @@
 """A campaign in 80 columns: what was found, every parameter's chart, trends, who is out, who failed."""
 
-from rich.console import Console
-from rich.padding import Padding
-from rich.table import Table
-from rich.text import Text
-
+from identify.formatting import decimals_for
 from station.results.campaign_document import CampaignDocument, CampaignRow, ChartDocument, TrendDocument
 from station.text.campaign_progress import duration
-from station.text.layout import labelled
-from station.text.numbers import DASH, probability, three_figures, with_error, with_unit
+from station.text.content import Table, Told, facts
+from station.text.numbers import DASH, probability, three_figures, typeset_unit, with_error, with_unit
 
-LABEL_WIDTH = 12
 MOST_TRENDS = 8
 MOST_OUTSIDE = 10
 MOST_FAILED = 10
 LESS_SURE = 0.01
 
 
-def show_campaign(console: Console, document: CampaignDocument) -> None:
-    """Print a campaign."""
-    console.print()
-    console.print(Text(f" {headline(document)}", style="bold"))
-    console.print()
-    if document.charts:
-        console.print(Padding(_charts(document.charts), (0, 0, 0, 1)))
-        console.print()
-    elif document.rows:
-        console.print(Padding(_few(document.rows), (0, 0, 0, 1)))
-        console.print()
+def told(document: CampaignDocument) -> Told:
+    """Tell a campaign."""
     trends = worth_showing(document.trends)
-    if trends:
-        console.print(Padding(_trends(trends), (0, 0, 0, 1)))
-        console.print()
-    for label, text in _facts(document, trends):
-        console.print(labelled(label, text, LABEL_WIDTH))
-    console.print()
+    tables = [_charts(document.charts)] if document.charts else [_few(document.rows)] if document.rows else []
+    tables += [_trends(trends)] if trends else []
+    return Told(headline(document), "", (*tables, *facts(_facts(document, trends))))
 
 
 def headline(document: CampaignDocument) -> str:
-    """Return how many sessions there are, and how many have no result."""
+    """Count how many sessions there are, and how many have no result."""
     done = "diagnosed" if document.diagnosed else "identified"
     failed = f", {len(document.failed)} failed" if document.failed else ""
     return f"{_sessions(len(document.rows))} {done}{failed}"
@@ -54,84 +37,69 @@ def worth_showing(trends: list[TrendDocument]) -> list[TrendDocument]:
 
 
 def _charts(charts: list[ChartDocument]) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
-    table.add_column("parameter", overflow="fold")
-    table.add_column("median", justify="right", no_wrap=True)
-    table.add_column("spread", justify="right", no_wrap=True)
-    table.add_column("stated\nerror", justify="right", no_wrap=True)
-    table.add_column("unit", no_wrap=True)
-    table.add_column("n", justify="right", no_wrap=True)
-    table.add_column("out", justify="right", no_wrap=True)
-    for chart in charts:
-        table.add_row(
-            Text(chart.parameter),
-            Text(_value(chart.centre, chart.spread)),
-            three_figures(chart.spread),
-            three_figures(chart.stated),
-            Text("" if chart.unit == "1" else chart.unit),
-            str(chart.sessions),
-            Text(str(len(chart.outside)) if chart.outside else DASH, style="red" if chart.outside else ""),
+    rows = tuple(
+        (
+            chart.parameter, _value(chart.centre, chart.spread), three_figures(chart.spread),
+            three_figures(chart.stated), typeset_unit(chart.unit), str(chart.sessions),
+            str(len(chart.outside)) if chart.outside else DASH,
         )
-    return table
+        for chart in charts
+    )  # fmt: skip
+    head = ("parameter", "median", "spread", "stated\nerror", "unit", "n", "out")
+    return Table("", head, rows)
 
 
 def _few(rows: list[CampaignRow]) -> Table:
-    """Return the sessions themselves, where they are too few for charts."""
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
-    for head in ("session", "known of it", "amplitude", "stiffness K"):
-        table.add_column(head, overflow="fold")
+    """Make the table of the sessions themselves, where they are too few for charts."""
+    lines = []
     for row in rows:
         known = ", ".join(f"{name} {value:g}" for name, value in row.conditions.items())
         found, size = row.result, row.result.amplitude
         estimate = found.parameters.get("wavelet.K")
-        table.add_row(
-            Text(found.session),
-            Text(known or DASH),
-            DASH if size is None else f"{three_figures(size)} {found.unit}",
-            DASH if estimate is None else with_unit(estimate),
+        amplitude = DASH if size is None else f"{three_figures(size)} {found.unit}"
+        lines.append(
+            (found.session, known or DASH, amplitude, DASH if estimate is None else with_unit(estimate))
         )
-    return table
+    return Table("", ("session", "known of it", "amplitude", "stiffness K"), tuple(lines), texts=4)
 
 
 def _value(value: float, error: float) -> str:
-    return with_error(value, error).partition(" ")[0] if error > 0.0 else f"{value:.6g}"
+    return f"{value:.{min(decimals_for(error), 9)}f}" if error > 0.0 and abs(value) < 1e6 else f"{value:.6g}"
 
 
 def _trends(trends: list[TrendDocument]) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
-    table.add_column("trend", overflow="fold")
-    table.add_column("slope", justify="right", no_wrap=True)
-    table.add_column("unit", overflow="fold")
-    table.add_column("p", justify="right", no_wrap=True)
-    for trend in trends:
-        style = "" if trend.sure else "dim"
-        table.add_row(
-            Text(f"{trend.parameter} against {trend.against}", style=style),
-            Text(with_error(trend.slope, trend.std), style=style),
-            Text(trend.unit, style=style),
-            Text(probability(trend.p_value), style=style),
+    rows = tuple(
+        (
+            f"{one.parameter} against {one.against}",
+            with_error(one.slope, one.std),
+            typeset_unit(one.unit),
+            probability(one.p_value),
         )
-    return table
+        for one in trends
+    )
+    return Table(
+        "", ("trend", "slope", "unit", "p"), rows, marks=tuple("" if one.sure else "weak" for one in trends)
+    )
 
 
 def _facts(document: CampaignDocument, trends: list[TrendDocument]) -> list[tuple[str, str]]:
-    facts = []
+    found = []
     if document.verdicts:
-        facts.append(("verdicts", _counts(document.verdicts)))
+        found.append(("verdicts", _counts(document.verdicts)))
     if document.names:
-        facts.append(("named", _counts(document.names)))
+        found.append(("named", _counts(document.names)))
     if document.trends and not any(trend.sure for trend in document.trends):
         looked_at = ", ".join(dict.fromkeys(t.against for t in document.trends))
-        facts.append(("trends", f"none is sure among {len(document.trends)} (against {looked_at})"))
+        found.append(("trends", f"none is sure among {len(document.trends)} (against {looked_at})"))
     elif any(not trend.sure for trend in trends):
-        facts.append(("trends", f"dim: not sure after {len(document.trends)} were looked at"))
-    facts += _outside(document)
-    facts += [("failed", f"{one.session}: {one.reason}") for one in document.failed[:MOST_FAILED]]
+        found.append(("trends", f"dim: not sure after {len(document.trends)} were looked at"))
+    found += _outside(document)
+    found += [("failed", f"{one.session}: {one.reason}") for one in document.failed[:MOST_FAILED]]
     if len(document.failed) > MOST_FAILED:
-        facts.append(("", f"and {len(document.failed) - MOST_FAILED} more"))
-    facts.append(("time", _time(document)))
-    facts.append(("kept in", document.folder))
-    return facts
+        found.append(("", f"and {len(document.failed) - MOST_FAILED} more"))
+    found.append(("time", _time(document)))
+    found.append(("kept in", document.folder))
+    return found
 
 
 def _counts(counts: dict[str, int]) -> str:

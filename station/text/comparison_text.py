@@ -1,105 +1,109 @@
-"""A comparison in one screenful of 80 columns."""
+"""A comparison as it is told: the residual, whether a sensor or physics is to blame, and where the model fails."""
 
 import numpy as np
-from rich.console import Console
-from rich.padding import Padding
-from rich.table import Table
-from rich.text import Text
 
 from identify.comparison.discrepancy_text import DiscrepancyText
 from identify.formatting import plain_name, scaled
 from station.story.compared import Compared
-from station.story.residual import floor_words, residual_words
-from station.text.layout import labelled
-from station.text.numbers import energy_scale, three_figures, with_error
+from station.story.residual import floor_words, residual_words, times
+from station.text.content import Table, Told, facts
+from station.text.layout import sentence
+from station.text.numbers import (
+    energy_scale,
+    scale,
+    three_figures,
+    typeset,
+    typeset_unit,
+    with_error,
+)
 
-ROWS, FEW_PLACES = 8, 2
-LABEL_WIDTH = 12
+MOST_CYCLES, FEW_PLACES = 12, 2
 
 
-def show_comparison(console: Console, compared: Compared, *, full: bool = False) -> None:
-    """Print the residual, whether a sensor or physics is to blame, and the worst places.
-
-    `full` adds the force error and chi-square, the noise, the errors cycle by cycle, the harmonics.
-    """
+def told(compared: Compared) -> Told:
+    """Tell a comparison."""
     found, fit, error = compared.comparison, compared.baseline.fit, compared.error
-    names = " + ".join(plain_name(name) for name in fit.model.names)
-    lines = [("model", f"{compared.words}: {names}")]
-    lines += [("", compared.remark)] if compared.remark else []
-    lines += [("fit", fit.outcome)] if not fit.converged or fit.unidentifiable else []
-    lines.append(("residual", _residual(compared)))
-    if full:
-        lines += [
-            ("chi-square", f"{three_figures(error.chi_square)} (noise alone: 1 ± {error.floor_std:.2f})"),
-            ("force error", f"{three_figures(error.force_mse_percent)} % of the mean square at the measured motion "
-             f"(noise alone: {three_figures(found.force_floor)} %)"),
-            ("noise", floor_text(compared)),
-        ]  # fmt: skip
-    lines.append(("cause", found.cause))
-    if compared.one_run:
-        lines.append(("one run", compared.one_run))
-    places = found.places if full else found.places[:FEW_PLACES]
-    lines += [(f"{place.significance:.0f} sigma", place.text) for place in places] or [("", found.summary)]
-    console.print()
-    console.print(Text(f" {compared.name}", style="bold"))
-    for label, text in lines:
-        console.print(labelled(label, text, LABEL_WIDTH))
-    console.print()
-    if full:
-        console.print(Padding(cycles(compared), (0, 0, 0, 1)))
-        console.print()
-        console.print(labelled("harmonics", harmonics_text(compared), LABEL_WIDTH))
-        console.print()
-
-
-def _residual(compared: Compared) -> str:
-    error = compared.error
-    cycles = error.horizon_s * compared.baseline.fit.frequency / (2.0 * np.pi)
-    return (
-        f"{residual_words(error.motion_percent, error.chi_square)} (noise alone: "
-        f"{three_figures(compared.motion_floor)} %, {floor_words(error.floor_std)}), in a free run of "
-        f"{three_figures(error.horizon_s)} s or {cycles:.0f} cycles"
+    cycles = error.horizon_s * fit.frequency / (2.0 * np.pi)
+    noise = (
+        f"{three_figures(compared.motion_floor)} % of the motion, {floor_words(error.floor_std)} times the noise, in a "
+        f"free run of {three_figures(error.horizon_s)} s or {cycles:.0f} cycles"
+    )
+    places = [(f"{place.significance:.0f} sigma", typeset(place.text)) for place in found.places]
+    rows = [
+        ("model", " + ".join(plain_name(name) for name in fit.model.names)),
+        ("fit", "" if fit.converged and not fit.unidentifiable else fit.outcome),
+        ("noise alone", noise),
+        ("cause", found.cause),
+        *(places[:FEW_PLACES] or [("", found.summary)]),
+    ]
+    more = [
+        ("", compared.remark),
+        ("long record", compared.one_run),
+        *places[FEW_PLACES:],
+        ("noise", floor_text(compared)),
+        ("harmonics", harmonics_text(compared)),
+    ]
+    left = residual_words(error.motion_percent, error.chi_square)
+    return Told(
+        sentence(f"{compared.words} leaves {left}"),
+        "good" if compared.judged.at_floor else "bad",
+        facts(rows),
+        (*facts(more), errors(compared), cycle_table(compared)),
     )
 
 
+def errors(compared: Compared) -> Table:
+    """Make the table of the three errors, with what noise alone leaves of each and what each means."""
+    seen, error = compared.comparison, compared.error
+    channel = f"the {seen.motion_channel}, a free run"
+    rows = (
+        ("motion", f"{three_figures(error.motion_percent)} %", f"{three_figures(compared.motion_floor)} %",
+         f"residual of {channel}, in % of its rms"),
+        ("residual", times(error.chi_square), floor_words(error.floor_std),
+         f"all channels, times the noise; its square is chi-square, {three_figures(error.chi_square)}"),
+        ("force", f"{three_figures(error.force_mse_percent)} %", f"{three_figures(seen.force_floor)} %",
+         "of the force's mean square, taken at the measured motion"),
+    )  # fmt: skip
+    return Table("", ("error", "model", "noise", "what it is"), rows, wordy=True)
+
+
 def floor_text(compared: Compared) -> str:
-    """Return the noise of each channel with its uncertainty and where it came from."""
+    """Write the noise of each channel with its uncertainty and where it came from."""
     found = compared.comparison
-    units_of = {
-        "displacement": found.unit,
-        "velocity": f"{found.unit}/s",
-        "acceleration": f"{found.unit}/s^2",
-    }
     parts = []
     for name, noise in found.floor.items():
         share = 100.0 * noise.uncertainty / noise.std if noise.std > 0 else float("nan")
-        parts.append(f"{name} {scaled(noise.std, units_of[name])} ± {share:.0f} % ({noise.source})")
-    return "; ".join(parts)
+        unit = scale(name, found.unit)[1] if name != "displacement" else found.unit
+        parts.append(f"{name} {scaled(noise.std, unit)} ± {share:.0f} % ({noise.source})")
+    return typeset("; ".join(parts))
 
 
-def cycles(compared: Compared) -> Table:
-    """Return the errors cycle by cycle, at most eight of them, evenly taken."""
+def cycle_table(compared: Compared) -> Table:
+    """Make the table of the errors cycle by cycle, evenly taken where there are many."""
     found = compared.comparison
-    units = DiscrepancyText(found.unit, found.mass)
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold")
+    done, units = found.cycles, DiscrepancyText(found.unit, found.mass)
     factor, energy = energy_scale(units)
-    for name in ("time", "amplitude", "frequency error", "energy error a cycle", "free run misfit"):
-        table.add_column(name, justify="right")
-    table.add_row("s", units.length_unit, "%", energy, "noise rms", style="dim")
-    done = found.cycles
-    for i in np.unique(np.linspace(0, len(done.time) - 1, ROWS).round().astype(int)):
-        table.add_row(
+    count = len(done.time)
+    chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_CYCLES)).round().astype(int))
+    rows = tuple(
+        (
             f"{done.time[i]:.2f}",
             units.length(float(done.amplitude[i])),
             with_error(float(done.frequency_error[i]), float(done.frequency_error_std[i])),
             with_error(float(done.energy_error[i]) * factor, float(done.energy_error_std[i]) * factor),
             f"{found.free_run_misfit[i]:.1f}",
         )
-    return table
+        for i in chosen
+    )
+    head = (
+        "time, s", f"amplitude, {units.length_unit}", "frequency off, %", f"energy off, {typeset_unit(energy)}",
+        "/ noise",
+    )  # fmt: skip
+    return Table("", head, rows, texts=0)
 
 
 def harmonics_text(compared: Compared) -> str:
-    """Return the harmonics of the residual force that stand out of the noise."""
+    """List the harmonics of the residual force that stand out of the noise."""
     found = compared.comparison
     units, orders = DiscrepancyText(found.unit, found.mass), found.harmonics
     parts = []
@@ -113,4 +117,4 @@ def harmonics_text(compared: Compared) -> str:
                 if order == 0
                 else f"{order:.0f} times the frequency: {amount} at {phase}° {sure}"
             )
-    return "; ".join(parts) if parts else "none of the residual force stands out of the noise"
+    return typeset("; ".join(parts)) or "none of the residual force stands out of the noise"

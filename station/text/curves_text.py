@@ -6,7 +6,7 @@ from identify.curves.laid_over import DecayCurves
 
 
 def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
-    """Return what points, bands and lines of the curves are; `names` are those of the releases that were given."""
+    """Explain points, bands and lines of the curves; `names` are those of the releases that were given."""
     many = len(found.releases) > 1
     kept = [names[curve.release] for curve in found.releases]
     whose = f"each of {len(kept)} releases ({', '.join(kept)})" if many else "this release"

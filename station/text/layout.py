@@ -1,20 +1,106 @@
-"""Small parts of what is printed: a line with its label, a sentence with its capital letter and full stop."""
+"""How a result is set in a terminal of 80 columns, and a clause as a sentence."""
 
-from rich.table import Table
+from collections.abc import Iterable
+from pathlib import Path
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table as Grid
 from rich.text import Text
 
-from station.text.numbers import typeset
+from station.output import screen
+from station.plain_letters import writable
+from station.text.content import Facts, Paragraph, Part, Table, Told
+from station.text.next_step import next_line
+from station.text.numbers import SPACE
+
+LABEL_WIDTH = 12
+MOST_LINES, FEWEST = 12, 1
+"""Lines that a result takes with the command that comes next, and the facts that are never left out for them."""
+
+TONES = {"good": "bold green", "bad": "bold red", "unsure": "bold yellow", "": "bold"}
+MARKS = {"named": "bold", "present": "bold", "weak": "dim", "above": "dim", "noise": "green"}
 
 
-def labelled(label: str, text: str, width: int, style: str = "") -> Table:
-    """Return a line with its label in a column of `width` characters before it."""
-    line = Table.grid(padding=(0, 1))
+def tell(told: Told, *following: str | Path, full: bool = False) -> None:
+    """Print a result on the screen, and the command that comes next."""
+    console = screen()
+    show(console, told, full=full)
+    if following:
+        console.print(next_line(*following), markup=False, soft_wrap=True)
+
+
+def show(console: Console, told: Told, *, full: bool = False) -> None:
+    """Print a result: its headline and what everybody reads; with `full` the rest."""
+    console.print(_headline(told))
+    show_parts(console, (*told.brief, *told.more) if full or not told.more else _within(console, told))
+
+
+def _headline(told: Told) -> Padding:
+    return Padding(Text(_plain(told.headline), style=TONES[told.tone]), (0, 1))
+
+
+def _within(console: Console, told: Told) -> tuple[Part, ...]:
+    """Return the brief parts without the last facts where they would take too many lines; `--full` has them."""
+    *parts, last = told.brief or (Facts(()),)
+    while isinstance(last, Facts) and len(last.rows) > FEWEST:
+        with console.capture() as lines:
+            console.print(_headline(told))
+            show_parts(console, (*parts, last))
+        if lines.get().count("\n") < MOST_LINES:
+            break
+        last = Facts(last.rows[:-1])
+    return (*parts, last)
+
+
+def show_parts(console: Console, parts: Iterable[Part]) -> None:
+    """Print parts one under another; pictures are left out."""
+    for part in parts:
+        match part:
+            case Facts():
+                for label, text in part.rows:
+                    console.print(labelled(label, text))
+            case Paragraph():
+                words = f"{part.label}: {part.text}" if part.label else part.text
+                console.print(Padding(Text(_plain(words)), (0, 1)))
+            case Table():
+                if part.caption:
+                    console.print(Text(f" {part.caption}", style="bold"))
+                console.print(Padding(grid(part), (0, 0, 0, 1)))
+
+
+def grid(table: Table) -> Grid:
+    """Set a table in columns."""
+    made = Grid(
+        box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="bold", show_header=any(table.head)
+    )
+    for place, name in enumerate(table.head):
+        words = place < table.texts or (table.wordy and place == len(table.head) - 1)
+        made.add_column(
+            Text(_plain(name)),
+            justify="left" if words else "right",
+            overflow="fold",
+            no_wrap=not words,
+        )
+    for mark, row in table.marked:
+        made.add_row(*(Text(_plain(cell), style=MARKS.get(mark, "")) for cell in row))
+    return made
+
+
+def labelled(label: str, text: str, width: int = LABEL_WIDTH, style: str = "") -> Grid:
+    """Set a line with its label in a column of `width` characters before it."""
+    line = Grid.grid(padding=(0, 1))
     line.add_column(width=width)
     line.add_column(overflow="fold")
-    line.add_row(Text(f" {label}", style="cyan"), Text(typeset(text), style=style))
+    line.add_row(Text(f" {label}", style="cyan"), Text(_plain(text), style=style))
     return line
 
 
+def _plain(text: str) -> str:
+    """Write blanks that do not break as plain ones: what is copied from a terminal is typed into another program."""
+    return writable(text.replace(SPACE, " "))
+
+
 def sentence(text: str) -> str:
-    """Return a clause as a sentence; nothing where there is none."""
-    return f"{text[0].upper()}{text[1:]}." if text else ""
+    """Write a clause as a sentence; nothing where there is none."""
+    return f"{text[0].upper()}{text[1:].rstrip('.')}." if text else ""

@@ -7,7 +7,6 @@ from typing import Protocol
 
 from identify import formatting
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.estimate import Estimate
 
 DASH = "-"
 SPACE = "\u00a0"  # keeps a number with its error and its unit on one line
@@ -32,38 +31,64 @@ class Estimated(Protocol):
         """Its unit."""
 
 
-# In a terminal.
-
-
 def _number(value: float | None) -> float:
     return math.nan if value is None else value
 
 
 def with_error(value: float | None, std: float | None) -> str:
-    """Return "13115.0 ± 0.4" with the digits that the error allows."""
-    return formatting.with_error(_number(value), _number(std))
+    """Write "13115.0 ± 2.1": the error with two figures, the value with the same decimals.
+
+    A power of ten is taken out where either would need many digits or zeros that mean nothing.
+    """
+    if value is None or not math.isfinite(value):
+        return "unknown"
+    if std is None or not math.isfinite(std) or std <= 0.0:
+        return f"{_power_of_ten(f'{value:.4g}')} (error unknown)"
+    exponent = math.floor(math.log10(max(abs(value), std)))
+    last = math.floor(math.log10(std)) - 1
+    if float(f"{std:.1e}") >= 10.0 ** (last + 2):
+        last += 1
+    if last > 0 or exponent >= math.log10(_LARGE) or 10.0**exponent < _SMALL:
+        decimals, factor = exponent - last, 10.0**exponent
+        power = f"10{str(exponent).translate(_RAISED)}"
+        return (
+            f"({value / factor:.{decimals}f}{SPACE}±{SPACE}{std / factor:.{decimals}f}){SPACE}×{SPACE}{power}"
+        )
+    return f"{value:.{-last}f}{SPACE}±{SPACE}{std:.{-last}f}"
 
 
 def with_unit(found: Estimated) -> str:
-    """Return "13115.0 ± 0.4 N/m"; without an error where none is known."""
-    return typeset(formatting.quantity(_estimate(found)))
+    """Write "13115.0 ± 2.1 N/m"; without an error where none is known."""
+    if found.value is not None and not found.std:
+        number = _power_of_ten(f"{found.value:.4g}")
+    else:
+        number = with_error(found.value, found.std)
+    return f"{number}{SPACE}{typeset_unit(found.unit)}".rstrip()
 
 
-def with_names(found: Mapping[str, Estimated]) -> list[str]:
-    """Return "fc 80.0 ± 1.2 Hz" of each parameter; of one that every release has, the range."""
-    return [
-        typeset(words)
-        for words in formatting.quantities({name: _estimate(value) for name, value in found.items()}, " ")
-    ]
-
-
-def _estimate(found: Estimated) -> Estimate:
-    return Estimate(_number(found.value), _number(found.std), found.unit)
+def with_names(found: Mapping[str, Estimated], between: str = " ") -> list[str]:
+    """Write "fc 80.0 ± 1.2 Hz" for each parameter; the range where every release has its own ("fc[0]", "fc[1]")."""
+    groups: dict[str, list[Estimated]] = {}
+    for name, value in found.items():
+        groups.setdefault(name.partition("[")[0], []).append(value)
+    texts = []
+    for name, values in groups.items():
+        text = with_unit(values[0])
+        if len(values) > 1:
+            sizes = [_number(one.value) for one in values]
+            unit = typeset_unit(values[0].unit)
+            text = f"{min(sizes):.3g} to {max(sizes):.3g} {unit} in {len(values)} releases".replace("  ", " ")
+        texts.append(f"{typeset_symbol(name)}{between}{text}")
+    return texts
 
 
 def three_figures(value: float | None) -> str:
-    """Return an error with three figures, a dash where there is none."""
-    return formatting.three_figures(_number(value))
+    """Write an error or a ratio with three figures; a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return DASH
+    if value != 0 and not _SMALL <= abs(value) < _LARGE:
+        return _power_of_ten(f"{value:.2e}")
+    return formatting.three_figures(value).rstrip(".")
 
 
 def probability(p: float | None) -> str:
@@ -74,7 +99,7 @@ def probability(p: float | None) -> str:
 
 
 def change(before: float | None, after: float | None) -> str:
-    """Return by how much something fell or rose, as a factor or in %."""
+    """Say by how much something fell or rose, as a factor or in %."""
     if not before or not after:
         return ""
     if before >= 2 * after > 0:
@@ -120,7 +145,7 @@ def energy_scale(units: DiscrepancyText) -> tuple[float, str]:
     return fine * units.force_scale, f"{prefix}{units.energy_unit}"
 
 
-# Typeset, on a page: raised powers, Greek letters, powers of ten.
+# Typeset: raised powers, Greek letters, powers of ten.
 
 
 def typeset(text: str) -> str:
@@ -143,40 +168,6 @@ def typeset_symbol(name: str) -> str:
 def lowered(number: int) -> str:
     """Return a number as an index."""
     return str(number).translate(_LOWERED)
-
-
-def typeset_error(value: float | None, std: float | None) -> str:
-    """Return "13115.0 ± 2.1": the error with two figures, the value with the same decimals.
-
-    A power of ten is taken out where either would need many digits or zeros that mean nothing.
-    """
-    if value is None or not math.isfinite(value):
-        return "unknown"
-    if std is None or not math.isfinite(std) or std <= 0.0:
-        return f"{_power_of_ten(f'{value:.4g}')} (error unknown)"
-    exponent = math.floor(math.log10(max(abs(value), std)))
-    last = math.floor(math.log10(std)) - 1
-    if float(f"{std:.1e}") >= 10.0 ** (last + 2):
-        last += 1
-    if last > 0 or exponent >= math.log10(_LARGE) or 10.0**exponent < _SMALL:
-        decimals, factor = exponent - last, 10.0**exponent
-        power = f"10{str(exponent).translate(_RAISED)}"
-        return f"({value / factor:.{decimals}f} ±{SPACE}{std / factor:.{decimals}f}){SPACE}×{SPACE}{power}"
-    return f"{value:.{-last}f} ±{SPACE}{std:.{-last}f}"
-
-
-def typeset_with_unit(found: Estimated) -> str:
-    """Return a value with its error and its unit."""
-    return f"{typeset_error(found.value, found.std)}{SPACE}{typeset_unit(found.unit)}".rstrip()
-
-
-def typeset_figures(value: float | None) -> str:
-    """Return three figures of an error, or a dash where there is none."""
-    if value is None or not math.isfinite(value):
-        return "–"
-    if value != 0 and not _SMALL <= abs(value) < _LARGE:
-        return _power_of_ten(f"{value:.2e}")
-    return three_figures(value).rstrip(".")
 
 
 def _power_of_ten(text: str) -> str:

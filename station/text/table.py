@@ -3,16 +3,23 @@
 import csv
 import io
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import fmean, stdev
 from typing import Any
 
-from identify.formatting import decimals_for
-from station.results.identification_document import IdentificationDocument, MethodDocument
-from station.text.numbers import scale, with_error
+from rich.console import Console
 
-MOST_DECIMALS = 8
+from station.results.identification_document import IdentificationDocument, MethodDocument
+from station.text.content import Paragraph, Table
+from station.text.layout import show_parts
+from station.text.numbers import DASH, SPACE, scale, typeset_symbol, typeset_unit, with_error
+
 METHODS = ("WT", "RFS")
+_RAISED = {raised: f"$^{plain}$" for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789", strict=True)}
+LATEX = {sign: f"\\{sign}" for sign in "_#%&${}"} | _RAISED | {
+    "⁻": "$^-$", "±": "$\\pm$", "×": "$\\times$", "μ": "$\\mu$", "µ": "$\\mu$", SPACE: "~",
+    **{low: f"$_{plain}$" for low, plain in zip("₀₁₂₃₄₅₆₇₈₉", "0123456789", strict=True)},
+}  # fmt: skip
 LONGEST_NAME = 22
 
 
@@ -112,13 +119,6 @@ def _mean(found: list[Cell | None]) -> Cell | None:
     return Cell(fmean(values), stdev(values) if len(values) > 1 else math.nan)
 
 
-def number(value: float, std: float) -> str:
-    """Return a value with as many decimals as two figures of its error have."""
-    if not math.isfinite(value):
-        return "-"
-    return f"{value:.{min(MOST_DECIMALS, decimals_for(std))}f}"
-
-
 def as_json(tables: Tables) -> dict[str, Any]:
     """Return both tables as a document."""
     names = [f"{name} ({method})" for name, method, _ in tables.columns]
@@ -174,107 +174,97 @@ def as_csv(tables: Tables) -> str:
     return out.getvalue()
 
 
-def as_latex(tables: Tables) -> str:
-    """Return both tables as LaTeX tabulars, without packages."""
-    kinds = "l" + "r" * (len(tables.columns) + 1)
-    lines = [f"\\begin{{tabular}}{{{kinds}}}", "\\hline"]
-    heads = [f"{_symbol(name)} ({method})" for name, method, _ in tables.columns]
-    lines.append(" & ".join(["Release", "Amplitude", *heads]) + " \\\\")
-    units = [f"{_unit(unit)}" for _, _, unit in tables.columns]
-    lines.append(" & ".join(["", "", *units]) + " \\\\ \\hline")
-    for row in tables.rows:
-        cells = [_pair(cell) for cell in row.cells]
-        amplitude = "--" if row.amplitude is None else f"{row.amplitude:.4f} {row.unit}"
-        lines.append(
-            " & ".join([f"{_escaped(row.session)}{'' if row.quotable else '$^*$'}", amplitude, *cells])
-            + " \\\\"
-        )
-    lines += ["\\hline", "\\end{tabular}", *(f"{line} \\\\" for line in _doubt(tables)), ""]
-    lines += [f"\\begin{{tabular}}{{l{'r' * len(tables.columns)}}}", "\\hline"]
-    heads = []
-    for name, _, unit in tables.columns[::2]:
-        heads += [f"{_symbol(name)} [{_unit(unit)}]", f"$\\sigma$ {_symbol(name)}"]
-    lines.append(" & ".join(["", *heads]) + " \\\\ \\hline")
-    for method, means in tables.summary:
-        line = [method]
-        for cell in means:
-            line += ["--", "--"] if cell is None else [number(cell.value, cell.std), _spread(cell)]
-        lines.append(" & ".join(line) + " \\\\")
-    lines += ["\\hline", "\\end{tabular}", ""]
-    return "\n".join(lines)
-
-
-def _pair(cell: Cell | None) -> str:
-    return "--" if cell is None else f"${number(cell.value, cell.std)} \\pm {_spread(cell)}$"
-
-
-def _spread(cell: Cell) -> str:
-    return f"{cell.std:.2g}" if math.isfinite(cell.std) else "--"
-
-
-def _symbol(name: str) -> str:
-    return "$K$" if name == "K" else f"$\\mu_{{{name.removeprefix('mu_')}}}$"
-
-
-def _unit(unit: str) -> str:
-    return unit.replace("^2", "$^2$").replace("^3", "$^3$")
-
-
-def _escaped(text: str) -> str:
-    return "".join(f"\\{sign}" if sign in "_#%&${}" else sign for sign in text)
+def told(tables: Tables) -> tuple[Table, ...]:
+    """Tell both tables, a line a release, the second only of several; unquotable releases have a star."""
+    head = [f"{typeset_symbol(name)} ({method})" for name, method, _ in tables.columns]
+    units = [typeset_unit(unit) for _, _, unit in tables.columns]
+    rows = tuple(
+        (f"{row.session}{'' if row.quotable else '*'}", _amplitude(row), *map(_cell, row.cells))
+        for row in tables.rows
+    )
+    named = tuple(f"{name} [{unit}]" for name, unit in zip(head, units, strict=True))
+    first = Table(
+        "Table 1. Identified parameters (± one standard error)", ("release", "amplitude", *named), rows
+    )
+    if len(tables.rows) < 2:
+        return (first,)
+    columns = zip(*(cells for _, cells in tables.summary), strict=True)
+    means = tuple(
+        (typeset_symbol(name), typeset_unit(unit), *map(_cell, cells))
+        for (name, _, unit), cells in zip(tables.columns[::2], columns, strict=True)
+    )
+    caption = f"Table 2. Mean and standard deviation over {len(tables.rows)} releases"
+    return first, Table(caption, ("", "unit", *METHODS), means, texts=2)
 
 
 def as_text(tables: Tables) -> str:
-    """Return both tables as text within 80 columns."""
-    out = ["Table 1. Identified parameters, one line a release (± one standard error)", ""]
-    names = [_within(f"{row.session}{'' if row.quotable else '*'}") for row in tables.rows]
-    width = max([7, *(len(name) for name in names)])
-    for first in range(0, len(tables.columns), 2):
-        name, _, unit = tables.columns[first]
-        out.append(
-            f"{'release':<{width}}  {'amplitude':>10}  {f'{name} (WT)':>18}  {f'{name} (RFS)':>18}  {unit}"
+    """Write both tables as text within 80 columns: Table 1 in pieces of one parameter each."""
+    out = io.StringIO()
+    console = Console(file=out, width=80, highlight=False, no_color=True)
+    first, *second = told(tables)
+    pieces = [
+        replace(
+            first,
+            caption=first.caption if place == 2 else "",
+            head=(*first.head[:2], *first.head[place : place + 2]),
+            rows=tuple((_within(row[0]), row[1], *row[place : place + 2]) for row in first.rows),
         )
-        for shown, row in zip(names, tables.rows, strict=True):
-            amplitude = "-" if row.amplitude is None else _length(row.amplitude, row.unit)
-            cells = [_plain(cell) for cell in row.cells[first : first + 2]]
-            out.append(f"{shown:<{width}}  {amplitude:>10}  {cells[0]:>18}  {cells[1]:>18}")
-        out.append("")
-    if doubt := _doubt(tables):
-        out += [*doubt, ""]
-    if len(tables.rows) < 2:
-        return "\n".join(out).rstrip("\n") + "\n"
-    out.append(f"Table 2. Mean and standard deviation over {len(tables.rows)} releases")
-    out.append("")
-    both = dict(tables.summary)
-    out.append(f"{'':<6}{'unit':<8}" + "".join(f"  {method:>22}" for method in both))
-    for place, (name, _, unit) in enumerate(tables.columns[::2]):
-        out.append(
-            f"{name:<6}{unit:<8}" + "".join(f"  {_plain(means[place]):>22}" for means in both.values())
+        for place in range(2, len(first.head), 2)
+    ]
+    for piece in (*pieces, *second):
+        show_parts(console, [piece])
+    show_parts(console, [Paragraph(words) for words in doubt(tables)])
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
+
+
+def as_latex(tables: Tables) -> str:
+    """Write both tables as LaTeX tabulars, without packages."""
+    return "\n".join([*map(_tabular, told(tables)), *(f"{words} \\\\" for words in doubt(tables)), ""])
+
+
+def _tabular(table: Table) -> str:
+    kinds = "l" * table.texts + "r" * (len(table.head) - table.texts)
+    lines = [" & ".join(map(_escaped, row)) + " \\\\" for row in (table.head, *table.rows)]
+    return "\n".join(
+        (
+            f"\\begin{{tabular}}{{{kinds}}}",
+            "\\hline",
+            lines[0],
+            "\\hline",
+            *lines[1:],
+            "\\hline",
+            "\\end{tabular}",
         )
-    return "\n".join(out) + "\n"
+    )
+
+
+def _escaped(text: str) -> str:
+    return "".join(LATEX.get(sign, sign) for sign in text)
+
+
+def _amplitude(row: Row) -> str:
+    if row.amplitude is None:
+        return DASH
+    factor, unit = scale("displacement", row.unit)
+    return f"{abs(row.amplitude) * factor:.4g} {unit}"
 
 
 def _within(name: str) -> str:
-    """Return a name, its middle left out where it is longer than a table of 80 columns has place for."""
+    """Leave out the middle of a name that is longer than a table of 80 columns has place for."""
     return name if len(name) <= LONGEST_NAME else f"{name[:10]}..{name[12 - LONGEST_NAME :]}"
 
 
-def _doubt(tables: Tables) -> list[str]:
-    """Return the note under a table in which values stand that must not be quoted."""
+def doubt(tables: Tables) -> list[str]:
+    """Write the note under a table in which values stand that must not be quoted."""
     if all(row.quotable for row in tables.rows):
         return []
     return [
-        "* do not quote: the identified model does not explain this record, the",
-        "  methods disagree, or its sampling rate is not known well enough.",
+        "* do not quote: the identified model does not explain this record, the methods disagree, or its sampling rate is "
+        "not known well enough."
     ]
 
 
-def _plain(cell: Cell | None) -> str:
+def _cell(cell: Cell | None) -> str:
     if cell is None:
-        return "-"
+        return DASH
     return with_error(cell.value, cell.std) if math.isfinite(cell.std) else f"{cell.value:.4g} (one)"
-
-
-def _length(value: float, unit: str) -> str:
-    factor, text = scale("displacement", unit)
-    return f"{value * factor:.4g} {text}"

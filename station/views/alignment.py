@@ -9,6 +9,8 @@ import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from station.story.identification import Identification
+from station.text.identification_text import lag_words, uncorrected
+from station.text.layout import sentence
 from station.text.numbers import with_error
 from station.views import log, palette
 from station.views.figure import figure, legend
@@ -186,30 +188,12 @@ def _damping(stream: rr.RecordingStream, result: Identification) -> None:
 
 
 def summary(result: Identification) -> str:
-    """Return the lag and what it would have done, as markdown."""
-    found = result.alignment
-    if found is None:
-        return f"## Not aligned\n\n{result.refusals.get('alignment', 'There is one channel only.')}"
-    lag = found.lag
-    late = "late" if lag.value >= 0 else "early"
-    text = (
-        f"## The displacement is {late} by {abs(lag.value) * 1e6:.1f} ± {lag.std * 1e6:.1f} us\n\n"
-        f"Gain of the acceleration against it: {with_error(found.gain.value, found.gain.std)}. Found by {found.method}; "
-        "no law of force is used.\n\n"
-    )
-    if found.caution:
-        text += f"**Caution**: {found.caution}\n\n"
-    without, with_ = result.without_alignment, result.restoring_force
-    if without is not None and with_ is not None and min(len(without.damping), len(with_.damping)) > 1:
-        omega_squared = with_.stiffness.value / (result.decay.mass or 1.0)
-        text += (
-            "## Without the correction\n\nthe restoring force surface would have given "
-            f"mu_1 = **{without.damping[1].value:.3f} {without.damping[1].unit}** instead of "
-            f"**{with_.damping[1].value:.3f} {with_.damping[1].unit}**. A displacement late by the lag adds omega_0^2 "
-            "times it: "
-            f"{omega_squared * lag.value:+.3f} {with_.damping[1].unit}."
-        )
-    return text
+    """Say what the lag is and what it would have done, as markdown."""
+    words = f"## Lag\n\n{sentence(lag_words(result))}"
+    if result.alignment is not None:
+        words += f"\n\nFound by {result.alignment.method}; no law of force is used."
+    warning = uncorrected(result)
+    return f"{words}\n\nWithout the correction {warning}." if warning else words
 
 
 def tab(result: Identification) -> rrb.Container | None:

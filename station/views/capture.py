@@ -6,8 +6,9 @@ import rerun.blueprint as rrb
 
 from identify.free_decay import FreeDecay
 from station.story.identification import Identification
+from station.text.content import markdown
+from station.text.identification_text import told
 from station.text.numbers import scale
-from station.text.terminal import KINDS
 from station.views import log, palette
 
 
@@ -26,7 +27,7 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
         label = f"{channel} [{unit}]"
         log.series(stream, f"/capture/{channel}", decay.time, values, label, palette.CHANNEL[channel])
     _states(stream, result)
-    log.markdown(stream, "/capture/facts", facts(name, result))
+    log.markdown(stream, "/capture/facts", f"# {name}\n\n{markdown(told(name, result).brief[:1])}")
 
 
 def _states(stream: rr.RecordingStream, result: Identification) -> None:
@@ -41,31 +42,6 @@ def _states(stream: rr.RecordingStream, result: Identification) -> None:
         stream.set_time(log.TIMELINE, duration=time)
         stream.log("/capture/mass", rr.StateChange(state=state))
     stream.reset_time()
-
-
-def facts(name: str, result: Identification) -> str:
-    """Return what is known of the capture, as markdown."""
-    decay, release = result.decay, result.release
-    rest = (release.rest[1] - release.rest[0]) / decay.rate
-    lines = [
-        f"# {name}",
-        "",
-        "| | |",
-        "|---|---|",
-        f"| rate | {decay.rate:g} Hz |",
-        f"| samples | {len(decay)} ({len(decay) / decay.rate:.2f} s), {result.lost_samples} lost |",
-        f"| rest before | {rest:.2f} s |",
-        f"| release | at {release.time_s:.4f} s |",
-        f"| kind | {KINDS[release.kind]} |",
-        f"| mass | {'not given' if decay.mass is None else f'{decay.mass:g} kg'} |",
-    ]
-    for channel in channels(decay):
-        noise = getattr(decay, f"noise_{channel}")
-        factor, unit = scale(channel, decay.unit, fine=True)
-        text = "unknown" if noise is None else f"{noise * factor:.3g} {unit} rms"
-        lines.append(f"| noise, {channel} | {text} |")
-    lines += [f"\n**{step.replace('_', ' ')}**: {reason}" for step, reason in result.refusals.items()]
-    return "\n".join(lines)
 
 
 def tab(result: Identification) -> rrb.Container:

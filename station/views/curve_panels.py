@@ -11,14 +11,12 @@ from identify.curves.amplitude_curve import AmplitudeCurve
 from identify.curves.laid_over import DecayCurves, LaidOver
 from identify.formatting import plain_name
 from station.text.numbers import scale
-from station.views import palette
 from station.views.plots import Look, literal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-COLOURS_ON_SCREEN = ("#56b4e9", "#e69f00", "#28be8c", "#d68bba", "#f0e442", "#c8ced6")
-COLOURS_ON_PAPER = ("#0072b2", "#b35900", "#00795a", "#a0527f", "#6b6b00", "#444444")
+COLOURS = ("#0072b2", "#b35900", "#00795a", "#a0527f", "#6b6b00", "#444444")
 MARKS = ("o", "s", "^", "v", "D", "P")
 WIDTHS = {"usual": 0.9, "named": 2.2, "rival": 1.2}
 RIVALS = ("--", ":")
@@ -38,7 +36,7 @@ class Panel:
     factor: float
 
     def values(self, curve: AmplitudeCurve) -> Array:
-        """Return what is drawn of a curve, (n,)."""
+        """Take the values of a curve that are drawn, (n,)."""
         return np.asarray(getattr(curve, self.what) * self.factor)
 
     def band(self, curve: AmplitudeCurve) -> Array:
@@ -51,11 +49,10 @@ PANELS = (Panel(FREQUENCY, "frequency", 1.0), Panel(DAMPING, "damping", 100.0))
 
 def draw_panels(axes: Sequence["Axes"], found: DecayCurves, names: Sequence[str], look: Look) -> None:
     """Draw releases as points with bands of two standard errors, laws as lines; `names` are the releases'."""
-    colours = COLOURS_ON_SCREEN if look.ink == palette.INK else COLOURS_ON_PAPER
     factor, unit = scale("displacement", found.unit)
     for axis, panel in zip(axes, PANELS, strict=True):
         for place, curve in enumerate(found.releases):
-            _release(axis, panel, curve, factor, colours[place % len(colours)], MARKS[place % len(MARKS)])
+            _release(axis, panel, curve, factor, COLOURS[place % len(COLOURS)], MARKS[place % len(MARKS)])
         rivals = [laid for laid in found.laws if laid.law.role == "rival"]
         for laid in found.laws:
             style = RIVALS[rivals.index(laid) % len(RIVALS)] if laid in rivals else "-"
@@ -90,7 +87,7 @@ def _law(axis: "Axes", panel: Panel, laid: LaidOver, factor: float, look: Look, 
 
 
 def label(laid: LaidOver) -> str:
-    """Return how a law is called in a legend."""
+    """Say how a law is called in a legend."""
     name = plain_name(laid.law.name)
     return {"usual": name, "named": f"with {name}", "rival": f"or {name}"}[laid.law.role]
 

@@ -1,4 +1,4 @@
-"""Pictures with real axes and units, dark as the viewer is."""
+"""Pictures with real axes and units, in ink that stands out from a light and from a dark ground."""
 
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 DOTS_PER_INCH = 150
 
 STYLE: dict[Any, Any] = {
-    "figure.facecolor": palette.PANEL,
-    "axes.facecolor": palette.PANEL,
+    "figure.facecolor": "white",
+    "axes.facecolor": "none",
     "axes.edgecolor": palette.FAINT,
     "axes.labelcolor": palette.INK,
     "axes.titlecolor": palette.INK,

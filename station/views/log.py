@@ -10,6 +10,7 @@ import rerun.blueprint as rrb
 from numpy.typing import NDArray
 from rerun.blueprint.archetypes import PlotBackground
 
+from station.text.numbers import typeset
 from station.views import palette
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def series(
     width: float = 1.5,
 ) -> None:
     """Log a curve over the record's time in s; the name carries the unit."""
-    style = rr.SeriesLines(colors=colour, names=name, widths=width, aggregation_policy="MinMax")
+    style = rr.SeriesLines(colors=colour, names=typeset(name), widths=width, aggregation_policy="MinMax")
     _scalars(stream, path, time, values, style)
 
 
@@ -45,7 +46,7 @@ def points(
     size: float = 2.5,
 ) -> None:
     """Log points over the record's time in s; the name carries the unit."""
-    style = rr.SeriesPoints(colors=colour, names=name, marker_sizes=size, markers="circle")
+    style = rr.SeriesPoints(colors=colour, names=typeset(name), marker_sizes=size, markers="circle")
     _scalars(stream, path, time, values, style)
 
 
@@ -68,7 +69,7 @@ def picture(
 ) -> None:
     """Log a picture with real axes, and beside it the numbers that it shows."""
     buffer = BytesIO()
-    figure.savefig(buffer, format="png", facecolor=palette.PANEL)
+    figure.savefig(buffer, format="png", facecolor=palette.ground.get())
     stream.log(path, rr.EncodedImage(contents=buffer.getvalue(), media_type="image/png"), static=True)
     columns = {name: np.asarray(values, dtype=np.float64).ravel() for name, values in numbers.items()}
     stream.log(f"{path}/numbers", rr.AnyValues(drop_untyped_nones=True, **columns), static=True)
@@ -94,11 +95,11 @@ def _over_time(name: str, contents: list[str], between: tuple[float, float] | No
     return rrb.TimeSeriesView(
         origin="/",
         contents=contents,
-        name=name,
+        name=typeset(name),
         axis_x=rrb.TimeAxis(link="LinkToGlobal"),
         axis_y=axis,
         plot_legend=rrb.PlotLegend("RightTop", visible=legend),
-        background=PlotBackground(color=palette.BACKGROUND, show_grid=True),
+        background=PlotBackground(show_grid=True),
     )
 
 
@@ -117,7 +118,7 @@ def blueprint(tabs: Sequence[rrb.Container], *, active: int = 0, follow: bool = 
 
 def shown_picture(name: str, path: str) -> rrb.View:
     """Return a view of one picture."""
-    return rrb.Spatial2DView(origin=path, contents=[path], name=name, background=palette.BACKGROUND)
+    return rrb.Spatial2DView(origin=path, contents=[path], name=name)
 
 
 def document(name: str, path: str) -> rrb.View:

@@ -10,14 +10,14 @@ VARIABLE = "STATION_VIEWER"
 
 
 def open_url() -> str | None:
-    """Return where a viewer listens: as the environment says (STATION_VIEWER), or Rerun's own port; None if none does."""
+    """Find where a viewer listens: as the environment says (STATION_VIEWER), or Rerun's own port; None if none does."""
     url = os.environ.get(VARIABLE) or f"rerun+http://{HOST}:{PORT}/proxy"
     parts = urlsplit(url)
     return url if parts.hostname and parts.port and answers(parts.hostname, parts.port) else None
 
 
 def url_or_new() -> str | None:
-    """Return where a viewer listens, after starting one if a window can be opened; None where there is no screen."""
+    """Find where a viewer listens, after starting one if a window can be opened; None where there is no screen."""
     found = open_url()
     if found is not None or not has_screen():
         return found

@@ -1,18 +1,27 @@
-"""One colour for one thing, in every tab; distinct for colour-blind eyes (after Okabe and Ito)."""
+"""One colour for one thing, in every tab; distinct for colour-blind eyes (after Okabe and Ito).
 
-BACKGROUND = (16, 18, 22)
-PANEL = "#101216"
-INK = "#d7dce2"
-FAINT = "#59616b"
+The viewer is light or dark as its page is: every colour stands out from white and from black. A picture alone needs a
+ground, since the viewer draws nothing through it.
+"""
 
-MEASURED = (200, 206, 214)
-DISPLACEMENT = (86, 180, 233)
-VELOCITY = (240, 228, 66)
-ACCELERATION = (230, 159, 0)
-WAVELET = (214, 139, 186)
-FORCE = (40, 190, 140)
-WRONG = (225, 96, 30)
-REFERENCE = (120, 130, 142)
+from contextvars import ContextVar
+
+GROUNDS = {True: "#0d1011", False: "#ffffff"}
+"""The ground of a picture, by whether the viewer is dark."""
+
+ground: ContextVar[str] = ContextVar("ground", default=GROUNDS[True])
+
+INK = "#7d8791"
+FAINT = "#8d959e"
+
+MEASURED = (125, 135, 145)
+DISPLACEMENT = (30, 136, 200)
+VELOCITY = (170, 130, 0)
+ACCELERATION = (215, 125, 0)
+WAVELET = (190, 100, 160)
+FORCE = (0, 150, 110)
+WRONG = (215, 90, 25)
+REFERENCE = (130, 138, 148)
 
 CHANNEL = {"displacement": DISPLACEMENT, "velocity": VELOCITY, "acceleration": ACCELERATION}
 

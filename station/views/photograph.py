@@ -13,12 +13,23 @@ from station.views.viewer import HOST, free_ports, start
 
 START_S = 30.0
 PAINT_S = 12.0
-ADVICE = "without a screen it needs a software Vulkan driver (Debian: mesa-vulkan-drivers)"
+ADVICE = "without a screen it needs a software Vulkan driver (Debian: mesa-vulkan-drivers, or chromium, which brings one)"
+DRIVERS = (Path("/usr/share/vulkan/icd.d"), Path("/etc/vulkan/icd.d"))
+BROWSERS = (Path("/usr/lib/chromium"), Path("/usr/lib/chromium-browser"), Path("/opt/google/chrome"))
+BROKEN = (RuntimeError, ConnectionError, OSError, ValueError)
+"""What the viewer's library raises when the viewer has gone."""
 
 
 def photograph(file: Path, folder: Path, size: str = "1600x900") -> list[Path]:
     """Write one PNG for each tab of a recording into `folder`; return their paths in the order of the tabs."""
     folder.mkdir(parents=True, exist_ok=True)
+    try:
+        return _photographs(file, folder, size)
+    except BROKEN as error:
+        raise Problem(f"the viewer ended before its pictures were taken ({error}); {ADVICE}") from error
+
+
+def _photographs(file: Path, folder: Path, size: str) -> list[Path]:
     pictures = []
     with _viewer(size) as client:
         client.open(str(file.resolve()))
@@ -36,19 +47,25 @@ def photograph(file: Path, folder: Path, size: str = "1600x900") -> list[Path]:
 
 
 def _tabs(layout: dict[str, Any]) -> dict[str, str]:
-    for part in layout.values():
-        container = part.get("ContainerBlueprint", {})
-        if container.get("container_kind") == "Tabs":
-            contents = container["contents"]
+    """Return the names of the outermost tabs by their paths."""
+    parts = {path: part.get("ContainerBlueprint", {}) for path, part in layout.items()}
+    inner = {f"/{one}" for part in parts.values() for one in _contents(part)}
+    for path, part in parts.items():
+        if part.get("container_kind") == "Tabs" and path not in inner:
             return {
-                path: _name(layout.get(f"/{path}", {})) or f"tab {number}"
-                for number, path in enumerate([contents] if isinstance(contents, str) else contents)
+                one: _name(layout.get(f"/{one}", {})) or f"tab {number}"
+                for number, one in enumerate(_contents(part))
             }
     raise Problem("the recording has no tabs to take pictures of")
 
 
+def _contents(part: dict[str, Any]) -> list[str]:
+    found = part.get("contents", [])
+    return [found] if isinstance(found, str) else list(found)
+
+
 def _name(part: dict[str, Any]) -> str:
-    """Return what a tab is called: it is a container, or a single view."""
+    """Read the name of a tab: it is a container, or a single view."""
     blueprint = part.get("ContainerBlueprint") or part.get("ViewBlueprint") or {}
     return str(blueprint.get("display_name", ""))
 
@@ -56,12 +73,25 @@ def _name(part: dict[str, Any]) -> str:
 @contextlib.contextmanager
 def _viewer(size: str) -> Iterator[ViewerClient]:
     (port,) = free_ports(1)
-    process = start("--headless", "--port", str(port), "--window-size", size, "--hide-welcome-screen")
+    process = start(
+        "--headless", "--port", str(port), "--window-size", size, "--hide-welcome-screen", more=_driver()
+    )
     try:
         yield _connected(f"rerun+http://{HOST}:{port}/proxy")
     finally:
         process.terminate()
         process.wait(timeout=10)
+
+
+def _driver() -> dict[str, str]:
+    """Return the environment in which a browser's own software Vulkan is found, where the system has no driver."""
+    if any(folder.is_dir() and any(folder.iterdir()) for folder in DRIVERS):
+        return {}
+    for folder in BROWSERS:
+        driver = folder / "vk_swiftshader_icd.json"
+        if driver.is_file() and (folder / "libvulkan.so.1").is_file():
+            return {"VK_ICD_FILENAMES": str(driver), "LD_LIBRARY_PATH": str(folder)}
+    return {}
 
 
 def _connected(url: str) -> ViewerClient:
@@ -72,7 +102,7 @@ def _connected(url: str) -> ViewerClient:
             client = ViewerClient.connect(url)
             client.get_state()
             return client
-        except (RuntimeError, ConnectionError, OSError, ValueError) as error:
+        except BROKEN as error:
             last = error
             time.sleep(0.2)
     raise Problem(f"the viewer did not start ({last}); {ADVICE}")

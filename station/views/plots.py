@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 LEAST = 0.7
 LEAST_SHARE = 1e-6
-MOST_DOTS = 500
+MOST_DOTS = 250
 TOO_MANY_DOTS = 60
 
 
@@ -45,7 +45,7 @@ SCREEN = Look(
     measured=palette.css(palette.MEASURED),
     model=palette.css(palette.FORCE),
     second=palette.css(palette.ACCELERATION),
-    noise="#13402f",
+    noise="#00966e44",
     bar=palette.css(palette.FORCE),
 )
 

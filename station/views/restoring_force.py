@@ -45,7 +45,7 @@ class Cube:
         self.labels = (
             f"displacement ± {self.scale[0] * factor:g} {unit}",
             f"velocity ± {self.scale[1]:g} {length}/s",
-            f"force per unit mass ± {self.scale[2]:g} {length}/s^2",
+            f"force per unit mass ± {self.scale[2]:g} {length}/s²",
         )
 
     def place(self, u: Array, v: Array, force: Array) -> Array:
@@ -57,7 +57,7 @@ class Cube:
         """Log the frame: a floor with grid lines, and one labelled axis for each quantity."""
         steps = np.linspace(-1, 1, 5)
         floor = [[[x, -1, -1], [x, 1, -1]] for x in steps] + [[[-1, y, -1], [1, y, -1]] for y in steps]
-        faint = (70, 76, 84)
+        faint = palette.REFERENCE
         stream.log(f"{ROOT}/surface/floor", rr.LineStrips3D(floor, colors=faint, radii=0.002), static=True)
         axes = [[[-1, -1, -1], [1, -1, -1]], [[1, -1, -1], [1, 1, -1]], [[-1, -1, -1], [-1, -1, 1]]]
         colours = [palette.DISPLACEMENT, palette.VELOCITY, palette.ACCELERATION]
@@ -173,7 +173,6 @@ def tab(result: Identification) -> rrb.Container:
     surface = rrb.Spatial3DView(
         origin=f"{ROOT}/surface",
         name="Restoring force surface (points: measured)",
-        background=palette.BACKGROUND,
         line_grid=False,
         eye_controls=rrb.EyeControls3D(
             position=(-1.55, -2.9, 1.55), look_target=(0.08, 0.0, -0.1), eye_up=(0.0, 0.0, 1.0)

@@ -3,11 +3,10 @@
 import rerun as rr
 import rerun.blueprint as rrb
 
-from station.story.adequacy import judgement
 from station.story.identification import Identification
-from station.text.layout import sentence
+from station.text.content import markdown
+from station.text.identification_text import told
 from station.text.numbers import scale
-from station.text.terminal import rows, uncorrected
 from station.views import log, palette
 from station.views.log import Array
 
@@ -16,7 +15,8 @@ ROOT = "/results"
 
 def write(stream: rr.RecordingStream, name: str, result: Identification) -> None:
     """Log the table, the decay rebuilt from the parameters, and the force rebuilt from its fit."""
-    log.markdown(stream, f"{ROOT}/table", table(name, result))
+    found = told(name, result)
+    log.markdown(stream, f"{ROOT}/table", f"**{found.headline}**\n\n{markdown(found.brief)}")
     _decay(stream, result)
     _force(stream, result)
 
@@ -53,26 +53,6 @@ def _pair(
     colour = palette.WAVELET if what == "decay" else palette.FORCE
     log.series(stream, f"{ROOT}/{what}/measured", time, measured, f"measured [{unit}]", palette.MEASURED, 4.5)
     log.series(stream, f"{ROOT}/{what}/model", time, model, f"model [{unit}]", colour, 1.5)
-
-
-def table(name: str, result: Identification) -> str:
-    """Return both methods side by side, as markdown: first whether the values may be quoted."""
-    found = result.adequacy
-    judged = () if found is None else ("", f"**{sentence(judgement(found))}**")
-    lines = [f"# {name}", *judged, "", "| | unit | wavelet | restoring force |", "|---|---|---:|---:|"]
-    lines += [f"| {label} | {unit} | {wavelet} | {force} |" for label, unit, wavelet, force in rows(result)]
-    if result.decay.mass is None:
-        lines.append("\nNo mass was given: the stiffness is per unit mass.")
-    if result.wavelet is not None:
-        lines.append(f"\n**Wavelet**: {result.wavelet.reason}")
-    if result.restoring_force is not None:
-        lines.append(f"\n**Restoring force**: {result.restoring_force.reason}")
-    for step, reason in result.refusals.items():
-        lines.append(f"\n**{step.replace('_', ' ').capitalize()}**: {reason}")
-    warning = uncorrected(result)
-    if warning:
-        lines.append(f"\nWithout {warning}.")
-    return "\n".join(lines)
 
 
 def tab(result: Identification) -> rrb.Container:

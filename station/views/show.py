@@ -6,7 +6,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from station.story.identification import Identification
-from station.views import alignment, capture, log, restoring_force, results, wavelet
+from station.views import alignment, capture, log, palette, restoring_force, results, wavelet
 from station.views.tab import Tab
 
 APPLICATION = "free-decay-station"
@@ -15,8 +15,11 @@ TABS = (capture, alignment, wavelet, restoring_force, results)
 NAMES = ("Capture", "Alignment", "Wavelet", "Restoring force", "Results")
 
 
-def write(file: Path, name: str, result: Identification, more: tuple[Tab, ...] = ()) -> None:
-    """Write the recording with its blueprint to `file`; `more` are tabs of what else is known of the session."""
+def write(
+    file: Path, name: str, result: Identification, more: tuple[Tab, ...] = (), *, dark: bool = True
+) -> None:
+    """Write the recording with its blueprint to `file`, for a dark or a light viewer; `more` are further tabs."""
+    palette.ground.set(palette.GROUNDS[dark])
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
     stream.save(file, default_blueprint=blueprint(result, more=more))
     _fill(stream, name, result, more)

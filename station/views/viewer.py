@@ -17,7 +17,7 @@ PATIENCE_S = 0.3
 
 
 def has_screen() -> bool:
-    """Return whether a window can be opened here."""
+    """Tell whether a window can be opened here."""
     if sys.platform in ("win32", "darwin"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
@@ -42,15 +42,15 @@ def executable() -> str:
     return found
 
 
-def start(*arguments: str) -> "subprocess.Popen[bytes]":
-    """Start a viewer as a process of its own, listening on 127.0.0.1 only."""
+def start(*arguments: str, more: dict[str, str] | None = None) -> "subprocess.Popen[bytes]":
+    """Start a viewer as a process of its own, listening on 127.0.0.1 only; `more` joins its environment."""
     return subprocess.Popen(
         [executable(), *arguments, "--bind", HOST],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
-        env=os.environ | {"RUST_LOG": "error"},
+        env=os.environ | {"RUST_LOG": "error"} | (more or {}),
     )
 
 
@@ -72,7 +72,7 @@ def free_ports(count: int) -> list[int]:
 
 
 def answers(host: str, port: int) -> bool:
-    """Return whether somebody listens there."""
+    """Tell whether somebody listens there."""
     try:
         socket.create_connection((host, port), timeout=PATIENCE_S).close()
     except OSError:

@@ -17,7 +17,7 @@ from station.workbench.viewer_files import serve_viewer
 from station.workbench.worker import WorkerPool
 
 STATIC = Path(__file__).parent / "static"
-SCRIPTS = ("bench", "plot", "stage", "map", "cursors", "scope")
+SCRIPTS = ("bench", "stage")
 """In the order in which they need each other."""
 
 ICON = (

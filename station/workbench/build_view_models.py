@@ -16,7 +16,7 @@ from station.story.compared import Compared
 from station.text.numbers import energy_scale, scale, typeset
 from station.workbench import view_models
 
-MOST_POINTS = 6000
+MOST_POINTS = 3000
 EYE = 2000
 MOST_PLACES = 3
 
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 def picture_of(compared: Compared) -> view_models.Picture:
-    """Return what the details of the page draw."""
+    """Make the picture that the tab Curves draws."""
     found, error = compared.comparison, compared.error
     units = DiscrepancyText(found.unit, found.mass)
     step = max(1, math.ceil(len(found.time) / MOST_POINTS))
@@ -101,7 +101,7 @@ def equations_of(ladder: KeptLadder) -> dict[str, str]:
 
 
 def results_stamp(folder: Path) -> tuple[int, ...]:
-    """Return what changes when a command, or another tab, has written results."""
+    """Read a stamp that changes when a command, or another tab, has written results."""
     stamp = []
     for name in (LADDER, diagnosis_document.NAME):
         try:

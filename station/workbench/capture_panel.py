@@ -179,7 +179,7 @@ class CapturePanel:
 
 
 def _is_past(run: CaptureRun, chosen: str | None) -> bool:
-    """Return whether a capture ended before this tab was opened, and is of another session or of none."""
+    """Tell whether a capture ended before this tab was opened, and is of another session or of none."""
     now = run.now
     return now.finished and (now.session is None or now.session.name != chosen)
 

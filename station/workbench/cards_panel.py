@@ -1,6 +1,4 @@
-"""The suspects as cards under the map: pointing at one previews it, a click puts it into the model."""
-
-from functools import partial
+"""The suspects as cards under the maps: pointing at one previews it, a click selects it, Add puts it into the model."""
 
 from nicegui import ui
 
@@ -34,19 +32,22 @@ class CardsPanel:
         with ui.element("section").classes("suspects").props('aria-label="Suspects"'):
             with widgets.line("suspects-head"):
                 self._head = widgets.label("", "strong wrap grow verdict").props("aria-live=polite")
+                self._add_it = widgets.button("Add", lambda: None, strong=True).props("id=add-selected")
+                self._add_it.on(
+                    "click", lambda e: self._add(e.args), js_handler="() => emit(bench.state.selected)"
+                )
+                self._ask = widgets.button("Diagnose", self._diagnose, strong=True)
                 self._more = ui.element("div")
                 self._reveal = widgets.button("Reveal the mystery", self._say_hidden)
                 self._others.build()
-                self._ask = widgets.button("Diagnose", self._diagnose, strong=True)
                 self._again = widgets.button("Diagnose again", self._diagnose)
                 self._all = widgets.button(
                     "Add all",
                     lambda: self._session.start("Refining", "refine", long=True),
                     "Add all that is missing",
                 )
-            with ui.element("div").classes("cards"):
-                self._row = ui.element("div").classes("cards-row")
-                self._own.build()
+            self._row = ui.element("div").classes("cards")
+            self._own.build()
 
     async def _say_hidden(self) -> None:
         try:
@@ -70,6 +71,7 @@ class CardsPanel:
         self._shown = now
         self._head.text = _headline(document, view.ladder, floor)
         self._head.classes(remove="good bad", add="good" if floor else "")
+        self._add_it.set_visibility(not floor and document is not None and bool(document.suspects))
         self._ask.set_visibility(not floor and document is None)
         self._again.set_visibility(not floor and document is not None)
         self._all.set_visibility(document is not None and not floor and bool(document.suspects))
@@ -101,13 +103,10 @@ class CardsPanel:
             ui.element("div").classes("why"),
         ):
             widgets.label(typeset(document.explanation), "wrap")
-            predicted = predicted_parts(document)
-            if predicted:
-                widgets.label(sentence(predicted), "small wrap")
-            if document.rivals:
-                widgets.label(sentence(not_distinguishable(document)), "small wrap strong")
+            for text in (sentence(predicted_parts(document)), sentence(not_distinguishable(document))):
+                widgets.label(text, "small wrap")
             for finding in document.findings:
-                widgets.label(f"Sensor: {found_in_sensor(finding)}; {finding.what_to_do}", "small wrap bad")
+                widgets.label(f"Sensor: {found_in_sensor(finding, advice=True)}", "small wrap bad")
             widgets.label("Record next", "small strong")
             widgets.label(document.next_experiment, "small wrap")
 
@@ -119,49 +118,51 @@ class CardsPanel:
 
     def _curve(self, words: str) -> None:
         """Offer what the model lacks as it was measured, where nothing that has a name may fit."""
-        called = "the measured curve"
-        with self._button(MEASURED_CURVE, called, words, ""):
-            widgets.label("a spline of what is left, over the coordinate that it depends on", "taken")
-            widgets.label("has no name; other releases test it", "taken")
+        self._button(
+            MEASURED_CURVE, "the measured curve", words, "a spline of the residual, without a name", ""
+        )
 
-    def _button(self, name: str, called: str, words: str, classes: str) -> ui.element:
-        """Return a card with its fingerprint and what it would explain; used as a context."""
+    def _card(self, suspect: SuspectDocument, view: view_models.View) -> None:
+        name, top = suspect.effect, view.ladder.top
+        words = explained_words(top.error.chi2, suspect.error_after, top.chi2_std)
+        self._button(
+            name,
+            plain(name),
+            words if suspect.claimed else "no better than chance",
+            view.equations.get(name, suspect.title),
+            "" if suspect.claimed else "weak",
+        )
+
+    @staticmethod
+    def _button(name: str, called: str, words: str, equation: str, classes: str) -> None:
+        """Show a card: pointing at it previews the model with it, a click selects it."""
         card = ui.element("button").classes(f"card-suspect {classes}")
         card.props["type"] = "button"
         card.props["data-preview"] = name
-        card.props["data-commits"] = "1"
-        card.props["aria-label"] = f"Add {called}: {words}"
-        card.on("click", partial(self._add, name, called))
+        card.props["aria-label"] = f"Select {called}: {words}"
         with card:
-            picture = ui.element("canvas").classes("fingerprint")
-            picture.props["data-effect"] = name
-            with ui.element("div").classes("card-top"):
-                widgets.label(f"{called[:1].upper()}{called[1:]}", "name")
-                widgets.label(words, "explains")
-        return card
-
-    def _card(self, suspect: SuspectDocument, view: view_models.View) -> None:
-        name = suspect.effect
-        words = explained_words(view.ladder.top.error.chi2, suspect.error_after, view.ladder.top.chi2_std)
-        with self._button(name, plain(name), words, "" if suspect.claimed else "weak"):
-            equation = view.equations.get(name, suspect.title)
+            widgets.label(f"{called[:1].upper()}{called[1:]}", "name")
+            widgets.label(words.replace("would explain", "explains"), "explains")
             widgets.label(equation, "mono equation").props["title"] = equation
-            close = [plain(other) for other in suspect.confusable_with[:2]]
-            taken = f"taken for: {', '.join(close)}" if close else ""
-            widgets.label(taken if suspect.claimed else "no better than chance", "taken")
 
-    def _add(self, name: str, called: str) -> None:
-        self._session.start(f"Adding {called}", "add", name)
+    def _add(self, name: str | None) -> None:
+        if name is not None:
+            called = "the measured curve" if name == MEASURED_CURVE else plain(name)
+            self._session.start(f"Adding {called}", "add", name)
 
 
 def _headline(document: DiagnosisDocument | None, ladder: KeptLadder, floor: bool) -> str:
     if floor:
-        return "Nothing is missing: what is left is noise."
+        return "Nothing is missing: the residual is noise."
     if document is None:
         return "What is missing?"
     if not document.named:
-        return "What is missing has no name here." if document.suspects else typeset(document.explanation)
+        return (
+            "Something is missing that has no name here."
+            if document.suspects
+            else typeset(document.explanation)
+        )
     named = " and ".join(plain(name) for name in document.named)
     if document.verdict == "sensor_fault":
-        return f"A sensor is at fault: {named}. Point at the cards."
-    return f"It looks like {named}. Point at the cards."
+        return f"A sensor is at fault: {named}."
+    return f"The missing effect is {named}."

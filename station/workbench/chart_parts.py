@@ -48,7 +48,7 @@ _BAR = """(params, api) => {
 
 
 def base_options(colours: Theme) -> Options:
-    """Return what every chart begins with."""
+    """Make the options that every chart begins with."""
     return {
         "animation": False,
         "backgroundColor": "transparent",

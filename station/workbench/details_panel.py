@@ -105,7 +105,7 @@ def _options(found: view_models.Details, colours: Theme) -> dict[str, Options]:
 
 
 def _apart(whole: float, of_ladder: float | None) -> str:
-    """Return why comparison and ladder differ, where they do: a long release is refined in pieces."""
+    """Say why comparison and ladder differ, where they do: a long release is refined in pieces."""
     if of_ladder is None or abs(whole - of_ladder) < NOTICED * max(whole, of_ladder):
         return ""
     return (

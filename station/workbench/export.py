@@ -11,7 +11,7 @@ from station.operations.exporting import facts_of
 
 
 def fitted_samples(session: Session, prepared: PreparedDecay, fit: Fit) -> Exported:
-    """Return the samples of the fit, SI: the motion, and of each channel what was read, the model and what is left.
+    """Return the samples of the fit, SI: the motion, and of each channel the reading, the model and the residual.
 
     The motion is on one clock (the lag corrected). Readings that did not count are not a number.
     """

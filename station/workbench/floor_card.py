@@ -48,12 +48,10 @@ class FloorCard:
         with self._values:
             for name, value in top.parameters.items():
                 effect, _, parameter = name.partition(".")
-                words = widgets.whole(typeset(with_unit(value)))
+                words = with_unit(value)
                 per_mass = name in view.with_mass
                 if per_mass:
-                    widgets.label(
-                        f"{plain(effect)}: {parameter} = {widgets.whole(typeset(view.with_mass[name]))}"
-                    )
+                    widgets.label(f"{plain(effect)}: {parameter} = {view.with_mass[name]}")
                     widgets.label(f"({words} per unit mass)", "faint")
                 else:
                     widgets.label(f"{plain(effect)}: {parameter} = {words}")

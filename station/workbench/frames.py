@@ -19,7 +19,6 @@ from station.workbench import view_models
 from station.workbench.build_view_models import EYE, MOST_POINTS, for_eye, numbers
 
 RINGS, SECTORS = 10, 32
-SLOTS, QUARTERS = 20, 16
 FEWEST = 4
 """Samples in a cell, on the average, below which the cells are made larger."""
 
@@ -44,12 +43,11 @@ class Cells:
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """What all frames of a session stand on: its release, the cells of both maps, and the units that people read."""
+    """What all frames of a session stand on: its release, the cells of the map, and the units that people read."""
 
     prepared: PreparedDecay
     stage: view_models.Stage
     cycle: Cells
-    time: Cells
     force_scale: float
 
 
@@ -70,38 +68,19 @@ def ground_of(prepared: PreparedDecay, fit: Fit, mass: float | None) -> Ground:
         max(4, round(RINGS * coarse)),
         4 * max(3, round(SECTORS * coarse / 4)),
     )  # reversals are edges
-    quarters = 4 * max(2, round(QUARTERS * coarse / 4))
     amplitude = np.linspace(0.0, float(np.nanmax(size)) * (1.0 + 1e-9), rings + 1)
-    moments = _whole_cycles(window.clock, frequency, max(5, round(SLOTS * coarse)))
     phase = np.linspace(0.0, 2.0 * np.pi, sectors + 1)
-    quarter = np.linspace(0.0, 2.0 * np.pi, quarters + 1)
     cycle = _cells(size, amplitude, angle, phase)
-    time = _cells(window.clock, moments, angle, quarter)
     factor, unit = scale("displacement", window.unit)
     step = max(1, math.ceil(len(window) / MOST_POINTS))
     stage = view_models.Stage(
         time=numbers(window.clock[::step], 1e-5),
-        displacement=for_eye(u[::step] * factor),
-        velocity=for_eye(motion.velocity[::step]),
-        amplitude=for_eye(size[::step] * factor),
-        phase=numbers(angle[::step], 1e-3),
-        frequency_hz=frequency / (2.0 * np.pi),
         velocity_per_amplitude=frequency / factor,
         units={"u": unit, "v": f"{window.unit}/s", "f": typeset(units.force_unit)},
         traces=tuple(_trace(fit, channel, step) for channel in window.channels),
         cycle=_map(amplitude * factor, phase, cycle),
-        over_time=_map(moments, quarter, time),
     )
-    return Ground(prepared, stage, cycle, time, units.force_scale)
-
-
-def _whole_cycles(clock: NDArray[np.float64], frequency: float, most: int) -> NDArray[np.float64]:
-    """Return at most about so many edges that are whole cycles apart; what is over at the end goes to the last."""
-    cycle = 2.0 * math.pi / frequency
-    step = cycle * max(1, math.ceil((clock[-1] - clock[0]) / cycle / most))
-    edges = clock[0] + step * np.arange(max(1, int((clock[-1] - clock[0]) / step)) + 1)
-    edges[-1] = max(edges[-1], clock[-1])
-    return np.asarray(edges)
+    return Ground(prepared, stage, cycle, units.force_scale)
 
 
 def _cells(
@@ -151,22 +130,21 @@ def _quantum(fit: Fit, channel: str) -> float:
 
 
 def frame_of(ground: Ground, fit: Fit) -> view_models.Frame:
-    """Return what a fitted model leaves: its motion, the misfit of each channel, and the force that it lacks in each cell.
+    """Work out what a fitted model leaves: its motion, each channel's residual, the force that it lacks in each cell.
 
     The force is estimated as `identify.comparison` does it: the model is run afresh every cycle, and a constant force in
-    each cell takes up what is left; so its standard error is that of the readings' noise.
+    each cell takes up the residual; so its standard error is that of the readings' noise.
     """
     shooting = shoot(*without_faults(ground.prepared, fit))
     cycle, cycle_std = _missing(shooting, ground.cycle, ground.force_scale)
-    time, time_std = _missing(shooting, ground.time, ground.force_scale)
     model, left = motion_of(fit)
-    return view_models.Frame(model, left, cycle, cycle_std, time, time_std)
+    return view_models.Frame(model, left, cycle, cycle_std)
 
 
 def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:
     """Return a release and its fit, corrected for the sensors' faults in the model, which then has forces alone.
 
-    A fault would be taken for a force otherwise: what is left of a reading is laid to the motion.
+    A fault would be taken for a force otherwise: the residual of a reading is laid to the motion.
     """
     faults = [term.effect.name for term in fit.model.terms if not term.is_force]
     if not faults:
@@ -185,7 +163,7 @@ def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fi
 
 
 def motion_of(fit: Fit) -> tuple[tuple[view_models.Numbers, ...], tuple[view_models.Numbers, ...]]:
-    """Return the model's readings and what is left of the measured ones, channel by channel, in the units of the stage."""
+    """Take the model's readings and the residual, channel by channel, in the units of the stage."""
     window = fit.windows[0]
     step = max(1, math.ceil(len(window) / MOST_POINTS))
     models, lefts = [], []

@@ -1,25 +1,22 @@
-"""What a worker does beside the ladder: identification, trials by hand, export, validation."""
+"""What a worker does beside the ladder: identification, export, validation."""
 
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from daq.exporting import encode
 from daq.session import Session
 from identify.fitting.fit import Fit
-from identify.fitting.problem import Problem
 from station.operations.validating import validate_sessions
 from station.results.ladder import read_ladder
 from station.results.models import name_of
 from station.settings import Settings
 from station.story.pipeline import Progress
-from station.story.residual import times
-from station.text.numbers import three_figures
+from station.text.content import Table
+from station.text.validation_text import predictions
 from station.workbench import identified, view_models
 from station.workbench.export import fitted_samples
 from station.workbench.frame_store import of_step
-from station.workbench.frames import frame_id, frame_of
+from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, open_session
 from station.workbench.unkept import frame_of_tried
 
@@ -61,39 +58,6 @@ def _present_fit(opened: Opened) -> Fit:
     return opened.store.fits[frame_id(top.model)]
 
 
-def trial(
-    settings: Settings, progress: Progress, folder: Path, values: dict[str, float]
-) -> view_models.Frame | None:
-    """Return the frame of the present model with some parameters moved by hand; None where the motion runs away."""
-    opened = open_session(settings, folder)
-    fit = _present_fit(opened)
-    moved = _at(fit, values)
-    if moved is None or opened.store.ground is None:
-        return None
-    words = {
-        "big": f"{times(moved.reduced)} ×",
-        "what": "the noise is the residual, with values moved by hand",
-        "more": "Nothing is changed: Fitted values takes them back.",
-    }
-    return replace(frame_of(opened.store.ground, moved), says=words)
-
-
-def _at(fit: Fit, values: dict[str, float]) -> Fit | None:
-    problem = Problem(fit.model, fit.windows, fit.frequency)
-    point = fit.point | {name: value for name, value in values.items() if name in fit.point}
-    theta = problem.theta(point)
-    predicted = problem.read(theta, 0, problem.respond(theta, 0))
-    if not all(np.isfinite(one).all() for one in predicted.values()):
-        return None
-    residual = problem.residual_of(0, predicted)
-    estimates = {
-        name: replace(found, value=point.get(name, found.value)) for name, found in fit.values.items()
-    }
-    return replace(
-        fit, theta=theta, values=estimates, predicted=(predicted,), chi_square=float(residual @ residual)
-    )
-
-
 def preview(settings: Settings, progress: Progress, folder: Path, wanted: str) -> view_models.Frame:
     """Return the frame of the present model with an expression of the user's own; nothing is kept."""
     opened = open_session(settings, folder)
@@ -103,20 +67,10 @@ def preview(settings: Settings, progress: Progress, folder: Path, wanted: str) -
 
 def validate(
     settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]
-) -> tuple[str, view_models.TextTable]:
+) -> tuple[str, Table]:
     """Predict other sessions by the present model; return the sentence and the errors, session by session."""
-    document = validate_sessions(
-        str(folder), tuple(str(other) for other in others), settings, progress=progress
-    )
-    rows = []
-    for one in document.sessions:
-        word = "better" if one.better else "worse" if one.worse else "alike"
-        errors = (_left(one.usual.motion_percent), _left(one.model.motion_percent))
-        rows.append((one.session, *errors, word))
-    rows += [(one.session, "", "", f"skipped: {one.reason}") for one in document.skipped]
-    head = ("release", "usual model, % of the motion", "this model, % of the motion", "this model is")
-    return document.sentence, view_models.TextTable("Predicted, not fitted", head, tuple(rows))
-
-
-def _left(value: float | None) -> str:
-    return "diverges" if value is None else three_figures(value)
+    chosen = tuple(str(other) for other in others)
+    document = validate_sessions(str(folder), chosen, settings, progress=progress)
+    skipped = tuple((one.session, "", "", "", "", f"skipped: {one.reason}") for one in document.skipped)
+    table = predictions(document)
+    return document.sentence, replace(table, rows=(*table.rows, *skipped), marks=())

@@ -2,6 +2,7 @@
 
 from nicegui import ui
 
+from station.text.content import Table
 from station.workbench import view_models, widgets
 from station.workbench.others_menu import OthersMenu
 from station.workbench.session_list import SessionList
@@ -66,9 +67,8 @@ class IdentificationPanel:
                 with widgets.card(f"tight judged {'' if found.quotable else 'not-quotable'}"):
                     widgets.label(found.judgement, f"strong wrap {'good' if found.quotable else 'bad'}")
                     widgets.label(found.beside, "small wrap")
-            with widgets.card("tight"), widgets.line():
-                widgets.label(found.lag[0], "lag")
-                widgets.label(found.lag[1], "small grow wrap")
+            with widgets.card("tight"):
+                widgets.label(f"Lag: {found.lag}", "small wrap")
             for table in found.tables:
                 with widgets.card("tight"):
                     text_table(table)
@@ -77,7 +77,7 @@ class IdentificationPanel:
                     widgets.label(note, "small wrap")
 
 
-def text_table(table: view_models.TextTable) -> None:
+def text_table(table: Table) -> None:
     """Show a table of words and numbers."""
     with ui.element("div").classes("table-scroll"), ui.element("table").classes("numbers-table"):
         with ui.element("caption"):

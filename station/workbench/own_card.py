@@ -32,13 +32,13 @@ class OwnCard:
         """Make the card."""
         with ui.element("div").classes("card-suspect own") as self._card:
             with widgets.line():
-                widgets.label("One of your own", "name grow")
+                widgets.label("One of your own", "name")
+                self._field = ui.input(placeholder=EXAMPLE, on_change=lambda e: self._changed(e.value or ""))
+                self._field.props(
+                    'dense outlined clearable spellcheck=false autocomplete=off aria-label="Effect of your own"'
+                )
+                self._field.classes("mono grow").on("keydown.enter", self._add)
                 self._button = widgets.button("Add", self._add, "Add the effect of your own")
-            self._field = ui.input(placeholder=EXAMPLE, on_change=lambda e: self._changed(e.value or ""))
-            self._field.props(
-                'dense outlined clearable spellcheck=false autocomplete=off aria-label="Effect of your own"'
-            )
-            self._field.classes("mono").style("width:100%").on("keydown.enter", self._add)
             self._message = widgets.label("", "small wrap").props("aria-live=polite")
         self._button.disable()
         self._show_verdict("", HELP)
@@ -92,7 +92,7 @@ class OwnCard:
 
 
 def check(text: str) -> tuple[bool, str]:
-    """Return whether an expression is wrong, and a sentence: what is wrong, or what was understood."""
+    """Tell whether an expression is wrong, and a sentence: what is wrong, or what was understood."""
     if "=" not in text:
         return True, f"Give it a name first, as {EXAMPLE}"
     try:

@@ -141,6 +141,8 @@ class Page:
                     viewer.build()
                     opens = {RERUN: viewer.open, NUMBERS: self._identified.open, DETAILS: self._show_details}
                     self._head_tabs.on_value_change(lambda e: opens[e.value]() if e.value in opens else None)
+                    # the viewer needs all of a small screen's width
+                    self._head_tabs.on_value_change(lambda e: self._right.set_visibility(e.value != RERUN))
 
     def _show_details(self) -> None:
         self._details.show(theme(self._dark))
@@ -217,7 +219,7 @@ class Page:
             return
         self._empty.set_visibility(False)
         self._tabs.set_visibility(True)
-        self._right.set_visibility(True)
+        self._right.set_visibility(self._head_tabs.value != RERUN)
         view = session.view
         if view.stage is not None:
             self._story.show(view.stage)

@@ -1,12 +1,11 @@
 """Pictures of a record that allows no analysis: its channels as they were recorded."""
 
-import json
-from dataclasses import asdict
-
 from nicegui import ui
 
+from station.workbench import view_models, widgets
+from station.workbench.chart_parts import Options, base_options, grid_of, line_series, value_axis
 from station.workbench.session_state import SessionState
-from station.workbench.widgets import run
+from station.workbench.theme import theme
 from station.workbench.worker import Cancelled, Failed, Job
 
 
@@ -27,8 +26,16 @@ class RawPictures:
         except (Failed, Cancelled):
             return
         with self._place:
-            for number, trace in enumerate(traces):
-                host = ui.element("div").classes("plot raw-plot").props("role=img")
-                host.props["data-plot"] = f"raw{number}"
-                host.props["aria-label"] = f"{trace.channel} as it was recorded"
-            run(f"bench.raw({json.dumps([asdict(trace) for trace in traces])})")
+            for trace in traces:
+                name = f"{trace.channel} [{trace.unit}]"
+                widgets.chart("raw", f"{trace.channel} as it was recorded", "raw-plot", _options(trace, name))
+
+
+def _options(trace: view_models.RawTrace, name: str) -> Options:
+    colours = theme(False)
+    return base_options(colours) | {
+        "grid": grid_of(bottom=36),
+        "xAxis": value_axis("time since the start of the record [s]", colours, below=True),
+        "yAxis": value_axis(name, colours) | {"scale": True},
+        "series": [line_series(name, trace.time, trace.values, colours.left, 1.2)],
+    }

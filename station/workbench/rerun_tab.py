@@ -36,11 +36,16 @@ class RerunTab:
         self._top.clear()
         with self._top, widgets.card("tight"), widgets.line():
             widgets.spinner()
-            widgets.label("Writing the recording: surface, ridge, comparison, ladder", "grow")
+            widgets.label("Writing the viewer's recording", "grow")
             widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
         try:
             stamp = await self._state.workers.do(
-                self._job, str(self._session.folder), "viewer", self._session.folder, self._state.temporary
+                self._job,
+                str(self._session.folder),
+                "viewer",
+                self._session.folder,
+                self._state.temporary,
+                self._dark(),
             )
         except Cancelled:
             self._say("Cancelled.")

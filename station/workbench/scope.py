@@ -72,7 +72,7 @@ class ScopeTrace:
             self._kept.popleft()
 
     def scope(self) -> Scope:
-        """Return what to draw; extremes are kept where there are more samples than points."""
+        """Choose the points to draw; extremes are kept where there are more samples than points."""
         channel = self._channel
         if channel is None:
             return Scope()

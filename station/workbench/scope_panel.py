@@ -36,12 +36,7 @@ class ScopePanel:
                 )
             self._bar = ui.linear_progress(0.0, show_value=False).props("instant-feedback rounded")
             with ui.element("div").classes("scope-row"):
-                host = (
-                    ui.element("div")
-                    .classes("plot scope")
-                    .props('data-plot=scope role=img aria-label="Live scope"')
-                )
-                host.props["tabindex"] = "0"
+                widgets.chart("scope", "Live scope", "scope")
                 with ui.element("div").classes("scope-fields"):
                     self._fields()
             self._bars = ui.element("div").classes("card tight")

@@ -185,7 +185,7 @@ class SessionState:
         return True
 
     async def ask(self, job: Job, task: str, *arguments: Any, progress: Progress = silent) -> Any:
-        """Return what a task beside the ladder finds, while the ladder stays as it is; raises Failed or Cancelled."""
+        """Do a task beside the ladder, while the ladder stays as it is; raises Failed or Cancelled."""
         return await self._workers.do(job, str(self.folder), task, self.folder, *arguments, progress=progress)
 
     def undo(self) -> None:
@@ -215,7 +215,7 @@ class SessionState:
 
 
 def _steps(ladder: KeptLadder) -> object:
-    """Return what makes two ladders different to the operator."""
+    """Pick out what makes two ladders different to the operator."""
     return ladder.present, ladder.steps
 
 

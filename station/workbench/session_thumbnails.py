@@ -33,7 +33,7 @@ def thumbnail_of(folder: Path) -> view_models.Thumbnail:
 
 
 def outline(values: Array) -> tuple[float, view_models.Numbers]:
-    """Return how far values go from their median, and their upper and lower outline as shares of that; NaN leave holes."""
+    """Measure how far values go from their median, and their upper and lower outline as shares of that; NaN leave holes."""
     if not np.isfinite(values).any():
         return 0.0, []
     values = values - np.nanmedian(values)

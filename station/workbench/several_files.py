@@ -54,7 +54,8 @@ def import_files(
     from station.campaign.together import campaign_document
     from station.operations.new_session import session_info
     from station.text.campaign_table import SESSIONS, TRENDS, sessions_csv, trends_csv
-    from station.text.campaign_text import show_campaign
+    from station.text.campaign_text import told
+    from station.text.layout import show
 
     info = session_info(settings, mass, None, None, None, (), varies)
     form = Names(names) if names.strip() else None
@@ -72,5 +73,5 @@ def import_files(
     document = campaign_document(kept.folder, False, run, {})
     kept.write_table(document, {SESSIONS: sessions_csv(document), TRENDS: trends_csv(document)})
     page = StringIO()
-    show_campaign(Console(file=page, width=80, highlight=False, color_system=None), document)
+    show(Console(file=page, width=80, highlight=False, color_system=None), told(document))
     return Campaign([source.name for source in sources], "\n".join([*lines, page.getvalue().strip("\n")]))

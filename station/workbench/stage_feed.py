@@ -35,6 +35,7 @@ class StageFeed:
             "present": view.ladder.present,
             "busy": self._session.busy,
             "suspects": self._offered(view),
+            "best": self._best(view),
             "says": says_of(view, self._session.details),
         }
         for effect, frame in news[
@@ -52,6 +53,12 @@ class StageFeed:
         self._sent = (self._sent | fresh.keys()) & (wanted | self._sent)
         news["frames"] = {name: asdict(frame) for name, frame in fresh.items()}
         run(f"bench.receive({json.dumps(news)})")
+
+    @staticmethod
+    def _best(view: view_models.View) -> str | None:
+        """The suspect to look at first: the one that the diagnosis of the present model names."""
+        document = view.diagnosis if view.about_present and not view.at_floor else None
+        return document.named[0] if document is not None and document.named else None
 
     def _offered(self, view: view_models.View) -> dict[str, str]:
         present = view.ladder.top.effects

@@ -5,15 +5,15 @@ from typing import Any
 from station.results.diagnosis_document import SuspectDocument
 from station.results.ladder import KeptLadder, KeptStep
 from station.story.residual import explained_words, times
-from station.text.diagnosis_text import STRENGTH_UNKNOWN
-from station.text.numbers import three_figures, with_unit
+from station.text.diagnosis_text import parameters
+from station.text.numbers import three_figures
 from station.workbench import view_models
 from station.workbench.ladder_bars import share
 from station.workbench.names import plain
 
 
 def says_of(view: view_models.View, details: view_models.Details | None = None) -> dict[str, dict[str, Any]]:
-    """Return the words of each step, as "step0", and of each suspect, by its effect.
+    """Write the words of each step, as "step0", and of each suspect, by its effect.
 
     `details` tell where the present model fails, as soon as they are known.
     """
@@ -34,30 +34,35 @@ def _step(view: view_models.View, place: int, step: KeptStep, summary: str) -> d
     what = f"of the motion: residual of {name}, {times(error.chi2)} times the noise"
     more = " + ".join(plain(name) for name in step.effects)
     if present and floor:
-        more = f"Nothing but noise is left. {more}"
+        more = f"Only noise remains. {more}"
     elif present and summary:
         more = summary
-    return {"big": f"{three_figures(error.motion_percent)} %", "what": what, "more": more, "floor": floor}
+    called = step.began if place == 0 else f"with {plain(step.added)}" if step.added else name
+    return {
+        "big": f"{three_figures(error.motion_percent)} %",
+        "what": what,
+        "more": more,
+        "short": f"{called}: {times(error.chi2)} × noise",
+        "floor": floor,
+    }
 
 
 def _suspect(view: view_models.View, suspect: SuspectDocument) -> dict[str, Any]:
-    values = ", ".join(f"{name} = {with_unit(value)}" for name, value in suspect.parameters.items())
-    values = values if suspect.strength_known else f"{STRENGTH_UNKNOWN.capitalize()}."
-    return with_effect(
-        view.ladder, plain(suspect.effect), suspect.motion_percent, suspect.error_after, values
-    )
+    name, values = plain(suspect.effect), parameters(suspect)
+    return with_effect(view.ladder, name, suspect.motion_percent, suspect.error_after, values)
 
 
 def with_effect(
     ladder: KeptLadder, called: str, motion: float | None, chi2: float | None, more: str
 ) -> dict[str, Any]:
-    """Return what is said of the present model with one more effect: what it leaves, what that explains, and `more`."""
+    """Say what the present model leaves with one more effect, what that explains, and `more`."""
     words = explained_words(ladder.top.error.chi2, chi2, ladder.top.chi2_std)
     return {
         "big": f"{three_figures(motion)} %",
-        "what": f"of the motion with {called}, {times(chi2)} times the noise: {words}",
+        "what": f"of the motion with {called}: {times(chi2)} times the noise",
         "words": words,
-        "more": more,
+        "more": f"It {words}. {more}" if words else more,
+        "short": f"with {called}: {times(chi2)} × noise",
         "times": times(chi2),
         "share": round(share(chi2, ladder)[0], 1),
         "floor": False,

@@ -13,23 +13,21 @@ from station.exits import Problem
 from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
 from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
-from station.operations.refining import add, go_to, open_refinement, remove
+from station.operations.refining import add, drop_needless, go_to, open_refinement, remove
+from station.operations.refining import refine_to_floor as climb
 from station.operations.session_set import SessionSet, open_sessions
 from station.results.diagnosis_document import DiagnosisDocument, with_differences
 from station.results.ladder import KeptLadder, write_ladder
 from station.settings import Settings
-from station.story.engineering_values import Weighing
-from station.story.pipeline import Progress
-from station.story.preparation import options_for
+from station.story.pipeline import Progress, silent
+from station.story.preparation import weighing_of
 from station.text.ladder_text import with_mass
 from station.workbench import further_tasks, view_models
 from station.workbench.build_view_models import equations_of, picture_of, results_stamp
-from station.workbench.climbing import climb
 from station.workbench.decay_curves import curves_of
 from station.workbench.frame_store import of_ladder, of_step, of_suspects
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session
-from station.workbench.pruning import drop_needless
 from station.workbench.raw_trace import raw_traces
 from station.workbench.session_thumbnails import outline, thumbnail_of
 from station.workbench.several_files import import_files
@@ -38,14 +36,14 @@ from station.workbench.warm_up import warm_up
 
 
 def look(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
-    """Return what the page shows of a session, as its results stand."""
+    """View a session as its results stand."""
     progress("reading the session")
     opened = open_session(settings, folder)
     return _view(settings, opened, opened.refinement.ladder)
 
 
 def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models.View:
-    """Return what the page shows; the frame of the present step comes with it, the others when `frames` is asked."""
+    """View a ladder; the frame of the present step comes with it, the others when `frames` is asked."""
     session, store = opened.refinement.session, opened.store
     diagnosis = kept_diagnosis(session)
     names = tuple(frame_id(step.model) for step in ladder.steps)
@@ -73,11 +71,8 @@ def details(settings: Settings, progress: Progress, folder: Path) -> view_models
 
 
 def _with_mass(settings: Settings, opened: Opened, ladder: KeptLadder) -> dict[str, str]:
-    options = options_for(opened.refinement.session, settings)
-    if options.mass is None:
-        return {}
-    unit = opened.refinement.prepared.window.unit
-    return with_mass(ladder.top, Weighing(options.mass, options.mass_std, unit))
+    weighing = weighing_of(opened.refinement.session, settings, opened.refinement.prepared.window.unit)
+    return {} if weighing is None else with_mass(ladder.top, weighing)
 
 
 def add_effect(settings: Settings, progress: Progress, folder: Path, wanted: str) -> view_models.View:
@@ -110,7 +105,7 @@ def refine_to_floor(settings: Settings, progress: Progress, folder: Path) -> vie
         progress(_view(settings, opened, ladder))  # type: ignore[arg-type]
         progress(words)
 
-    return _view(settings, opened, climb(opened.refinement, seen))
+    return _view(settings, opened, climb(opened.refinement, silent, seen))
 
 
 def begin_again(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
@@ -232,17 +227,17 @@ def open_example(settings: Settings, progress: Progress, name: str) -> str:
     return opened(name, settings.sessions).folder.name
 
 
-def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path) -> int:
+def viewer(settings: Settings, progress: Progress, folder: Path, temporary: Path, dark: bool) -> int:
     """Write the recording that `station view` writes, and the viewer's own files; return the recording's age (ns)."""
     from station.operations.identifying import identify_session, kept_options, write_view
-    from station.operations.viewer_tabs import viewed_tabs
+    from station.operations.viewer_tabs import kept_tabs
     from station.views import web_viewer
 
     session = Session.open(folder)
     progress("identifying")
     result, _ = identify_session(session, kept_options(session, settings))
     progress("writing the recording")
-    file = write_view(session, result, viewed_tabs(session, settings))
+    file = write_view(session, result, kept_tabs(session, settings), dark=dark)
     if not (temporary / web_viewer.FILES[0]).is_file():
         web_viewer.unpack(temporary)
     return file.stat().st_mtime_ns
@@ -277,7 +272,6 @@ TASKS: dict[str, Callable[..., Any]] = {
     "identify": further_tasks.identify,
     "export": further_tasks.export,
     "reveal": further_tasks.reveal,
-    "trial": further_tasks.trial,
     "preview": further_tasks.preview,
     "validate": further_tasks.validate,
     "thumbnail": thumbnail,

@@ -6,6 +6,7 @@ from typing import Any
 from daq.importing.recipe import Recipe
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
+from station.text.content import Table
 
 Numbers = list[float | None]
 
@@ -109,25 +110,18 @@ class MapAxes:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """What stays while models change: the measurement, and the axes and cells of the maps, from the release alone.
+    """What stays while models change: the measurement, and the axes and cells of the map, from the release alone.
 
-    `amplitude` and `phase` (rad; 0 at the largest displacement, growing with time) belong to each moment of `time` (s since
-    the release). `cycle` has rows of amplitude and columns of phase, `over_time` rows of time (s) and columns of phase;
-    `velocity_per_amplitude` is the velocity that goes with one unit of amplitude. `units` are those of displacement
-    "u", velocity "v" and force "f".
+    `time` is in s since the release. `cycle` has rows of amplitude and columns of phase (rad; 0 at the largest
+    displacement, growing with time); `velocity_per_amplitude` is the velocity that goes with one unit of amplitude. `units`
+    are those of displacement "u", velocity "v" and force "f".
     """
 
     time: Numbers
-    displacement: Numbers
-    velocity: Numbers
-    amplitude: Numbers
-    phase: Numbers
-    frequency_hz: float
     velocity_per_amplitude: float
     units: dict[str, str]
     traces: tuple[Measured, ...]
     cycle: MapAxes
-    over_time: MapAxes
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,8 +136,6 @@ class Frame:
     left: tuple[Numbers, ...]
     cycle: Numbers
     cycle_std: Numbers
-    time: Numbers
-    time_std: Numbers
     says: dict[str, Any] = field(default_factory=dict)
 
 
@@ -236,24 +228,15 @@ class RawTrace:
 
 
 @dataclass(frozen=True)
-class TextTable:
-    """A table as it is read: its caption, the names of its columns, its rows."""
-
-    caption: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-
-
-@dataclass(frozen=True)
 class Identified:
-    """What both identifications find: the lag with what is said of it, tables, and reasons in sentences.
+    """What both identifications find: what is said of the lag, tables, and reasons in sentences.
 
     `judgement` says whose values may be quoted (`quotable`); "" where no model was fitted to the record. `beside` says the
     same of the identified model where the current one is another.
     """
 
-    lag: tuple[str, str]
-    tables: tuple[TextTable, ...]
+    lag: str
+    tables: tuple[Table, ...]
     notes: tuple[str, ...]
     judgement: str = ""
     quotable: bool = False

@@ -27,11 +27,6 @@ def label(text: str, classes: str = "") -> ui.label:
     return ui.label(text).classes(classes)
 
 
-def whole(value: str) -> str:
-    """Return a value that no line break tears from its error or its unit."""
-    return value.replace(" ", "\N{NO-BREAK SPACE}")
-
-
 def spinner(size: int = 18) -> ui.element:
     """Show that something runs; it turns by the compositor, so that a computation beside it loses nothing."""
     return (
@@ -58,6 +53,16 @@ def button(
 def svg(markup: str) -> ui.html:
     """Show a picture that was made here, of numbers only."""
     return ui.html(markup, sanitize=False)
+
+
+def chart(name: str, label: str, classes: str, options: dict[str, Any] | None = None) -> ui.echart:
+    """Show a chart; one without `options` is drawn by the page's script, under its `name`."""
+    made = ui.echart({} if options is None else options).classes(f"plot {classes}")
+    made.props["data-plot"] = name
+    made.props["tabindex"] = "0"
+    made.props["role"] = "img"
+    made.props["aria-label"] = label
+    return made
 
 
 def run(script: str) -> None:

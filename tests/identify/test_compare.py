@@ -126,7 +126,7 @@ def test_a_one_sided_spring_is_worst_on_its_side():
     place = next(p for p in found.places if p.kind == "force over displacement")
     assert "stiffer" in place.text
     if side != 0:
-        assert f"{'positive' if side > 0 else 'negative'} side" in place.text
+        assert f"{'positive' if side > 0 else 'negative'} displacement" in place.text
 
 
 def test_a_cubic_spring_shows_its_third_harmonic_in_phase_with_the_displacement():

@@ -145,7 +145,7 @@ def test_the_command_prints_one_screen_and_keeps_its_tables(made, at_home, capsy
     assert following.startswith(" next: station ")
     assert "8 sessions identified, 2 failed" in printed.out
     assert "linear_stiffness.k against" in printed.out
-    assert "1/s^2 per degC" in printed.out
+    assert "1/s² per" in printed.out
     assert "failed: torn: " in printed.err
     assert printed.err.splitlines()[-1].startswith("10/10 sessions, 8 kept from before, 2 failed")
     kept = {file.name for file in (folder / "campaign").iterdir()}

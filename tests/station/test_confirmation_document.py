@@ -19,7 +19,8 @@ from identify.model.model import Term, base_model
 from station.report.loop import suspects
 from station.results.confirmation_document import confirmation_document
 from station.results.diagnosis_document import DiagnosisDocument, refused_document
-from station.text.diagnosis_text import confirmed_by, predicted_parts, show_diagnosis
+from station.text.diagnosis_text import confirmed_by, predicted_parts, told
+from station.text.layout import show
 
 NAMES = ("first", "second", "third")
 NONE = Strengths((), np.zeros(0), {})
@@ -76,7 +77,7 @@ def document(found: Confirmation, sessions: tuple[str, ...] = NAMES) -> Diagnosi
 
 def printed(found: DiagnosisDocument) -> str:
     out = io.StringIO()
-    show_diagnosis(Console(file=out, width=80), found)
+    show(Console(file=out, width=80), told(found))
     return out.getvalue()
 
 
@@ -132,7 +133,7 @@ def test_a_document_that_an_older_version_wrote_is_still_read():
     assert (read.confirmed, read.confirmation) == ([], None)
     assert read.suspects[0].confirmed is None
     assert (confirmed_by(read), predicted_parts(read)) == ("", "")
-    assert "times the" in printed(read)
+    assert "times noise" in printed(read)
     assert "decisive" not in printed(read)
 
 
@@ -164,7 +165,7 @@ def test_the_terminal_says_percent_of_the_motion_and_times_the_noise_and_what_ea
 def test_a_misfit_that_nothing_predicts_is_said_with_its_size_and_no_name():
     found = document(confirmation(effects=False))
     text = printed(found)
-    assert text.strip().startswith("A MISFIT THAT NO EFFECT HERE PREDICTS")
+    assert text.strip().startswith("NO KNOWN EFFECT PREDICTS THE RESIDUAL")
     assert confirmed_by(found) == ""
     assert "first 5.00 %, second 6.00 %, third 10.0 % (median: phase 6.00 %, " in predicted_parts(found)
 
@@ -172,7 +173,7 @@ def test_a_misfit_that_nothing_predicts_is_said_with_its_size_and_no_name():
 def test_the_report_has_a_table_of_what_was_predicted():
     without_pictures = document(confirmation()).model_copy(update={"suspects": []})
     section = suspects(SimpleNamespace(diagnosis=without_pictures, fits=None, curves=None, left_out={}))
-    (table,) = [part for part in section.parts if part.kind == "table"]
+    table = next(p for p in section.parts if p.kind == "table" and p.head[0] == "left out")
     assert table.rows[0] == ("first", "5.00", "1.00", "4.00", "1.00", "3.00", "0.00")
     assert table.rows[-1][0] == "median"
     labels = [part.label for part in section.parts if part.kind == "paragraph"]

@@ -110,7 +110,7 @@ def test_a_session_that_holds_too_little_is_left_out_and_the_others_are_diagnose
 
 def test_another_bench_is_refused_with_what_to_do_unless_anyway(sessions, capsys):
     assert station(["diagnose", str(sessions / "a"), str(sessions / "stiff"), "--no-viewer"]) == 2
-    assert "stiff: not the bench of a" in capsys.readouterr().err
+    assert "stiff: another bench than a" in capsys.readouterr().err
     both = opened(sessions, "a", "stiff")
     with pytest.raises(UsageProblem, match="--anyway"):
         physics_shared(both, False, lambda text: None)

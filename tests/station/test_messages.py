@@ -9,6 +9,7 @@ from station.cli import in_plain_words, run
 from station.results.diagnosis_document import FindingDocument
 from station.results.documents import EstimateDocument
 from station.text.diagnosis_text import found_in_sensor
+from station.text.numbers import SPACE
 
 
 @pytest.mark.parametrize(
@@ -126,7 +127,10 @@ def test_a_fault_is_told_by_its_own_words_where_it_has_some():
         chi2_drop=0.1,
         what_to_do="calibrate both",
     )
-    assert found_in_sensor(found) == "the gains of the two channels disagree (error 0.010 ± 0.030)"
+    assert (
+        found_in_sensor(found).replace(SPACE, " ")
+        == "the gains of the two channels disagree (error = 0.010 ± 0.030)"
+    )
     words = "the two sensors differ by 1.00 ± 0.02 %, within the 3 % left open"
     assert found_in_sensor(found.model_copy(update={"words": words})) == words
 

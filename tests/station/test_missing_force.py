@@ -13,8 +13,8 @@ from station import exits
 from station.cli import run
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
-from station.text.diagnosis_text import show_diagnosis
-from station.text.ladder_text import show_ladder
+from station.text import diagnosis_text, ladder_text
+from station.text.layout import show
 from station.text.numbers import change, probability, three_figures
 
 VERDICTS = (
@@ -84,16 +84,16 @@ def test_the_first_suspect_is_the_one_with_the_most_evidence(diagnosis):
 
 def test_the_verdict_fits_a_terminal_and_comes_first(diagnosis):
     document = DiagnosisDocument.model_validate(diagnosis)
-    short = [line for line in printed(show_diagnosis, document).splitlines() if line.strip()]
-    assert len(short) <= 14
-    assert short[0] == " A FORCE IS MISSING: cubic stiffness"
-    text = printed(show_diagnosis, document, full=True)
+    short = printed(diagnosis_text.told(document)).splitlines()
+    assert len(short) <= 11  # and the line that says what comes next
+    assert short[0].rstrip() == " A FORCE IS MISSING: cubic stiffness"
+    text = printed(diagnosis_text.told(document, full=True), full=True)
     assert all(len(line) <= 80 for line in (*short, *text.splitlines()))
     assert re.search(r" used +0\.\d+ to \d\.\d+ of 8\.75 s, ", text)
     largest, smallest = (diagnosis["shares"][i]["amplitude"] * 1e3 for i in (0, 1))
-    assert f" at {largest:#.3g} mm, the largest" in text
-    assert f" at {smallest:#.3g} mm, the smallest" in text
-    assert "m^2" in text
+    assert f" at {largest:#.3g} mm," in text
+    assert f" at {smallest:#.3g} mm," in text
+    assert "m²" in text
 
 
 def test_of_a_suspect_whose_strength_is_not_determined_no_values_are_listed(diagnosis):
@@ -101,15 +101,15 @@ def test_of_a_suspect_whose_strength_is_not_determined_no_values_are_listed(diag
     document = DiagnosisDocument.model_validate(
         diagnosis | {"suspects": [first | {"strength_known": False}, *others]}
     )
-    table = printed(show_diagnosis, document).partition("residual")[2]
+    table = printed(diagnosis_text.told(document)).partition("residual")[2]
     assert "strength not" in table
     assert "k3" not in table
     assert first["strength_known"]
 
 
-def printed(show, *arguments, **how):
+def printed(told, **how):
     stream = io.StringIO()
-    show(Console(file=stream, width=80, highlight=False), *arguments, **how)
+    show(Console(file=stream, width=80, highlight=False), told, **how)
     return stream.getvalue()
 
 
@@ -195,10 +195,10 @@ def test_the_ladder_fits_a_terminal_and_ends_with_the_floor(bench, diagnosis, ca
     told(capsys, "refine", DUFFING.stem, "--reset")
     told(capsys, "refine", DUFFING.stem, "--add", "cubic_stiffness")
     file = bench / "sessions" / DUFFING.stem / "results" / "ladder.json"
-    text = printed(show_ladder, "one", KeptLadder.model_validate_json(file.read_bytes()))
-    lines = [line for line in text.splitlines() if line.strip()]
+    text = printed(ladder_text.told(KeptLadder.model_validate_json(file.read_bytes())))
+    lines = text.splitlines()
     assert all(len(line) <= 80 for line in lines)
-    table = lines[: next(place for place, line in enumerate(lines) if line.startswith(" changed:"))]
+    table = lines[: next(place for place, line in enumerate(lines) if line.startswith(" changed"))]
     assert "noise alone" in table[-1]
     assert "+ cubic_stiffness" in table[-2]
 

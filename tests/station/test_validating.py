@@ -17,7 +17,8 @@ from station.cli import run
 from station.results.ladder import KeptLadder, KeptStep, write_ladder
 from station.results.models import EffectEntry, ModelFile, Value, written
 from station.results.validation_document import NAME, ValidationDocument, read_validation
-from station.text.validation_text import show_validation
+from station.text import validation_text
+from station.text.layout import show
 
 K, MU_0, MU_1, K3 = 613.6, 0.05, 0.25, 4e4
 
@@ -114,9 +115,9 @@ def test_a_session_gives_the_model_of_its_ladder_and_is_not_predicted_itself(kep
 def test_it_fits_a_terminal_with_the_verdict_first(bench, capsys):
     document = ValidationDocument.model_validate(told(capsys, "right.json", "b", "c", "short"))
     out = io.StringIO()
-    show_validation(Console(file=out, width=80), document)
+    show(Console(file=out, width=80), validation_text.told(document))
     lines = out.getvalue().strip().splitlines()
-    assert lines[0].startswith("Predicts better than the usual model on 2 of 2 releases")
+    assert lines[0].strip().startswith("Predicts better than the usual model on 2 of 2 releases")
     assert max(len(line.rstrip()) for line in lines) <= 80
     assert any(line.strip().startswith("skipped") and "short" in line for line in lines)
 

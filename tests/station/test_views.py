@@ -1,16 +1,19 @@
 """The viewer's recordings, read back: every number shown is the number that was found."""
 
 from dataclasses import replace
-from typing import Any, cast
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from rerun.chunk import RrdReader
 from synthetic import LAG, OMEGA, RATE, VISCOUS, identification, restoring_force
 
+from identify.model.model import base_model
 from station.story.adequacy import Adequacy
 from station.story.identification import Identification
-from station.views import alignment, results, show
+from station.text.identification_text import told
+from station.text.numbers import SPACE
+from station.views import alignment, show
 from station.views.restoring_force import mesh
 
 
@@ -64,12 +67,12 @@ def test_lost_samples_leave_a_hole_and_no_curve(result, tmp_path):
     show.write(path, "holed", holed)
     shown = column(path, "/capture/displacement", "Scalars:scalars")
     assert np.array_equal(np.isnan(shown), ~valid)
-    assert "20 lost" in text(path, "/capture/facts")
+    assert "20 samples, marked" in text(path, "/capture/facts")
 
 
 def test_the_lag_is_told_with_its_error_and_what_it_would_have_done(file):
     told = text(file, "/alignment/text")
-    assert "late by 1300.0 ± 3.1 us" in told
+    assert "late by 1300.0 ± 3.1 µs" in told.replace(SPACE, " ")
     assert f"{VISCOUS + OMEGA**2 * LAG:.3f}" in told
     story = column(file, "/alignment/damping/numbers", "value")
     assert np.allclose(story, [VISCOUS + OMEGA**2 * LAG, VISCOUS, 0.2765])
@@ -130,10 +133,10 @@ def test_the_mesh_lies_on_the_fitted_plane_and_within_what_was_visited():
 
 
 def test_the_results_are_the_table_and_both_reconstructions(file, result):
-    told = text(file, "/results/table")
+    told = text(file, "/results/table").replace(SPACE, " ")
     assert "13115.2 ± 2.1" in told
     assert "13114.90 ± 0.60" in told
-    assert "m/s^2" in told
+    assert "m/s²" in told
     assert np.array_equal(
         column(file, "/results/force/model", "Scalars:scalars"), result.restoring_force.force_fit
     )
@@ -143,14 +146,17 @@ def test_the_results_are_the_table_and_both_reconstructions(file, result):
 
 def test_values_that_must_not_be_quoted_are_told_as_such_before_they_are_shown(result):
     poor = Adequacy(
-        cast(Any, None), chi_square=229.0, chi_square_std=0.05, motion_percent=0.916, adequate=False
+        SimpleNamespace(model=base_model()),
+        chi_square=229.0,
+        chi_square_std=0.05,
+        motion_percent=0.916,
+        adequate=False,
     )
-    told = results.table("one", replace(result, adequacy=poor))
-    assert (
-        told.index("0.916 % of the motion, 15.1 times the noise")
-        < told.index("do not quote")
-        < told.index("| wavelet |")
-    )
+    found = told("one", replace(result, adequacy=poor))
+    assert "0.916 % of the motion, 15.1 times the noise" in found.headline
+    assert "do not quote" in found.headline
+    (table,) = (part for part in found.brief if part.kind == "table")
+    assert table.head[0] == "do not quote"
 
 
 def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
@@ -174,7 +180,7 @@ def test_a_method_that_refused_says_so_in_its_tab(result, tmp_path):
     show.write(path, "refused", refused)
     assert "too few cycles" in text(path, "/wavelet/refusal")
     assert "too short" in text(path, "/restoring_force/refusal")
-    assert "one channel" in text(path, "/alignment/text")
+    assert "One channel" in text(path, "/alignment/text")
 
 
 @pytest.mark.usefixtures("unrendered")

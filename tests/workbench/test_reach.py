@@ -1,6 +1,5 @@
 """Who can use the page: with the keyboard alone, in both colour schemes, on small and large screens."""
 
-import math
 import re
 import shutil
 
@@ -49,7 +48,7 @@ def test_the_page_is_usable_on_every_screen_in_both_schemes_and_keeps_the_rules_
             assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
             header = page.locator(".bench-head button:visible, .bench-head .q-tab")
             assert all(box["height"] <= 46 and box["x"] + box["width"] <= width for box in boxes(header))
-            for name in ("map", "overlay", "left"):
+            for name in ("map", "traces"):
                 box = page.locator(f"[data-plot={name}]").bounding_box()
                 assert min(box["width"], box["height"]) >= 90, (name, width)
             found = axe.run(page, options=RULES)
@@ -87,12 +86,15 @@ def test_from_the_first_page_to_the_report_with_the_keyboard_alone(visit, bench)
     page.wait_for_selector("button.card-suspect")
     page.wait_for_function("Object.keys(bench.state.suspects).length >= 3")
     page.wait_for_function("!document.querySelector('[inert]')")
-    tab_to(page, "^Add .*would explain")
-    before = page.evaluate("bench.state.preview")
+    tab_to(page, "^Select .*would explain")
+    before = page.evaluate("bench.state.pointed")
     assert before is not None  # the focus previews, as the pointer does
     page.keyboard.press("ArrowRight")
-    assert page.evaluate("bench.state.preview") != before
+    assert page.evaluate("bench.state.pointed") != before
     page.keyboard.press("ArrowLeft")
+    page.keyboard.press("Enter")
+    page.keyboard.press("Shift+Tab")
+    tab_to(page, "^Add Stribeck friction", most=200)
     page.keyboard.press("Enter")
     page.get_by_text("At the noise floor").wait_for()
     tab_to(page, "^Write the report of this model")
@@ -103,10 +105,11 @@ def test_from_the_first_page_to_the_report_with_the_keyboard_alone(visit, bench)
 @pytest.mark.slow
 def test_the_film_keeps_its_scales_the_address_its_step_and_undo_takes_a_step_back(solved, bench):
     page = solved
-    page.locator("button.card-suspect").first.click()
+    page.get_by_role("button", name="Add Stribeck friction").click()
     page.wait_for_function("document.querySelectorAll('.step').length == 2")
     page.get_by_text("At the noise floor").wait_for()
-    scales = "JSON.stringify([bench.state.reach, bench.plots.left.y, bench.plots.map.x])"
+    scales = """(() => { const [map, traces] = ["map", "traces"].map(n => bench.chart(n).getOption());
+      return JSON.stringify([bench.state.reach, traces.yAxis[1].max, map.xAxis[0].max, map.visualMap[0].max]) })()"""
     at_floor = page.evaluate(scales)
     page.locator("#film").focus()
     page.keyboard.press("ArrowLeft")
@@ -120,53 +123,9 @@ def test_the_film_keeps_its_scales_the_address_its_step_and_undo_takes_a_step_ba
 
 
 @pytest.mark.slow
-def test_two_cursors_give_the_decrement_between_them(solved):
-    page = solved
-    truth = page.evaluate("bench.state.stage.frequency_hz")
-    for at in (110, 250):
-        page.locator("[data-plot=left]").click(position={"x": at, "y": 60})
-    page.mouse.move(5, 5)
-    page.get_by_text("Between the cursors").wait_for()
-    told = page.locator("#readout").inner_text()
-    seconds, cycles, ratio, decrement = (
-        float(re.search(pattern, told).group(1))
-        for pattern in (r"([\d.]+) s,", r"([\d.]+) cycles", r"ratio ([\d.]+)", r"decrement ([\d.]+)")
-    )
-    assert cycles == pytest.approx(seconds * truth, rel=0.05)
-    assert decrement == pytest.approx(math.log(ratio) / cycles, rel=0.02)
-    cursors = "JSON.stringify(bench.cursors)"
-    before = page.evaluate(cursors)
-    page.locator("button.card-suspect").first.click()
-    page.wait_for_function("document.querySelectorAll('.step').length == 2")
-    page.get_by_text("At the noise floor").wait_for()
-    assert page.evaluate(cursors) == before  # they stay when another model's pictures come, and other samples
-    page.evaluate("""() => { const every = (kept, i) => i % 2 === 0, s = bench.state.stage, halved = {};
-      for (const key in s) halved[key] = Array.isArray(s[key]) && key !== "traces" ? s[key].filter(every) : s[key];
-      bench.moments = bench.cursors.map(i => s.time[i]);
-      bench.receive({stage: halved, frames: {...bench.state.frames}}) }""")
-    assert page.evaluate(
-        "bench.cursors.every((i, k) => Math.abs(bench.state.stage.time[i] - bench.moments[k]) < 0.01)"
-    )
-    page.locator("[data-plot=left]").dblclick(position={"x": 150, "y": 60})
-    page.wait_for_function("bench.between() === '' && bench.state.zoom === null")
-
-
-@pytest.mark.slow
-def test_the_mark_follows_a_pointer_that_leaves_while_a_frame_is_drawn(solved):
-    page = solved
-    page.locator("[data-plot=left]").hover(position={"x": 120, "y": 60})
-    page.get_by_text(re.compile(r"t = \d\.\d{3} s")).wait_for()
-    page.evaluate("""() => { const box = document.querySelector("[data-plot=left]").getBoundingClientRect();
-      const move = (x, y) => (document.elementFromPoint(x, y) || document.body).dispatchEvent(
-        new MouseEvent("mousemove", {bubbles: true, clientX: x, clientY: y}));
-      move(box.x + 200, box.y + 60); move(5, 5) }""")
-    page.get_by_text("Point at a picture").wait_for()
-
-
-@pytest.mark.slow
 def test_what_is_looked_at_stays_while_further_pictures_come(solved):
     page = solved
-    page.locator("button.card-suspect").first.click()
+    page.get_by_role("button", name="Add Stribeck friction").click()
     page.get_by_text("At the noise floor").wait_for()
     page.wait_for_function("!document.querySelector('[inert]')")
     page.locator("#film").focus()

@@ -1,35 +1,35 @@
-// What the page needs of the browser beside its pictures: the colour scheme, and commands for the keyboard.
+// What the page needs of the browser beside its pictures: the colour scheme, names for what a library leaves nameless, keys.
 document.documentElement.lang = "en";
 (() => {
   const bench = (window.bench = window.bench || {});
-
+  bench.css = (name) => getComputedStyle(document.body).getPropertyValue("--" + name).trim();
+  bench.chart = (name) => { const el = document.querySelector(`[data-plot=${name}]`); return (el && el.clientWidth && getElement(el) && getElement(el).chart) || null; };
+  bench.font = () => getComputedStyle(document.body).fontFamily;
   bench.dark = () => {
     const kept = localStorage.getItem("bench-theme");
     return kept ? kept === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
   };
   bench.keepTheme = (dark) => localStorage.setItem("bench-theme", dark ? "dark" : "light");
-  bench.redraw = () => requestAnimationFrame(() => { bench.draw(); bench.fingerprints(); });
+  bench.redraw = () => requestAnimationFrame(() => bench.draw());
 
-  bench.choose = (key, value) => { bench.state[key] = value; bench.draw(); };
+  // The live scope: the newest seconds of the channel that triggers, its zero, its noise, and the swing that is a release.
+  bench.scope = (now) => {
+    const chart = bench.chart("scope"), zero = now.zero ?? 0;
+    if (!chart || !now.points.length) return;
+    bench.scoped = now;
+    const reach = Math.max(now.level ? 1.4 * now.level : 1e-9, 1.15 * Math.max(...now.points.map((p) => Math.abs(p[1] - zero))));
+    const mark = (y, name, colour, type) => ({ yAxis: y, name, lineStyle: { color: bench.css(colour), type }, label: { formatter: name, color: bench.css(colour) } });
+    const marks = [...(now.level ? [mark(zero + now.level, "release", "bad", "dashed"), mark(zero - now.level, "", "bad", "dashed")] : []), ...(now.zero === null ? [] : [mark(zero, now.level > 0.2 * reach ? "zero" : "", "good", "solid")])];
+    chart.setOption({ animation: false, textStyle: { fontFamily: bench.font() }, grid: { left: 60, right: 70, top: 26, bottom: 36 }, xAxis: bench.axis("seconds until now [s]", 0, { type: "value", min: -8, max: 0 }),
+      yAxis: bench.axis(`${now.channel} [${now.unit}]`, 0, { type: "value", min: zero - reach, max: zero + reach, nameLocation: "end", nameGap: 8, axisLabel: { color: bench.css("faint"), formatter: (y) => Number(y.toPrecision(3)).toString() } }),
+      series: [{ type: "line", symbol: "none", data: now.points, lineStyle: { color: bench.css("left"), width: 1.6 }, silent: true, markLine: { symbol: "none", silent: true, data: marks },
+        markArea: { silent: true, itemStyle: { color: bench.css("noise") }, data: now.noise ? [[{ yAxis: zero - 2 * now.noise }, { yAxis: zero + 2 * now.noise }]] : [] } }] });
+  };
 
   // Rerun's viewer says when it has started.
   window.addEventListener("message", (event) => {
     if (event.origin === location.origin && event.data === "READY") document.querySelectorAll(".viewer-wait").forEach((el) => (el.style.display = "none"));
   });
-
-  // A record that allows no analysis, as it is.
-  bench.raw = (traces) => requestAnimationFrame(() => traces.forEach((trace, k) => {
-    const host = document.querySelector(`[data-plot=raw${k}]`);
-    if (!host) return;
-    const plot = new bench.Plot(host, { bottom: 32 }), seen = trace.values.filter((y) => y !== null);
-    const low = Math.min(...seen), high = Math.max(...seen), room = 0.06 * (high - low) || 1;
-    plot.redraw = () => {
-      plot.begin([trace.time[0], trace.time[trace.time.length - 1]], [low - room, high + room], ["time since the start of the record [s]", `${trace.channel} [${trace.unit}]`]);
-      plot.axes();
-      plot.line(trace.time, trace.values, bench.colour("left"), 1.2);
-    };
-    plot.redraw();
-  }));
 
   // Names for those who do not see the signs on a library's buttons.
   const NAMES = { ".q-uploader .q-btn": "Choose files to import", ".q-uploader__input": "Files to import", ".q-loading-bar": "Loading", "[role=progressbar]": "Progress" };
@@ -41,8 +41,8 @@ document.documentElement.lang = "en";
 
   // From card to card with the arrows.
   document.addEventListener("keydown", (event) => {
-    const card = document.activeElement && document.activeElement.closest(".card-suspect");
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    const card = document.activeElement && document.activeElement.closest(".card-suspect"), step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (event.key === "Escape") closeRail();
     if (!card || !step || event.target.tagName === "INPUT") return;
     const cards = [...document.querySelectorAll(".card-suspect")], next = cards[cards.indexOf(card) + step];
     if (next) { event.preventDefault(); next.focus(); next.scrollIntoView({ block: "nearest", inline: "nearest" }); }
@@ -53,6 +53,8 @@ document.documentElement.lang = "en";
     document.querySelector(".rail-button").setAttribute("aria-expanded", open);
     if (open) document.querySelector("#rail a, #rail button, #rail input")?.focus();
   };
+  const closeRail = () => document.querySelector(".rail-open") && bench.turnRail();
+  document.addEventListener("mousedown", (event) => { if (!event.target.closest("#rail, .rail-button, .q-menu")) closeRail(); });
 
   bench.toExamples = () => {
     const open = document.querySelector("#examples .q-item");
@@ -60,9 +62,6 @@ document.documentElement.lang = "en";
     if (open && open.getAttribute("aria-expanded") !== "true") open.click();
     setTimeout(() => { const first = document.querySelector("#examples .q-btn"); if (first) { first.scrollIntoView({ block: "nearest" }); first.focus(); } }, 350);
   };
-  const closeRail = () => document.querySelector(".rail-open") && bench.turnRail();
-  document.addEventListener("mousedown", (event) => { if (!event.target.closest("#rail, .rail-button, .q-menu")) closeRail(); });
-  document.addEventListener("keydown", (event) => { if (event.key === "Escape") closeRail(); });
 
   // The address of what is shown: the session and the step.
   bench.address = () => {
@@ -70,8 +69,5 @@ document.documentElement.lang = "en";
     if (S.stage) here.searchParams.set("step", S.film === null ? S.present : S.film);
     return here.href;
   };
-
-  bench.copy = async (text) => {
-    try { await navigator.clipboard.writeText(text); return true; } catch { return false; }
-  };
+  bench.copy = async (text) => { try { await navigator.clipboard.writeText(text); return true; } catch { return false; } };
 })();

@@ -1,170 +1,154 @@
-// The stage: one map of the missing force, measurement and model, what is left. Pointing at a suspect shows the frame of the
-// model with it; the frames were computed before, so nothing is asked of the server.
+// The stage: the force that the model lacks, before and after, and measurement and model over time. Frames were computed
+// before, so pointing at a suspect asks nothing of the server.
 (() => {
-  const bench = (window.bench = window.bench || {});
-  const S = (bench.state = {
-    stage: null, frames: {}, steps: [], present: 0, suspects: {}, says: {}, names: {}, film: null, preview: null, pinned: null,
-    trial: null, map: "plane", channel: 0, fitScale: false, zoom: null,
-  });
-  const plots = (bench.plots = {});
-  const frameOf = (id) => (id && S.frames[id]) || null;
-  const filmAt = () => (S.film === null ? S.present : S.film);
-  bench.previewed = () => S.preview || S.pinned;
-
-  bench.shown = () => {
-    const wanted = bench.previewed();
-    if (wanted && frameOf(S.suspects[wanted])) return frameOf(S.suspects[wanted]);
-    if (S.trial) return S.trial;
-    return frameOf(S.steps[filmAt()]) || frameOf(S.steps[S.present]);
-  };
-  bench.ghost = () => {
-    if ((bench.previewed() && frameOf(S.suspects[bench.previewed()])) || S.trial) return frameOf(S.steps[S.present]);
-    return filmAt() > 0 ? frameOf(S.steps[filmAt() - 1]) : null;
-  };
+  const bench = (window.bench = window.bench || {}), SURE = [1.6, 2.6], NONE = [];
+  const S = (bench.state = { stage: null, frames: {}, steps: [], present: 0, suspects: {}, says: {}, names: {}, best: null, film: null, pointed: null, selected: null, channel: 0 });
+  const frameOf = (id) => (id && S.frames[id]) || null, filmAt = () => (S.film === null ? S.present : S.film);
+  bench.previewed = () => [S.pointed, S.selected].find((name) => name && frameOf(S.suspects[name])) || null;
+  bench.shown = () => frameOf(S.suspects[bench.previewed()]) || frameOf(S.steps[filmAt()]) || frameOf(S.steps[S.present]);
+  bench.before = () => (bench.previewed() ? frameOf(S.steps[S.present]) : filmAt() > 0 ? frameOf(S.steps[filmAt() - 1]) : null);
   const first = () => frameOf(S.steps[0]) || bench.shown();
 
   // What the server sends: only what changed.
   bench.receive = (news) => {
-    if (news.stage) {
-      const before = S.stage;
-      S.stage = news.stage; S.frames = {}; S.film = S.preview = S.pinned = S.trial = S.zoom = null;
-      bench.keepMoments(before);
-    }
+    if (news.stage) { S.stage = news.stage; S.frames = {}; S.film = S.pointed = S.selected = null; S.cells = outlines(news.stage); }
     Object.assign(S.frames, news.frames || {});
-    const another = news.steps && (news.present !== S.present || news.steps.join() !== S.steps.join());
+    const another = news.steps && (news.present !== S.present || news.steps.join() !== S.steps.join()), own = S.says["(own)"];
     for (const key of ["suspects", "says", "names"])
-      if (news[key]) S[key] = !another && "(own)" in S[key] ? { ...news[key], "(own)": S[key]["(own)"] } : news[key];
+      if (news[key]) S[key] = !another && own && "(own)" in S[key] ? { ...news[key], "(own)": S[key]["(own)"] } : news[key];
     if (news.steps) S.steps = news.steps;
-    if (another) { S.present = news.present; S.film = S.trial = null; }  // what is looked at stays while further pictures come
-    if (another || news.busy === false) S.pinned = null;
-    if (news.trial !== undefined) S.trial = news.trial;
-    if (news.preview !== undefined) S.preview = news.preview;
-    if (S.preview && !S.suspects[S.preview]) S.preview = null;
-    bench.worst();
+    if (another) { S.present = news.present; S.film = S.selected = S.best = null; }  // what is looked at stays while further pictures come
+    if (news.best !== undefined && news.best !== S.best && frameOf(S.suspects[news.best])) S.selected = S.best = news.best;
+    if (S.stage && S.scaled !== S.stage) { S.scaled = S.stage; S.channel = worst(); }
+    if (S.stage && first()) S.reach = size(first().cycle, 0.98);  // colours are those of the first model, whatever is shown
     bench.draw();
-    bench.fingerprints();
+    setTimeout(say, 300);  // cards and buttons may come a moment after what is said of them
   };
-  bench.worst = () => {
-    const frame = S.stage && first();
-    if (!frame) return;
-    S.reach = bench.reach(frame.cycle, 0.98);  // colours are those of the first model, whatever is shown
-    if (S.chosen === S.stage) return;
-    const misfit = (k) => {
-      const left = frame.left[k].filter((x) => x !== null), s = S.stage.traces[k].sigma;
-      return left.reduce((sum, x) => sum + x * x, 0) / (left.length * s * s || 1);
-    };
-    S.channel = S.stage.traces.map((_, k) => k).sort((a, b) => misfit(b) - misfit(a))[0];
-    S.chosen = S.stage;
+  bench.choose = (key, value) => { S[key] = value; bench.draw(); };
+  bench.select = (name) => { S.selected = name; bench.draw(); };
+  bench.filmTo = (n) => { S.film = Number(n) === S.present ? null : Number(n); S.selected = null; bench.draw(); };
+  // An expression of the user's own, fitted: it is shown at once.
+  bench.own = (found) => {
+    delete S.suspects["(own)"];
+    if (found) { S.frames["(own)"] = found.frame; S.suspects["(own)"] = "(own)"; S.says["(own)"] = found.says; S.names["(own)"] = found.name; S.selected = "(own)"; }
+    else if (S.selected === "(own)") S.selected = null;
+    bench.draw();
   };
 
-  function plot(name, margins) {
-    const host = document.querySelector(`[data-plot=${name}]`);
-    if (!host) return null;
-    if (!plots[name] || plots[name].host !== host) {
-      plots[name] = new bench.Plot(host, margins);
-      plots[name].redraw = () => bench.draw();
-    }
-    return plots[name].alive ? plots[name] : null;
+  function size(values, share = 1) {
+    const sizes = values.filter((v) => v !== null).map(Math.abs).sort((a, b) => a - b);
+    return sizes.length ? sizes[Math.floor(share * (sizes.length - 1))] || 1e-12 : 1;
+  }
+  function worst() {  // the channel in which the first model fails most
+    const frame = first(), of = (k) => { const left = frame.left[k].filter((x) => x !== null); return left.reduce((sum, x) => sum + x * x, 0) / (left.length * S.stage.traces[k].sigma ** 2 || 1); };
+    return frame ? S.stage.traces.map((_, k) => k).sort((a, b) => of(b) - of(a))[0] : 0;
+  }
+  function outlines(stage) {  // each cell of the map as a polygon in the phase plane
+    const axes = stage.cycle, columns = axes.columns.length - 1, k = stage.velocity_per_amplitude;
+    return axes.cells.map((code) => {
+      const row = Math.floor(code / columns), column = code % columns, points = [], steps = 3;
+      const [a, b, p, q] = [axes.rows[row], axes.rows[row + 1], axes.columns[column], axes.columns[column + 1]];
+      const at = (r, angle) => [r * Math.cos(angle), -r * k * Math.sin(angle)];
+      for (let i = 0; i <= steps; i++) points.push(at(b, p + ((q - p) * i) / steps));
+      for (let i = steps; i >= 0; i--) points.push(at(a, p + ((q - p) * i) / steps));
+      return points;
+    });
+  }
+  // A cell's colour: the force, less the sure it is; grey within the noise.
+  const stained = (frame) => frame ? frame.cycle.flatMap((force, i) => {
+    if (force === null) return NONE;
+    const sure = Math.min(1, Math.max(0, (Math.abs(force) / frame.cycle_std[i] - SURE[0]) / (SURE[1] - SURE[0])));
+    return [[S.cells[i][0][0], S.cells[i][0][1], sure * force, i]];
+  }) : NONE;
+  const cell = (_, api) => ({ type: "polygon", shape: { points: S.cells[api.value(3)].map((p) => api.coord(p)) }, style: { fill: api.visual("color"), stroke: api.visual("color"), lineWidth: 0.6 } });
+
+  const axis = (name, grid, more) => ({ gridIndex: grid, name, nameLocation: "middle", nameGap: 22, nameTextStyle: { color: bench.css("ink"), fontSize: 11 }, axisLine: { show: true, onZero: false, lineStyle: { color: bench.css("faint") } },
+    axisLabel: { color: bench.css("faint"), fontSize: 11, hideOverlap: true, showMinLabel: false, showMaxLabel: false }, splitLine: { lineStyle: { color: bench.css("grid") } }, splitNumber: 4, ...more });
+  const title = (text, left, top = 0, width = undefined) => ({ text, left, top, textStyle: { color: bench.css("ink"), fontSize: 12, fontWeight: 600, width, overflow: "truncate" } });
+  const legend = (data, top) => ({ data, right: 4, top, itemWidth: 14, itemHeight: 4, icon: "roundRect", textStyle: { color: bench.css("ink"), fontSize: 11 } });
+  bench.axis = axis;
+
+  function map(chart, frame, stage) {
+    const before = bench.before(), largest = 1.04 * stage.cycle.rows[stage.cycle.rows.length - 1], up = largest * stage.velocity_per_amplitude, u = stage.units;
+    const maps = before ? [before, frame] : [frame], width = before ? 39 : 84, said = saidOf();
+    const words = before ? [`before: ${said.before}`, said.now] : [said.now], places = maps.map((_, k) => 7 + k * 46.5);
+    chart.setOption({ animation: false, textStyle: { fontFamily: bench.font() }, title: words.map((text, k) => title(text, `${places[k]}%`, 0, before ? 0.43 * chart.getWidth() : undefined)),
+      grid: maps.map((_, k) => ({ left: `${places[k]}%`, width: `${width}%`, top: 22, bottom: 38 })),
+      xAxis: maps.map((_, k) => axis(`displacement [${u.u}]`, k, { type: "value", min: -largest, max: largest })),
+      yAxis: maps.map((_, k) => axis(k ? "" : `velocity [${u.v}]`, k, { type: "value", min: -up, max: up, nameGap: 34, axisLabel: { show: !k, color: bench.css("faint"), fontSize: 11, showMinLabel: false, showMaxLabel: false } })),
+      visualMap: { type: "continuous", dimension: 2, min: -S.reach, max: S.reach, right: 0, top: "middle", itemHeight: 90, itemWidth: 10, precision: 2, padding: 0, inRange: { color: ["map-low", "map-middle", "map-high"].map(bench.css) },
+        text: ["+", "\u2212"].map((sign) => `${sign}${Number(S.reach.toPrecision(2))} ${u.f}`), textStyle: { color: bench.css("ink"), fontSize: 11 }, hoverLink: false },
+      series: maps.map((one, k) => ({ type: "custom", id: k === maps.length - 1 ? "after" : "before", xAxisIndex: k, yAxisIndex: k, silent: true, clip: true, encode: { x: 0, y: 1 }, renderItem: cell, data: stained(one) })),
+    }, { replaceMerge: ["series", "grid", "xAxis", "yAxis", "title"] });
   }
 
+  function traces(chart, frame, stage) {
+    const trace = stage.traces[S.channel], before = bench.before(), t = stage.time, pairs = (ys) => ys.map((y, i) => [t[i], y]);
+    const line = (id, name, ys, grid, colour, width, more) => ({ id, name, type: "line", xAxisIndex: grid, yAxisIndex: grid, data: pairs(ys), symbol: "none", silent: true, tooltip: { valueFormatter: (y) => (typeof y === "number" ? `${y.toPrecision(4)} ${grid ? trace.fine_unit : trace.unit}` : "?") }, lineStyle: { width, color: bench.css(colour) }, itemStyle: { color: bench.css(colour) }, ...more });
+    const reach = Math.max(1.1 * size(first().left[S.channel]), 3 * trace.sigma), ends = [Math.min(0, t[0]), t[t.length - 1]];
+    const time = { type: "value", min: ends[0], max: ends[1], axisPointer: { label: { formatter: (p) => `t = ${p.value.toFixed(3)} s` } } }, noise = [[{ yAxis: -2 * trace.sigma }, { yAxis: 2 * trace.sigma }]];
+    chart.setOption({ animation: false, textStyle: { fontFamily: bench.font() },
+      title: [title(`${trace.channel} [${trace.unit}]`, 4), title(`residual [${trace.fine_unit}], noise (2 std)`, 4, "46%")],
+      legend: [legend(["measured", "model"], 0), legend(before ? ["before", "now"] : ["now"], "46%")],
+      grid: [{ left: 52, right: 12, top: 22, height: "30%" }, { left: 52, right: 12, top: "58%", bottom: 34 }],
+      xAxis: [axis("", 0, { ...time, axisLabel: { show: false } }), axis("time since the release [s]", 1, time)],
+      yAxis: [axis("", 0, { type: "value", splitNumber: 2 }), axis("", 1, { type: "value", min: -reach, max: reach, splitNumber: 2, axisLabel: { color: bench.css("faint"), fontSize: 11, formatter: (y) => Number(y.toPrecision(2)).toString() } })],
+      axisPointer: { link: [{ xAxisIndex: "all" }] }, dataZoom: [{ type: "inside", xAxisIndex: [0, 1], zoomOnMouseWheel: "ctrl", moveOnMouseMove: "shift" }],
+      tooltip: { trigger: "axis", confine: true, backgroundColor: bench.css("paper"), borderColor: bench.css("line"), textStyle: { color: bench.css("ink"), fontSize: 12 } },
+      series: [line("measured", "measured", trace.values, 0, "ink", 2.4), line("model", "model", frame.model[S.channel], 0, "model", 1.3),
+        line("before", "before", before ? before.left[S.channel] : NONE, 1, "ghost", 1), line("left", "now", frame.left[S.channel], 1, "left", 1.2, { markArea: { silent: true, itemStyle: { color: bench.css("noise") }, data: noise } })],
+    });
+  }
+
+  let waiting = null;
   bench.draw = () => {
     const frame = bench.shown();
     if (!S.stage || !frame) return;
-    const map = plot("map", { left: 58, right: 74, top: 20, bottom: 34 });
-    if (map) bench.drawMap(map, frame, S.stage);
-    const over = plot("overlay", { bottom: 4 }), left = plot("left", { bottom: 32 });
-    if (over) overlay(over, frame, S.stage);
-    if (left) residual(left, frame, S.stage);
-    bench.say();
-    bench.mark(bench.moment ?? null);
-    bench.drawCursors && bench.drawCursors();
+    const places = { map: bench.chart("map"), traces: bench.chart("traces") };
+    if (places.map) map(places.map, frame, S.stage);
+    if (places.traces) traces(places.traces, frame, S.stage);
+    say();
+    clearTimeout(waiting);
+    if (!places.map || !places.traces) waiting = setTimeout(bench.draw, 200);  // a chart that is not there yet, or not looked at
   };
 
-  bench.span = () => S.zoom || [Math.min(0, S.stage.time[0]), S.stage.time[S.stage.time.length - 1]];
-
-  function overlay(p, frame, stage) {
-    const trace = stage.traces[S.channel], reach = 1.06 * bench.reach(trace.values);
-    p.begin(bench.span(), [-reach, reach], ["time since the release [s]", `${trace.channel} [${trace.unit}]`]);
-    p.axes({ hideX: true });
-    p.line(stage.time, trace.values, bench.colour("ink"), 2.6, 0.9);
-    p.line(stage.time, frame.model[S.channel], bench.colour("model"), 1.3);
-    p.legend([["measured", bench.colour("ink"), 4], ["model, run freely", bench.colour("model"), 3]]);
+  function saidOf() {
+    const found = bench.previewed(), present = S.says["step" + S.present], film = S.says["step" + filmAt()];
+    if (found) return { before: present.short, now: S.says[found].short, says: S.says[found] };
+    const last = filmAt() > 0 ? S.says["step" + (filmAt() - 1)] : null;
+    return { before: last && last.short, now: film.short, says: film };
   }
-
-  function residual(p, frame, stage) {
-    const trace = stage.traces[S.channel], base = first(), ghost = bench.ghost();
-    const reach = Math.max(1.1 * bench.reach((S.fitScale ? frame : base).left[S.channel]), 3 * trace.sigma);
-    p.begin(bench.span(), [-reach, reach], ["time since the release [s]", `residual [${trace.fine_unit}]`]);
-    p.axes();
-    if (ghost) p.line(stage.time, ghost.left[S.channel], bench.colour("ghost"), 1);
-    p.line(stage.time, frame.left[S.channel], bench.colour("left"), 1.2);
-    p.band(-2 * trace.sigma, 2 * trace.sigma, bench.colour("noise"));
-    const words = [["now", bench.colour("left"), 3], ["noise (2 std)", bench.colour("noise"), 8]];
-    if (ghost) words.unshift(["before", bench.colour("ghost"), 3]);
-    p.legend(words);
-  }
-
-  // The sentence above, and the ghost on the ladder.
-  bench.say = () => {
-    const wanted = bench.previewed(), found = wanted && S.suspects[wanted] ? wanted : null;
-    const says = S.trial && !found ? S.trial.says : found ? S.says[found] : S.says["step" + filmAt()];
-    const place = document.getElementById("statement");
-    if (place && says) {
-      place.dataset.kind = S.trial && !found ? "trial" : found ? "preview" : S.film !== null && S.film !== S.present ? "film" : says.floor ? "floor" : "present";
-      place.querySelector(".big").textContent = says.big;
-      place.querySelector(".what").textContent = says.what;
-      place.querySelector(".more").textContent = says.more;
+  function say() {
+    if (!S.stage || !bench.shown()) return;
+    const found = bench.previewed(), says = saidOf().says, place = document.getElementById("statement"), row = document.getElementById("ghost-step");
+    if (place) {
+      place.dataset.kind = found ? "preview" : S.film !== null ? "film" : says.floor ? "floor" : "present";
+      for (const part of ["big", "what", "more"]) place.querySelector("." + part).textContent = says[part];
     }
-    const row = document.getElementById("ghost-step");
     if (row) {
       row.classList.toggle("shown", !!found);
-      row.querySelector(".what").textContent = found ? "with " + S.names[found] : "(point at a card)";
+      row.querySelector(".what").textContent = found ? "with " + S.names[found] : "(choose a suspect)";
       row.querySelector(".value").textContent = found ? S.says[found].times : "";
       row.querySelector(".fill").style.width = found ? S.says[found].share + "%" : "0";
     }
-    document.querySelectorAll(".card-suspect").forEach((el) => el.classList.toggle("pointed", el.dataset.preview === found));
+    document.querySelectorAll(".card-suspect").forEach((el) => { const on = el.dataset.preview === S.selected; el.classList.toggle("selected", on); if (el.tagName === "BUTTON") el.setAttribute("aria-pressed", on); el.classList.toggle("pointed", el.dataset.preview === S.pointed); });
     document.querySelectorAll(".step").forEach((el, i) => el.classList.toggle("looked", i === filmAt() && !found));
-    const film = document.getElementById("film");
+    const add = document.getElementById("add-selected"), film = document.getElementById("film"), words = document.getElementById("film-words");
+    if (add && S.selected !== "(own)") { add.disabled = !S.names[S.selected]; add.querySelector(".q-btn__content").textContent = `Add ${S.names[S.selected] || "what is selected"}`; }
     if (film && document.activeElement !== film) film.value = filmAt();
-    const words = document.getElementById("film-words");
-    if (words) words.textContent = S.film === null || S.film === S.present ? "" : `looking at step ${S.film}`;
-  };
-
-  // An expression of the user's own, fitted: it is shown at once, and again when its card is pointed at.
-  bench.own = (found) => {
-    delete S.suspects["(own)"];
-    if (found) {
-      S.frames["(own)"] = found.frame; S.suspects["(own)"] = "(own)"; S.says["(own)"] = found.says; S.names["(own)"] = found.name;
-      S.preview = "(own)";
-    } else if (S.preview === "(own)") S.preview = null;
-    bench.fade();
-    bench.say();
-  };
-
-  bench.filmTo = (n) => { S.film = Number(n) === S.present ? null : Number(n); bench.fade(); };
-
-  // Preview by pointer and by focus, without the server.
-  function preview(name) {
-    if (S.preview === name) return;
-    const begin = performance.now();
-    S.preview = name;
-    bench.fade();
-    bench.previewTook = performance.now() - begin;
+    if (words) words.textContent = S.film === null ? "" : `looking at step ${S.film}`;
   }
+
+  // Pointing and focus preview, a click selects; a card that slides under a resting pointer is not pointed at.
   const target = (event) => event.target.closest && event.target.closest("[data-preview]");
-  let at = null;  // where the pointer was last: cards that slide under a resting one are not pointed at
+  const point = (name) => { if (S.pointed !== name) { S.pointed = name; bench.draw(); } };
+  let at = null;
   document.addEventListener("mousemove", (event) => {
     const here = `${event.screenX} ${event.screenY}`, moved = at !== null && at !== here, el = target(event);
     at = here;
-    if (!moved) return;
-    if (el) preview(el.dataset.preview);
-    else if (S.preview && !(document.activeElement && document.activeElement.dataset.preview === S.preview)) preview(null);
+    if (moved) point(el ? el.dataset.preview : null);
   });
-  document.addEventListener("focusin", (event) => { const el = target(event); preview(el && el.matches(":focus-visible") ? el.dataset.preview : null); });
-  document.addEventListener("focusout", (event) => { if (target(event)) preview(null); });
-  document.addEventListener("click", (event) => {
-    const el = target(event);
-    if (el && el.dataset.commits && S.suspects[el.dataset.preview]) { S.pinned = el.dataset.preview; bench.draw(); }
-  });
+  document.addEventListener("focusin", (event) => { const el = target(event); point(el && el.matches(":focus-visible") ? el.dataset.preview : null); });
+  document.addEventListener("click", (event) => { const el = target(event); if (el && S.suspects[el.dataset.preview]) bench.select(el.dataset.preview); });
   document.addEventListener("input", (event) => { if (event.target.id === "film") bench.filmTo(event.target.value); });
 })();

@@ -1,4 +1,4 @@
-"""The curves of a session, from its results to the viewer's tab, the page and the report."""
+"""The curves of a session, from its results to the page and the report."""
 
 import base64
 import shutil
@@ -6,20 +6,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import rerun as rr
 from hidden import DUFFING, TRUTH
-from rerun.chunk import RrdReader
 
 from daq.session import Session
-from station.operations import viewer_tabs
 from station.operations.refining import open_refinement
-from station.operations.session_curves import curves_as_measured, kept_curves
+from station.operations.session_curves import kept_curves
 from station.report import diagnosis_figures
 from station.report.loop import suspects
 from station.results.diagnosis_document import read_diagnosis
 from station.settings import Settings
-from station.views import curves
-from station.views.tab import Tab
 from station.workbench.decay_curves import plain_curves
 
 
@@ -60,33 +55,6 @@ def test_the_named_model_follows_the_curve_where_the_usual_one_does_not(kept):
         (law,) = laid.curves
         off = np.abs(law.frequency[: large.sum()] - backbone(measured.amplitude[large])).max()
         assert low * rise <= off < high * rise + 2e-3
-
-
-def test_the_tab_holds_the_numbers_that_it_shows(kept, tmp_path):
-    tabs = viewer_tabs.story_tabs(kept.session, kept.settings)
-    tab: Tab = next(tab for tab in tabs if tab.name == curves.NAME)
-    stream = rr.RecordingStream("tabs", send_properties=False)
-    stream.save(tmp_path / "curves.rrd")
-    tab.write(stream)
-    assert tab.layout().name == "Curves"
-    stream.flush()
-    stream.disconnect()
-    found = {}
-    for chunk in RrdReader(tmp_path / "curves.rrd").stream().filter(content="/curves/panels/numbers"):
-        batch = chunk.to_record_batch()
-        for name in batch.schema.names:
-            rows = [row for row in batch.column(name).to_pylist() if row is not None]
-            if rows and name.rpartition(":")[2].startswith(("frequency", "law")):
-                found[name.rpartition(":")[2]] = np.asarray(rows[0])
-    (measured,) = kept.shown.curves.releases
-    assert found["frequency_0"] == pytest.approx(measured.frequency, rel=1e-12)
-    assert found["law_1_damping"].max() < 0.2
-
-
-def test_a_session_that_was_not_diagnosed_has_curves_with_the_usual_model(kept):
-    shown = curves_as_measured(kept.session, kept.settings)
-    assert shown is not None
-    assert [laid.law.role for laid in shown.curves.laws] == ["usual"]
 
 
 def test_a_document_of_before_draws_the_usual_model_alone(kept):

@@ -1,0 +1,180 @@
+"""The first page, for a customer: what was measured, one verdict, a picture, and values with the whole of their error."""
+
+from dataclasses import dataclass
+from datetime import UTC
+
+from identify.fitting.fit import Fit
+from identify.formatting import decimals_for, plain_name
+from station.report import comparison_figures as draw
+from station.report.findings import Findings
+from station.story.adequacy import judgement, scale_doubt
+from station.story.budget import Budget, budget, calibration_of
+from station.story.engineering_values import EngineeringValue, engineering_values
+from station.story.residual import residual_words
+from station.text.content import Figure, Paragraph, Part, Table, Tone, facts
+from station.text.layout import sentence
+from station.text.numbers import DASH, three_figures, typeset_unit, with_error
+
+NOT_STATED, UNKNOWN = "not stated", "not determined"
+COVERS = (
+    "Every error is one standard uncertainty. The value's own covers readings and clock only. Calibration is that of the "
+    "sensors' certificates, as far as it enters the value; mass is as it was stated. The total is their combination after "
+    "GUM; it is not determined where a part of it was not stated."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Explaining:
+    """The model that explains the record: which one it is, its fit, and what it leaves, in words."""
+
+    words: str
+    fit: Fit
+    left: str
+
+
+@dataclass(frozen=True)
+class FirstPage:
+    """What stands on it: the verdict and whether it is good, what was measured, and the parts of the result."""
+
+    verdict: str
+    tone: Tone
+    measured: tuple[Part, ...]
+    parts: tuple[Part, ...]
+
+
+def first_page(found: Findings) -> FirstPage:
+    """Put the first page together."""
+    model = explaining(found)
+    verdict = sentence(_nothing_explains(found)) if model is None else _explained(model)
+    parts: list[Part] = []
+    if found.compared is not None:
+        caption = (
+            "Measurement and model, run freely from the release; below, the residual and the noise (2 std.)."
+        )
+        if found.first is not None:
+            caption = f"{caption[:-1]}, before ({found.first.words}) and after ({found.compared.words}); mind the scales."
+        parts.append(Figure(caption, draw.front(found.first, found.compared)))
+    if model is not None:
+        parts += [_values(model.fit, found), Paragraph(COVERS)]
+        aligned = None if found.identification is None else found.identification.alignment
+        doubt = "" if aligned is None else scale_doubt(aligned.gain)
+        parts += [Paragraph(doubt)] if doubt else []
+    return FirstPage(verdict, "bad" if model is None else "good", _measured(found), tuple(parts))
+
+
+def _measured(found: Findings) -> tuple[Part, ...]:
+    info, recording = found.session.info, found.recording
+    day = info.created.astimezone(UTC).strftime("%Y-%m-%d")
+    channels = ", ".join(
+        f"{channel.name}{f' by {channel.sensor}' if channel.sensor else ''} ({_calibrated(channel.calibration_uncertainty)})"
+        for channel in recording.channels
+    )
+    verdict = found.session.verdict if found.manifest is not None else None
+    taken = "" if verdict is None else f", {verdict.grade.value}"
+    seconds = recording.samples.shape[1] / recording.rate
+    return facts(
+        (
+            ("specimen", info.specimen),
+            ("test", f"free decay, {'recorded' if info.board else 'imported'} {day}, {seconds:.4g} s{taken}"),
+            ("operator", info.operator),
+            ("mass", mass_words(found)),
+            ("sensors", channels),
+        )
+    )
+
+
+def _calibrated(uncertainty: float | None) -> str:
+    return "calibration not stated" if uncertainty is None else f"calibrated to {100 * uncertainty:.2g} %"
+
+
+def mass_words(found: Findings) -> str:
+    """Write the mass, or that there is none."""
+    mass, std = found.options.mass, found.options.mass_std
+    angle = found.identification is not None and found.identification.decay.unit == "rad"
+    if mass is None:
+        return f"not stated: all results are per unit {'inertia' if angle else 'mass'}"
+    name = "kg m²" if angle else "kg"
+    return f"{with_error(mass, std)} {name}" if std else f"{mass:g} {name} (its uncertainty was not stated)"
+
+
+def explaining(found: Findings) -> Explaining | None:
+    """Choose the model that explains the record: the current one, else that which was identified; None without."""
+    current, adequate = found.compared, None
+    if found.identification is not None:
+        adequate = found.identification.adequacy
+    if adequate is not None and adequate.doubt:
+        return None
+    if current is not None and current.judged.at_floor:
+        judged, error = current.judged, current.error
+        left = residual_words(error.motion_percent, error.chi_square)
+        return Explaining(current.words, judged.stated(judged.fit), left)
+    if adequate is not None and adequate.adequate:
+        left = residual_words(adequate.motion_percent, adequate.chi_square)
+        return Explaining("the identified model", adequate.fit, left)
+    return None
+
+
+def _explained(model: Explaining) -> str:
+    return (
+        f"{sentence(model.words).rstrip('.')} explains the measurement: {_names(model.fit)}. Its residual is {model.left}, "
+        "which is noise."
+    )
+
+
+def _names(fit: Fit) -> str:
+    return " + ".join(plain_name(name) for name in fit.model.names)
+
+
+def _nothing_explains(found: Findings) -> str:
+    if found.identification is None:
+        return f"nothing was identified: {found.left_out['identification']}"
+    own, current, diagnosis = found.identification.adequacy, found.compared, found.diagnosis
+    if own is not None and own.doubt:
+        return f"no value may be quoted: {own.doubt}"
+    if current is None:
+        reason = found.identification.refusals.get("adequacy", "no model was fitted to this record")
+        return f"no value may be quoted: {judgement(own) if own is not None else reason}"
+    left = residual_words(current.error.motion_percent, current.error.chi_square)
+    words = f"no value may be quoted: {current.words} leaves {left}"
+    if (
+        diagnosis is not None
+        and diagnosis.named
+        and not set(diagnosis.named) <= set(current.baseline.fit.model.names)
+    ):
+        named = " and ".join(plain_name(name) for name in diagnosis.named)
+        return f"{words}. The missing effect is {named}: add it, and write the report again"
+    return words
+
+
+def _values(fit: Fit, found: Findings) -> Table:
+    """Make the table of what a test report quotes, each value with the parts of its error."""
+    mass, std = found.options.mass, found.options.mass_std
+    share = None if mass is None or std is None else std / mass
+    aligned = None if found.identification is None else found.identification.alignment
+    calibration = calibration_of(found.recording, None if aligned is None else aligned.gain.value)
+    length = fit.windows[0].unit
+    rows = []
+    for one in engineering_values(fit, mass, std):
+        parts = budget(one, calibration, share, length)
+        rows.append((one.name, *_with_parts(one, parts)))
+    head = ("quantity", "value ± readings and clock", "unit", "calibration", "mass", "total")
+    return Table("", head, tuple(rows))
+
+
+def _with_parts(one: EngineeringValue, parts: Budget) -> tuple[str, ...]:
+    value = one.value.value
+    return (
+        with_error(value, parts.readings),
+        typeset_unit(one.value.unit) or "1",
+        *(_part(part, NOT_STATED) for part in (parts.calibration, parts.mass)),
+        UNKNOWN if parts.total is None else f"± {_two(parts.total)}",
+    )
+
+
+def _part(error: float | None, missing: str) -> str:
+    return missing if error is None else DASH if error == 0.0 else f"± {_two(error)}"
+
+
+def _two(error: float) -> str:
+    """Write an error with two figures."""
+    return three_figures(error) if error >= 100.0 or error < 1e-7 else f"{error:.{decimals_for(error)}f}"

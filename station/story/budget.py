@@ -1,0 +1,66 @@
+"""What the error of a quoted value is made of: readings and clock, calibration, mass; together after GUM."""
+
+import math
+import re
+from dataclasses import dataclass
+
+from daq.recording import Recording
+from station.story.engineering_values import EngineeringValue
+from station.story.preparation import MOTION
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Standard errors of one value, in its unit: of readings and clock, calibration, mass; None where not stated."""
+
+    readings: float
+    calibration: float | None
+    mass: float | None
+
+    @property
+    def total(self) -> float | None:
+        """The combined standard uncertainty (GUM); None where a part is not known."""
+        if self.calibration is None or self.mass is None:
+            return None
+        return math.hypot(self.readings, self.calibration, self.mass)
+
+
+def budget(
+    one: EngineeringValue, calibration: float | None, mass_share: float | None, length: str = "m"
+) -> Budget:
+    """Take the error of a value apart.
+
+    `calibration` is the relative uncertainty of the sensors' scale, `mass_share` that of the mass, None where not stated.
+    The scale of the sensors enters a value by the power of `length` ("m" or "rad") in its unit per unit mass: not at all
+    in a stiffness or a frequency, once in a friction force.
+    """
+    value, bare = one.value, one.per_mass
+    readings: float = value.std
+    mass: float | None = 0.0
+    if bare is not None:
+        readings = bare.std * abs(value.value / bare.value) if bare.value else bare.std
+        mass = None if mass_share is None else abs(value.value) * mass_share
+    power = abs(power_of((bare or value).unit, length))
+    scale = 0.0 if power == 0 else None if calibration is None else power * calibration * abs(value.value)
+    return Budget(readings, scale, mass)
+
+
+def power_of(unit: str, length: str) -> int:
+    """Count the power of a length in a unit as "1/(m^2 s^2)": -2 for "m"."""
+    above, _, below = unit.partition("/")
+    found = re.compile(rf"(?<![A-Za-z]){length}(?:\^(\d+))?(?![A-Za-z])")
+    counts = [sum(int(power or 1) for power in found.findall(part)) for part in (above, below)]
+    return counts[0] - counts[1]
+
+
+def calibration_of(recording: Recording, gain: float | None) -> float | None:
+    """Return the relative uncertainty of the scale of the channels that are a motion; None where one has none stated.
+
+    `gain` is that between two channels: they differ by what at least one of them is off.
+    """
+    first = [next((c for c in recording.channels if c.quantity == quantity), None) for quantity in MOTION]
+    stated = [channel.calibration_uncertainty for channel in first if channel is not None]
+    if not stated or None in stated:
+        return None
+    off = 0.0 if gain is None else abs(gain - 1.0)
+    return max(off, *(share for share in stated if share is not None))

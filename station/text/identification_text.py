@@ -1,0 +1,162 @@
+"""An identification as it is told: whether its values may be quoted, both methods side by side, and why."""
+
+from math import hypot
+
+from identify.estimate import Estimate
+from identify.formatting import damping_name, plain_name
+from station.story.adequacy import judgement, scale_doubt
+from station.story.engineering_values import times_mass
+from station.story.identification import Identification
+from station.story.preparation import MOTION
+from station.text.content import Table, Told, Tone, facts
+from station.text.layout import sentence
+from station.text.numbers import (
+    DASH,
+    noise_scale,
+    three_figures,
+    typeset,
+    typeset_symbol,
+    typeset_unit,
+    with_error,
+)
+
+KINDS = {
+    "displaced": "held away, then let go",
+    "impulse": "set going by an impulse",
+    "in_motion": "already moving at the start",
+}
+METHODS = (("wavelet", "wavelet"), ("restoring_force", "force"))
+
+
+def told(name: str, result: Identification) -> Told:
+    """Tell one identification."""
+    found = result.adequacy
+    if found is None:
+        reason = result.refusals.get("adequacy", "")
+        words, tone = f"{reason} Do not quote its values." if reason else "Nothing was identified.", "unsure"
+    else:
+        words, tone = sentence(judgement(found)), "good" if found.quotable else "bad"
+    tones: dict[str, Tone] = {"good": "good", "bad": "bad", "unsure": "unsure"}
+    table = (methods_table(result),) if result.wavelet or result.restoring_force else ()
+    return Told(f"{name}: {words}", tones[tone], (*facts(_facts(result)), *table, *facts(reasons(result))))
+
+
+def next_command(result: Identification) -> str:
+    """Choose the command that comes next: to look where the model fails, or at what was found."""
+    return "report" if result.adequacy is not None and result.adequacy.adequate else "compare"
+
+
+def _facts(result: Identification) -> list[tuple[str, str]]:
+    decay, release, found = result.decay, result.release, result.adequacy
+    names = [name for name in (*MOTION, "force") if getattr(decay, name) is not None]
+    kind, unit = ("inertia", "kg m²") if decay.unit == "rad" else ("mass", "kg")
+    mass = f"{decay.mass:g} {unit}" if decay.mass is not None else f"{kind} not given: per unit {kind}"
+    given = ", taken as exact" if decay.rate_std is None else ""
+    return [
+        ("model", "" if found is None else " + ".join(plain_name(name) for name in found.effects)),
+        ("record", f"{len(decay)} samples at {decay.rate:g} Hz{given} ({' and '.join(names)}), {mass}"),
+        ("release", f"at {release.time_s:.4f} s: {KINDS.get(release.kind, release.kind)}"),
+        ("lost", f"{result.lost_samples} samples, marked and left out" if result.lost_samples else ""),
+        ("noise", ", ".join(f"{channel} {noise}" for channel, noise in noise_of(result))),
+        ("lag", lag_words(result)),
+        ("scale", "" if result.alignment is None else scale_doubt(result.alignment.gain)),
+        ("clock", "" if result.wavelet is None else typeset(result.wavelet.clock)),
+    ]
+
+
+def noise_of(result: Identification) -> list[tuple[str, str]]:
+    """List the channels with the rms of the noise of each."""
+    found = []
+    for name in MOTION:
+        noise = getattr(result.decay, f"noise_{name}")
+        if noise is not None:
+            factor, unit = noise_scale(name, result.decay.unit, noise)
+            found.append((name, f"{three_figures(noise * factor)} {typeset(unit)} rms"))
+    return found
+
+
+def lag_words(result: Identification) -> str:
+    """Say by how much the displacement is late or early, and how the gains differ; why not where that is not known."""
+    found = result.alignment
+    if found is None:
+        return result.refusals.get("alignment", "not sought: it needs two channels")
+    late = "late" if found.lag.value >= 0 else "early"
+    lag = with_error(abs(found.lag.value) * 1e6, found.lag.std * 1e6)
+    gain = with_error(found.gain.value, found.gain.std)
+    caution = f". {found.caution}" if found.caution else ""
+    return f"displacement {late} by {lag} µs, corrected; gain of the acceleration against it {gain}{caution}"
+
+
+def methods_table(result: Identification) -> Table:
+    """Put both methods side by side: each parameter with its error, and by how many joint standard errors they differ."""
+    both = (result.wavelet, result.restoring_force)
+    rows = [_row("stiffness K", [None if method is None else method.stiffness for method in both])]
+    most = max((len(method.damping) for method in both if method is not None), default=0)
+    for order in range(most):
+        values = [
+            method.damping[order] if method is not None and order < len(method.damping) else None
+            for method in both
+        ]
+        rows += _damping_rows(damping_name(order), values, result)
+    highest = {order for method in both if method is not None for order in method.stiffness_by_order}
+    for order in sorted(highest - {1}):
+        values = [None if method is None else method.stiffness_by_order.get(order) for method in both]
+        if any(value is not None and abs(value.value) > 2 * value.std for value in values):
+            rows.append(_row(f"stiffness of order {order}", values))
+    force = result.restoring_force
+    if force is not None and force.mass is not None:
+        rows.append(_row("mass, by the force", [None, force.mass]))
+    rows.append(("damping order", "", *(DASH if m is None else str(m.order) for m in both), ""))
+    left = (DASH if m is None else three_figures(m.mse_percent_by_order[m.order]) for m in both)
+    rows.append(("residual, mean square", "%", *left, ""))
+    doubt = result.adequacy is None or not result.adequacy.quotable
+    heads = ("wavelet", "restoring force")
+    head = ("do not quote" if doubt else "", "unit", *heads, "apart, σ")
+    return Table("", head, tuple(rows), texts=2, marks=("weak" if doubt else "",) * len(rows))
+
+
+def _damping_rows(name: str, values: list[Estimate | None], result: Identification) -> list[tuple[str, ...]]:
+    """Write a damping in N, kg and s with the same per unit mass under it; only the latter where no mass is known."""
+    decay = result.decay
+    plain, _, symbol = name.rpartition(" ")
+    if decay.mass is None:
+        return [_row(f"{plain} {typeset_symbol(symbol)}", values)]
+    mass, std = decay.mass, decay.mass_std
+    whole = [None if value is None else times_mass(value, mass, std, decay.unit) for value in values]
+    per = "per unit inertia" if decay.unit == "rad" else "per unit mass"
+    if not any(whole):
+        return [_row(f"{plain} {typeset_symbol(symbol)}, {per}", values)]
+    return [_row(plain, whole), _row(f"  {typeset_symbol(symbol)}, {per}", values)]
+
+
+def _row(name: str, values: list[Estimate | None]) -> tuple[str, ...]:
+    unit = next((value.unit for value in values if value is not None), "")
+    first, second = values
+    apart = ""
+    if first is not None and second is not None and (joint := hypot(first.std, second.std)) > 0.0:
+        apart = f"{abs(first.value - second.value) / joint:.1f}"
+    cells = [DASH if value is None else with_error(value.value, value.std) for value in values]
+    return (name, typeset_unit(unit), *cells, apart)
+
+
+def reasons(result: Identification) -> list[tuple[str, str]]:
+    """Say why each method chose its order, or why it found nothing, and what the lag would have done."""
+    found = []
+    for step, label in METHODS:
+        method = getattr(result, step)
+        refused = f"not identified: {result.refusals[step]}" if step in result.refusals else ""
+        found.append((label, typeset(refused if method is None else method.reason)))
+    warning = uncorrected(result)
+    return [*found, ("the lag", f"without its correction {warning}" if warning else "")]
+
+
+def uncorrected(result: Identification) -> str:
+    """Say what the lag would have done to the restoring force's viscous damping, or ""."""
+    with_, without = result.restoring_force, result.without_alignment
+    if with_ is None or without is None or len(with_.damping) < 2 or len(without.damping) < 2:
+        return ""
+    right, wrong = with_.damping[1], without.damping[1]
+    return (
+        f"the restoring force would have given μ₁ = {wrong.value:.3f} {wrong.unit} instead of "
+        f"{right.value:.3f} {right.unit}"
+    )

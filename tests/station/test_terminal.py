@@ -1,0 +1,68 @@
+"""What stands in a terminal: twelve lines, eighty columns, and plain letters where it has no others."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hidden import DUFFING
+
+from station.cli import run
+from station.plain_letters import in_plain_letters
+from station.text.content import Facts, Paragraph, Table, Told, markdown
+
+MOST_LINES = 12
+
+
+@pytest.fixture
+def session(diagnosed, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return shutil.copytree(diagnosed, tmp_path / "sessions" / DUFFING.stem)
+
+
+@pytest.mark.parametrize(
+    "line", [("compare",), ("diagnose",), ("diagnose", "--model", "usual"), ("compare", "--model", "usual")]
+)
+def test_what_is_asked_for_most_takes_twelve_lines(session, capsys, line):
+    command, *options = line
+    assert run([command, DUFFING.stem, *options]) == 0
+    brief = capsys.readouterr().out.splitlines()
+    assert len(brief) <= MOST_LINES
+    assert max(map(len, brief)) <= 80
+    assert brief[-1].startswith(" next: station ")
+    assert run([command, DUFFING.stem, *options, "--full"]) == 0
+    full = capsys.readouterr().out.splitlines()
+    assert len(full) > len(brief)
+    assert full[0] == brief[0]
+
+
+def test_a_terminal_without_other_letters_is_written_in_plain_ones(session):
+    here = str(Path(__file__).parents[2])
+    environment = (
+        os.environ | {"PYTHONPATH": here} | {"LC_ALL": "C", "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    )
+    command = [sys.executable, "-m", "station", "identify", str(session)]
+    ended = subprocess.run(command, capture_output=True, env=environment, cwd=session.parent, check=False)
+    assert ended.returncode == 0, ended.stderr
+    text = ended.stdout.decode("ascii")
+    assert "+-" in text
+    assert "m/s^2" in text
+    assert max(map(len, text.splitlines()[:-1])) <= 80
+
+
+def test_letters_that_no_table_holds_become_those_nearest_to_them():
+    assert (
+        in_plain_letters("3 µm ± 0,1 · 10⁻⁴ m/s², μ₀, Müller") == "3 um +- 0,1 . 10^-4 m/s^2, mu_0, Mu''ller"
+    )
+    assert in_plain_letters("é 漢") == "e ?"
+
+
+def test_a_result_reads_the_same_in_markdown():
+    told = Told("Nothing is missing", "good", (Facts((("noise", "1 ± 0.04"),)), Paragraph("so", label="why"),
+                Table("", ("", "% of motion"), (("usual", "0.9"),))))  # fmt: skip
+    text = markdown(told.brief)
+    assert "| noise | 1 ± 0.04 |" in text
+    assert "**why**: so" in text
+    assert "|  | % of motion |\n| --- | ---: |\n| usual | 0.9 |" in text
