@@ -10,10 +10,11 @@ from identify.diagnosis.guidance import MOST, Guidance, State
 from station.results.diagnosis_document import DiagnosisDocument, HypothesisDocument
 from station.results.guide_document import GuideDocument, TurnDocument
 from station.text.capture_progress import Watch
-from station.text.diagnosis_text import STYLES, headline
+from station.text.diagnosis_text import headline
 from station.text.layout import labelled
 from station.text.numbers import typeset
 
+STYLES = {"nothing_missing": "bold green", "not_enough_data": "bold yellow"}
 BAR, NAME, SHOWN = 24, 27, 5
 WIDTH = 12
 ENDINGS: dict[State, tuple[str, str]] = {
