@@ -16,11 +16,8 @@ from identify.fitting.initial_values import reachable_starts
 from identify.fitting.parameter_layout import Unknown
 from identify.model.model import Term
 
-_UNKNOWN = 1e12
-"""Variance, in squares of the range, from which on a number counts as unknown: its prior is all that is known of it."""
-
-_ROUNDING = 1e-24
-"""Least variance, in squares of the range."""
+_ROUNDING = 1e-12
+"""Least eigenvalue of a matrix of correlations: what is below it is rounding."""
 
 
 def evidence(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> float:
@@ -43,10 +40,23 @@ def price(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> flo
 
 
 def _cost(covariance: Array, widths: Array) -> float:
-    """Return the logarithm of the ranges over the volume in them that the readings leave, in nats; 0 at least."""
-    relative = np.clip(covariance / np.outer(widths, widths), -_UNKNOWN, _UNKNOWN)
-    volumes = 2.0 * np.pi * np.maximum(np.linalg.eigvalsh(relative), _ROUNDING)
-    return 0.5 * float(np.sum(np.log1p(1.0 / volumes)))
+    """Return the logarithm of the ranges over the volume in them that the readings leave, in nats.
+
+    ln det(1 + (2 pi C)^-1) / 2 of the covariance C in squares of the ranges, by correlations: what the readings do not
+    determine costs nothing, however large its variance.
+    """
+    variance = np.diag(covariance) / widths**2
+    known = np.isfinite(variance) & (variance > 0.0)
+    size, variance = np.sqrt(np.diag(covariance)[known]), variance[known]
+    alone = covariance[np.ix_(known, known)] / np.outer(size, size)
+    share = np.sqrt(variance / (variance + 0.5 / np.pi))
+    within = alone * np.outer(share, share)
+    np.fill_diagonal(within, 1.0)
+    return 0.5 * float(np.sum(np.log1p(0.5 / np.pi / variance))) + 0.5 * (_log_det(within) - _log_det(alone))
+
+
+def _log_det(correlations: Array) -> float:
+    return float(np.sum(np.log(np.maximum(np.linalg.eigvalsh(correlations), _ROUNDING))))
 
 
 def _width(unknown: Unknown, value: float, terms: dict[str, Term], scales: Scales) -> float:

@@ -62,7 +62,6 @@ def test_a_replay_keeps_the_time_it_took(session: tuple[Session, Witness], pause
     times = [record.time for record in session[0].records() if record.kind is Kind.RECEIVED]
     replay(session[0], Witness(), speed=2.0)
     assert 0 < sum(pauses) <= (times[-1] - times[0]) / 2 + 1e-9
-    assert sum(pauses) > 0.8 * (times[-1] - times[0]) / 2  # less the handshake before the first sample
 
 
 def test_an_import_is_replayed_by_the_time_of_its_samples(tmp_path: Path, pauses: list[float]) -> None:

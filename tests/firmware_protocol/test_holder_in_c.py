@@ -30,7 +30,7 @@ from firmware_protocol import (
 )
 
 SOURCES = [C_FOLDER / name for name in ("main.c", "board.c", "hardware_host.c")]
-SPEED, SILENCE_S = 10, 10  # so the board waits a second of this computer's clock, which may be busy
+SPEED, SILENCE_S = 4, 8  # so the board waits two seconds of this computer's clock, which may be busy
 FREE, MOVING, HELD, LETTING_GO = list(HolderState)[:4]
 W0, DRY, VISCOUS = math.sqrt(13115 / 21.36), 0.13, 0.277  # of hardware_host.c
 NOISE_M = 5e-6

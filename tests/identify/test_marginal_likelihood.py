@@ -8,7 +8,7 @@ from identify.diagnosis.ranking import rank
 from identify.diagnosis.search import singles
 from identify.effects.library import find_effect
 from identify.evidence.evidence import nothing
-from identify.evidence.marginal_likelihood import evidence
+from identify.evidence.marginal_likelihood import _cost, evidence
 from identify.evidence.priors import DOUBT, STRENGTHS
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
@@ -83,3 +83,11 @@ def test_nothing_is_claimed_of_records_in_which_nothing_is_hidden():
     # odds of 50 to 1 come to those that have nothing in one record of 50 at most: 1.2 of 60, more than 5 in 1 of 500 runs
     assert DOUBT == 0.02
     assert claimed <= 5
+
+
+@pytest.mark.parametrize("unknown", [1e3, 1e16, np.inf])
+def test_what_the_readings_do_not_determine_costs_nothing(unknown):
+    known = _cost(np.array([[1e-8]]), np.array([1.0]))
+    both = _cost(np.diag([1e-8, unknown]), np.array([1.0, 1.0]))
+    assert known == pytest.approx(0.5 * np.log(1e8 / (2.0 * np.pi)), abs=1e-6)
+    assert both == pytest.approx(known, abs=1e-3)
