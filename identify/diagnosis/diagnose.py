@@ -146,7 +146,7 @@ class Diagnosis(Summarised):
         ):
             return "what is left is too little of the motion to be worth a name"
         if self.verdict == "nothing_missing":
-            return "the noise floor is reached: no effect of the library lowers the error by more than chance would"
+            return "the noise floor is reached: no effect of the library lowers the error by more than noise explains"
         if self.verdict == "unknown_effect":
             return "something is missing that the library does not name; see the free form"
         if self.verdict == "unconfirmed":

@@ -50,6 +50,8 @@ def linearise(problem: Problem, theta: Array, *, skip: Mask | None = None) -> tu
             if not _improve_step(problem, j, moved, float(size[j])):
                 break
         for (_, row), (change, largest) in zip(rows, changes, strict=True):
+            if step == 0.0:  # lost in rounding: nothing moves
+                continue
             if largest < _JUMP:
                 np.divide(change, step, out=row)
             else:

@@ -63,7 +63,7 @@ def test_two_releases_of_one_bench_are_diagnosed_together_and_both_keep_the_answ
 def numbers(row):
     """Return the values of a row's cells without their errors, by column; what is not a number is left out."""
     cells = [cell.inner_text() for cell in row.locator("td").all()]
-    found = {n: re.match(r"-?\d+(\.\d+)?(?= ±)", cell) for n, cell in enumerate(cells)}
+    found = {n: re.match(r"-?\d+(\.\d+)?(?=\s±)", cell) for n, cell in enumerate(cells)}
     return {n: float(match[0]) for n, match in found.items() if match}
 
 
