@@ -31,7 +31,7 @@ def choose_order(
             else f"{what} of order {orders[0]}: no higher order was tried"
         )
     following = best + 1
-    why_not = f"order {orders[following]} would stand {clearances[following]:.1f} standard errors from zero"
+    why_not = f"the coefficient of order {orders[following]} is only {clearances[following]:.1f} standard errors from zero"
     if clearances[following] > CLEAR:
         why_not = (
             f"order {orders[following]} would lower the misfit only to "
@@ -39,8 +39,8 @@ def choose_order(
         )
     if best == 0:
         return orders[0], f"{what} of order {orders[0]} is enough: {why_not}"
-    fall = misfits[best] / max(misfits[best - 1], 1e-300)
+    times = misfits[best - 1] / max(misfits[best], 1e-300)
+    size = f"{times:.2g}" if times < 1000.0 else "over 1000"
     return orders[best], (
-        f"{what} of order {orders[best]}: it leaves {100 * fall:.2g} % of the misfit of order "
-        f"{orders[best - 1]}; {why_not}"
+        f"{what} of order {orders[best]}: order {orders[best - 1]} leaves {size} times its misfit; {why_not}"
     )
