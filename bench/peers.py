@@ -21,12 +21,12 @@ from bench.detection import draw, visible
 from bench.diagnosis import BASE, EFFECTS, STRENGTHS, Case, judge_all, setting_of
 from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
-from identify.fitting.baseline import ALPHA
 from identify.fitting.initial_values import scales_of, term_starts
 from identify.model.measured_path import force_along
 from identify.model.model import Term
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.priors import DOUBT
 
 TITLE = "Peers on the same records"
 NO_COLUMN = ("hysteresis", "maxwell_element", "second_mass", "harmonic_forcing")
@@ -185,7 +185,7 @@ def tune(
 ) -> tuple[tuple[float, ...], float]:
     """Return the setting of a peer that names and claims most, and the evidence that 2 % of releases with nothing hidden reach."""
     least = {
-        s: float(np.quantile([p[peer][s].evidence for p in nothing], 1.0 - ALPHA, method="higher"))
+        s: float(np.quantile([p[peer][s].evidence for p in nothing], 1.0 - DOUBT, method="higher"))
         for s in nothing[0][peer]
     }
     right = {
@@ -249,7 +249,7 @@ def run(quick: bool) -> str:
         + "\n".join(lines)
         + "\n\nThe peers get the station's aligned motion without small speeds. PySINDy gets a column for each of the "
         f"{len(EFFECTS) - len(NO_COLUMN)} effects that can be one (not memory, second mass, forcing); the surface can name six effects. "
-        f"Tuned on {len(tuning)} other records with an effect and {nothing} without: the evidence for a claim is what {100 * ALPHA:g} % of those "
+        f"Tuned on {len(tuning)} other records with an effect and {nothing} without: the evidence for a claim is what {100 * DOUBT:g} % of those "
         f"without exceed. {'; '.join(played)}."
     )
 

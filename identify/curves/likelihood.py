@@ -28,7 +28,8 @@ from identify.curves.decay_curve import DecayCurve
 from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.simulated_curve import simulated_curve
 from identify.effects.force_effect import ForceEffect, LinearPart
-from identify.evidence.priors import (
+from identify.model.model import Model
+from identify.priors import (
     BENDS_OVER,
     FLAT,
     LEAKS,
@@ -39,7 +40,6 @@ from identify.evidence.priors import (
     STRENGTHS,
     WALKS_ARE,
 )
-from identify.model.model import Model
 
 _CENTRE = 2
 """Channel of the centre; 0 is the logarithm of the amplitude, 1 the phase."""

@@ -8,7 +8,6 @@ needs no walk beside it; a walk that a law has followed still shows in what the 
 from dataclasses import dataclass, replace
 
 from identify.diagnosis.linear_gain import LINEAR_UP_TO
-from identify.diagnosis.ranking import RIVALS_WITHIN
 from identify.diagnosis.suspects import residual_lines
 from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Scales
@@ -17,6 +16,7 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
 from identify.fitting.random_walk import RandomWalk, walk_beside
+from identify.priors import RIVALS_WITHIN
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,6 @@ from identify.effects.effect import Effect
 from identify.effects.families import FAMILIES
 from identify.effects.family import Family
 from identify.effects.sensor_fault import SensorFault
-from identify.evidence.priors import LARGE
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
@@ -29,6 +28,7 @@ from identify.formatting import (
     share_words,
     three_figures,
 )
+from identify.priors import LARGE
 
 _MOST_ALTERNATIVES = 4
 """Alternatives that are listed; of more the rest is counted."""

@@ -14,20 +14,14 @@ from identify.diagnosis.verdict import Judgement, free_form
 from identify.effects.force_effect import ForceEffect
 from identify.effects.sensor_fault import SensorFault
 from identify.evidence.evidence import complexity
-from identify.evidence.priors import LARGE
-from identify.fitting.baseline import ADEQUATE, NEXT_TO_NOTHING, Baseline
+from identify.fitting.baseline import Baseline
 from identify.fitting.clear_strength import is_clear
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import line_percent, motion_percent
-
-NEGLIGIBLE = 0.1 * LARGE
-"""Percent of the motion below which a misfit above a guessed floor is nothing missing: a tenth of what a name asks."""
+from identify.priors import ADEQUATE, LARGE, MOST_ALIKE, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _NEXT_LEAVES = 3.0
 """A force that leaves less than this many times as much is not told apart from it."""
-
-_MOST_ALIKE = 4
-"""Forces that the free run does not distinguish; of more none is the name."""
 
 _THE_SAME = 0.05
 """Relative difference up to which a strength is the one predicted: one in thirty of those between -1 and 2 times it."""
@@ -183,7 +177,7 @@ def _by_free_run(
     seen = found is not None and found.has_law(best.candidate.name)
     denied = seen and found is not None and best.candidate.name not in found.mentioned
     drifts = any(entry.candidate.term.effect.of_time for entry in near)
-    apart = len(near) <= _MOST_ALIKE and (predicted is not None or not drifts)
+    apart = len(near) <= MOST_ALIKE and (predicted is not None or not drifts)
     if not (beats or (left < NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
         return None
     clear = is_clear(best.candidate.fit, best.candidate.term, predicted=False)

@@ -10,10 +10,10 @@ from identify.diagnosis.experiment import Experiment, signed_amplitude
 from identify.diagnosis.free_exponent import from_members
 from identify.diagnosis.hypotheses import Hypothesis
 from identify.diagnosis.next_release import DECIDES, Limits, NextRelease
-from identify.diagnosis.ranking import RIVALS_WITHIN
 from identify.diagnosis.suspects import Candidate
 from identify.effects.families import FAMILIES
 from identify.formatting import among, plain_name
+from identify.priors import RIVALS_WITHIN
 
 State = Literal["go_on", "confirmed", "nothing", "no_name", "alike", "given_up"]
 

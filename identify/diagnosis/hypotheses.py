@@ -7,11 +7,11 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.diagnosis.ranking import RIVALS_WITHIN
 from identify.diagnosis.suspect import Suspect
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.formatting import among, plain_name
+from identify.priors import RIVALS_WITHIN
 
 _SUSPECTS = 4
 _FREE_FORM = 24

@@ -16,12 +16,12 @@ from identify.diagnosis.verdict import Judgement
 from identify.effects.effect import Effect
 from identify.evidence.evidence import nothing
 from identify.evidence.marginal_likelihood import evidence
-from identify.evidence.priors import DOUBT_AT_A_GUESS
 from identify.fitting.baseline import Baseline, with_noise_beside
 from identify.fitting.common_lines import may_be_hum
 from identify.fitting.fit import fit
 from identify.fitting.initial_values import scales_of
 from identify.fitting.misfit_errors import misfit_density
+from identify.priors import DOUBT_AT_A_GUESS
 
 
 @dataclass(frozen=True, eq=False)

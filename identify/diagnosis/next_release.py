@@ -10,10 +10,10 @@ from identify.arrays import Array
 from identify.diagnosis.expected_evidence import ExpectedEvidence, draw_parameters, expected_evidence
 from identify.diagnosis.experiment import Experiment, has_memory, signed_amplitude
 from identify.diagnosis.hypotheses import Hypothesis
-from identify.diagnosis.ranking import RIVALS_WITHIN
 from identify.fitting.fit import Fit
 from identify.formatting import three_figures
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.priors import RIVALS_WITHIN
 
 OPEN = 2.0 * RIVALS_WITHIN
 """Nats behind the likeliest hypothesis within which another one is open."""

@@ -6,11 +6,7 @@ from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.model_error import motion_percent
 from identify.formatting import three_figures
-
-FEWEST_CYCLES = 5.0
-
-DROWNED = 100.0 / float(np.sqrt(2.0))
-"""Percent of the motion (rms) left by a model that leaves as much of its power as it explains."""
+from identify.priors import DROWNED, FEWEST_CYCLES
 
 
 def too_few_cycles(baseline: Baseline) -> bool:

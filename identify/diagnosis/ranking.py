@@ -9,12 +9,9 @@ from identify.diagnosis.rest_evidence import at_rest
 from identify.diagnosis.suspects import Candidate, residual_lines
 from identify.evidence.evidence import nothing
 from identify.evidence.marginal_likelihood import evidence
-from identify.evidence.priors import DOUBT, DOUBT_AT_A_GUESS
 from identify.fitting.baseline import Baseline
 from identify.fitting.initial_values import scales_of
-
-RIVALS_WITHIN = -float(np.log(DOUBT))
-"""Nats of evidence below which two suspects count as not distinguishable: the worse one has more than DOUBT of the odds."""
+from identify.priors import DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from identify.diagnosis.ranking import RIVALS_WITHIN, Ranked, rank
+from identify.diagnosis.ranking import Ranked, rank
 from identify.diagnosis.search import singles
 from identify.effects.effect import Effect
 from identify.fitting.baseline import Baseline, refit_at_floor
@@ -20,6 +20,7 @@ from identify.fitting.own_linear import with_own_linear, without_own_linear
 from identify.fitting.parameter_layout import windows_by_release
 from identify.fitting.release_values import spread_sentence
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.priors import RIVALS_WITHIN
 
 CLEARLY = 1e-4
 """Probability below which what a spring and damper of each release's own gain is no chance."""

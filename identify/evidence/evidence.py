@@ -8,7 +8,7 @@ import numpy as np
 
 from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
-from identify.evidence.priors import DOUBT, MOST_ALIKE
+from identify.priors import DOUBT, MOST_ALIKE
 
 Decided = Literal["nothing", "named", "may drift", "too many"]
 

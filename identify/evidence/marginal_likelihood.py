@@ -10,11 +10,11 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.effects.effect import Scales
-from identify.evidence.priors import STRENGTHS
 from identify.fitting.fit import Fit
 from identify.fitting.initial_values import reachable_starts
 from identify.fitting.parameter_layout import Unknown
 from identify.model.model import Term
+from identify.priors import STRENGTHS
 
 _ROUNDING = 1e-12
 """Least eigenvalue of a matrix of correlations: what is below it is rounding."""

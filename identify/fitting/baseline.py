@@ -15,23 +15,8 @@ from identify.fitting.noise_colour import ChannelColour, noise_colours
 from identify.fitting.own_linear import own_springs
 from identify.model.model import Model
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.priors import ADEQUATE, BENEFIT_OF_DOUBT, DOUBT, DOUBT_AT_A_GUESS
 from identify.signal.levels import stale
-
-ADEQUATE = 3.0
-"""Standard errors by which a reduced chi-square may exceed 1 and still count as at the floor."""
-
-NEXT_TO_NOTHING = 0.01
-"""Share of chi-square that is left where a name explains nearly all: so much may stay where the floor is sure and is not
-reached, or where the free run alone names."""
-
-DOUBT = 0.5
-"""Excess of the reduced chi-square that is left to the noise where its floor could only be guessed."""
-
-ALPHA = 0.02
-"""Probability of claiming an effect or a fault where there is none; the promise is 5 %."""
-
-ALPHA_GUESSED = 2e-4
-"""The same where the floor could only be guessed: on such records nothing weak is claimed."""
 
 _SETTLED = 1e-4
 """Gain of chi-square that ends a fit whose numbers are stated: where it began does not show in their digits."""
@@ -80,7 +65,7 @@ class Baseline:
     @property
     def alpha(self) -> float:
         """The probability of a false claim that is allowed on these records."""
-        return ALPHA if self.floor_is_sure else ALPHA_GUESSED
+        return DOUBT if self.floor_is_sure else DOUBT_AT_A_GUESS
 
     def stated(self, found: Fit) -> Fit:
         """Return a fit with the standard errors to state: its own where it reaches the floor, else those of the misfit."""
@@ -117,7 +102,7 @@ class Baseline:
     @property
     def highest(self) -> float:
         """The largest reduced chi-square that counts as at the floor."""
-        return 1.0 + max(ADEQUATE * self.spread, 0.0 if self.floor_is_sure else DOUBT)
+        return 1.0 + max(ADEQUATE * self.spread, 0.0 if self.floor_is_sure else BENEFIT_OF_DOUBT)
 
     def _reaches(self, reduced: float) -> bool:
         return reduced <= self.highest

@@ -5,9 +5,7 @@ import numpy as np
 from identify.fitting.fit import Fit
 from identify.fitting.misfit_errors import as_white_misfit, with_misfit_errors
 from identify.model.model import Term
-
-_CLEAR = 3.0
-"""Standard errors, of the misfit that is there, by which a strength must differ from none."""
+from identify.priors import CLEAR
 
 _RIDGE = 1e-9
 """Added to a correlation matrix of parameters, so that it has an inverse."""
@@ -37,4 +35,4 @@ def is_clear(whole: Fit, term: Term, *, predicted: bool) -> bool:
         block = errors.covariance[np.ix_(own, own)]
         size = np.sqrt(np.diag(block))
         sureness = np.linalg.inv(block / np.outer(size, size) + _RIDGE * np.eye(len(own)))[at, at]
-    return bool(abs(strength.value) * np.sqrt(sureness) > _CLEAR * strength.std)
+    return bool(abs(strength.value) * np.sqrt(sureness) > CLEAR * strength.std)

@@ -15,6 +15,7 @@ from identify.fitting.jacobian import linearise
 from identify.fitting.problem import Problem
 from identify.formatting import three_figures
 from identify.preprocessing.fit_window import FitWindow
+from identify.priors import SPEAKS_AGAINST
 
 _HARMONICS = 3
 _AT, _BETWEEN = 0.08, 0.25
@@ -26,9 +27,6 @@ _BINS_AT, _BINS_BETWEEN = 2.5, 4.0
 _HIGHEST = 8.0
 _LINE = 14.0
 """Times the median power from which on a bin between the harmonics holds a line, which is no noise."""
-
-SPEAKS_AGAINST = 1e-3
-"""Probability below which a residual at the harmonics is no noise, and the model that left it not adequate."""
 
 _DRAWS = 200
 _FEWEST = 6

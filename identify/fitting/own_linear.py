@@ -19,13 +19,8 @@ from identify.model.model import Model
 from identify.model.parameter_id import nuisance
 from identify.preprocessing.fit_window import FitWindow, OwnLinear
 from identify.preprocessing.prepared_decay import PreparedDecay
+from identify.priors import DAMPING_VARIES, STIFFNESS_VARIES
 from identify.signal.oscillation import running_amplitude
-
-STIFFNESS_VARIES = 0.01
-"""Relative standard deviation by which the linear spring may differ from one release to the next."""
-
-DAMPING_VARIES = 1.0
-"""The same for viscous damping, in units of the mean loss of the releases."""
 
 VARIES = ("stiffness", "damping", "inertia")
 """What may be changed on purpose between releases of one rig."""

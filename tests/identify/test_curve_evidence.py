@@ -13,11 +13,11 @@ from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.library import LIBRARY, find_effect
 from identify.evidence.evidence import complexity, decide
-from identify.evidence.priors import SIZES
 from identify.fitting.initial_values import scales_of
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare
+from identify.priors import SIZES
 from mocks.generate import draw
 
 NAMES = (

@@ -6,11 +6,12 @@ from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
 from identify.effects.library import find_effect
-from identify.fitting.baseline import DOUBT, fit_baseline
+from identify.fitting.baseline import fit_baseline
 from identify.fitting.harmonic_residual import harmonic_residual
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare
+from identify.priors import BENEFIT_OF_DOUBT
 from mocks.generate import draw
 
 
@@ -51,7 +52,7 @@ def test_a_guessed_floor_does_not_excuse_what_stands_at_the_harmonics():
     # two ten-thousandths of the force: chi-square alone, with its benefit of doubt, would let it pass
     found = in_one_channel("cubic_stiffness", 0.0002, 703)
     assert not found.floor_is_sure
-    assert found.fit.reduced < 1.0 + DOUBT
+    assert found.fit.reduced < 1.0 + BENEFIT_OF_DOUBT
     assert not found.adequate(found.fit)
     assert not found.at_floor
     asked = found.harmonics(found.fit)

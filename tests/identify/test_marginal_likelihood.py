@@ -9,11 +9,11 @@ from identify.diagnosis.search import singles
 from identify.effects.library import find_effect
 from identify.evidence.evidence import nothing
 from identify.evidence.marginal_likelihood import _cost, evidence
-from identify.evidence.priors import DOUBT, STRENGTHS
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.initial_values import scales_of
 from identify.model.model import Term, base_model
+from identify.priors import DOUBT, STRENGTHS
 from mocks.generate import draw
 
 

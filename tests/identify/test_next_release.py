@@ -5,8 +5,8 @@ from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.expected_evidence import _kept, _solve
 from identify.diagnosis.hypotheses import odds
 from identify.diagnosis.next_release import Limits
-from identify.diagnosis.ranking import RIVALS_WITHIN
 from identify.diagnosis.weighed_anew import weighed_anew
+from identify.priors import RIVALS_WITHIN
 from tests.identify.specimens import Specimen
 
 LIMITS = Limits(0.002, 0.025)

@@ -7,7 +7,7 @@ import pytest
 
 import identify
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.own_linear import STIFFNESS_VARIES
+from identify.priors import STIFFNESS_VARIES
 from mocks.generate import draw
 
 BENCH = {"stiffness": 613.6, "mu_0": 0.05, "mu_1": 0.25, "seconds": 5.0}

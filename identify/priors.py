@@ -56,3 +56,37 @@ LEAVES = 0.4
 
 SPOILS = 1.1
 """How much larger a law may make the other error."""
+
+NEGLIGIBLE = 0.1 * LARGE
+"""Percent of the motion below which a misfit above a guessed floor is nothing missing: a tenth of what a name asks."""
+
+RIVALS_WITHIN = -float(np.log(DOUBT))
+"""Nats of evidence below which two suspects count as not distinguishable: the worse one has more than DOUBT of the odds."""
+
+ADEQUATE = 3.0
+"""Standard errors by which a reduced chi-square may exceed 1 and still count as at the floor."""
+
+BENEFIT_OF_DOUBT = 0.5
+"""Excess of the reduced chi-square that is left to the noise where its floor could only be guessed."""
+
+SPEAKS_AGAINST = 1e-3
+"""Probability below which a residual at the motion's harmonics is no noise, and the model that left it not adequate."""
+
+NEXT_TO_NOTHING = 0.01
+"""Share of chi-square that is left where a name explains nearly all: so much may stay where the floor is sure and is not
+reached, or where the free run alone names."""
+
+CLEAR = 3.0
+"""Standard errors, of the misfit that is there, by which a strength must differ from none."""
+
+FEWEST_CYCLES = 5.0
+"""Cycles of all releases together, below which effects are not distinguishable."""
+
+DROWNED = 100.0 / float(np.sqrt(2.0))
+"""Percent of the motion (rms) left by a model that leaves as much of its power as it explains."""
+
+STIFFNESS_VARIES = 0.01
+"""Standard deviation of a release's own spring, as a share of that of all releases: clamping, temperature."""
+
+DAMPING_VARIES = 1.0
+"""The same of its damper, as a share of the mean loss: air and supports change more."""
