@@ -12,13 +12,12 @@ from identify.diagnosis.ranking import Ranked, rivals_of
 from identify.diagnosis.suspects import Candidate
 from identify.diagnosis.verdict import Judgement, free_form
 from identify.effects.force_effect import ForceEffect
-from identify.effects.sensor_fault import SensorFault
 from identify.evidence.evidence import complexity
 from identify.fitting.baseline import Baseline
 from identify.fitting.clear_strength import is_clear
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import line_percent, motion_percent
-from identify.priors import ADEQUATE, LARGE, MOST_ALIKE, NEGLIGIBLE, NEXT_TO_NOTHING
+from identify.fitting.model_error import motion_percent
+from identify.priors import MOST_ALIKE, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _NEXT_LEAVES = 3.0
 """A force that leaves less than this many times as much is not told apart from it."""
@@ -30,56 +29,27 @@ _LINE_LEAVES = 0.5
 """Share of chi-square that a second line may leave where the amplitude beats."""
 
 
-def if_predicted(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
-    """Return the judgement of one effect that reaches a guessed floor, unless the curves contradict it.
+def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
+    """Return the judgement of one effect that reaches a guessed floor.
 
-    Where they do not confirm it, its strength must be clear of none: what bends enough reaches any guess. A line of a
-    sensor must be worth a name; a smaller one is part of the model that is judged, and a remark.
+    Its strength must be clear of none: what bends enough reaches any guess. Of forces that are not told from it the one
+    without a constant of its own leads, else the simplest; a law of time among laws of the amplitude names nothing.
     """
-    judged = _unless_contradicted(baseline, alone, found)
-    first = judged.ranked[0]
-    if judged.verdict != "sensor_fault" or not 0.0 < _line_percent(first.candidate) < LARGE:
-        return judged
-    return replace(judged, verdict="nothing_missing", ranked=unclaimed(judged.ranked))
+    alike = _alike(baseline, alone.ranked)
+    predicted = next((entry for entry in alike if is_predicted(entry.candidate)), None)
+    lead = predicted or min(alike, key=lambda entry: complexity(entry.candidate.term.effect))
+    best = lead.candidate
+    of_one_kind = predicted is not None or len({entry.candidate.term.effect.of_time for entry in alike}) == 1
+    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term, predicted=False)
+    if not (of_one_kind and clear):
+        return by_curves(baseline, alone.ranked, found, best.fit)
+    rest = tuple(entry for entry in alone.ranked if entry is not lead)
+    return replace(alone, ranked=(lead, *rest), final=best.fit, confirmation=found)
 
 
 def unclaimed(ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
     """Return the candidates, none of them claimed."""
     return tuple(replace(entry, claimed=False) for entry in ranked)
-
-
-def _line_percent(candidate: Candidate) -> float:
-    """Return the rms of a sensor's line in % of that of its channel's motion; 0 of all else."""
-    effect = candidate.term.effect
-    is_line = isinstance(effect, SensorFault) and effect.line
-    return line_percent(candidate.fit, candidate.term) if is_line else 0.0
-
-
-def _unless_contradicted(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
-    alike = _alike(baseline, alone.ranked)
-    predicted = next((entry for entry in alike if is_predicted(entry.candidate)), None)
-    if predicted is None and len({entry.candidate.term.effect.of_time for entry in alike}) > 1:
-        return by_curves(baseline, alone.ranked, found, alone.final)
-    lead = predicted or min(alike, key=lambda entry: complexity(entry.candidate.term.effect))
-    rest = tuple(entry for entry in alone.ranked if entry is not lead)
-    alone = replace(alone, ranked=(lead, *rest), final=lead.candidate.fit)
-    best = lead.candidate
-    if found is None and best.term.effect.of_time:
-        return Judgement("unknown_effect", alone.ranked, best.fit, shape=free_form(baseline, baseline.fit))
-    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term, predicted=False)
-    if clear and (found is None or found.usual.typical("motion") < LARGE):
-        return replace(alone, confirmation=found)
-    if found is None:
-        return by_curves(baseline, alone.ranked, found, best.fit)
-    reaches_it = best.fit.reduced <= 1.0 + ADEQUATE * baseline.spread  # with no benefit of doubt
-    open_to_it = best.name in found.mentioned or not found.has_law(best.name) or reaches_it
-    rivals = found.effects[0].rivals if len(found.effects) == 1 else ()  # not told from it by curves
-    if found.effects:  # what curves name denies it, unless it alone reaches the floor
-        whole = fit_confirmed(baseline, found)
-        open_to_it = reaches_it and (whole is None or not baseline.adequate(whole))
-    if best.name in found.names or (clear and (open_to_it or best.name in rivals)):
-        return replace(alone, confirmation=found)
-    return by_curves(baseline, alone.ranked, found, best.fit)
 
 
 def _alike(baseline: Baseline, ranked: tuple[Ranked, ...]) -> tuple[Ranked, ...]:
@@ -156,7 +126,7 @@ def _by_free_run(
     """Return the judgement of one force that the free run singles out where curves confirm none, if there is one.
 
     Either the amplitude beats and a force without a curve, a second oscillator, leaves much less than any other; or
-    one that curves do not deny leaves next to nothing of what the model left, and far less than all but a few others,
+    one leaves next to nothing of what the model left, and far less than all but a few others,
     among which no law of time, and whose strength is clear of none.
     """
     plausible = sorted((entry for entry in ranked if entry.candidate.plausible), key=_misfit)
@@ -174,11 +144,9 @@ def _by_free_run(
     predicted = next((entry for entry in near if is_predicted(entry.candidate)), None)
     best = first if beats else predicted or simplest
     left = _misfit(best) / baseline.fit.chi_square
-    seen = found is not None and found.has_law(best.candidate.name)
-    denied = seen and found is not None and best.candidate.name not in found.mentioned
     drifts = any(entry.candidate.term.effect.of_time for entry in near)
     apart = len(near) <= MOST_ALIKE and (predicted is not None or not drifts)
-    if not (beats or (left < NEXT_TO_NOTHING and apart and not denied and not baseline.floor_is_sure)):
+    if not (beats or (left < NEXT_TO_NOTHING and apart and not baseline.floor_is_sure)):
         return None
     clear = is_clear(best.candidate.fit, best.candidate.term, predicted=False)
     if not beats and not clear:  # a mode that hardly moves the first

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.beside_walk import more_than_a_walk, with_walk
-from identify.diagnosis.floor_not_reached import by_curves, if_predicted, unclaimed
+from identify.diagnosis.floor_not_reached import at_a_guess, by_curves, unclaimed
 from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.search import Pair
@@ -100,7 +100,7 @@ def _judged(
             return Judgement("unknown_effect", ranked, best.fit, shape=shape)
         alone = Judgement(verdict_of(best), ranked, best.fit)
         if not baseline.floor_is_sure:
-            return if_predicted(baseline, alone, predict())
+            return at_a_guess(baseline, alone, predict())
         return _unless_it_walks(baseline, alone)
     return _beyond_one(baseline, ranked, library, predict)
 
