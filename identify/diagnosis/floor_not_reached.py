@@ -16,8 +16,8 @@ from identify.evidence.evidence import complexity
 from identify.fitting.baseline import Baseline
 from identify.fitting.clear_strength import is_clear
 from identify.fitting.fit import Fit
-from identify.fitting.model_error import motion_percent
-from identify.priors import MOST_ALIKE, NEGLIGIBLE, NEXT_TO_NOTHING
+from identify.fitting.model_error import line_percent, motion_percent
+from identify.priors import LARGE, MOST_ALIKE, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _NEXT_LEAVES = 3.0
 """A force that leaves less than this many times as much is not told apart from it."""
@@ -32,9 +32,13 @@ _LINE_LEAVES = 0.5
 def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None) -> Judgement:
     """Return the judgement of one effect that reaches a guessed floor.
 
-    Its strength must be clear of none: what bends enough reaches any guess. Of forces that are not told from it the one
+    A line of a sensor must be worth a name; a smaller one is part of the model that is judged, and a remark. The strength
+    of a force must be clear of none: what bends enough reaches any guess. Of forces that are not told from it the one
     without a constant of its own leads, else the simplest; a law of time among laws of the amplitude names nothing.
     """
+    line = alone.ranked[0].candidate
+    if line.term.effect.line and not line.term.is_force and line_percent(line.fit, line.term) < LARGE:
+        return replace(alone, verdict="nothing_missing", ranked=unclaimed(alone.ranked))
     alike = _alike(baseline, alone.ranked)
     predicted = next((entry for entry in alike if is_predicted(entry.candidate)), None)
     lead = predicted or min(alike, key=lambda entry: complexity(entry.candidate.term.effect))
