@@ -303,8 +303,6 @@ def _searched(
     tried = singles(baseline, fitted, lambda done, whole: progress(f"fit {done} of {whole}"))
     ranked = rank(baseline, tried)
     baseline, ranked = decided_anew(first, baseline, ranked, fitted)
-    if _hides_noise(baseline, ranked):
-        baseline, ranked = _seen_again(baseline, ranked[0].candidate.fit, ranked, fitted)
     progress("judging whether one effect explains it, or several together")
     judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, predict)
     if judgement.verdict == "unknown_effect" and baseline.floor_is_sure:
@@ -324,13 +322,6 @@ def _seen_again(
     if clearer is baseline:
         return baseline, ranked
     return clearer, rank(clearer, singles(clearer, library))
-
-
-def _hides_noise(baseline: Baseline, ranked: tuple[Ranked, ...]) -> bool:
-    """Whether the floor is out of reach, and an effect may be in the way of seeing the noise of two channels."""
-    paired = all(window.paired for window in baseline.fit.windows)
-    claimed = bool(ranked) and ranked[0].claimed and paired
-    return claimed and not baseline.adequate(ranked[0].candidate.fit)
 
 
 def _worth_a_fit(
