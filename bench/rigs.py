@@ -225,9 +225,9 @@ def run(quick: bool) -> str:
             counts.update(ended)
             pairs += pairs_of(rig.title, every[together:])
     return (
-        "| rig | together | each alone | named | prediction error, % of the motion | chi-square |\n|---|---|---|---|---|---|\n"
+        "| rig | together | each alone | named | prediction error, % of the motion |\n|---|---|---|---|---|\n"
         + "\n".join(rows)
-        + "\n\nErrors and chi-square: usual model → named model, of all releases together. Silent in every diagnosis: "
+        + "\n\nErrors: usual model → named model, of all releases together. Silent in every diagnosis: "
         + f"{'; '.join(silent) or 'none'}. Of {counts.total()} diagnoses: "
         + "; ".join(f"{counts[kind]} {kind} ({meaning})" for kind, meaning in OUTCOMES.items())
         + "."
@@ -240,4 +240,4 @@ def _row(rig: Rig, every: list[Said], ended: list[str], together: bool) -> str:
     alone = ", ".join(f"{n} {kind}" for kind, n in Counter(ended[together:]).items())
     named = Counter(" + ".join(sorted(said.named)) for said in every if said.named)
     names = ", ".join(f"{name} x{n}" for name, n in named.items())
-    return f"| {rig.title} | {ended[0] if together else ''} | {alone} | {names} | {every[0].predicted} | {every[0].left} |"
+    return f"| {rig.title} | {ended[0] if together else ''} | {alone} | {names} | {every[0].predicted} |"
