@@ -37,19 +37,11 @@ def run(quick: bool = False, sessions: int | None = None) -> str:
     assert len(found["rows"]) == count, found["failed"]
     memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
     busy = os.getloadavg()[0]
-    return f"""Simulated releases of 8 s at 256 Hz, two channels, both identifications and the usual model's fit.
-
-| what | {count} sessions, {workers} workers |
-|---|---:|
-| sum of the parts over the workers | {work / workers:.1f} s |
-| the whole command | {wall:.1f} s |
-| the whole over the sum of the parts | {wall / (work / workers):.2f} |
-| one session in a worker, mean | {1e3 * work / count:.0f} ms |
-| one session alone in one process, median of {min(ALONE, count)} | {1e3 * alone:.0f} ms |
-| a second run, nothing missing | {again:.1f} s |
-| largest process | {memory:.0f} MB |
-
-Load of the computer at the end: {busy:.1f} on {os.cpu_count()} cores."""
+    return (
+        f"{count} simulated sessions (8 s at 256 Hz, two channels), {workers} workers: {wall:.0f} s, {wall / (work / workers):.2f} times the sum of "
+        f"the parts. One session takes {1e3 * work / count:.0f} ms in a worker, {1e3 * alone:.0f} ms alone (median of {min(ALONE, count)}). A second run "
+        f"with nothing to do: {again:.1f} s. Largest process: {memory:.0f} MB. Load at the end: {busy:.1f} on {os.cpu_count()} cores."
+    )
 
 
 def _make(folder: Path, count: int) -> None:

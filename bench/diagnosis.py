@@ -160,7 +160,7 @@ def _by_strength(outcomes: list[Outcome]) -> str:
         + " |\n|---|"
         + "---|" * len(STRENGTHS)
     )
-    always = [e for e in EFFECTS if all(table[e][s] == seeds for s in STRENGTHS)]
+    always = [e for e in EFFECTS if all(table[e][s] == seeds for s in STRENGTHS[2:])]
     rows = [
         f"| {e} | " + " | ".join(f"{100 * table[e][s] / seeds:.0f}" for s in STRENGTHS) + " |"
         for e in EFFECTS
@@ -182,7 +182,7 @@ def _by_strength(outcomes: list[Outcome]) -> str:
     return (
         f"First of the suspects, % of {seeds} seeds, by strength (rms of the effect's force over the total):\n\n"
         + "\n".join([head, *rows])
-        + f"\n\nFirst in all: {', '.join(always) or 'none'}. Median time of a diagnosis: {seconds:.1f} s."
+        + f"\n\nAlways first from {100 * STRENGTHS[2]:g} % on: {len(always)} of {len(EFFECTS)}. Median time of a diagnosis: {seconds:.1f} s."
     )
 
 
@@ -210,11 +210,7 @@ def _faults(outcomes: list[Outcome]) -> str:
 def _pairs(outcomes: list[Outcome]) -> str:
     both = [o for o in outcomes if set(o.case.hidden.split("+")) <= set(o.named)]
     within = [o for o in both if len(o.named) <= 3 and o.chi_square < 1.2]
-    missed = [
-        f"{o.case.hidden} seed {o.case.seed}: {'+'.join(o.named)} ({o.chi_square:.2f})"
-        for o in outcomes
-        if o not in within
-    ]
+    missed = [f"{o.case.hidden}: {'+'.join(o.named)}" for o in outcomes if o not in within]
     return (
         f"Two effects at once, `--auto`: both found in {len(both)} of {len(outcomes)}, in at most three steps and below "
         f"chi-square 1.2 in {len(within)}. Missed: {'; '.join(missed) or 'none'}."
@@ -240,15 +236,19 @@ def _false_names(outcomes: list[Outcome], hidden: Iterable[str], strengths: tupl
         f"| named, of all | {' | '.join(f'{100 * s:g} %' for s in strengths)} |",
         "|---|" + "---:|" * len(strengths),
     ]
+    silent = []
     for what in hidden:
         cells = [[o for o in outcomes if o.case.hidden == what and o.case.strength == s] for s in strengths]
+        if not any(o.named for cell in cells for o in cell):
+            silent.append(what)
+            continue
         lines.append(
             f"| {what} | {' | '.join(f'{sum(bool(o.named) for o in cell)}/{len(cell)}' for cell in cells)} |"
         )
     names = Counter(
         f"{o.case.hidden} {100 * o.case.strength:g} %: {'+'.join(o.named)}" for o in outcomes if o.named
     )
-    return "\n".join(lines) + f"\n\nNames: {_counted(names)}."
+    return "\n".join(lines) + f"\n\nNone: {', '.join(silent) or '-'}. Names: {_counted(names)}."
 
 
 def _counted(said: Counter[str]) -> str:

@@ -79,20 +79,19 @@ def run(quick: bool, minutes: float | None = None) -> str:
     with tempfile.TemporaryDirectory() as folder:
         names = [reader.name for reader in readers(Path(folder))]
     seconds = 5.0 if quick else SLICE_S if minutes is None else 60 * minutes / len(names)
-    lines = ["| reader | inputs tried | coverage gained | findings left |", "|---|---:|---:|---:|"]
     total, left = 0, []
     for name in names:
         tried, begin, end, escaped = run_one(name, seconds)
+        print(
+            f"{name}: {tried} inputs, coverage {begin} to {end}, {escaped or 'nothing found'}",
+            file=sys.stderr,
+        )
         total += tried
         left += [f"{name}: {escaped}"] if escaped else []
-        lines.append(f"| {name} | {tried} | {begin} to {end} | {1 if escaped else 0} |")
-    lines += [
-        "",
-        f"{total} inputs by atheris from valid files, {seconds:.0f} s and {MEMORY >> 30} GB a reader; an input of more than {SLOW_S} s is a finding.",
-    ]
-    if left:
-        lines += ["", *left]
-    return "\n".join(lines)
+    return (
+        f"{total} inputs by atheris from valid files, {seconds:.0f} s and {MEMORY >> 30} GB for each of {len(names)} readers "
+        f"({', '.join(names)}); an input of more than {SLOW_S} s is a finding. Findings left: {'; '.join(left) or 'none'}."
+    )
 
 
 if __name__ == "__main__":

@@ -388,7 +388,7 @@ def run(quick: bool) -> str:
     rest = "".join(f"\n- {title}, {change}: {kind}: {where[:200]}" for title, change, kind, where in found)
     return (
         f"{table}{chr(10).join(rows)}\n\n{len(said)} records: the hidden releases, the examples, a rig of each kind. Compared: all that "
-        f"`station diagnose` prints. Evidence: the largest change of a printed suspect's, in % of it or of one nat.{rest}"
+        f"`station diagnose` prints. Evidence: in % of it or of one nat.{rest}"
     )
 
 

@@ -57,14 +57,11 @@ def run(quick: bool) -> str:
         batches = list(pool.map(converse, seeds))
     ended = sum((batch.ended for batch in batches), Counter())
     wrong = [text for batch in batches for text in batch.wrong]
-    lines = ["| conversations | |", "|---|---:|", f"| held | {count} |"]
-    lines += [f"| {name} | {number} |" for name, number in ended.most_common()]
-    lines += [
-        f"| OK, and not what the board sampled | {len(wrong)} |",
-        f"| longest by the board's clock, of {batches[0].limit_s:.0f} s allowed, s | {max(b.elapsed_s for b in batches):.1f} |",
-        f"| largest log, MB | {max(batch.log_bytes for batch in batches) / 1e6:.1f} |",
-        f"| most memory above the start, MB | {max(batch.memory_mb for batch in batches):.0f} |",
-        "",
-        "Boards of `mocks.lying_board`: three in four lie in messages (13 kinds), two in three misbehave (24 kinds).",
-    ]
-    return "\n".join(lines + [f"- {text}" for text in wrong])
+    verdicts = ", ".join(f"{name} {number}" for name, number in ended.most_common())
+    text = (
+        f"{count} conversations with boards of `mocks.lying_board`, of which three in four lie in messages (13 kinds) and two in "
+        f"three misbehave (24 kinds): {verdicts}. OK, and not what the board sampled: {len(wrong)}. The longest took "
+        f"{max(b.elapsed_s for b in batches):.1f} s of the board's clock ({batches[0].limit_s:.0f} allowed), the largest log "
+        f"{max(batch.log_bytes for batch in batches) / 1e6:.1f} MB, memory {max(batch.memory_mb for batch in batches):.0f} MB."
+    )
+    return "\n".join([text, *(f"- {said}" for said in wrong)])

@@ -4,7 +4,6 @@ import json
 import os
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 from bench.rigs import RIGS
@@ -46,27 +45,17 @@ def _said(name: str, options: dict, folder: Path) -> list[str]:
             file, folder / Path(name).stem, folder, ImportOptions(**options), SessionInfo()
         ).sessions[0]
         bench = open_sessions((str(session.folder),), Settings())
-        began = time.perf_counter()
         found, document = diagnose_sessions(bench)
     except Exception as error:
         if code_of(error) == 1:
             raise
-        return [name, f"refused: {str(error).split(': ', 1)[-1]}", "", "", "", ""]
+        return [name, f"refused: {str(error).split(': ', 1)[-1]}", ""]
     before, after = document.error, document.error_with_named or document.error
-    friction = found.baseline.fit.values["coulomb_friction.mu_0"]
-    known = (
-        f"{friction.value:.2g} ± {friction.std:.1g}"
-        if friction.std < float("inf")
-        else f"{friction.value:.2g}"
-    )
     return [
         name,
         f"{found.verdict} {' + '.join(found.named)}".strip(),
-        known,
         f"{before.motion_percent:.3g} → {after.motion_percent:.3g}",
-        f"{before.chi2:.3g} → {after.chi2:.3g}",
-        f"{time.perf_counter() - began:.1f}",
-    ]  # fmt: skip
+    ]
 
 
 def _hidden(folder: Path) -> str:
@@ -130,8 +119,8 @@ def run(quick: bool) -> str:
     if not DATA.is_dir():
         return "The recordings are not here (`../shared/data`, or the folder named by `STATION_DATA`)."
     lines = [
-        "| recording | expected | verdict | dry friction of the usual model, per mass | motion error, % | chi-square | s |",
-        "|---|---|---|---|---|---|---|",
+        "| recording | expected | verdict | motion error, % |",
+        "|---|---|---|---|",
     ]
     print(_readings(), file=sys.stderr)
     with tempfile.TemporaryDirectory() as made:
@@ -144,6 +133,6 @@ def run(quick: bool) -> str:
         hidden = "" if quick else "\n\n" + _hidden(Path(made))
     return (
         "\n".join(lines)
-        + "\n\nMotion error: rms of the free run's residual over that of the reading. Recordings of the rigs below are listed there."
+        + "\n\nMotion error: rms of the free run's residual over that of the reading."
         + hidden
     )

@@ -169,18 +169,15 @@ def pairs_of(rig: str, alone: Sequence[Said]) -> list[Pair]:
 
 
 def _of_pairs(pairs: list[Pair]) -> str:
-    """Return the pairs of releases in a table, a rig a row."""
-    head = "| rig | pairs | named model is better | usual, % of the motion (median) | named, % |\n|---|---|---|---|---|"
-    rows = []
+    """Return the pairs of releases in words, rig by rig."""
+    told = []
     for rig in dict.fromkeys(pair.rig for pair in pairs):
         own = [pair for pair in pairs if pair.rig == rig]
         usual, named = (statistics.median(getattr(pair, kind) for pair in own) for kind in ("usual", "named"))
-        rows.append(f"| {rig} | {len(own)} | {_better(own)} | {usual:.3g} | {named:.3g} |")
+        told.append(f"{rig} {_better(own)} of {len(own)} ({usual:.3g} → {named:.3g})")
     return (
-        "Each other release of a rig, predicted from one on which something is named; start, and within priors spring and "
-        "viscous damping, refitted:\n\n"
-        + "\n".join([head, *rows])
-        + f"\n\nThe named model is better on {_better(pairs)} of {len(pairs)} pairs."
+        f"Each other release of a rig, predicted from one on which something is named: the named model is better on {_better(pairs)} of "
+        f"{len(pairs)} pairs (median error, % of the motion): {'; '.join(told)}."
     )
 
 
@@ -225,9 +222,9 @@ def run(quick: bool) -> str:
             counts.update(ended)
             pairs += pairs_of(rig.title, every[together:])
     return (
-        "| rig | together | each alone | named | prediction error, % of the motion | chi-square |\n|---|---|---|---|---|---|\n"
+        "| rig | together | each alone | named | prediction error, % of the motion |\n|---|---|---|---|---|\n"
         + "\n".join(rows)
-        + "\n\nErrors and chi-square: usual model → named model, of all releases together. Silent in every diagnosis: "
+        + "\n\nErrors: usual model → named model, of all releases together. Silent in every diagnosis: "
         + f"{'; '.join(silent) or 'none'}. Of {counts.total()} diagnoses: "
         + "; ".join(f"{counts[kind]} {kind} ({meaning})" for kind, meaning in OUTCOMES.items())
         + "."
@@ -240,4 +237,4 @@ def _row(rig: Rig, every: list[Said], ended: list[str], together: bool) -> str:
     alone = ", ".join(f"{n} {kind}" for kind, n in Counter(ended[together:]).items())
     named = Counter(" + ".join(sorted(said.named)) for said in every if said.named)
     names = ", ".join(f"{name} x{n}" for name, n in named.items())
-    return f"| {rig.title} | {ended[0] if together else ''} | {alone} | {names} | {every[0].predicted} | {every[0].left} |"
+    return f"| {rig.title} | {ended[0] if together else ''} | {alone} | {names} | {every[0].predicted} |"

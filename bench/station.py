@@ -1,6 +1,5 @@
 """How long an operator waits: start of the program, identification of one session, the demo; and its memory."""
 
-import contextlib
 import itertools
 import json
 import os
@@ -43,8 +42,8 @@ def _timed(*arguments: str, folder: Path) -> tuple[float, float]:
     return seconds, usage.ru_maxrss / 1024
 
 
-def _warm(session: Path, repetitions: int) -> tuple[float, float]:
-    """Return milliseconds of the wavelet and the restoring force together, and of the whole pipeline."""
+def _warm(session: Path, repetitions: int) -> float:
+    """Return milliseconds of both identifications on a session, compiled."""
     from identify.restoring_force.restoring_force import identify_restoring_force
     from identify.wavelet.wavelet import identify_wavelet
     from station.story.pipeline import identify
@@ -53,16 +52,12 @@ def _warm(session: Path, repetitions: int) -> tuple[float, float]:
     recording = Session.open(session).recording()
     options = Options(mass=21.36)
     result = identify(recording, options)
-    both, whole = [], []
-    for _ in range(repetitions):
-        before = time.perf_counter()
+
+    def both() -> None:
         identify_wavelet(result.aligned)
         identify_restoring_force(result.aligned)
-        both.append(time.perf_counter() - before)
-        before = time.perf_counter()
-        identify(recording, options)
-        whole.append(time.perf_counter() - before)
-    return statistics.median(both) * 1e3, statistics.median(whole) * 1e3
+
+    return _median_ms(both, repetitions)
 
 
 def _median_ms(act: Callable[[], object], repetitions: int) -> float:
@@ -90,8 +85,8 @@ def _compared(session: Path, repetitions: int) -> float:
     return _median_ms(lambda: compare_fitted(start), repetitions)
 
 
-def _formulas(repetitions: int) -> tuple[float, float]:
-    """Return milliseconds from a formula to an effect that is compiled, and to the refusal of what is none."""
+def _formula(repetitions: int) -> float:
+    """Return milliseconds from a formula to an effect that is compiled."""
     from identify.effects.user import parse_effect
 
     numbers = itertools.count(2)
@@ -99,11 +94,7 @@ def _formulas(repetitions: int) -> tuple[float, float]:
     def ready() -> object:  # another formula each time: nothing is remembered
         return parse_effect(f"x = a*u/(1 + (u/b)**2)*exp(-abs(v)/c)*sgn(v) + {next(numbers)}*a*sin(u)")
 
-    def refuse() -> None:
-        with contextlib.suppress(ValueError):
-            parse_effect("x = " + "(" * 300 + "u" + ")" * 300)
-
-    return _median_ms(ready, repetitions), _median_ms(refuse, repetitions)
+    return _median_ms(ready, repetitions)
 
 
 def run(quick: bool) -> str:
@@ -116,14 +107,10 @@ def run(quick: bool) -> str:
         _timed("import", str(SAMPLE), "--mass", "21.36", "--session", "sessions/one", folder=folder)
         session = folder / "sessions" / "one"
         colds = [_timed("identify", str(session), "--json", folder=folder) for _ in range(repetitions)]
-        both, whole = _warm(session, repetitions * 3)
+        both = _warm(session, repetitions * 3)
         compared = _compared(session, repetitions * 3)
-        formula, refused = _formulas(repetitions)
+        formula = _formula(repetitions)
         demo, _ = _timed("demo", "--json", folder=folder)
-        views = [
-            _timed("view", str(session), "--no-viewer", folder=folder)
-            for _ in range(max(1, repetitions // 3))
-        ]
         listed = _listed(folder)
         read = 1e3 * _shortest(lambda: Session.open(session).recording())
         table = _table_read(folder / "long.csv")
@@ -131,17 +118,10 @@ def run(quick: bool) -> str:
     middle = statistics.median
     rows.append(("`station --help`", f"{middle(helps):.2f} s", "0.4 s"))
     rows.append(("`station identify SESSION`, cold", f"{middle([c[0] for c in colds]):.2f} s", "2 s"))
-    rows.append(("the same, slowest", f"{max(c[0] for c in colds):.2f} s", "2 s"))
     rows.append(("the same, peak memory", f"{max(c[1] for c in colds):.0f} MB", "500 MB"))
     rows.append(("wavelet and restoring force, 8 s at 256 Hz, warm", f"{both:.1f} ms", "20 ms"))
-    rows.append(("recording to both results, warm", f"{whole:.0f} ms", ""))
     rows.append(("comparison of a fit with 8 s at 256 Hz, warm", f"{compared:.0f} ms", "100 ms"))
     rows.append(("an effect of one's own, from its formula to ready", f"{formula:.0f} ms", "300 ms"))
-    rows.append(("a line that is no formula, refused", f"{refused:.1f} ms", "at once"))
-    rows.append(
-        ("`station view SESSION --no-viewer` (all tabs), cold", f"{middle([v[0] for v in views]):.2f} s", "")
-    )
-    rows.append(("the same, peak memory", f"{max(v[1] for v in views):.0f} MB", ""))
     rows.append(("`station demo`, without a screen", f"{demo:.1f} s", "well under 60 s"))
     rows.append(("`station list` of 10,000 sessions", f"{listed:.1f} s", "seconds"))
     rows.append(("a session of 2048 samples read", f"{read:.1f} ms", "20 ms"))

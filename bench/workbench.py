@@ -56,7 +56,6 @@ def run(quick: bool) -> str:
         page.wait_for_selector("button.card-suspect")
         diagnosis = time.perf_counter() - before
         page.wait_for_function(FIRST)
-        first_preview = time.perf_counter() - before
         page.wait_for_function(ALL)
         previews_ready = time.perf_counter() - before
         previews = [_pointed(page, number) for number in range(4 * repetitions)]
@@ -76,18 +75,17 @@ def run(quick: bool) -> str:
         ("click on a step to its curve", backs, "1 s"),
         ("address to all pictures, session known", opened, ""),
     ]
-    return "\n".join(_table(rows, (diagnosis, first_preview, previews_ready), repetitions))
+    return "\n".join(_table(rows, (diagnosis, previews_ready), repetitions))
 
 
-def _table(rows, found: tuple[float, float, float], repetitions: int) -> list[str]:
+def _table(rows, found: tuple[float, float], repetitions: int) -> list[str]:
     lines = ["| what | median | slowest | wanted |", "|---|---:|---:|---:|"]
     lines += [
         f"| {what} | {statistics.median(found):.2f} s | {max(found):.2f} s | {wanted} |"
         for what, found, wanted in rows
     ]
-    diagnosis, first_preview, previews_ready = found
+    diagnosis, previews_ready = found
     lines.append(f"| Diagnose to the cards | {diagnosis:.1f} s | | 5 s |")
-    lines.append(f"| Diagnose to the first card's preview | {first_preview:.1f} s | | |")
     lines.append(f"| Diagnose to all previews, the measured curve last | {previews_ready:.1f} s | | |")
     load = os.getloadavg()[0] / (os.cpu_count() or 1)
     return [

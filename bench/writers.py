@@ -110,8 +110,8 @@ def rows(folder: Path, quick: bool) -> tuple[list[str], list[str]]:
     bad += [f"two refinements {i}: {what}" for i, what in enumerate(refined) if what]
     return [
         f"| two processes write results into one session at once | {2 * each} | {2 * each - missing} |",
-        f"| `kill -9` while results are written, then `station recover`: whole and of one change ({sum(cut for cut, _ in killed)} were cut off half-way) | {kills} | "
+        f"| `kill -9` while results are written, then `station recover`: one whole change | {kills} | "
         f"{sum(not what for _, what in killed)} |",
-        f"| two `station refine --add` at once: each step that was said to be added is there, the loser is told | {pairs} | "
+        f"| two `station refine --add` at once: the loser is told | {pairs} | "
         f"{sum(not what for what in refined)} |",
     ], bad

@@ -302,7 +302,7 @@ class _Requests:
 
 
 def _beside(assembly: Assembly) -> list[tuple[int, int]]:
-    """Return what the checksum needs beside the recording."""
+    """List the samples that the checksum needs beside the recording."""
     return lost_outside(assembly.samples, assembly.end, assembly.start, assembly.stop, assembly.total)
 
 

@@ -118,7 +118,7 @@ def unevenness(indices: Sequence[int], times_us: Sequence[int]) -> Unevenness | 
 
 
 def _rounding(times_us: Array, jumps: Array) -> float:
-    """Return what stamps (us) are rounded to, s: whole milliseconds, or what divides all as most jumps (s) show it."""
+    """Find the step (s) to which stamps (us) are rounded: a whole millisecond, or what divides all of them."""
     few = 1 + len(jumps) // 50  # that a step or late stamps make
     usual = np.sort(jumps)[:-few]
     if not len(usual) or np.ptp(times_us) > 2**53:

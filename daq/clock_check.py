@@ -90,7 +90,7 @@ def _rate(assembly: Assembly, against_host: bool, said: list[Suspicion]) -> floa
 
 
 def _unchecked(host: ClockFit | None, rate: float) -> str:
-    """Return why this computer's clock says nothing of the rate; "" where it does."""
+    """Say why this computer's clock says nothing of the rate; "" where it does."""
     if host is None:
         return "samples arrived fewer than 8 times"
     if not isfinite(host.std) or host.std > UNCHECKED_SHARE * rate:

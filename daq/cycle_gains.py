@@ -73,7 +73,7 @@ def cycle_length(channels: tuple[Array, ...]) -> float | None:
 
 
 def gain_steps(x: Array, other: Array | None, period: float, moving: Mask) -> tuple[Step, ...]:
-    """Return where the gain of `x` jumps against `other`, or against itself a period earlier, while it is `moving`, (n,)."""
+    """Find where the gain of `x` jumps against `other`, or against itself a period earlier, while it is `moving`, (n,)."""
     span = np.flatnonzero(moving)
     if len(span) < 5.0 * period:
         return ()
@@ -112,7 +112,7 @@ def _slopes(y: Array, x: Array, width: int, hop: int, share: float) -> Array:
 
 
 def _steps(slope: Array, first: int, apart: int, hop: int) -> tuple[Step, ...]:
-    """Return where the slope differs between windows before and after a reading, the largest of each group."""
+    """Find where the slope differs between windows before and after a reading, the largest of each group."""
     if len(slope) <= apart:
         return ()
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -149,7 +149,7 @@ def _shifted(change: Array, by: int) -> Array:
 
 
 def _blips(slope: Array, in_phase: Mask, first: int, apart: int, hop: int) -> tuple[Step, ...]:
-    """Return where the slope against a period earlier differs from that both before and after, `in_phase` or reversed."""
+    """Find where the slope against a period earlier differs from that both before and after, `in_phase` or reversed."""
     if len(slope) <= 2 * apart:
         return ()
     middle, before, after = slope[apart:-apart], slope[: -2 * apart], slope[2 * apart :]

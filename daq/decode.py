@@ -161,7 +161,7 @@ class Assembly:
         return MAX_MISSING // max(len(self.description.channels) if self.description else 1, 1)
 
     def missing(self) -> tuple[Gap, ...]:
-        """Return what is missing from the recording so far, with reasons."""
+        """List the gaps of the recording so far, with reasons."""
         return self._gaps(self.samples.mask(self.start, self.stop), self.start)
 
     def recording(self, notes: Iterable[str] = ()) -> Recording:

@@ -57,7 +57,7 @@ def _told_apart(names: list[str]) -> list[str]:
 
 
 def foreign_unit(description: Describe) -> str:
-    """Return what is to be known of units other than those that the protocol lists, in words; empty when none is."""
+    """Warn, in words, of units that the protocol does not list; empty when it lists all."""
     for channel in description.channels:
         units = UNITS.get(channel.quantity)
         if units and channel.unit not in units:
@@ -69,7 +69,7 @@ def foreign_unit(description: Describe) -> str:
 
 
 def problem_of(description: Describe) -> str | None:
-    """Return what makes a description unusable, in words, or None."""
+    """Say what makes a description unusable, or None."""
     if not description.channels:
         return "the board describes no channel"
     for channel in description.channels:

@@ -26,7 +26,7 @@ class Integrity:
 
 
 def integrity(samples: SampleStore, losses: Losses, end: End | None, start: int, most: int) -> Integrity:
-    """Return what END says of the samples held, of which those before `start` are not part of the recording.
+    """Compare END with the samples held, of which those before `start` are not part of the recording.
 
     `most` is how many samples may be missing at most for END to be believed.
     """
@@ -49,7 +49,7 @@ def integrity(samples: SampleStore, losses: Losses, end: End | None, start: int,
 def lost_outside(
     samples: SampleStore, end: End | None, start: int, stop: int, total: int
 ) -> list[tuple[int, int]]:
-    """Return what the checksum needs beside samples `start` to `stop - 1`, as (first, count), in order.
+    """List the samples that the checksum needs beside `start` to `stop - 1`, as (first, count), in order.
 
     None when all `total` samples but the dropped ones are here, or the board never said END.
     """

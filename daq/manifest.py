@@ -111,7 +111,7 @@ class Verification:
 
 
 def entry(data: bytes) -> FileEntry:
-    """Return what the manifest keeps of a file."""
+    """Return the manifest's entry for a file."""
     return FileEntry(size=len(data), sha256=digest(data))
 
 
@@ -148,7 +148,7 @@ def verify(folder: Path) -> Verification:
 
 
 def _state(folder: Path) -> tuple[int, int] | None:
-    """Return what tells one manifest from the next."""
+    """Return inode and time of change (ns) of the manifest; None without one."""
     try:
         status = (folder / NAME).lstat()
     except OSError:

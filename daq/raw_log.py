@@ -54,7 +54,7 @@ class Record:
     payload: bytes
 
     def note(self) -> dict[str, Any]:
-        """Return what the station wrote down in a NOTE; empty when it is no JSON object."""
+        """Parse a NOTE of the station; empty when it is no JSON object."""
         try:
             value = json.loads(self.payload)
         except (ValueError, RecursionError):
@@ -129,7 +129,7 @@ def _pieces(data: bytes) -> Iterator[Record | int]:
 
 
 def _next_head(data: bytes, at: int) -> int:
-    """Return where the next sound head begins, or the end."""
+    """Find the next sound head, or the end."""
     while 0 <= (at := data.find(MARKER, at)) <= len(data) - HEAD_SIZE:
         (check,) = _CHECK.unpack_from(data, at + _HEAD.size)
         if check == crc32(data[at : at + _HEAD.size]):
@@ -139,7 +139,7 @@ def _next_head(data: bytes, at: int) -> int:
 
 
 def read(path: Path) -> RawRecords:
-    """Return what the log at `path` holds; StorageError when it cannot be read."""
+    """Read the log at `path`; StorageError when it cannot be read."""
     return unpack(read_regular(path, MAX_LOG))
 
 

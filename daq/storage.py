@@ -157,7 +157,7 @@ def stored_name(name: str) -> str:
 
 
 def staged(path: Path, mark: str) -> Path:
-    """Return where the content of a file waits until it is moved there: in the same folder, by 32 digits of its mark."""
+    """Name the file in which content waits until it is moved: in the same folder, by 32 digits of its mark."""
     return path.with_name(f".{path.name}.{mark[:32]}{TEMPORARY}")
 
 

@@ -20,7 +20,7 @@ class Suspicion:
 
 
 def suspicions(displacement: Array, acceleration: Array, rate: float) -> tuple[Suspicion, ...]:
-    """Return what is suspected of two channels, shape (n,), that saw a free oscillation at `rate` Hz.
+    """List the suspicions about two channels, shape (n,), that saw a free oscillation at `rate` Hz.
 
     About a spring's rest the acceleration opposes the displacement: a sign that does not is reversed. A
     correlation near zero means that the two measure different things. A channel that does not move at all

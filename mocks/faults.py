@@ -35,6 +35,7 @@ ONCE = {
     "stall": (3.0, "seconds of silence both ways"),
     "reboot": (0.5, "seconds until the rebooted board answers"),
     "unplug": (0.0, "no amount"),
+    "stop-contact": (0.0, "no amount; the holder's contact opens"),
 }
 NAMES = (*PER_BYTE, *PER_FRAME, *LASTING, *ONCE)
 DELAY_S = 0.2

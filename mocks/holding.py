@@ -51,7 +51,7 @@ class Holding:
         self._renew()
 
     def report(self) -> Report:
-        """Return what is said of the holder."""
+        """Return the message about the holder."""
         held = self._displacement if self.state is not FREE else 0.0
         limits = (self.holder.low, self.holder.high, SILENCE_S)
         since = self.holder.released_at

@@ -48,7 +48,7 @@ def noise_of(
     channels: tuple[str, ...],
     pair: int | None = None,
 ) -> np.ndarray:
-    """Return what the imperfections that are noise add to a channel, (samples,), in units of its white noise.
+    """Draw the noise that the imperfections add to a channel, (samples,), in units of its white noise.
 
     `seed` draws the noise of this recording, `pair` (the seed where None) which sensor strays and the frequencies of lines.
     """

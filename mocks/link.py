@@ -26,7 +26,7 @@ class Link(Protocol):
         """Whether a host has the line open (looks; takes the next host in)."""
 
     def read(self) -> bytes:
-        """Return what has come, b"" when nothing has."""
+        """Read the bytes that have come, b"" for none."""
 
     def write(self, data: bytes) -> int:
         """Send what the line takes at once and return how many bytes that was."""
@@ -66,7 +66,7 @@ class TcpLink:
         return self._host is not None
 
     def read(self) -> bytes:
-        """Return what has come."""
+        """Read the bytes that have come."""
         if self._host is None:
             return b""
         try:
@@ -146,7 +146,7 @@ class PtyLink:
         return not any(event & select.POLLHUP for _, event in poll.poll(0))
 
     def read(self) -> bytes:
-        """Return what has come; a closed other side reads as nothing."""
+        """Read the bytes that have come; a closed other side reads as nothing."""
         if not self._open:
             return b""
         try:

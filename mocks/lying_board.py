@@ -114,7 +114,7 @@ class LyingBoard:
         return b"".join(self._answer(frame.sequence, frame.message, now) for frame in frames)
 
     def poll(self, now: float) -> bytes:
-        """Return what leaves the board at this time."""
+        """Return the bytes that leave the board at this time."""
         out = b""
         if self.does("noise") and self._late():
             out += self._random.bytes(500)
@@ -254,7 +254,7 @@ class LyingBoard:
         )
 
     def _held(self, first: int, stop: int) -> list[tuple[int, int, int]]:
-        """Return what was sent of these samples, as (label, instant, n)."""
+        """List the samples sent among these, as (label, instant, n)."""
         found = []
         for label, (taken, n) in self._sent.items():
             a, b = max(first, label, self._labelled - HELD), min(stop, label + n)

@@ -113,7 +113,7 @@ class Misconfiguration:
         return int((before + max(elapsed - STRIKES_S - self.pause_s, 0.0)) * rate)
 
     def time_us(self, first: int, rate: float) -> int:
-        """Return what the board's stamp of a sample is off by from even times, us."""
+        """Return the error of the board's stamp of a sample, us."""
         late = 0.0 if self.index_stamps else float(self.late_s(np.array([first]), rate)[0])
         return round((late - (self.jump_s if first > STRIKES_S * rate else 0.0)) * 1e6)
 
@@ -126,7 +126,7 @@ class Misconfiguration:
         return min(OVERLAP, first) if self.resend else 0
 
     def second(self, message: Message) -> Message | None:
-        """Return what the second stream says beside a message of the first."""
+        """Return the message of the second stream beside one of the first; None for none."""
         if isinstance(message, Describe):
             doubled = tuple(replace(channel, scale=2.0 * channel.scale) for channel in message.channels)
             return replace(message, channels=doubled)

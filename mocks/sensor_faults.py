@@ -45,7 +45,7 @@ def draw_channel(name: str, random: np.random.Generator, pinned: Mapping[str, An
 
 
 def error(name: str, parameters: Mapping[str, Any], signal: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """Return what an `IMMEDIATE` fault adds to `signal` at `time` (s since the recording began)."""
+    """Return the readings that an `IMMEDIATE` fault adds to `signal` at `time` (s since the recording began)."""
     if name == "channel_gain":
         return np.asarray(parameters["error"] * signal)
     if name == "offset_drift":
@@ -61,7 +61,7 @@ def error(name: str, parameters: Mapping[str, Any], signal: np.ndarray, time: np
 
 
 def filter_error(name: str, corner: float, fine: np.ndarray, interval: float) -> np.ndarray:
-    """Return what AC coupling or a roll-off at `corner` Hz adds, every `OVERSAMPLING` samples of `fine`.
+    """Return the readings that AC coupling or a roll-off at `corner` Hz adds, every `OVERSAMPLING` samples of `fine`.
 
     `fine` is the channel on a grid of `interval` s; its first value was there long before.
     """

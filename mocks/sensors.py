@@ -29,7 +29,7 @@ class Sensor:
         return 0.0 if math.isinf(self.full_scale) else 2.0 * self.full_scale / 2.0**self.bits
 
     def convert(self, signal: np.ndarray, random: np.random.Generator) -> np.ndarray:
-        """Return what the converter reads of `signal`: gain, offset, noise, range and steps."""
+        """Convert `signal`: gain, offset, noise, range and steps."""
         seen = self.gain * np.asarray(signal) + self.offset + self.noise * random.standard_normal(len(signal))
         return quantise(seen, self.bits, self.full_scale)
 

@@ -59,5 +59,7 @@ def _strike(fault: Fault, link: Link, board: Board, line: Line, now: float) -> b
     if fault.name == "reboot":
         board.reboot(now)
         line.clear()
+    if fault.name == "stop-contact":
+        board.contact(True, now)
     line.hold(now + fault.amount)
     return True

@@ -228,7 +228,7 @@ def _strength(text: str) -> tuple[str, float]:
 def _sort_faults(
     texts: list[str], random: np.random.Generator
 ) -> tuple[Misconfiguration, bool, tuple[wire.Fault, ...], dict[str, float]]:
-    """Return what is wrong with the board, whether the table is bumped, the line's faults, a smaller range."""
+    """Sort the faults: what is wrong with the board, whether the table is bumped, the line's faults, a smaller range."""
     misconfiguration, bumped, fixed = Misconfiguration(), False, {}
     line: list[wire.Fault] = []
     for text in texts:

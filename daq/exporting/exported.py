@@ -53,7 +53,7 @@ class Exported:
         return own | self.facts
 
     def channel_facts(self, channel: Channel) -> dict[str, str]:
-        """Return what is known of a channel and its calibration, as short texts by name."""
+        """Describe a channel and its calibration in short texts, by name."""
         known = {
             "quantity": channel.quantity,
             "unit": channel.unit,

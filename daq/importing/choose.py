@@ -185,7 +185,7 @@ def _moving(
 
 
 def _kind(column: SourceColumn) -> tuple[str, ...]:
-    """Return what a name says but for a number, a letter or an axis."""
+    """Strip a number, a letter or an axis from a name."""
     name = words(split_unit(column.label)[0])
     if len(name) == 1 and name[0] in AXES:
         return (AXES[name[0]],)

@@ -171,7 +171,7 @@ def _letter(name_words: tuple[str, ...]) -> str | None:
 
 @lru_cache(maxsize=1 << 13)
 def meaning(header: str, unit_row: str = "") -> Meaning:
-    """Return what a header (and the cell of a unit row under it) says about its column."""
+    """Read a header, and the cell of a unit row under it."""
     name, unit_text, unit = split_unit(header)
     if unit_row.strip():
         bare = unit_row.strip().strip("()[]").strip()

@@ -17,6 +17,6 @@ def problem(
 
 
 def place(path: Path, line: int | None, column: int | None) -> str:
-    """Return where something is in a file, as a sentence begins."""
+    """Name a place in a file, as the beginning of a sentence."""
     numbers = f", line {line}" if line is not None else ""
     return path.name + numbers + (f", column {column}" if column is not None else "")

@@ -96,7 +96,7 @@ def read_json(path: Path, data: bytes, recipe: Recipe) -> Table:
 
 
 def _document(path: Path, data: bytes, encoding: str | None) -> Any:
-    """Return what a JSON text holds, or the list of what its lines hold where each line is one."""
+    """Parse a JSON text; where each line is one, a list of them."""
     try:
         text = data.decode(encoding or "utf-8-sig")
         try:
@@ -114,7 +114,7 @@ def _document(path: Path, data: bytes, encoding: str | None) -> Any:
 
 
 def _under(node: Any, keys: Sequence[str]) -> Any:
-    """Return what stands under keys, a list's members by their numbers from 1; None where nothing does."""
+    """Look up keys, a list's members by their numbers from 1; None where nothing does."""
     for key in keys:
         node = dict(_members(node)).get(key)
     return node

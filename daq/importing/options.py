@@ -77,7 +77,7 @@ class ImportOptions:
             raise ImportProblem("an angle from two columns and a column of displacement were both asked for")
 
     def as_recipe(self) -> Recipe:
-        """Return what these choices say of how a file is written, and which columns are asked for."""
+        """Return the dialect of the file and the columns that these choices ask for."""
         wanted = [str(name).strip() for name in self.columns.values()]
         return Recipe(
             encoding=self.encoding,

@@ -104,7 +104,7 @@ def _chosen(table: Table, runs: list[Table], options: ImportOptions) -> list[Tab
 
 
 def _recipe(table: Table, found: Sequence[str], made: Sequence[_Run], options: ImportOptions) -> Recipe:
-    """Return what all runs are as one recipe: a column has one role, in one run or in all."""
+    """Join all runs into one recipe: a column has one role, in one run or in all."""
     cut = made[0].table.cut
     roles: dict[int, Column] = {}
     for run in made:
@@ -147,7 +147,7 @@ def _listed(table: Table, roles: Mapping[int, Column]) -> tuple[Column, ...]:
 
 
 def _settled(run: Table, options: ImportOptions, turns: Mapping[str, str]) -> _Run:
-    """Return what each column of a run is; `turns` are the units of angles that name none and are not in rad."""
+    """Return the role of each column of a run; `turns` are the units of angles that name none and are not in rad."""
     table = with_angle(with_moving_axis(with_stamps(counted_on(run, options), options), options), options)
     notes, doubts = list(table.notes), list(table.doubts)
     choices = choose_columns(table, options, notes, doubts)

@@ -133,7 +133,7 @@ def _by_times(table: Table) -> list[Table]:
 
 
 def _motion_of(column: SourceColumn) -> str:
-    """Return what a column's name or unit says that it measures: a motion, or "" where it says none."""
+    """Return the quantity of motion that a column's name or unit states, or "" where it says none."""
     quantity = column.quantity or meaning(column.label, column.unit).quantity
     return quantity if quantity in MOTIONS else ""
 

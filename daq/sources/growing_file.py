@@ -24,7 +24,7 @@ class GrowingFile:
         self._file.seek(0, os.SEEK_END)
 
     def read(self) -> bytes:
-        """Return what was added; b"" when nothing was. Raises Disconnected where the file became shorter."""
+        """Return the bytes added since; b"" for none. Raises Disconnected where the file became shorter."""
         data = self._file.read(BIGGEST_READ) or b""
         if not data:
             if os.fstat(self._file.fileno()).st_size < self._file.tell():

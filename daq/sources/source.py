@@ -47,13 +47,13 @@ class Source(Protocol):
     """Gives samples at an even rate. `read` raises Disconnected of `daq.errors` when the device is gone."""
 
     def describe(self) -> SourceDescription:
-        """Return what the source gives; called once, before `start`, and may listen for some seconds."""
+        """Describe what the source gives; called once, before `start`, and may listen for some seconds."""
 
     def start(self) -> None:
         """Sample from index 0 on."""
 
     def read(self) -> Sequence[Reading]:
-        """Return what has come since the last call; waits at most about 50 ms."""
+        """Return the readings since the last call; waits at most about 50 ms."""
 
     def close(self) -> None:
         """Give the device back; harmless when done twice."""

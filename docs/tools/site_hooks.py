@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from effects_table import with_effects
 from notebook_page import page_of_notebook
 from outside_sources import outside_sources
 from reference_pages import reference_pages
@@ -48,8 +49,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Lead links to notebooks to their pages, and write tables as Python-Markdown reads them."""
-    return with_bars_in_code(with_pages_of_notebooks(markdown))
+    """Lead links to notebooks to their pages, put in the effects, and write tables as Python-Markdown reads them."""
+    return with_bars_in_code(with_pages_of_notebooks(with_effects(markdown)))
 
 
 def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:

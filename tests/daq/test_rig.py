@@ -1,7 +1,5 @@
 """A rig that releases itself is held, released and recorded; one that cannot, or that lets go, is said in one sentence."""
 
-import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -136,40 +134,10 @@ def test_a_capture_that_is_interrupted_lets_go_slowly(tmp_path: Path) -> None:
 
 
 def test_a_rig_that_lets_go_before_the_release_ends_the_capture(tmp_path: Path) -> None:
-    class Contact(CaptureObserver):
-        def state(self, name: str, detail: str) -> None:
-            if name == "holding":
-                threading.Timer(0.3, simulated.append, [1]).start()
-
-    simulated: list[int] = []
-    with opened_contact(simulated) as address, pytest.raises(LetGo, match="stop contact") as raised:
-        capture(address, SHORT, tmp_path / "s", Contact())
+    with (
+        running("--tcp", "0", *HOLDER, "--fault", "stop-contact@1.5") as address,
+        pytest.raises(LetGo, match="stop contact") as raised,
+    ):
+        capture(address, SHORT, tmp_path / "s")
     assert raised.value.exit_code == 4
     assert Session.open(tmp_path / "s").info.state is State.ABORTED
-
-
-@contextmanager
-def opened_contact(told: list[int]) -> Iterator[str]:
-    """The double, whose stop contact opens once `told` holds something."""
-    from mocks.cli import open_link, parse
-    from mocks.serve import serve
-    from mocks.simulated_board import SimulatedBoard
-
-    options = parse(["--tcp", "0", *HOLDER])
-    simulated, line, over = SimulatedBoard(options), open_link(options), threading.Event()
-
-    def ended() -> bool:
-        if told:
-            simulated.board.contact(True, time.monotonic())
-        return over.is_set()
-
-    thread = threading.Thread(
-        target=serve, args=(line, simulated.board, simulated.line, 1.0, False, ended), daemon=True
-    )
-    thread.start()
-    try:
-        yield line.address
-    finally:
-        over.set()
-        thread.join(timeout=5.0)
-        line.close()

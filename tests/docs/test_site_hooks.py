@@ -11,12 +11,14 @@ from xml.etree import ElementTree
 import pytest
 from contracts import ROOT
 
+from identify.effects.library import LIBRARY
+
 
 @pytest.fixture(scope="module")
 def tools():
     """The modules of docs/tools, by name; they are no package."""
     sys.path.insert(0, str(ROOT / "docs" / "tools"))
-    names = ("site_hooks", "notebook_page", "outside_sources", "reference_pages")
+    names = ("site_hooks", "effects_table", "notebook_page", "outside_sources", "reference_pages")
     found = {name: importlib.import_module(name) for name in names}
     sys.path.remove(str(ROOT / "docs" / "tools"))
     return found
@@ -144,3 +146,14 @@ def test_every_page_of_reference_is_in_the_navigation(tools):
     navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     pages = tools["reference_pages"].reference_pages(ROOT)
     assert [page for page in pages if f" {page}\n" not in navigation] == []
+
+
+def test_the_page_of_the_effects_has_a_row_for_each(tools):
+    page = (ROOT / "docs" / "effects.md").read_text(encoding="utf-8")
+    made = tools["site_hooks"].on_page_markdown(page, None, None, None)
+    rows = [line for line in made.splitlines() if re.match(r"\| `\w+` \|.*\|.*\|.*\|", line)]
+    for effect in LIBRARY:
+        (row,) = (line for line in rows if line.startswith(f"| `{effect.name}` |"))
+        assert effect.title in row
+        assert effect.symptom in row
+        assert effect.equation in row

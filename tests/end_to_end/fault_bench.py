@@ -21,9 +21,11 @@ from station.operations import new_session
 
 PAGE = Path(__file__).parents[2] / "docs" / "faults.md"
 COLUMNS = ["fault", "injected", "exit", "words", "gaps", "verdict", "reason"]
+BECAUSE = ", because"
 LINES = ("pty", "tcp")
 NOBODY = 65534
 REAL_TIME = "--speed=1"
+RELEASE = "--release="  # goes to `station capture`; every other option to the double
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,21 +52,36 @@ class Outcome:
 
 
 def promises(page: Path = PAGE) -> tuple[Promise, ...]:
-    """Return what the page's table promises; AssertionError when the table is not what this file reads.
+    """Return what the page's tables promise; AssertionError where there is none.
 
-    A row may hold several faults that end alike, with semicolons between them.
+    A row may hold several faults that end alike, with semicolons between them. A table of three columns names in its
+    head the verdict of all its rows.
     """
-    rows = [
-        [cell.strip() for cell in line.strip().strip("|").split("|")]
-        for line in page.read_text(encoding="utf-8").splitlines()
-        if line.startswith("|") and line.count("|") == len(COLUMNS) + 1
-    ]
-    assert rows[0] == COLUMNS, rows[0]
-    return tuple(
+    found: list[Promise] = []
+    header: list[str] = []
+    for line in page.read_text(encoding="utf-8").splitlines():
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        if not line.startswith("|"):
+            header = []
+        elif not header:
+            header = cells
+        elif cells[0].strip("-") and header == COLUMNS:
+            found += _promised(*cells)
+        elif cells[0].strip("-") and header[:2] == COLUMNS[:2] and header[2].endswith(BECAUSE):
+            verdict = header[2].removesuffix(BECAUSE)
+            found += _promised(*cells[:2], "0", f"verdict: {verdict.split()[0]}", "none", verdict, cells[2])
+    assert found, "no table of faults"
+    return tuple(found)
+
+
+def _promised(
+    faults: str, injected: str, code: str, words: str, gaps: str, verdict: str, reason: str
+) -> list[Promise]:
+    """The promises of a row."""
+    return [
         Promise(*_lines(fault), _plain(done), int(code), _plain(words), gaps, verdict, _plain(reason))
-        for faults, injected, code, words, gaps, verdict, reason in rows[2:]
         for fault, done in zip(faults.split("; "), injected.split("; "), strict=True)
-    )
+    ]
 
 
 def _lines(fault: str) -> tuple[str, tuple[str, ...]]:
@@ -112,10 +129,15 @@ def station_capture(port: str, folder: Path, *arguments: str, clock: bool = Fals
 def inject(promise: Promise, line: str, folder: Path, speed: float, seed: int, *timing: str) -> Outcome:
     """Do to the board what the table says, and capture from it."""
     double = ("--speed", str(speed), "--seed", str(seed))
+    parts = promise.injected.split()
+    timing += tuple(part for part in parts if part.startswith(RELEASE))
     if promise.injected in SPECIAL:
         return SPECIAL[promise.injected](line, folder, double, timing)
     faults = [
-        w for part in promise.injected.split() for w in ([part] if part[0] == "-" else ["--fault", part])
+        word
+        for part in parts
+        if not part.startswith(RELEASE)
+        for word in ([part] if part[0] == "-" else ["--fault", part])
     ]
     with board(line, *double, *faults) as port:
         return station_capture(port, folder / "s", *timing, clock=REAL_TIME in promise.injected)

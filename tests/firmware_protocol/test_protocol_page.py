@@ -1,6 +1,6 @@
-"""The protocol's page is right: its tables are the codec's, its examples are read as it says, byte by byte.
+"""The protocol's page is right: its fields are the codec's, its examples are read as it says, byte by byte.
 
-The examples are taken apart here with struct and zlib alone, from what the page says about each byte.
+The examples, in docs/frames.txt, are taken apart here with struct and zlib alone, from what they say about each byte.
 """
 
 import re
@@ -15,10 +15,16 @@ from wire_messages import stuff
 from firmware_protocol import TYPE_OF, ChannelDescription, Decoder, encode
 from firmware_protocol.layout import CHANNEL_FIELDS, TABLE
 
-PAGE = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text("utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "protocol.md").read_text("utf-8")
+FRAMES = (DOCS / "frames.txt").read_text("utf-8")
 SECTIONS = {
     int(code, 16): text
     for code, text in re.findall(r"^### [A-Z_]+ \(type 0x(\w\w), .*?\)\n(.*?)(?=^##|\Z)", PAGE, re.M | re.S)
+}
+EXAMPLES = {
+    int(code, 16): text
+    for code, text in re.findall(r"^[A-Z_]+ \(type 0x(\w\w), .*?\)\n(.*?)(?=^$|\Z)", FRAMES, re.M | re.S)
 }
 CODES = {"u8": "<B", "u16": "<H", "u32": "<I", "u64": "<Q", "f64": "<d"}
 WRITTEN_AS = {
@@ -34,10 +40,9 @@ WRITTEN_AS = {
 LINE = re.compile(r"^ +(\d+)  ((?:[0-9A-F]{2} ?)+?)  +(\w+) +(\w+) +(.*)$")
 
 
-def annotated(section: str) -> tuple[list[tuple[int, bytes, str, str, str]], bytes]:
+def annotated(example: str) -> tuple[list[tuple[int, bytes, str, str, str]], bytes]:
     """The lines of an example (position, bytes, written as, field, value) and the frame as it is sent."""
-    block = section.split("```\n")[1]
-    parts, wire = block.split("sent:\n")
+    parts, wire = example.split("sent:\n")
     lines: list[tuple[int, bytes, str, str, str]] = []
     for text in parts.splitlines():
         match = LINE.match(text)
@@ -50,22 +55,27 @@ def annotated(section: str) -> tuple[list[tuple[int, bytes, str, str, str]], byt
     return lines, bytes.fromhex(wire)
 
 
-def test_every_message_has_a_section() -> None:
-    assert sorted(SECTIONS) == sorted(TYPE_OF.values())
+def test_every_message_has_a_section_and_an_example() -> None:
+    assert sorted(SECTIONS) == sorted(EXAMPLES) == sorted(TYPE_OF.values())
+
+
+def test_the_example_on_the_page_is_one_of_them() -> None:
+    (shown,) = re.findall(r"^```\n( +0  01 .*?)```", PAGE, re.M | re.S)
+    assert shown in EXAMPLES.values()
 
 
 @pytest.mark.parametrize("code", SECTIONS)
-def test_the_table_of_a_message_lists_the_codecs_fields_in_order(code: int) -> None:
+def test_the_list_of_a_message_has_the_codecs_fields_in_order(code: int) -> None:
     fields = next(fields for number, _, fields in TABLE if number == code)
     expected = [(name, WRITTEN_AS.get(kind.name, kind.name)) for name, kind in fields]
     if code == 0x82:
         expected += [(name, WRITTEN_AS.get(kind.name, kind.name)) for name, kind in CHANNEL_FIELDS]
-    assert re.findall(r"^\| `(\w+)` \| (\w+) \|", SECTIONS[code], re.M) == expected
+    assert re.findall(r"^- `(\w+)` (\w+): ", SECTIONS[code], re.M) == expected
 
 
-@pytest.mark.parametrize("code", SECTIONS)
+@pytest.mark.parametrize("code", EXAMPLES)
 def test_every_byte_of_an_example_means_what_stands_beside_it(code: int) -> None:
-    lines, wire = annotated(SECTIONS[code])
+    lines, wire = annotated(EXAMPLES[code])
     position = 0
     for at, data, written, field, value in lines:
         assert at == position, field
@@ -94,9 +104,9 @@ def parsed(lines: list[tuple[int, bytes, str, str, str]]) -> dict[str, Any]:
     return values
 
 
-@pytest.mark.parametrize("code", SECTIONS)
+@pytest.mark.parametrize("code", EXAMPLES)
 def test_the_codec_reads_the_values_of_an_example_and_sends_its_bytes(code: int) -> None:
-    lines, wire = annotated(SECTIONS[code])
+    lines, wire = annotated(EXAMPLES[code])
     (got,) = Decoder().feed(wire)
     assert TYPE_OF[type(got.message)] == code
     values = parsed(lines)
