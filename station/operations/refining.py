@@ -1,7 +1,7 @@
 """Refine: one effect in or out of a session's model, or all that is missing; the ladder is kept."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +28,7 @@ from station.operations.record_floor import prepare_with_floor
 from station.operations.session_set import whole_library
 from station.results.documents import Errors, seen
 from station.results.ladder import LADDER, KeptLadder, KeptStep, kept_step, read_ladder, write_ladder
-from station.results.models import known_model, name_of, parsed_effect
+from station.results.models import known_model, name_of, parsed_effect, written
 from station.settings import Settings
 from station.story.pipeline import Progress
 from station.story.residual import residual_words
@@ -36,15 +36,21 @@ from station.suggestions import MEASURED_CURVE, did_you_mean
 
 Seen = Callable[[KeptLadder, str], None]
 
+MOST_FITTED = 12
+
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
-    """A session's ladder with what it takes to go on: its release and the library."""
+    """A session's ladder with what it takes to go on: its release and the library.
+
+    `fitted` are steps that were fitted while this lives, by the text of their model.
+    """
 
     session: Session
     prepared: PreparedDecay
     library: tuple[Effect, ...]
     ladder: KeptLadder
+    fitted: dict[str, Step] = field(default_factory=dict)
 
 
 def open_refinement(
@@ -97,9 +103,19 @@ def floor_of(prepared: PreparedDecay, step: Step) -> Errors:
 
 
 def step_again(refinement: Refinement, step: KeptStep) -> Step:
-    """Return a kept step with its fit, found again from its values."""
-    known = known_model(step.model, "the ladder", refinement.library)
-    return first_step((refinement.prepared,), known.model, known.values | step.nuisances)
+    """Fit a kept step again from its values, unless this was done before."""
+    found = refinement.fitted.get(written(step.model))
+    if found is None:
+        known = known_model(step.model, "the ladder", refinement.library)
+        found = first_step((refinement.prepared,), known.model, known.values | step.nuisances)
+        _remember(refinement, step, found)
+    return found
+
+
+def _remember(refinement: Refinement, step: KeptStep, found: Step) -> None:
+    while len(refinement.fitted) >= MOST_FITTED:
+        del refinement.fitted[next(iter(refinement.fitted))]
+    refinement.fitted[written(step.model)] = found
 
 
 def add(refinement: Refinement, wanted: str) -> KeptLadder:
@@ -128,7 +144,9 @@ def tried(refinement: Refinement, wanted: str) -> tuple[KeptStep, tuple[str, str
         step = add_effect(top, effect)
     except ValueError as error:
         raise UsageProblem(f"{wanted}: {error}") from error
-    return kept_step(step, expressions), _added(step, effect.name)
+    kept = kept_step(step, expressions)
+    _remember(refinement, kept, step)
+    return kept, _added(step, effect.name, top)
 
 
 def _free_name(taken: tuple[str, ...]) -> str:
@@ -226,9 +244,9 @@ def _extended(refinement: Refinement, new: tuple[KeptStep, ...], why: tuple[str,
     return write_ladder(refinement.session, changed)
 
 
-def _added(step: Step, name: str) -> tuple[str, str | None]:
+def _added(step: Step, name: str, before: Step) -> tuple[str, str | None]:
     """Say what an effect that was added is worth."""
-    share = share_explained(step, name)
+    share = share_explained(step, name, before)
     if share is None:
         return _manual(step, f"{plain_name(name)} was added")
     percent = "less than 0.01" if share < 1e-4 else three_figures(100.0 * share)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
@@ -178,8 +179,9 @@ def _expressions(model: ModelFile, where: str, parse: ParseEffect | None) -> dic
         raise UsageProblem(f"{where}: {short(str(error))}") from error
 
 
+@lru_cache(maxsize=64)
 def parsed_effect(text: str) -> Effect:
-    """Return the effect that an expression describes; ValueError, in a sentence, when it describes none."""
+    """Compile the effect that an expression describes, once; ValueError, in a sentence, when it describes none."""
     from identify.effects.user import parse_effect
 
     effect: Effect = parse_effect(text)

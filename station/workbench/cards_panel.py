@@ -54,7 +54,7 @@ class CardsPanel:
             self._session.notice = await self._session.ask(Job(), "reveal")
         except (Cancelled, Failed) as failure:
             self._session.notice = str(failure)
-        self._session.version += 1
+        self._session.changed()
 
     def _diagnose(self) -> None:
         self._session.start("Trying every effect", "diagnose", self._session.others, long=True)

@@ -8,7 +8,7 @@ from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit, fit
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.refining import Refinement
+from station.operations.refining import Refinement, step_again
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, KeptStep
 from station.results.models import ModelFile, known_model, starting_values
@@ -46,13 +46,16 @@ def of_step(store: FrameStore, refinement: Refinement, step: KeptStep) -> None:
     """Draw a step of the ladder: fitted to the whole release at once, from its own values."""
     name = frame_id(step.model)
     if name not in store.frames:
-        store.put(name, refinement.prepared, fit_of(refinement, step.model, step.nuisances))
+        store.put(name, refinement.prepared, fit_of(refinement, step))
 
 
-def fit_of(refinement: Refinement, model: ModelFile, nuisances: dict[str, float]) -> Fit:
-    """Return a kept model fitted to the whole release, from its values."""
-    known = known_model(model, "the ladder", refinement.library)
-    alone = {name: value for name, value in nuisances.items() if "[" not in name}
+def fit_of(refinement: Refinement, step: KeptStep) -> Fit:
+    """Fit a kept step to the whole release, from its values; a short release was fitted whole by the ladder."""
+    found = step_again(refinement, step).fit
+    if [len(window) for window in found.windows] == [len(refinement.prepared.window)]:
+        return found
+    known = known_model(step.model, "the ladder", refinement.library)
+    alone = {name: value for name, value in step.nuisances.items() if "[" not in name}
     start = starting_values(known, (refinement.prepared,)) | alone
     return fit_baseline((refinement.prepared,), known.model, start).fit
 

@@ -21,6 +21,7 @@ class LadderPanel:
         self._session = session
         self._floor = floor
         self._model = ModelCard(session)
+        self._shown: object = None
 
     def build(self) -> None:
         """Make the panel; it is empty until something is shown."""
@@ -52,6 +53,13 @@ class LadderPanel:
         """Show a session as it stands."""
         ladder = view.ladder
         self._undo.set_enabled(bool(self._session.earlier))
+        if (ladder.present, ladder.steps) != self._shown:
+            self._shown = ladder.present, ladder.steps
+            self._show_steps(ladder)
+            self._floor.show(view)
+        self._model.show(view)
+
+    def _show_steps(self, ladder: KeptLadder) -> None:
         _, floor = share(None, ladder)
         self._ghost_floor.style(f"left:{floor:.1f}%")
         self._steps.clear()
@@ -61,8 +69,6 @@ class LadderPanel:
         self._film.clear()
         with self._film:
             self._slider(ladder)
-        self._floor.show(view)
-        self._model.show(view)
 
     def _step(self, ladder: KeptLadder, place: int) -> None:
         step = ladder.steps[place]

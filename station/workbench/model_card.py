@@ -62,7 +62,7 @@ class ModelCard:
             self._session.start(f"Adding {plain(name)}", "add", text or name)
         else:
             self._session.start(f"Taking {plain(name)} out", "remove", name)
-        self._session.version += 1
+        self._session.changed()
 
 
 def switched_off(ladder: KeptLadder) -> list[str]:

@@ -157,6 +157,7 @@ class Page:
             return
         self._set_theme()
         if self._session is not None:
+            self._session.news.subscribe(self._tick)
             self._session.open()
         ui.timer(TICK_S, self._tick)
 
@@ -189,7 +190,7 @@ class Page:
     def _close_notice(self) -> None:
         if self._session is not None:
             self._session.notice = ""
-            self._session.version += 1
+            self._session.changed()
 
     def _hold_still(self, still: bool) -> None:
         """Take no clicks on the loop while it computes; what it shows stays readable."""

@@ -9,6 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from nicegui import Event
+
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.story.pipeline import Progress, silent
@@ -28,7 +30,7 @@ class Running:
 
 
 class SessionState:
-    """The state of one session on the page; `version` grows with every change."""
+    """The state of one session on the page; `version` grows with every change, and `news` tells the tabs at once."""
 
     def __init__(self, folder: Path, workers: WorkerPool) -> None:
         self.folder = folder
@@ -47,6 +49,7 @@ class SessionState:
         self.progress = ""
         self.running: Running | None = None
         self.version = 0
+        self.news = Event[[]]()
         self._workers = workers
         self._job: Job | None = None
         self._tasks: set[asyncio.Task[None]] = set()
@@ -68,16 +71,21 @@ class SessionState:
         """Begin a task that returns a view; False while another is under way."""
         if self.busy:
             self.notice = f"{self.running.title if self.running else ''} is under way; wait, or cancel it"
-            self.version += 1
+            self.changed()
             return False
         self.running = Running(title, time.monotonic(), long)
         self._loop = asyncio.get_running_loop()
         self.progress, self.problem = "", ""
         self.notice = self.notice if task == "look" else ""
         self._job = Job()
-        self.version += 1
+        self.version += 1  # shown in a moment: the task goes first
         self._keep(self._run(self._job, task, arguments))
         return True
+
+    def changed(self) -> None:
+        """Tell every tab that there is something to show."""
+        self.version += 1
+        self.news.emit()
 
     def _keep(self, story: Coroutine[Any, Any, None]) -> None:
         running = asyncio.get_running_loop().create_task(story)
@@ -111,7 +119,7 @@ class SessionState:
                 self.notice = str(failure)
         finally:
             self.running, self._job = None, None
-            self.version += 1
+            self.changed()
         await asyncio.gather(self._complete_frames(), self._complete_details())  # a worker for each
         if task in ("add", "remove") and not job.cancelled:
             self._ask_again()
@@ -154,7 +162,7 @@ class SessionState:
             found, problem = None, str(failure) or "cancelled"
         if view is self.view:
             self.details, self.no_details, self._detailed = found, problem, view
-            self.version += 1
+            self.changed()
 
     async def _complete_frames(self) -> None:
         """Let the frames be drawn that are not at hand: of other steps, and of the suspects."""
@@ -181,7 +189,7 @@ class SessionState:
         if view is not self.view:  # another task has answered meanwhile, and asks for its own
             return False
         self.frames, self.suspect_frames = self.frames | found.frames, self.suspect_frames | found.suspects
-        self.version += 1
+        self.changed()
         return True
 
     async def ask(self, job: Job, task: str, *arguments: Any, progress: Progress = silent) -> Any:
@@ -211,7 +219,7 @@ class SessionState:
     def _take_meanwhile(self, found: view_models.View) -> None:
         if self.busy:
             self._take("refine", found)
-            self.version += 1
+            self.changed()
 
 
 def _steps(ladder: KeptLadder) -> object:

@@ -18,7 +18,7 @@ def frame_of_tried(
     """Return the frame of the present model with `wanted` added, which is kept nowhere, and the frame's name."""
     step, _ = tried(refinement, wanted)
     name = frame_id(step.model)
-    frame = store.put(name, refinement.prepared, fit_of(refinement, step.model, step.nuisances))
+    frame = store.put(name, refinement.prepared, fit_of(refinement, step))
     more = "Fitted to this release; Add keeps it."
     error = step.error
     says = with_effect(refinement.ladder, called, error.motion_percent, error.chi2, more)

@@ -9,6 +9,7 @@ inner six are enough beside them (de Boor, A Practical Guide to Splines, 1978, c
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from math import isfinite
 from typing import Any
 
@@ -91,8 +92,7 @@ def curve_effect(name: str, form: CurveForm, ratios: tuple[float, ...] = (0.0,) 
     """Return a measured curve as an effect: a strength and five ratios to it, which a fit begins at `ratios`."""
     what, over = _WHAT[form.factor], _OVER[form.over]
     others = [number for number in range(1, COUNT + 1) if number != form.unit]
-    value = _value(form)
-    function = force_function(_of(value, form), cache=False)
+    function = _compiled(form)
     friction = form.factor == "sgn(v)"
     return ForceEffect(
         name=name,
@@ -114,6 +114,12 @@ def curve_effect(name: str, form: CurveForm, ratios: tuple[float, ...] = (0.0,) 
         symptom="what was measured, without a name",
         confirming_test="another release: a force that belongs to the bench is the same curve there",
     )
+
+
+@lru_cache(maxsize=32)
+def _compiled(form: CurveForm) -> Any:
+    """Compile a curve once, however many effects have its form: that takes half a second."""
+    return force_function(_of(_value(form), form), cache=False)
 
 
 def _value(form: CurveForm) -> Any:

@@ -100,13 +100,17 @@
     });
   }
 
-  let waiting = null;
+  let waiting = null, drawn = [];
   bench.draw = () => {
     const frame = bench.shown();
     if (!S.stage || !frame) return;
-    const places = { map: bench.chart("map"), traces: bench.chart("traces") };
-    if (places.map) map(places.map, frame, S.stage);
-    if (places.traces) traces(places.traces, frame, S.stage);
+    const places = { map: bench.chart("map"), traces: bench.chart("traces") }, said = saidOf();
+    const now = [frame, bench.before(), S.reach, said.before, said.now, S.channel, document.body.className, places.map, places.traces];
+    if (now.some((part, k) => part !== drawn[k])) {  // words that changed need no new picture
+      drawn = now;
+      if (places.map) map(places.map, frame, S.stage);
+      if (places.traces) traces(places.traces, frame, S.stage);
+    }
     say();
     clearTimeout(waiting);
     if (!places.map || !places.traces) waiting = setTimeout(bench.draw, 200);  // a chart that is not there yet, or not looked at
