@@ -113,7 +113,7 @@ class Case:
         return state in ("confirmed", "alike") and not set(named) <= wanted
 
 
-FRESH = 1000
+FRESH = 2000
 """Added to the seeds of the cases that the guide was made on: those of the proof, which nobody had looked at."""
 
 

@@ -7,7 +7,7 @@ against it (Chaloner and Verdinelli 1995; Foster et al. 2019). That covariance h
 refitted anew, to the simulated record and to the records so far themselves.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -106,17 +106,20 @@ class SoFar:
     windows: tuple[FitWindow, ...]
     theta: Array
     cost: float
+    reach: Mapping[str, float]
 
     @classmethod
-    def of(cls, found: Fit) -> "SoFar":
-        """Return a fit with fewer readings, settled anew for them."""
+    def of(cls, one: Hypothesis) -> "SoFar":
+        """Return a hypothesis fitted to fewer readings, settled anew for them."""
+        found = one.fit
         w = found.frequency
         windows = tuple(
             one.thinned(int(2.0 * np.pi / w * one.rate / _READINGS_A_CYCLE)) for one in found.windows
         )
         problem = Problem(found.model, windows, w, coarse=True)
+        _bound(problem, one.reach)
         end = minimise(problem, problem.theta(found.point), steps=_STEPS, tolerance=_GAIN)
-        return cls(found, windows, end.theta, end.cost)
+        return cls(found, windows, end.theta, end.cost, one.reach)
 
     def costs_more(self, own: Problem, centre: Array, readings: dict[str, Array]) -> float:
         """Return by how much chi-square rises where a record comes that begins, as far as it is its own, at `centre`."""
@@ -137,8 +140,14 @@ class SoFar:
         for u, value in zip(own.unknowns, centre, strict=True):
             if u.window == 0:
                 start[str(u.id.of_release(count - 1, count))] = float(value)
+        _bound(problem, self.reach)
         end = minimise(problem, problem.theta(start), steps=_STEPS, tolerance=_GAIN)
         return end.cost - self.cost
+
+
+def _bound(problem: Problem, reach: Mapping[str, float]) -> None:
+    """Bound the unknowns of a problem that another effect is the better name for beyond."""
+    problem.high = np.minimum(problem.high, [reach.get(u.name, np.inf) for u in problem.unknowns])
 
 
 def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:

@@ -61,15 +61,15 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
 
     It ends when no release is expected to tell more: between the hypotheses that are open, or of what can still hide beside
     the likeliest. A name needs one release more than it has effects. Where a law of a free exponent explains more, that is
-    confirmed. A law without a name foretells nothing beyond the largest release: so one must come from the upper limit.
+    confirmed. A law without a name predicts nothing beyond the largest release: so one must come from the upper limit.
     """
     if found.verdict == "driven":
         return Guidance("given_up", "The motion is driven; stop the drive and begin again.")
     chosen = found.next_within(limits)
     far = _reach(found) >= _REACHED * limits.high
     more = chosen is not None and chosen.tells_more
-    nameless = found.verdict in ("unknown_effect", "unconfirmed")
-    enough = releases >= max(FEWEST, 1 + len(found.named)) and found.verdict != "not_enough_data"
+    named, nameless = leading(found), found.verdict in ("unknown_effect", "unconfirmed")
+    enough = releases >= max(FEWEST, 1 + len(named)) and found.verdict != "not_enough_data"
     if enough and nameless and far and not found.hypotheses[0].has_law:
         words = "Something is missing that has no name here, as all releases say."
         return Guidance("no_name", words, None, chosen)
@@ -80,8 +80,8 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
     if chosen is None or not more:
         words = "Another release must bear it out: the largest amplitude shows most."
         return Guidance("go_on", words, _largest(found, limits), chosen)
-    if found.named and _settled(found):
-        words = f"{_named(found.named)} explains it so far. {chosen.words}"
+    if named and _settled(found):
+        words = f"{_named(named)} explains it so far. {chosen.words}"
         return Guidance("go_on", words, chosen.best.experiment, chosen)
     return Guidance("go_on", chosen.words, chosen.best.experiment, chosen)
 
@@ -94,22 +94,28 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None) -> Gui
     if not found.named:
         words = "Something is missing that has no name here."
         return Guidance("no_name", words, None, chosen)
-    law = _between_the_names(found) if len(found.named) == 1 else None
-    if law is not None:
-        words = f"{_named((law,))}: {_named(found.named).lower()} comes near, but a free exponent explains the releases better."
-        return Guidance("confirmed", words, None, chosen, (law,))
-    near = _near(found)
+    named, near = leading(found), _near(found)
+    law = _between_the_names(found) if len(named) == 1 else None
+    better = named if law is None and named != found.named else (law,) if law is not None else None
+    if better is not None and not near:
+        closer = "a free exponent explains" if law is not None else "these explain"
+        words = f"{_named(better)}: {_lower(found.named)} would do nearly, but {closer} the releases better."
+        return Guidance("confirmed", words, None, chosen, better)
     if all(_less_simple(found, one) for one in near):
         simplest = " as the simplest law" if near else ""
-        words = (
-            f"{_named(found.named)}: confirmed by {releases} releases{simplest}. {_not_excluded(found, near)}"
-        )
-        return Guidance("confirmed", words.strip(), None, chosen, found.named)
+        words = f"{_named(named)}: confirmed by {releases} releases{simplest}. {_not_excluded(found, near)}"
+        return Guidance("confirmed", words.strip(), None, chosen, named)
     alike = among([one.title for one in near])
-    words = f"{_named(found.named)}, or {alike}: no release within the limits distinguishes them."
+    words = f"{_named(named)}, or {alike}: no release within the limits distinguishes them."
     if chosen is not None and chosen.instead is not None and not chosen.hidden:
-        words = f"{_named(found.named)}, or what is the same here. {chosen.words}"
-    return Guidance("alike", words, None, chosen, found.named)
+        words = f"{_named(named)}, or what is the same here. {chosen.words}"
+    return Guidance("alike", words, None, chosen, named)
+
+
+def leading(found: Diagnosis) -> tuple[str, ...]:
+    """Return what a verdict names; of several effects those that lead, with one exchanged where that explains more."""
+    lead = found.hypotheses[0]
+    return lead.names if len(found.named) > 1 and len(lead.names) > 1 else found.named
 
 
 def _not_excluded(found: Diagnosis, near: list[Hypothesis]) -> str:
@@ -155,13 +161,13 @@ def _between_the_names(found: Diagnosis) -> str | None:
 
 def _settled(found: Diagnosis) -> bool:
     """Whether what is named leaves all other hypotheses DOUBT at most."""
-    return found.hypotheses[0].names == found.named and bool(odds(found.hypotheses)[0] >= 1.0 - DOUBT)
+    return found.hypotheses[0].names == leading(found) and bool(odds(found.hypotheses)[0] >= 1.0 - DOUBT)
 
 
 def _near(found: Diagnosis) -> list[Hypothesis]:
     """Return the hypotheses that are not decided against what is named: all others leave DOUBT at most."""
-    chances = odds(found.hypotheses)
-    others = [(c, one) for c, one in zip(chances, found.hypotheses, strict=True) if one.names != found.named]
+    chances, named = odds(found.hypotheses), leading(found)
+    others = [(c, one) for c, one in zip(chances, found.hypotheses, strict=True) if one.names != named]
     left, near = sum(c for c, _ in others), []
     for chance, one in others:
         if left <= DOUBT:
@@ -173,7 +179,7 @@ def _near(found: Diagnosis) -> list[Hypothesis]:
 
 def _less_simple(found: Diagnosis, other: Hypothesis) -> bool:
     """Whether another hypothesis has more parameters than what is named, and explains no more for it."""
-    named = next(one for one in found.hypotheses if one.names == found.named)
+    named = next(one for one in found.hypotheses if one.names == leading(found))
     own = len(other.fit.parameters) + len(other.within or ())
     more = own > len(named.fit.parameters)
     return more and 0.5 * (named.fit.chi_square - other.fit.chi_square) < RIVALS_WITHIN
@@ -187,6 +193,10 @@ def _reach(found: Diagnosis) -> float:
 def _named(effects: tuple[str, ...]) -> str:
     names = among([plain_name(name) for name in effects])
     return names[:1].upper() + names[1:]
+
+
+def _lower(effects: tuple[str, ...]) -> str:
+    return among([plain_name(name) for name in effects])
 
 
 def _largest(found: Diagnosis, limits: Limits) -> Experiment:

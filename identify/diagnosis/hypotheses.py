@@ -1,7 +1,7 @@
 """The hypotheses that a diagnosis leaves: the usual model, its leading suspects, a law without a name; and their odds."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _SUSPECTS = 4
+_SWAPS = 2
+"""Effects that one of several is exchanged for, by what it may be mistaken for."""
+
 _FREE_FORM = 24
 """Numbers that a law without a name takes: the knots of its spline over the displacement."""
 
@@ -33,7 +36,7 @@ class Hypothesis:
 
     `shape` is the law without a name that acts beside the fit, `walk` a random walk of spring and damper that does; None
     elsewhere. `within` are inner parameters that would leave the range that the effect is named for, held at its end; with
-    `free`, the fit in which they do.
+    `free`, the fit in which they do. `reach` are the ends of such ranges by unknown's name.
     """
 
     names: tuple[str, ...]
@@ -42,6 +45,7 @@ class Hypothesis:
     shape: NonparametricForce | None = None
     walk: RandomWalk | None = None
     within: Mapping[str, float] | None = None
+    reach: Mapping[str, float] = field(default_factory=dict)
     free: Fit | None = None
 
     @property
@@ -93,6 +97,8 @@ def hypotheses_of(
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
         if name in rivals or (suspect.plausible and few):
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
+    for one in _swapped(baseline, suspects, named, final):
+        found.setdefault(one.names, one)
     widened = dispersion(baseline, [one.fit for one in found.values() if one.names])
     weighed = [
         replace(
@@ -105,11 +111,17 @@ def hypotheses_of(
     if walk is not None:
         weighed.append(Hypothesis((), baseline.fit, walk.evidence, walk=walk))
     weighed = [_beside_all(one, len(suspects)) for one in weighed]
-    if quiet and all(one.has_law for one in weighed):  # nothing is missing
-        usual = next(one.log_odds for one in weighed if not one.names)
-        weighed = [replace(one, log_odds=min(one.log_odds, usual)) for one in weighed]
+    nameless = [one.log_odds for one in weighed if not one.has_law]
     if named:
         weighed = [_as_judged(one, weighed, tuple(named), rivals) for one in weighed]
+    elif nameless:
+        farthest = max(nameless) - _apart(len(weighed) - len(nameless))
+        weighed = [
+            replace(one, log_odds=min(one.log_odds, farthest)) if one.has_law else one for one in weighed
+        ]
+    elif quiet:  # nothing is missing
+        usual = next(one.log_odds for one in weighed if not one.names)
+        weighed = [replace(one, log_odds=min(one.log_odds, usual)) for one in weighed]
     highest = max(one.log_odds for one in weighed)
     weighed = [replace(one, log_odds=one.log_odds - highest) for one in weighed]
     return tuple(sorted(weighed, key=lambda one: -one.log_odds))
@@ -149,23 +161,39 @@ def _at_the_same_floor(baseline: Baseline, first: Suspect, named: Sequence[str],
     return fit(final.model, baseline.fit.windows, final.point, baseline.fit.frequency, near=True)
 
 
+def _swapped(
+    baseline: Baseline, suspects: Sequence[Suspect], named: Sequence[str], final: Fit
+) -> list[Hypothesis]:
+    """Return what is named with one of several effects exchanged for one that it may be mistaken for."""
+    if len(named) < 2 or not baseline.floor_is_sure:
+        return []
+    found, terms = [], {s.effect.name: s.term for s in suspects if s.corrected is None}
+    for name in [one for one in named if one in final.model]:
+        own = next(term.effect for term in final.model.terms if term.effect.name == name)
+        others = [terms[n] for n in own.confusable_with if n in terms and n not in final.model]
+        if others:
+            less = fit(final.model.minus(name), baseline.fit.windows, final.point, final.frequency, near=True)
+            for one in try_terms(baseline.decays, less, tuple(others[:_SWAPS]), polished=_SWAPS):
+                names = tuple(one.name if n == name else n for n in named)
+                found.append(Hypothesis(names, one.fit, 0.0))
+    return found
+
+
 def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Scales) -> Hypothesis:
-    """Return a suspect as a hypothesis; an implausible force with its inner parameters within what the library may reach.
+    """Return a suspect as a hypothesis; a law of time with its inner parameters within what the library may reach.
 
     Beyond it another effect is the better name for the same force: what settles in hours drifts.
     """
     name, term, found = (suspect.effect.name,), suspect.term, suspect.fit
-    if suspect.plausible or not term.is_force:
+    if not (term.is_force and term.effect.of_time and term.effect.inner and not term.effect.line):
         return Hypothesis(name, found, 0.0)
     own = {key: estimate.value for key, estimate in found.of(term, 0).items()}
     starts = reachable_starts(term, scales)
-    ends = {
-        key: float(np.clip(own[key], min(s[key] for s in starts), max(s[key] for s in starts)))
-        for key in set(starts[0] if starts else ()) & set(suspect.effect.inner)
-    }
-    within = {key: end for key, end in ends.items() if end != own[key]}
+    most = {key: max(start[key] for start in starts) for key in term.effect.inner}
+    within = {key: end for key, end in most.items() if own[key] > end}
+    reach = {str(term.parameter(key)): end for key, end in most.items()}
     if not within:
-        return Hypothesis(name, found, 0.0)
+        return Hypothesis(name, found, 0.0, reach=reach)
     held = Term(suspect.effect, {**term.held, **within})
     model = Model(tuple(held if t.effect.name == name[0] else t for t in found.model.terms))
     largest = max(decays, key=lambda decay: decay.amplitude)
@@ -194,15 +222,20 @@ def _as_judged(
 ) -> Hypothesis:
     """Return a hypothesis with odds that agree with the verdict, which knows more: the curves of the decay.
 
-    A rival of what is named is no farther behind it than what is not distinguishable, all else no nearer.
+    A rival of what is named is no farther behind it than what is not distinguishable, all else together no nearer.
     """
     leads = next(other.log_odds for other in weighed if other.names == named)
-    if one.names == named:
+    if one.names == named or len(one.names) > 1:  # several effects exchanged: the verdict did not try them
         return one
-    if len(one.names) == 1 and one.names[0] in rivals:
+    if one.names and one.names[0] in rivals:
         lowest = -np.inf if one.within else leads - RIVALS_WITHIN
         return replace(one, log_odds=float(np.clip(one.log_odds, lowest, leads)))
-    return replace(one, log_odds=min(one.log_odds, leads - RIVALS_WITHIN))
+    return replace(one, log_odds=min(one.log_odds, leads - _apart(len(weighed) - 1 - len(rivals))))
+
+
+def _apart(others: int) -> float:
+    """Return the nats by which each of several that the verdict leaves out is behind at least: together they have DOUBT."""
+    return RIVALS_WITHIN + float(np.log(max(others, 1)))
 
 
 def what_can_hide(

@@ -217,7 +217,7 @@ class _Question:
     @cached_property
     def chances(self) -> Array:
         """The odds of each, (hypotheses,); what is refuted, but beside which there is only one, counts as hardly open."""
-        return np.exp(np.clip([one.log_odds for one in self.considered], -OPEN, 0.0))
+        return np.asarray(np.exp(np.clip([one.log_odds for one in self.considered], -OPEN, 0.0)))
 
     @cached_property
     def drawn(self) -> tuple[Array, ...]:
@@ -227,7 +227,7 @@ class _Question:
     @cached_property
     def so_far(self) -> tuple[SoFar, ...]:
         """Each as the releases so far leave it."""
-        return tuple(SoFar.of(one.fit) for one in self.considered)
+        return tuple(SoFar.of(one) for one in self.considered)
 
     def ask(self, experiments: Sequence[Experiment]) -> list[ExpectedEvidence]:
         """Return what experiments are expected to tell, those that can be simulated; by linear theory."""
@@ -301,7 +301,7 @@ class _Question:
         return float(np.sum(weights[known] * nats[known]) / weights[known].sum())
 
     def pair(self, tried: Sequence[ExpectedEvidence]) -> tuple[int, int]:
-        """Return the likeliest pair that some experiment decides, of what is open before what can hide; else the likeliest."""
+        """Return the likeliest pair that some experiment decides, what is open before what can hide; else the likeliest."""
         best, chances = max(tried, key=self.decides), self.chances
         ranked = sorted(self.pairs, key=lambda p: (p[0] >= self.first_hiding, -chances[p[0]] * chances[p[1]]))
         able = [pair for pair in ranked if _mean(best.nats[pair]) >= RIVALS_WITHIN]
@@ -367,7 +367,7 @@ def _changes(best: Experiment, last: PreparedDecay, limits: Limits) -> list[Expe
 
 
 def _about(nats: float) -> str:
-    return f"about {_number(nats)} nats"
+    return f"{_number(nats)} nats" if nats > 1000.0 else f"about {_number(nats)} nats"
 
 
 def _number(nats: float) -> str:
