@@ -82,8 +82,8 @@ def play(case: Case, policy: str) -> Outcome:
             found = diagnose(tuple(decays))
         except NotIdentifiable:
             continue
-        if policy == "guide" and before is not None and told is not None and told.chosen is not None:
-            evidence += _achieved(case, before, told.chosen, found)
+        if policy == "guide" and before is not None and told is not None:
+            evidence += _achieved(case, before, told, found)
         told, before = guidance(found, len(decays), limits), found
         if not first_right and len(decays) > 1 and case.right(_said(found.verdict), found.named):
             first_right = number + 1
@@ -100,15 +100,18 @@ def _said(verdict: str) -> str:
     return known.get(verdict, "confirmed")
 
 
-def _achieved(case, before, chosen, found) -> list[tuple[float, float, float]]:  # type: ignore[no-untyped-def]
+def _achieved(case, before, told, found) -> list[tuple[float, float, float]]:  # type: ignore[no-untyped-def]
     """Return what was expected of a release if one hypothesis is true, and what it gave; where that is what is hidden."""
+    chosen = told.chosen
+    if chosen is None or chosen.hidden or chosen.best.experiment != told.experiment:
+        return []
     named = {frozenset(h.names): h.title for h in before.hypotheses}
     if chosen.between[0] != named.get(frozenset((case.hidden or "").split("+"))):
         return []
     halves = []
     for title in chosen.between:
-        one = next((h for h in before.hypotheses if h.title == title and h.shape is None), None)
-        other = next((h for h in found.hypotheses if h.title == title and h.shape is None), None)
+        one = next((h for h in before.hypotheses if h.title == title and h.has_law), None)
+        other = next((h for h in found.hypotheses if h.title == title and h.has_law), None)
         if one is None or other is None:
             return []
         halves.append(0.5 * (other.fit.chi_square - one.fit.chi_square))
@@ -205,7 +208,7 @@ def _kinds(found: list[Outcome]) -> str:
 
 def _calibration(pairs: list[tuple[float, float, float]], draw: bool) -> str:
     from identify.diagnosis.next_release import DECIDES
-    from identify.diagnosis.ranking import RIVALS_WITHIN
+    from identify.priors import RIVALS_WITHIN
 
     if not pairs:
         return "No release was foreseen."

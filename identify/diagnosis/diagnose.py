@@ -8,7 +8,7 @@ from identify.curves.confirm import confirm_releases
 from identify.curves.confirmation import Confirmation
 from identify.diagnosis.beside_walk import walk_sentence
 from identify.diagnosis.explain import explain
-from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of
+from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of, what_can_hide
 from identify.diagnosis.judgement import judge, large_enough
 from identify.diagnosis.ladder import Ladder, Progress, add_found, step_of, without_needless_effects
 from identify.diagnosis.listed_suspects import listed_suspects
@@ -93,8 +93,13 @@ class Diagnosis(Summarised):
     next_release: NextRelease | None = None
 
     def next_within(self, limits: Limits) -> NextRelease | None:
-        """Return the release that is expected to tell most of those that a rig allows; None where none can be simulated."""
-        return next_release(self.baseline.decays, self.hypotheses, limits)
+        """Return the release that is expected to tell most of those that a rig allows; None where none tells anything.
+
+        Of what is named, and of what can hide beside it.
+        """
+        decays, lead = self.baseline.decays, self.hypotheses[0]
+        hiding = what_can_hide(decays, lead, self.library) if lead.names else ()
+        return next_release(decays, self.hypotheses, limits, hiding)
 
     @property
     def of_releases(self) -> tuple[ReleaseValue, ...]:
@@ -226,7 +231,7 @@ def diagnose(
     )
     harmonics = baseline.harmonics(judgement.final) if verdict != "not_enough_data" else None
     named = named_by(verdict, suspects, judgement.together)
-    hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape)
+    hypotheses = hypotheses_of(baseline, suspects, named, settled.fit, judgement.shape, judgement.walk)
     chosen = next_release(baseline.decays, hypotheses) if verdict not in _NO_RELEASE else None
     return Diagnosis(
         baseline=baseline,

@@ -3,11 +3,12 @@
 Each hypothesis in turn is taken for the truth, its parameters drawn from what the records so far leave open, and the
 record simulated. Every other hypothesis is then refitted to that record and, through the covariance of its parameters, to
 the records so far; half of the misfit that it keeps beyond that of the truth, in units of the noise, is the evidence
-against it (Chaloner and Verdinelli 1995; Foster et al. 2019).
+against it (Chaloner and Verdinelli 1995; Foster et al. 2019). That covariance holds near the fit only, so what leads is
+refitted anew, to the simulated record and to the records so far themselves.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,11 +25,17 @@ from identify.diagnosis.hypotheses import Hypothesis
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.fitting.fit import Fit
 from identify.fitting.jacobian import linearise
+from identify.fitting.levenberg_marquardt import minimise
 from identify.fitting.problem import Problem
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 DRAWS = 6
+_REFITTED = 4
+"""Draws, that of the fit itself among them, of which a rival is refitted to the records themselves."""
+
+_STEPS, _GAIN = 8, 0.2
+_READINGS_A_CYCLE = 24
 _LEAVE = 2.0
 """How many times more than in linear theory a draw may contradict the release that was fitted."""
 
@@ -47,11 +54,13 @@ _WIDEST, _HELD = 0.5, 1e-9
 class ExpectedEvidence:
     """What an experiment is expected to tell: `nats[i, j, d]` against hypothesis j where i is true, of draw d.
 
-    (hypotheses, hypotheses, draws); nan on the diagonal, and for what runs away.
+    (hypotheses, hypotheses, draws); nan on the diagonal, and for what runs away. `refitted` are the pairs whose evidence
+    is that of refits to the records themselves.
     """
 
     experiment: Experiment
     nats: Array
+    refitted: frozenset[tuple[int, int]] = frozenset()
 
 
 @dataclass(eq=False)
@@ -89,6 +98,58 @@ class _Carried:
         return _kept(jacobian, self.precision, misfit[:, None] - records, theta - self.centre)
 
 
+@dataclass(frozen=True, eq=False)
+class SoFar:
+    """A hypothesis fitted to the releases so far, read a few times a cycle; `cost` is the chi-square that it leaves."""
+
+    fit: Fit
+    windows: tuple[FitWindow, ...]
+    theta: Array
+    cost: float
+    reach: Mapping[str, float]
+
+    @classmethod
+    def of(cls, one: Hypothesis) -> "SoFar":
+        """Return a hypothesis fitted to fewer readings, settled anew for them."""
+        found = one.fit
+        w = found.frequency
+        windows = tuple(
+            one.thinned(int(2.0 * np.pi / w * one.rate / _READINGS_A_CYCLE)) for one in found.windows
+        )
+        problem = Problem(found.model, windows, w, coarse=True)
+        _bound(problem, one.reach)
+        end = minimise(problem, problem.theta(found.point), steps=_STEPS, tolerance=_GAIN)
+        return cls(found, windows, end.theta, end.cost, one.reach)
+
+    def costs_more(self, own: Problem, centre: Array, readings: dict[str, Array]) -> float:
+        """Return by how much chi-square rises where a record comes that begins, as far as it is its own, at `centre`."""
+        found, count = self.fit, len(self.windows) + 1
+        releases = 1 + max(one.release for one in self.windows)
+        new = own.windows[0].with_(readings=readings, release=releases, own_linear=self.windows[0].own_linear)
+        problem = Problem(found.model, (*self.windows, new), found.frequency, coarse=True)
+        start = {
+            str(u.id.of_release(u.window, count)): float(value)
+            for u, value in zip(found.unknowns, self.theta, strict=True)
+            if u.window >= 0 and u.deviates < 0
+        }
+        for u, value in zip(found.unknowns, self.theta, strict=True):
+            if u.window < 0:
+                start[u.name] = float(value)
+            elif u.deviates >= 0:
+                start[str(u.id.of_release(self.windows[u.window].release, releases + 1))] = float(value)
+        for u, value in zip(own.unknowns, centre, strict=True):
+            if u.window == 0:
+                start[str(u.id.of_release(count - 1, count))] = float(value)
+        _bound(problem, self.reach)
+        end = minimise(problem, problem.theta(start), steps=_STEPS, tolerance=_GAIN)
+        return end.cost - self.cost
+
+
+def _bound(problem: Problem, reach: Mapping[str, float]) -> None:
+    """Bound the unknowns of a problem that another effect is the better name for beyond."""
+    problem.high = np.minimum(problem.high, [reach.get(u.name, np.inf) for u in problem.unknowns])
+
+
 def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:
     """Return by how much the shared parameters of a hypothesis may be off, drawn, (draws, shared): none in the first.
 
@@ -100,7 +161,7 @@ def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:
     drawn = np.zeros((1 + DRAWS, len(shared)))
     again = Experiment(signed_amplitude(last))
     window = _window(again, last, one)
-    own = None if one.shape is not None or window is None else _carried(again, last, found, window)
+    own = None if window is None or not one.has_law else _carried(again, last, found, window)
     if own is None:
         return drawn
     at = [own.problem.index[name] for name in shared]
@@ -144,16 +205,54 @@ def expected_evidence(
     carried = [_carried(experiment, last, one.fit, window) for one in hypotheses]
     nats = np.full((len(hypotheses), len(hypotheses), 1 + DRAWS), np.nan)
     for i in sorted({i for i, _ in pairs}):
-        own, shape = carried[i], hypotheses[i].shape
+        own = carried[i]
         if own is None:
             continue
-        records = _records(own, shape, last, drawn[i])
-        price = 0.0 if shape is not None else own.left(records, rounds=0)
+        records = _records(own, hypotheses[i], last, drawn[i])
+        price = own.left(records, rounds=0) if hypotheses[i].has_law else 0.0
         for j in (j for one, j in pairs if one == i):
             rival = carried[j]
             if rival is not None:
                 nats[i, j] = 0.5 * (rival.left(records, rounds=_ROUNDS) - price)
     return ExpectedEvidence(experiment, np.clip(nats, 0.0, _BEYOND))
+
+
+def refitted(
+    expected: ExpectedEvidence,
+    last: PreparedDecay,
+    hypotheses: Sequence[Hypothesis],
+    so_far: Sequence[SoFar],
+    *,
+    pairs: Sequence[tuple[int, int]],
+    drawn: Sequence[Array],
+) -> ExpectedEvidence:
+    """Return what an experiment would tell with some pairs refitted to the releases `so_far` and to the simulated one.
+
+    Of few draws; the scatter is then that of what is not known and of what linear theory had wrong. An experiment that
+    changes the rig stays as it is.
+    """
+    done = expected.refitted | frozenset(pairs)
+    window = _window(expected.experiment, last, hypotheses[0])
+    if window is None or expected.experiment.changes_rig:
+        return replace(expected, refitted=done)
+    needed = sorted({place for pair in pairs for place in pair})
+    carried = {i: _carried(expected.experiment, last, hypotheses[i].fit, window) for i in needed}
+    nats = expected.nats.copy()
+    for i in sorted({i for i, _ in pairs}):
+        own, one = carried[i], hypotheses[i]
+        if own is None:
+            continue
+        rivals = [(j, carried[j]) for true, j in pairs if true == i]
+        for j, _ in rivals:
+            nats[i, j] = np.nan
+        for draw, readings in enumerate(_readings(own, one, last, drawn[i][:_REFITTED])):
+            price = so_far[i].costs_more(own.problem, own.centre, readings) if one.has_law else 0.0
+            for j, rival in rivals:
+                if rival is not None:
+                    kept = so_far[j].costs_more(rival.problem, rival.centre, readings)
+                    nats[i, j, draw] = 0.5 * (kept - price)
+    nats = np.where(np.isfinite(nats), np.clip(nats, 0.0, _BEYOND), nats)
+    return replace(expected, nats=nats, refitted=done)
 
 
 def _window(experiment: Experiment, last: PreparedDecay, first: Hypothesis) -> FitWindow | None:
@@ -215,28 +314,43 @@ def _known(problem: Problem, found: Fit, factors: dict[str, float]) -> tuple[Arr
     return precision, spread
 
 
-def _records(own: _Carried, shape: NonparametricForce | None, last: PreparedDecay, drawn: Array) -> Array:
+def _records(own: _Carried, one: Hypothesis, last: PreparedDecay, drawn: Array) -> Array:
     """Return records of a hypothesis as its misfit, (n, draws): at parameters that are off by what is drawn."""
-    if shape is not None:
-        return np.repeat(_of_shape(own, shape, last)[:, None], len(drawn), axis=1)
-    problem, found = own.problem, []
-    for offset in drawn:
+    records = [own.problem.residual_of(0, readings) for readings in _readings(own, one, last, drawn)]
+    return np.stack(records, axis=1)
+
+
+def _readings(
+    own: _Carried, one: Hypothesis, last: PreparedDecay, drawn: Array
+) -> Iterator[dict[str, Array]]:
+    """Yield the readings of a hypothesis at parameters that are off by what is drawn; those of its fit where they run away.
+
+    Of a law without a name they are alike; a random walk is another one each time.
+    """
+    problem = own.problem
+    centre = problem.read(own.centre, 0, problem.respond(own.centre, 0))
+    for draw, offset in enumerate(drawn):
         theta = own.centre.copy()
-        theta[own.shared] += own.factors * offset
-        misfit = problem.residuals(np.clip(theta, problem.low, problem.high))
-        found.append(misfit if np.isfinite(misfit).all() else own.misfit)
-    return np.stack(found, axis=1)
+        if one.has_law:
+            theta[own.shared] += own.factors * offset
+        theta = np.clip(theta, problem.low, problem.high)
+        response = problem.respond(theta, 0)
+        for _ in range(0 if one.has_law else _PICARD):
+            u, v = response.displacement, response.velocity
+            force = _beside(one, problem.windows[0].clock, u, v, problem.frequency, draw)
+            response = problem.respond(theta, 0, extra=-force)
+        readings = problem.read(theta, 0, response)
+        yield readings if all(np.isfinite(values).all() for values in readings.values()) else centre
 
 
-def _of_shape(own: _Carried, shape: NonparametricForce, last: PreparedDecay) -> Array:
-    """Return the misfit of a record under a force without a name, along the motion that it makes, (n,)."""
-    problem, window = own.problem, own.problem.windows[0]
-    response = problem.respond(own.centre, 0)
-    for _ in range(_PICARD):
-        force = _along(shape, window.clock, response.displacement, response.velocity)
-        response = problem.respond(own.centre, 0, extra=-force)
-    misfit = problem.residual_of(0, problem.read(own.centre, 0, response))
-    return misfit if np.isfinite(misfit).all() else own.misfit
+def _beside(one: Hypothesis, time: Array, u: Array, v: Array, w: float, draw: int) -> Array:
+    """Return the force per unit mass of what acts beside the fit of a hypothesis, along a motion, (n,)."""
+    if one.shape is not None:
+        return _along(one.shape, time, u, v)
+    assert one.walk is not None
+    steps = np.random.default_rng([2020, draw]).standard_normal((2, len(time)))
+    stiffer, damped = np.cumsum(steps, axis=1) * np.sqrt(np.gradient(time))
+    return np.asarray(one.walk.stiffness * stiffer * w**2 * u + one.walk.damping * damped * w * v)
 
 
 def _along(shape: NonparametricForce, time: Array, u: Array, v: Array) -> Array:

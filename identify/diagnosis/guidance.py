@@ -1,19 +1,19 @@
 """Guidance: whether releases so far have settled what is missing, or which one to record next."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
-
-import numpy as np
 
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.experiment import Experiment, signed_amplitude
 from identify.diagnosis.free_exponent import from_members
-from identify.diagnosis.hypotheses import Hypothesis
-from identify.diagnosis.next_release import DECIDES, Limits, NextRelease
-from identify.diagnosis.suspects import Candidate
+from identify.diagnosis.hypotheses import Hypothesis, odds
+from identify.diagnosis.next_release import Limits, NextRelease
+from identify.diagnosis.suspects import Candidate, residual_lines
 from identify.effects.families import FAMILIES
+from identify.evidence.marginal_likelihood import evidence
+from identify.fitting.initial_values import scales_of
 from identify.formatting import among, plain_name
-from identify.priors import RIVALS_WITHIN
+from identify.priors import DOUBT, RIVALS_WITHIN
 
 State = Literal["go_on", "confirmed", "nothing", "no_name", "alike", "given_up"]
 
@@ -21,10 +21,7 @@ FEWEST = 2
 """Releases without which nothing is settled: what is named on one has predicted nothing yet."""
 
 _REACHED = 0.9
-"""Share of the upper limit that some release must have come from: beyond what was released anything may hide."""
-
-_NEARLY = 0.7
-"""Share of the best evidence that will do where a release from the upper limit is wanted besides."""
+"""Share of the upper limit from which a law without a name must have been seen: no fit says what hides beyond."""
 
 MOST = 6
 
@@ -61,99 +58,129 @@ def first_release(limits: Limits) -> Guidance:
 def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
     """Return where a test stands that has recorded so many releases, diagnosed together.
 
-    A name is confirmed by one release more than it has effects, when some release came from the upper limit and every other
-    hypothesis lies DECIDES nats behind it. Where a law of a free exponent explains more by as much, that is confirmed.
+    It ends when no release is expected to tell more: between the hypotheses that are open, or of what can still hide beside
+    the likeliest. A name needs one release more than it has effects. Where a law of a free exponent explains more, that is
+    confirmed. A law without a name predicts nothing beyond the largest release: so one must come from the upper limit.
     """
     if found.verdict == "driven":
         return Guidance("given_up", "The motion is driven; stop the drive and begin again.")
     chosen = found.next_within(limits)
-    if chosen is not None and _reach(found) < _REACHED * limits.high:
-        chosen = _rather_the_limit(chosen, limits)
-    seen = found.verdict != "not_enough_data" and _reach(found) >= _REACHED * limits.high
-    if seen and releases >= max(FEWEST, 1 + len(found.named)):
-        if found.named and _margin(found) >= DECIDES:
-            return _confirmed(found, releases, chosen)
-        if found.verdict in ("unknown_effect", "unconfirmed") and found.hypotheses[0].shape is not None:
-            words = "Something is missing that has no name here, as all releases say."
-            return Guidance("no_name", words, None, chosen)
-        if chosen is None or not chosen.tells_more:
-            return _no_more(found, chosen)
+    far = _reach(found) >= _REACHED * limits.high
+    more = chosen is not None and chosen.tells_more
+    named, nameless = leading(found), found.verdict in ("unknown_effect", "unconfirmed")
+    enough = releases >= max(FEWEST, 1 + len(named)) and found.verdict != "not_enough_data"
+    if enough and nameless and far and not found.hypotheses[0].has_law:
+        words = "Something is missing that has no name here, as all releases say."
+        return Guidance("no_name", words, None, chosen)
+    if enough and not more and (far or not nameless):
+        return _no_more(found, releases, chosen)
     if releases >= MOST:
         return Guidance("given_up", f"{MOST} releases have not settled it.", None, chosen)
-    if chosen is None or not (chosen.tells_more or seen):
-        words = "Above what was released anything may hide: the largest amplitude shows most."
+    if chosen is None or not more:
+        words = "Another release must bear it out: the largest amplitude shows most."
         return Guidance("go_on", words, _largest(found, limits), chosen)
-    if found.named and _margin(found) >= DECIDES:
-        words = f"{_named(found.named)} explains it so far; another release must bear it out. {chosen.words}"
+    if named and _settled(found):
+        words = f"{_named(named)} explains it so far. {chosen.words}"
         return Guidance("go_on", words, chosen.best.experiment, chosen)
     return Guidance("go_on", chosen.words, chosen.best.experiment, chosen)
 
 
-def _confirmed(found: Diagnosis, releases: int, chosen: NextRelease | None) -> Guidance:
-    """Return what is confirmed: what is named, or a law between the names that explains more."""
-    law = _between_the_names(found) if len(found.named) == 1 else None
-    if law is None:
-        words = f"{_named(found.named)}: confirmed by {releases} releases."
-        return Guidance("confirmed", words, None, chosen, found.named)
-    words = f"{_named((law,))}: {_named(found.named).lower()} comes near, but a free exponent explains the releases better."
-    return Guidance("confirmed", words, None, chosen, (law,))
+def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None) -> Guidance:
+    """Return how a test ends of which no release tells more."""
+    if found.verdict == "nothing_missing":
+        why = "" if chosen is None else f" {chosen.words}"
+        return Guidance("nothing", f"Nothing is missing between the limits.{why}", None, chosen)
+    if not found.named:
+        words = "Something is missing that has no name here."
+        return Guidance("no_name", words, None, chosen)
+    named, near = leading(found), _near(found)
+    law = _between_the_names(found) if len(named) == 1 else None
+    better = named if law is None and named != found.named else (law,) if law is not None else None
+    if better is not None and not near:
+        closer = "a free exponent explains" if law is not None else "these explain"
+        words = f"{_named(better)}: {_lower(found.named)} would do nearly, but {closer} the releases better."
+        return Guidance("confirmed", words, None, chosen, better)
+    if all(_less_simple(found, one) for one in near):
+        simplest = " as the simplest law" if near else ""
+        words = f"{_named(named)}: confirmed by {releases} releases{simplest}. {_not_excluded(found, near)}"
+        return Guidance("confirmed", words.strip(), None, chosen, named)
+    alike = among([one.title for one in near])
+    words = f"{_named(named)}, or {alike}: no release within the limits distinguishes them."
+    if chosen is not None and chosen.instead is not None and not chosen.hidden:
+        words = f"{_named(named)}, or what is the same here. {chosen.words}"
+    return Guidance("alike", words, None, chosen, named)
+
+
+def leading(found: Diagnosis) -> tuple[str, ...]:
+    """Return what a verdict names; of several effects those that lead, with one exchanged where that explains more."""
+    lead = found.hypotheses[0]
+    return lead.names if len(found.named) > 1 and len(lead.names) > 1 else found.named
+
+
+def _not_excluded(found: Diagnosis, near: list[Hypothesis]) -> str:
+    """Return which other laws a rig cannot exclude where one is confirmed, in a sentence; "" where there are none."""
+    parts = []
+    if near:
+        laws = among([one.title for one in near])
+        parts.append(
+            f"This rig cannot exclude {laws}, which {_have(near)} more parameters and explain{_s(near)} no more."
+        )
+    for one in found.hypotheses:
+        if one.within and one.names[0] in found.suspects[0].rivals:
+            effect = next(s.effect for s in found.suspects if s.effect.name == one.names[0])
+            units = {p.name: p.unit for p in effect.parameters}
+            ends = " and ".join(f"{key} beyond {value:.2g} {units[key]}" for key, value in one.within.items())
+            parts.append(f"It cannot exclude {one.title} with {ends} either, which is the same law here.")
+    return " ".join(parts)
+
+
+def _have(near: list[Hypothesis]) -> str:
+    return "has" if len(near) == 1 else "have"
+
+
+def _s(near: list[Hypothesis]) -> str:
+    return "s" if len(near) == 1 else ""
 
 
 def _between_the_names(found: Diagnosis) -> str | None:
-    """Return the law of a free exponent that what is named is a member of, where it explains DECIDES nats more (BIC)."""
+    """Return the law of a free exponent that what is named is a member of, where its odds leave the name DOUBT at most."""
     own = found.suspects[0]
     member = Candidate(own.term, own.fit, own.fit.chi_square, 0.0, True)
     baseline = found.baseline
+    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
     for family in FAMILIES:
         if own.effect.name not in family.members:
             continue
         for law in from_members(baseline, family, (member,), baseline.fit.degrees):
-            gain = 0.5 * (own.fit.chi_square - law.fit.chi_square) - 0.5 * float(np.log(own.fit.degrees))
-            if gain >= DECIDES and law.plausible:
+            gain = evidence(baseline.fit, law.fit, scales) - evidence(baseline.fit, own.fit, scales)
+            if gain >= RIVALS_WITHIN and law.plausible:
                 return law.name
     return None
 
 
-def _no_more(found: Diagnosis, chosen: NextRelease | None) -> Guidance:
-    why = "" if chosen is None else f" {chosen.words}"
-    if found.verdict == "nothing_missing":
-        return Guidance("nothing", f"Nothing is missing between the limits.{why}", None, chosen)
-    if found.named:
-        if all(_less_simple(found, one) for one in _near(found)):
-            words = (
-                f"{_named(found.named)}: confirmed as the simplest law. What is left explains no more.{why}"
-            )
-            return Guidance("confirmed", words, None, chosen, found.named)
-        words = f"{_named(found.named)}, or what is the same here.{why}"
-        return Guidance("alike", words, None, chosen, found.named)
-    return Guidance("no_name", f"Something is missing that has no name here.{why}", None, chosen)
-
-
-def _margin(found: Diagnosis) -> float:
-    """Return the nats by which what is named leads all other hypotheses; of a fault that every fit corrects its evidence."""
-    if found.suspects[0].corrected is not None:
-        return found.suspects[0].evidence
-    leads = next(one.log_odds for one in found.hypotheses if one.names == found.named)
-    return leads - max((h.log_odds for h in found.hypotheses if h.names != found.named), default=-np.inf)
-
-
-def _rather_the_limit(chosen: NextRelease, limits: Limits) -> NextRelease:
-    """Return the choice with the upper limit, from which some release must come, where that tells nearly as much."""
-    far = [one for one in chosen.options if abs(one.experiment.amplitude) >= _REACHED * limits.high]
-    best = max(far, key=lambda one: one.worth, default=chosen.best)
-    return replace(chosen, best=best) if best.decides >= _NEARLY * chosen.best.decides else chosen
+def _settled(found: Diagnosis) -> bool:
+    """Whether what is named leaves all other hypotheses DOUBT at most."""
+    return found.hypotheses[0].names == leading(found) and bool(odds(found.hypotheses)[0] >= 1.0 - DOUBT)
 
 
 def _near(found: Diagnosis) -> list[Hypothesis]:
-    """Return the hypotheses that are not decided against what is named."""
-    leads = next(one.log_odds for one in found.hypotheses if one.names == found.named)
-    return [one for one in found.hypotheses if one.names != found.named and leads - one.log_odds < DECIDES]
+    """Return the hypotheses that are not decided against what is named: all others leave DOUBT at most."""
+    chances, named = odds(found.hypotheses), leading(found)
+    others = [(c, one) for c, one in zip(chances, found.hypotheses, strict=True) if one.names != named]
+    left, near = sum(c for c, _ in others), []
+    for chance, one in others:
+        if left <= DOUBT:
+            break
+        near.append(one)
+        left -= chance
+    return near
 
 
 def _less_simple(found: Diagnosis, other: Hypothesis) -> bool:
     """Whether another hypothesis has more parameters than what is named, and explains no more for it."""
-    named = next(one for one in found.hypotheses if one.names == found.named)
-    more = len(other.fit.parameters) > len(named.fit.parameters)
+    named = next(one for one in found.hypotheses if one.names == leading(found))
+    own = len(other.fit.parameters) + len(other.within or ())
+    more = own > len(named.fit.parameters)
     return more and 0.5 * (named.fit.chi_square - other.fit.chi_square) < RIVALS_WITHIN
 
 
@@ -165,6 +192,10 @@ def _reach(found: Diagnosis) -> float:
 def _named(effects: tuple[str, ...]) -> str:
     names = among([plain_name(name) for name in effects])
     return names[:1].upper() + names[1:]
+
+
+def _lower(effects: tuple[str, ...]) -> str:
+    return among([plain_name(name) for name in effects])
 
 
 def _largest(found: Diagnosis, limits: Limits) -> Experiment:

@@ -1,19 +1,32 @@
 """The hypotheses that a diagnosis leaves: the usual model, its leading suspects, a law without a name; and their odds."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from identify.arrays import Array
 from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.ranking import dispersion
+from identify.diagnosis.rest_evidence import at_rest
 from identify.diagnosis.suspect import Suspect
+from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
+from identify.effects.effect import Effect, Scales
+from identify.evidence.marginal_likelihood import evidence, price
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
+from identify.fitting.initial_values import reachable_starts, scales_of
+from identify.fitting.random_walk import RandomWalk
 from identify.formatting import among, plain_name
+from identify.model.measured_path import force_along
+from identify.model.model import Model, Term
+from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import RIVALS_WITHIN
 
 _SUSPECTS = 4
+_SWAPS = 2
+"""Effects that one of several is exchanged for, by what it may be mistaken for."""
+
 _FREE_FORM = 24
 """Numbers that a law without a name takes: the knots of its spline over the displacement."""
 
@@ -22,20 +35,33 @@ _FREE_FORM = 24
 class Hypothesis:
     """What may be true: the effects beyond the model that was asked about, fitted; `log_odds` are relative, nats.
 
-    `shape` is the law without a name that acts beside the fit, None elsewhere.
+    `shape` is the law without a name that acts beside the fit, `walk` a random walk of spring and damper that does; None
+    elsewhere. `within` are inner parameters that would leave the range that the effect is named for, held at its end; with
+    `free`, the fit in which they do. `reach` are the ends of such ranges by unknown's name.
     """
 
     names: tuple[str, ...]
     fit: Fit
     log_odds: float
     shape: NonparametricForce | None = None
+    walk: RandomWalk | None = None
+    within: Mapping[str, float] | None = None
+    reach: Mapping[str, float] = field(default_factory=dict)
+    free: Fit | None = None
 
     @property
     def title(self) -> str:
         """The name in a sentence."""
         if self.shape is not None:
             return "a law without a name"
+        if self.walk is not None:
+            return "a random walk of spring and damper"
         return among([plain_name(name) for name in self.names]) if self.names else "the usual model"
+
+    @property
+    def has_law(self) -> bool:
+        """Whether it is a model that can be refitted: no random walk, no law without a name."""
+        return self.shape is None and self.walk is None
 
     def contains(self, other: "Hypothesis") -> bool:
         """Whether another is this one with something left out, so that it can follow all that the other does."""
@@ -48,12 +74,12 @@ def hypotheses_of(
     named: Sequence[str],
     final: Fit,
     shape: NonparametricForce | None = None,
+    walk: RandomWalk | None = None,
 ) -> tuple[Hypothesis, ...]:
-    """Return the hypotheses, the likeliest first: by chi-square with BIC's penalty (Schwarz 1978).
+    """Return the hypotheses, the likeliest first, with the evidence by which the judge ranks (`marginal_likelihood`).
 
-    `named` is what the verdict names, fitted in `final`. Where the floor is a guess, chi-square counts in units of what the
-    best of them leaves. Where nothing is claimed they are forces that another amplitude may show, the closest and those
-    by which a detection limit is told.
+    `named` is what the verdict names, fitted in `final`. Where nothing is claimed they are forces that another amplitude
+    may show, the closest and those by which a detection limit is told.
     """
     rivals = suspects[0].rivals if len(named) == 1 else ()
     found: dict[tuple[str, ...], Hypothesis] = {(): Hypothesis((), baseline.fit, 0.0)}
@@ -63,28 +89,70 @@ def hypotheses_of(
             del found[()]
         found[tuple(named)] = Hypothesis(tuple(named), own, 0.0)
     quiet = not named and not any(suspect.claimed for suspect in suspects)
-    closest = sorted(suspects, key=lambda suspect: (quiet and not _hides(suspect), suspect.fit.chi_square))
-    for suspect in closest:
-        if suspect.fit is baseline.fit or not suspect.plausible or suspect.effect.name in named:
+    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+    recorded = replace(scales, duration=max(map(_recorded, baseline.decays)))
+    for suspect in sorted(suspects, key=lambda one: (quiet and not _hides(one), one.fit.chi_square)):
+        name = suspect.effect.name
+        if suspect.fit is baseline.fit or name in named:
             continue
-        if len(found) > _SUSPECTS + bool(named) and not (quiet and suspect.effect.shows_detection_limit):
-            continue
-        name = (suspect.effect.name,)
-        found.setdefault(name, Hypothesis(name, suspect.fit, 0.0))
-    for suspect in suspects:
-        if suspect.effect.name in rivals and suspect.fit is not baseline.fit:
-            name = (suspect.effect.name,)
-            found.setdefault(name, Hypothesis(name, suspect.fit, 0.0))
-    best = min(found.values(), key=lambda one: one.fit.chi_square).fit
-    unit = 1.0 if baseline.floor_is_sure else max(best.reduced, 1.0)
+        few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
+        if name in rivals or (suspect.plausible and few):
+            found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
+    for one in _swapped(baseline, suspects, named, final):
+        found.setdefault(one.names, one)
+    widened = dispersion(baseline, [one.fit for one in found.values() if one.names])
+    weighed = [
+        replace(
+            one, log_odds=log_odds(one, baseline.fit, scales, widened) + _at_rest(baseline, suspects, one)
+        )
+        for one in found.values()
+    ]
     if shape is not None and shape.shapes:
-        found["",] = Hypothesis((), baseline.fit, 0.0, shape)
-    weighed = [replace(one, log_odds=log_odds(one, unit)) for one in found.values()]
+        weighed.append(Hypothesis((), baseline.fit, _of_shape(baseline.fit, widened), shape))
+    if walk is not None:
+        weighed.append(Hypothesis((), baseline.fit, walk.evidence, walk=walk))
+    weighed = [_beside_all(one, len(suspects)) for one in weighed]
+    nameless = [one.log_odds for one in weighed if not one.has_law]
     if named:
         weighed = [_as_judged(one, weighed, tuple(named), rivals) for one in weighed]
+    elif nameless:
+        farthest = max(nameless) - _apart(len(weighed) - len(nameless))
+        weighed = [
+            replace(one, log_odds=min(one.log_odds, farthest)) if one.has_law else one for one in weighed
+        ]
+    elif quiet:  # nothing is missing
+        usual = next(one.log_odds for one in weighed if not one.names)
+        weighed = [replace(one, log_odds=min(one.log_odds, usual)) for one in weighed]
     highest = max(one.log_odds for one in weighed)
     weighed = [replace(one, log_odds=one.log_odds - highest) for one in weighed]
     return tuple(sorted(weighed, key=lambda one: -one.log_odds))
+
+
+def log_odds(one: Hypothesis, base: Fit, scales: Scales, widened: float = 1.0) -> float:
+    """Return the evidence (nats) of a hypothesis against the `base` without its effects; noise is `widened` as by chance."""
+    if one.fit is base:
+        return 0.0
+    if one.free is None:
+        return evidence(base, one.fit, scales, widened)
+    return 0.5 * (base.chi_square - one.fit.chi_square) / widened - price(base, one.free, scales, widened)
+
+
+def _beside_all(one: Hypothesis, effects: int) -> Hypothesis:
+    """Return a hypothesis with the odds that it has to begin with: nothing is as probable as all `effects` together."""
+    usual = one.has_law and not one.names
+    return replace(one, log_odds=one.log_odds + float(np.log(max(effects, 1)))) if usual else one
+
+
+def _of_shape(base: Fit, widened: float) -> float:
+    """Return the evidence (nats) of a law that leaves nothing but noise, each of its knots at BIC's price."""
+    gain = 0.5 * max(base.chi_square - widened * base.degrees, 0.0) / widened
+    return gain - 0.5 * _FREE_FORM * float(np.log(max(base.degrees, 2)))
+
+
+def _at_rest(baseline: Baseline, suspects: Sequence[Suspect], one: Hypothesis) -> float:
+    """Return what the rest before the releases says of a hypothesis, nats."""
+    own = {s.effect.name: s for s in suspects if s.corrected is None and s.effect.name in one.names}
+    return sum(at_rest(baseline.decays, Candidate(s.term, s.fit, 0.0, 0.0, True)) for s in own.values())
 
 
 def _at_the_same_floor(baseline: Baseline, first: Suspect, named: Sequence[str], final: Fit) -> Fit:
@@ -94,34 +162,99 @@ def _at_the_same_floor(baseline: Baseline, first: Suspect, named: Sequence[str],
     return fit(final.model, baseline.fit.windows, final.point, baseline.fit.frequency, near=True)
 
 
+def _swapped(
+    baseline: Baseline, suspects: Sequence[Suspect], named: Sequence[str], final: Fit
+) -> list[Hypothesis]:
+    """Return what is named with one of several effects exchanged for one that it may be mistaken for."""
+    if len(named) < 2 or not baseline.floor_is_sure:
+        return []
+    found, terms = [], {s.effect.name: s.term for s in suspects if s.corrected is None}
+    for name in [one for one in named if one in final.model]:
+        own = next(term.effect for term in final.model.terms if term.effect.name == name)
+        others = [terms[n] for n in own.confusable_with if n in terms and n not in final.model]
+        if others:
+            less = fit(final.model.minus(name), baseline.fit.windows, final.point, final.frequency, near=True)
+            for one in try_terms(baseline.decays, less, tuple(others[:_SWAPS]), polished=_SWAPS):
+                names = tuple(one.name if n == name else n for n in named)
+                found.append(Hypothesis(names, one.fit, 0.0))
+    return found
+
+
+def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Scales) -> Hypothesis:
+    """Return a suspect as a hypothesis; a law of time with its inner parameters within what the library may reach.
+
+    Beyond it another effect is the better name for the same force: what settles in hours drifts.
+    """
+    name, term, found = (suspect.effect.name,), suspect.term, suspect.fit
+    if not (term.is_force and term.effect.of_time and term.effect.inner and not term.effect.line):
+        return Hypothesis(name, found, 0.0)
+    own = {key: estimate.value for key, estimate in found.of(term, 0).items()}
+    starts = reachable_starts(term, scales)
+    most = {key: max(start[key] for start in starts) for key in term.effect.inner}
+    within = {key: end for key, end in most.items() if own[key] > end}
+    reach = {str(term.parameter(key)): end for key, end in most.items()}
+    if not within:
+        return Hypothesis(name, found, 0.0, reach=reach)
+    held = Term(suspect.effect, {**term.held, **within})
+    model = Model(tuple(held if t.effect.name == name[0] else t for t in found.model.terms))
+    largest = max(decays, key=lambda decay: decay.amplitude)
+    path = (largest.time, largest.motion.displacement, largest.motion.velocity, largest.frequency)
+    there, here = force_along(term, own, *path), force_along(term, own | within, *path)
+    share = float(there @ here) / max(float(here @ here), 1e-300)
+    start = found.point | {str(term.strength): share * own[term.effect.strength.name]}
+    inside = fit(model, found.windows, start, found.frequency, near=True)
+    return Hypothesis(name, inside, 0.0, within=within, free=found)
+
+
+def _recorded(decay: PreparedDecay) -> float:
+    """Return how long a release was recorded (s), of which the part that moves is fitted."""
+    share = decay.use.share if decay.use is not None else 1.0
+    return len(decay.window) / decay.window.rate / max(share, 0.05)
+
+
 def _hides(suspect: Suspect) -> bool:
     """Whether an effect may show at another amplitude: what goes by the clock shows at each."""
     effect = suspect.effect
     return suspect.kind == "physics" and not effect.line and not effect.of_time
 
 
-def log_odds(one: Hypothesis, unit: float) -> float:
-    """Return the odds of a hypothesis by its fit, nats; chi-square counts in units of `unit`."""
-    shared = sum(unknown.id.role == "parameter" for unknown in one.fit.unknowns)
-    price = 0.5 * float(np.log(max(one.fit.degrees, 2)))
-    if one.shape is not None:
-        return -0.5 * one.fit.degrees - price * (shared + _FREE_FORM)
-    return -0.5 * one.fit.chi_square / unit - price * shared
-
-
 def _as_judged(
     one: Hypothesis, weighed: Sequence[Hypothesis], named: tuple[str, ...], rivals: Sequence[str]
 ) -> Hypothesis:
-    """Return a hypothesis with odds that agree with the verdict, which knows more: the rest, and the curves of the decay.
+    """Return a hypothesis with odds that agree with the verdict, which knows more: the curves of the decay.
 
-    A rival of what is named is no farther behind it than what is not distinguishable, all else no nearer.
+    A rival of what is named is no farther behind it than what is not distinguishable, all else together no nearer.
     """
     leads = next(other.log_odds for other in weighed if other.names == named)
-    if one.names == named:
+    if one.names == named or len(one.names) > 1:  # several effects exchanged: the verdict did not try them
         return one
-    if len(one.names) == 1 and one.names[0] in rivals:
-        return replace(one, log_odds=float(np.clip(one.log_odds, leads - RIVALS_WITHIN, leads)))
-    return replace(one, log_odds=min(one.log_odds, leads - RIVALS_WITHIN))
+    if one.names and one.names[0] in rivals:
+        lowest = -np.inf if one.within else leads - RIVALS_WITHIN
+        return replace(one, log_odds=float(np.clip(one.log_odds, lowest, leads)))
+    return replace(one, log_odds=min(one.log_odds, leads - _apart(len(weighed) - 1 - len(rivals))))
+
+
+def _apart(others: int) -> float:
+    """Return the nats by which each of several that the verdict leaves out is behind at least: together they have DOUBT."""
+    return RIVALS_WITHIN + float(np.log(max(others, 1)))
+
+
+def what_can_hide(
+    decays: tuple[PreparedDecay, ...], lead: Hypothesis, library: Sequence[Effect]
+) -> tuple[Hypothesis, ...]:
+    """Return what may be there beside a hypothesis, as strong as the releases still allow, with its odds beside it.
+
+    These are the effects by which detection limits are told: one that grows with the displacement, one with the speed. None
+    is as probable as all together to begin with.
+    """
+    effects = [effect for effect in library if effect.shows_detection_limit and effect.name not in lead.names]
+    terms = candidate_terms(lead.fit.model, effects, decays[0].window)
+    scales = scales_of(decays[0], residual_lines(lead.fit))
+    tried = try_terms(decays, lead.fit, terms)
+    return tuple(
+        Hypothesis((one.name,), one.fit, evidence(lead.fit, one.fit, scales) - float(np.log(len(tried))))
+        for one in tried
+    )
 
 
 def odds(hypotheses: Sequence[Hypothesis]) -> Array:

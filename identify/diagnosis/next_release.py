@@ -7,13 +7,19 @@ from functools import cached_property
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.expected_evidence import ExpectedEvidence, draw_parameters, expected_evidence
+from identify.diagnosis.expected_evidence import (
+    ExpectedEvidence,
+    SoFar,
+    draw_parameters,
+    expected_evidence,
+    refitted,
+)
 from identify.diagnosis.experiment import Experiment, has_memory, signed_amplitude
-from identify.diagnosis.hypotheses import Hypothesis
+from identify.diagnosis.hypotheses import Hypothesis, odds
 from identify.fitting.fit import Fit
 from identify.formatting import three_figures
 from identify.preprocessing.prepared_decay import PreparedDecay
-from identify.priors import RIVALS_WITHIN
+from identify.priors import DOUBT, RIVALS_WITHIN
 
 OPEN = 2.0 * RIVALS_WITHIN
 """Nats behind the likeliest hypothesis within which another one is open."""
@@ -26,6 +32,12 @@ _ENOUGH = 0.9
 
 _AFRESH = 3.0
 """How many times as much as the same amplitude again a release must show of what can hide: else that was looked for."""
+
+_REFITS = 6
+"""Most experiments of which rivals are refitted to the records themselves, those that lead."""
+
+_COUNTS = 0.1
+"""Share of the likeliest pair's odds from which on a pair is refitted too."""
 
 _STEPS = 6
 _REACH = (0.25, 1.5)
@@ -141,67 +153,121 @@ class NextRelease:
 
 
 def next_release(
-    decays: Sequence[PreparedDecay], hypotheses: Sequence[Hypothesis], limits: Limits | None = None
+    decays: Sequence[PreparedDecay],
+    hypotheses: Sequence[Hypothesis],
+    limits: Limits | None = None,
+    hiding: Sequence[Hypothesis] | None = None,
 ) -> NextRelease | None:
-    """Return the release that is expected to tell most between hypotheses, for its time; None where none can be simulated.
+    """Return the release that is expected to tell most, for its time; None where nothing is open or can be simulated.
 
-    `decays` are the releases so far. Where nothing is missing, a release is sought that would show what can still hide.
-    Without `limits` amplitudes up to one and a half times the largest so far are thought of.
+    `decays` are the releases so far. It decides between the hypotheses that are open, and shows what can still hide beside
+    the likeliest, which is `hiding`, or, where nothing is missing, all others. Without `hiding` the two likeliest count as
+    open where the odds have settled it; without `limits` amplitudes up to one and a half times the largest so far are
+    thought of.
     """
     last = max(decays, key=lambda decay: decay.amplitude)
-    if last.window.force is not None or len(hypotheses) < 2:
+    if last.window.force is not None:
         return None
-    hidden = hypotheses[0].names == () and hypotheses[0].shape is None
-    question = _Question(last, tuple(hypotheses) if hidden else _open(hypotheses), hidden)
+    lead = hypotheses[0]
+    if lead.has_law and not lead.names:
+        question = _Question(last, tuple(hypotheses), first_hiding=1)
+    else:
+        open_ = _open(hypotheses, at_least=2 if hiding is None else 1)
+        question = _Question(last, (*open_, *(hiding or ())), first_hiding=len(open_))
+    if not question.pairs:
+        return None
     bounds = limits or Limits(_REACH[0] * last.amplitude, _REACH[1] * last.amplitude)
     again = Experiment(_within(signed_amplitude(last), bounds))
-    tried = question.ask([*map(Experiment, _amplitudes(bounds, last)), again])
-    if not tried or not question.pairs:
+    tried = question.refined(question.ask([*map(Experiment, _amplitudes(bounds, last)), again]))
+    if not tried:
         return None
-    best = max(tried, key=lambda one: question.decides(one))
-    if question.decides(best) < _ENOUGH * DECIDES and not hidden:
-        tried += question.ask(_variations(best.experiment, question.considered[0].fit, bounds))
+    best = question.best(tried)
+    if question.first_hiding > 1 and question.decides(best) < _ENOUGH * DECIDES:
+        varied = question.ask(_variations(best.experiment, lead.fit, bounds))
+        tried = question.refined([*tried, *varied])
     pair = question.pair(tried)
-    options = [question.option(one, pair) for one in tried]
-    best_option = max(options, key=lambda one: one.worth)
+    tried = [question.refitted(one, [pair]) if one.experiment == again else one for one in tried]
+    options = {id(one): question.option(one, pair) for one in tried}
+    best_option = max((options[id(one)] for one in tried if pair in one.refitted), key=lambda one: one.worth)
+    same = next((option for option in options.values() if option.experiment == again), None)
     instead = None
-    if best_option.nats < RIVALS_WITHIN:
+    if best_option.nats < RIVALS_WITHIN and pair[0] < question.first_hiding:
         changed = [
             question.option(one, pair) for one in question.ask(_changes(best_option.experiment, last, bounds))
         ]
         instead = max(
             (o for o in changed if o.nats >= RIVALS_WITHIN), key=lambda one: one.worth, default=None
         )
-    same = next((option for option in options if option.experiment == again), None)
     names = (question.considered[pair[0]].title, question.considered[pair[1]].title)
-    return NextRelease(best_option, same, instead, names, tuple(options), last.window.unit, last.mass, hidden)
+    hidden = pair[0] >= question.first_hiding
+    return NextRelease(
+        best_option, same, instead, names, tuple(options.values()), last.window.unit, last.mass, hidden
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class _Question:
-    """What is open: hypotheses, the likeliest first. What can `hide` has the usual model for its only rival."""
+    """What is open: hypotheses, the likeliest first, and from `first_hiding` on what can hide beside the likeliest."""
 
     last: PreparedDecay
     considered: tuple[Hypothesis, ...]
-    hidden: bool
+    first_hiding: int
 
     @cached_property
     def chances(self) -> Array:
         """The odds of each, (hypotheses,); what is refuted, but beside which there is only one, counts as hardly open."""
-        return np.exp(np.maximum([one.log_odds for one in self.considered], -OPEN))
+        return np.asarray(np.exp(np.clip([one.log_odds for one in self.considered], -OPEN, 0.0)))
 
     @cached_property
     def drawn(self) -> tuple[Array, ...]:
         """Parameters of each as far as they are not known, (draws, shared)."""
         return tuple(draw_parameters(one, self.last, seed) for seed, one in enumerate(self.considered))
 
+    @cached_property
+    def so_far(self) -> tuple[SoFar, ...]:
+        """Each as the releases so far leave it."""
+        return tuple(SoFar.of(one) for one in self.considered)
+
     def ask(self, experiments: Sequence[Experiment]) -> list[ExpectedEvidence]:
-        """Return what experiments are expected to tell, those that can be simulated."""
+        """Return what experiments are expected to tell, those that can be simulated; by linear theory."""
         found = [
             expected_evidence(one, self.last, self.considered, pairs=self.pairs, drawn=self.drawn)
             for one in experiments
         ]
         return [one for one in found if one is not None]
+
+    def refitted(self, one: ExpectedEvidence, pairs: Sequence[tuple[int, int]]) -> ExpectedEvidence:
+        """Return what an experiment would tell, with refits of some pairs where it had none."""
+        wanted = [pair for pair in pairs if pair not in one.refitted]
+        if not wanted:
+            return one
+        return refitted(one, self.last, self.considered, self.so_far, pairs=wanted, drawn=self.drawn)
+
+    def refined(self, tried: list[ExpectedEvidence]) -> list[ExpectedEvidence]:
+        """Return experiments with refits of those that lead, of the pairs that count most."""
+        weights = self._weights
+        leading = [
+            pair
+            for pair, weight in zip(self.pairs, weights, strict=True)
+            if weight >= _COUNTS * weights.max()
+        ]
+        done = 0
+        while tried and done < _REFITS:
+            at = max(range(len(tried)), key=lambda i: self._by_worth(tried[i]))
+            pairs = {*leading, self.pair(tried)}
+            again = self.refitted(tried[at], sorted(pairs))
+            if again is tried[at]:
+                break
+            tried = [*tried[:at], again, *tried[at + 1 :]]
+            done += 1
+        return tried
+
+    def best(self, tried: Sequence[ExpectedEvidence]) -> ExpectedEvidence:
+        """Return the experiment that is worth most, of those that were refitted."""
+        return max((one for one in tried if one.refitted), key=self._by_worth)
+
+    def _by_worth(self, one: ExpectedEvidence) -> tuple[float, float]:
+        return self.option(one, self.pair([one])).worth
 
     @cached_property
     def pairs(self) -> tuple[tuple[int, int], ...]:
@@ -211,43 +277,55 @@ class _Question:
 
     def _refutable(self, truth: int, rival: int) -> bool:
         one, other = self.considered[truth], self.considered[rival]
-        if other.shape is not None or (self.hidden and other.names):
+        if truth >= self.first_hiding:
+            return rival == 0 and other.has_law
+        if rival >= self.first_hiding or not other.has_law:
             return False
-        return one.shape is not None or not other.contains(one)
+        return not one.has_law or not other.contains(one)
+
+    @cached_property
+    def _weights(self) -> Array:
+        return np.array([self.chances[i] * self.chances[j] for i, j in self.pairs])
 
     def decides(self, found: ExpectedEvidence) -> float:
         """Return the evidence of an experiment between all pairs by their odds, of each no more than decides.
 
         0 where most motions run away.
         """
-        weights = np.array([self.chances[i] * self.chances[j] for i, j in self.pairs])
-        nats = [np.nanmean(np.minimum(found.nats[i, j], DECIDES)) for i, j in self.pairs]
+        weights = self._weights
+        nats = np.array([_mean(np.minimum(found.nats[pair], DECIDES)) for pair in self.pairs])
         known = np.isfinite(nats)  # not of a motion that runs away
         if weights[known].sum() < 0.5 * weights.sum():
             return 0.0
-        return float(np.sum(weights[known] * np.array(nats)[known]) / weights[known].sum())
+        return float(np.sum(weights[known] * nats[known]) / weights[known].sum())
 
     def pair(self, tried: Sequence[ExpectedEvidence]) -> tuple[int, int]:
-        """Return the likeliest pair that some experiment decides; the likeliest of all where none does."""
-        best = max(tried, key=self.decides)
-        ranked = sorted(self.pairs, key=lambda pair: -self.chances[pair[0]] * self.chances[pair[1]])
-        able = [(i, j) for i, j in ranked if np.nanmean(best.nats[i, j]) >= RIVALS_WITHIN]
+        """Return the likeliest pair that some experiment decides, what is open before what can hide; else the likeliest."""
+        best, chances = max(tried, key=self.decides), self.chances
+        ranked = sorted(self.pairs, key=lambda p: (p[0] >= self.first_hiding, -chances[p[0]] * chances[p[1]]))
+        able = [pair for pair in ranked if _mean(best.nats[pair]) >= RIVALS_WITHIN]
         return (able or ranked)[0]
 
     def option(self, found: ExpectedEvidence, pair: tuple[int, int]) -> Option:
         """Return an experiment with what it is expected to tell between two hypotheses."""
         nats, one = found.nats[pair], found.experiment
-        mean = float(np.nan_to_num(np.nanmean(nats)))
+        mean = float(np.nan_to_num(_mean(nats)))
         noise = 2.0 * mean  # the variance of half a difference of chi-square
+        spread = float(np.nanvar(nats)) if np.isfinite(nats).any() else 0.0
         length = one.longer * len(self.last.window) / self.last.window.rate
         seconds = (_REBUILDING_S if one.changes_rig else 0.0) + _HANDLING_S + length
-        return Option(
-            one, mean, float(np.sqrt(np.nan_to_num(np.nanvar(nats)) + noise)), seconds, self.decides(found)
-        )
+        return Option(one, mean, float(np.sqrt(spread + noise)), seconds, self.decides(found))
 
 
-def _open(hypotheses: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
-    """Return the hypotheses that are open; the two likeliest where only one is."""
+def _mean(nats: Array) -> float:
+    """Return the mean of what is known; nan where nothing is."""
+    return float(np.nanmean(nats)) if np.isfinite(nats).any() else np.nan
+
+
+def _open(hypotheses: Sequence[Hypothesis], *, at_least: int) -> tuple[Hypothesis, ...]:
+    """Return the hypotheses that are open: none but the likeliest where all others together have no more than DOUBT."""
+    if odds(hypotheses)[0] >= 1.0 - DOUBT:
+        return tuple(hypotheses[:at_least])
     found = [one for one in hypotheses if hypotheses[0].log_odds - one.log_odds < OPEN]
     return tuple(found if len(found) > 1 else hypotheses[:2])
 
@@ -288,7 +366,7 @@ def _changes(best: Experiment, last: PreparedDecay, limits: Limits) -> list[Expe
 
 
 def _about(nats: float) -> str:
-    return f"about {_number(nats)} nats"
+    return f"{_number(nats)} nats" if nats > 1000.0 else f"about {_number(nats)} nats"
 
 
 def _number(nats: float) -> str:

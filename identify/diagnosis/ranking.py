@@ -1,5 +1,6 @@
 """The ranking: how good a reason each candidate is, what may be claimed, and what is not told apart."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from identify.diagnosis.suspects import Candidate, residual_lines
 from identify.evidence.evidence import nothing
 from identify.evidence.marginal_likelihood import evidence
 from identify.fitting.baseline import Baseline
+from identify.fitting.fit import Fit
 from identify.fitting.initial_values import scales_of
 from identify.priors import DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
 
@@ -43,11 +45,9 @@ def rank(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Ranked, ...]
 
     Claims are made where it is improbable that nothing is missing; of those that are better than nothing by as much.
     """
-    dispersion, scales = (
-        _dispersion(baseline, tried),
-        scales_of(baseline.decays[0], residual_lines(baseline.fit)),
-    )
-    nats = [evidence(baseline.fit, c.fit, scales, dispersion) + at_rest(baseline.decays, c) for c in tried]
+    widened = dispersion(baseline, [c.fit for c in tried if c.plausible])
+    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+    nats = [evidence(baseline.fit, c.fit, scales, widened) + at_rest(baseline.decays, c) for c in tried]
     doubt = DOUBT if baseline.floor_is_sure else DOUBT_AT_A_GUESS
     sure = nothing(nats) < doubt
     ranked = (Ranked(c, n, sure and n > -np.log(doubt)) for c, n in zip(tried, nats, strict=True))
@@ -77,11 +77,9 @@ def _order(entry: Ranked) -> tuple[int, float]:
     return tier, -entry.evidence
 
 
-def _dispersion(baseline: Baseline, tried: tuple[Candidate, ...]) -> float:
+def dispersion(baseline: Baseline, tried: Sequence[Fit]) -> float:
     """Return by how much a misfit that nothing explains widens chance: 1 where the best refit reaches a sure floor."""
-    best = min(
-        (c.fit for c in tried if c.plausible), key=lambda found: found.chi_square, default=baseline.fit
-    )
+    best = min(tried, key=lambda found: found.chi_square, default=baseline.fit)
     if baseline.adequate(best) and baseline.floor_is_sure:
         return 1.0
     lengths = []

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from identify.diagnosis.hypotheses import Hypothesis, log_odds
 from identify.fitting.fit import Fit, fit
-from identify.fitting.initial_values import initial_nuisances
+from identify.fitting.initial_values import initial_nuisances, scales_of
 from identify.preprocessing.prepared_decay import PreparedDecay
 
 _LEADING = 4
@@ -16,16 +16,19 @@ def weighed_anew(
 ) -> tuple[Hypothesis, ...]:
     """Return the leading hypotheses refitted to the releases so far and a new one, the likeliest first.
 
-    Nothing new is looked for, and a law without a name is left out.
+    Nothing new is looked for; a law without a name and a random walk are left out.
     """
-    whole = (*decays, new)
+    whole, scales = (*decays, new), scales_of(new, {})
     windows = tuple(decay.window.with_(release=i, own_linear=None) for i, decay in enumerate(whole))
     found = []
-    for one in [h for h in hypotheses if h.shape is None][:_LEADING]:
+    laws = [h for h in hypotheses if h.has_law]
+    least = min(laws, key=lambda one: len(one.fit.model.terms))
+    for one in [*laws[:_LEADING], *([least] if least in laws[_LEADING:] else [])]:
         start = initial_nuisances(whole, one.fit.model, one.fit.point) | _shared(one.fit, len(whole))
         refit = fit(one.fit.model, windows, start, one.fit.frequency, near=True, tolerance=1.0)
-        found.append(replace(one, fit=refit))
-    found = [replace(one, log_odds=log_odds(one, 1.0)) for one in found]
+        found.append(replace(one, fit=refit, free=None))
+    base = min((one.fit for one in found), key=lambda fit: len(fit.model.terms))
+    found = [replace(one, log_odds=log_odds(one, base, scales)) for one in found]
     return tuple(sorted(found, key=lambda one: -one.log_odds))
 
 
