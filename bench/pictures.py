@@ -21,7 +21,7 @@ SOURCES = (
     "station/views/alignment.py",
     "station/views/results.py",
     "station/report/*.html",
-    "station/report/*figures.py",
+    "station/views/*figure*.py",
     "station/report/first_page.py",
 )
 SIZE = {"width": 1280, "height": 720}

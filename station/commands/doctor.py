@@ -84,7 +84,10 @@ def _examine(port: str | None, sessions: Path, rate: float, seconds: float) -> I
             yield from _port(candidate.port.name, rate, seconds)
         else:
             yield doctor.Finding(
-                doctor.Grade.WARN, "port", candidate.problem, "not the board? then nothing to do"
+                doctor.Grade.WARN,
+                "port",
+                candidate.problem,
+                "ignore this if no board is meant to be on that port",
             )
 
 

@@ -72,7 +72,10 @@ def disk(sessions: Path) -> Iterator[Finding]:
         return
     grade = Grade.WARN if slowest > SLOW_SYNC_S else Grade.PASS
     yield Finding(
-        grade, "disk sync", f"{slowest * 1e3:.1f} ms, the slowest of 5", "use a local disk for the sessions"
+        grade,
+        "disk sync",
+        f"{slowest * 1e3:.1f} ms for the slowest of 5 writes",
+        "use a local disk for the sessions",
     )
 
 
@@ -143,7 +146,7 @@ def _levels(sample: BoardSample) -> Iterator[Finding]:
         if span == 0.0:
             grade, remedy = (
                 Grade.FAIL,
-                "the reading does not change by one step of its converter: check the sensor, its supply and its wire",
+                "the reading never changes: check the sensor, its supply and its wire",
             )
         elif _at_end(channel.low, samples.min(), channel.resolution) or _at_end(
             channel.high, samples.max(), channel.resolution
@@ -178,7 +181,7 @@ def _wiring(sample: BoardSample) -> Iterator[Finding]:
         yield Finding(
             Grade.WARN,
             "wiring",
-            "not checked: the mass rests",
+            "not checked: the mass is at rest",
             "swing it and run `station doctor --seconds 10`",
         )
         return

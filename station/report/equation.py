@@ -6,7 +6,6 @@ from identify.effects.effect import Parameter
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from identify.model.model import Term
-from station.report.diagnosis_figures import measured_curve as draw_curve
 from station.report.findings import Findings
 from station.report.section import Section
 from station.results.models import parameters_of
@@ -17,6 +16,7 @@ from station.story.residual import residual_words
 from station.text.content import Equation, Figure, Paragraph, Part, Table, left_out
 from station.text.layout import sentence
 from station.text.numbers import SPACE, typeset, typeset_symbol, typeset_unit, with_error
+from station.views.diagnosis_figures import measured_curve as draw_curve
 
 TITLE = "The equation of motion"
 FAR = 4.0

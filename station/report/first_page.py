@@ -5,7 +5,6 @@ from datetime import UTC
 
 from identify.fitting.fit import Fit
 from identify.formatting import decimals_for, plain_name
-from station.report import comparison_figures as draw
 from station.report.findings import Findings
 from station.story.adequacy import judgement, scale_doubt
 from station.story.budget import Budget, budget, calibration_of
@@ -14,6 +13,7 @@ from station.story.residual import residual_words
 from station.text.content import Figure, Paragraph, Part, Table, Tone, facts
 from station.text.layout import sentence
 from station.text.numbers import DASH, three_figures, typeset_unit, with_error
+from station.views.comparison_figures import front
 
 NOT_STATED, UNKNOWN = "not stated", "not determined"
 COVERS = (
@@ -53,7 +53,8 @@ def first_page(found: Findings) -> FirstPage:
         )
         if found.first is not None:
             caption = f"{caption[:-1]}, before ({found.first.words}) and after ({found.compared.words}); mind the scales."
-        parts.append(Figure(caption, draw.front(found.first, found.compared)))
+        shown = [(c.words, c.baseline.fit) for c in (found.first, found.compared) if c is not None]
+        parts.append(Figure(caption, front(shown)))
     if model is not None:
         parts += [_values(model.fit, found), Paragraph(COVERS)]
         aligned = None if found.identification is None else found.identification.alignment

@@ -1,6 +1,5 @@
 """The sections of the loop: the suspects with what is not distinguishable, and the ladder."""
 
-from station.report import diagnosis_figures as draw
 from station.report.findings import Findings
 from station.report.section import Section
 from station.results.diagnosis_document import DiagnosisDocument
@@ -10,6 +9,7 @@ from station.text.curves_text import curves_caption
 from station.text.diagnosis_text import confirmed_by, headline, parameters, residuals, shown_suspects, told
 from station.text.layout import sentence
 from station.text.numbers import three_figures, typeset
+from station.views import diagnosis_figures as draw
 
 SUSPECTS = "Suspects: which effect is missing"
 LADDER = "The ladder: the residual, step by step"
@@ -37,12 +37,17 @@ def suspects(found: Findings) -> Section:
             "The force that the model lacks over the cycle (0°: farthest out), and what the best suspects would add. "
             "The right one looks like the first picture."
         )
-        parts.append(Figure(caption, draw.force_maps(found.fits)))
+        maps = [("what the model lacks", found.fits.missing_force())]
+        maps += [(term.effect.name, added) for term, added in found.fits.added_forces()]
+        parts.append(Figure(caption, draw.force_maps(maps, found.fits.prepared.window.unit)))
     elif "force_maps" in found.left_out:
         parts.append(Paragraph(f"The pictures of forces are left out: {found.left_out['force_maps']}."))
     if found.curves is not None:
         parts.append(
-            Figure(curves_caption(found.curves.names, found.curves.curves), draw.curves(found.curves))
+            Figure(
+                curves_caption(found.curves.names, found.curves.curves),
+                draw.curves(found.curves.curves, found.curves.names),
+            )
         )
     shape = document.shape
     if shape is not None and shape.curves:

@@ -3,7 +3,6 @@
 from datetime import UTC
 
 from daq.recording import Channel
-from station.report import identification_figures as draw
 from station.report.findings import Findings
 from station.report.first_page import NOT_STATED, mass_words
 from station.report.section import Section
@@ -12,6 +11,8 @@ from station.text.flags import flagged_lines
 from station.text.identification_text import KINDS, lag_words, noise_of, uncorrected
 from station.text.layout import sentence
 from station.text.numbers import scale, three_figures, typeset_unit, with_error
+from station.views.identification_figures import record
+from station.views.overlay import alignment as picture_of_lag
 
 
 def setup(found: Findings) -> Section:
@@ -82,7 +83,7 @@ def capture(found: Findings) -> Section:
     caption = "The record; dashed: the release." if free else "The record."
     time = result.release.time_s if free and result is not None else None
     shaded = " Flagged samples are shaded." if flags else ""
-    figure = draw.record(found.recording, time, flags)
+    figure = record(found.recording, time, flags)
     parts.append(Figure(f"{caption} Lost samples are left blank.{shaded}", figure))
     return Section("capture", "Capture and verdict", tuple(parts))
 
@@ -149,7 +150,7 @@ def alignment(found: Findings) -> Section:
             ("without it", uncorrected(result)),
         )
     )
-    picture = draw.alignment(result)
+    picture = picture_of_lag(result)
     if picture is not None:
         caption = "Both channels as accelerations under one filter, close to a zero, where a lag shows most."
         parts.append(Figure(caption, picture))

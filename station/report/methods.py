@@ -1,10 +1,10 @@
 """The appendix of both identifications, side by side: the paper's tables and figures, quotable or not."""
 
-from station.report import identification_figures as draw
 from station.report.findings import Findings
 from station.report.section import Section
 from station.text.content import Figure, Paragraph, Part, facts, left_out
 from station.text.identification_text import methods_table, reasons, told
+from station.views import identification_figures as draw
 
 TITLE = "Appendix: identification by two methods"
 

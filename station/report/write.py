@@ -7,7 +7,6 @@ from pathlib import Path
 
 from daq.session import Session
 from daq.storage import write_whole
-from station.report.drawing import STYLE
 from station.report.equation import equation
 from station.report.failure import comparison
 from station.report.findings import Findings, gather
@@ -18,6 +17,8 @@ from station.report.methods import methods
 from station.report.provenance import provenance
 from station.settings import Settings
 from station.story.pipeline import Progress, silent
+from station.views.figure import inked
+from station.views.palette import PAPER
 
 NAME = "report.html"
 SECTIONS = (comparison, suspects, ladder, equation, setup, capture, alignment, methods, provenance)
@@ -58,10 +59,8 @@ def rendered(found: Findings) -> str:
     """Return the page; every text in it is escaped, whoever wrote it."""
     from jinja2 import Environment, StrictUndefined
 
-    from station.views.figure import matplotlib
-
     _reasons(found)
-    with matplotlib.rc_context(STYLE):
+    with inked(PAPER):
         front, sections = first_page(found), tuple(make(found) for make in SECTIONS)
     template = files("station.report").joinpath("page.html").read_text(encoding="utf-8")
     environment = Environment(

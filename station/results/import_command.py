@@ -16,10 +16,10 @@ def explained(file: Path, options: ImportOptions, refusal: ImportProblem) -> Usa
         return refusal
     words = [word for option in _given(options) for word in option]
     command = shlex.join(["station", "import", str(file), *words])
-    asking = "in a terminal --ask shows the columns; to take the proposed recipe as it is, type"
     proposal = refusal.proposal
     said = {"doubts": list(proposal.doubts), "recipe": to_toml(proposal.recipe)}
-    return UsageProblem(f"{refusal}. Or {asking}: {command}", **said)
+    remedy = f"These are options of `station import`, and --ask shows the columns there. To read it as proposed: {command}"
+    return UsageProblem(f"{refusal}. {remedy}", **said)
 
 
 def _given(options: ImportOptions) -> list[list[str]]:

@@ -1,8 +1,9 @@
 """A validation as a document: what `validate --json` prints and each session keeps as `results/validation.json`."""
 
+from pydantic import AliasChoices, Field
+
 from daq.session import Session
-from identify.fitting.prediction import Prediction
-from identify.fitting.validation import UsualFrom, Validated, Validation, ValidationVerdict
+from identify.fitting.validation import UsualFrom, Validation, ValidationVerdict
 from station.results.documents import Document, Number, Part, read_document, write_document
 from station.results.models import ModelFile
 
@@ -17,8 +18,8 @@ class PredictionDocument(Part):
     """
 
     motion_percent: Number
-    chi2: Number
-    varied_percent: dict[str, Number]
+    chi2: Number = Field(validation_alias=AliasChoices("chi2", "chi_square"))
+    varied_percent: dict[str, Number] = Field(validation_alias=AliasChoices("varied_percent", "varied"))
 
 
 class ValidatedDocument(Part):
@@ -70,22 +71,14 @@ def validation_document(
     skipped: dict[str, str],
 ) -> ValidationDocument:
     """Return a validation as it is kept; `names` are those of the sessions predicted, `skipped` says why others were not."""
-    return ValidationDocument(
-        format=1,
-        source=source,
-        fitted_to=list(fitted_to),
-        model=model,
-        verdict=found.verdict,
-        sentence=found.sentence,
-        usual_from=found.usual_from,
-        held=found.held,
-        better=found.better,
-        worse=found.worse,
-        motion_percent=found.motion_percent,
-        usual_motion_percent=found.usual_motion_percent,
-        sessions=[_validated(names[one.index], one) for one in found.releases],
-        skipped=[SkippedDocument(session=name, reason=reason) for name, reason in skipped.items()],
-    )
+    sessions = [
+        {"session": names[one.index], "better": one.better, "worse": one.worse} | vars(one)
+        for one in found.releases
+    ]
+    told = {"source": source, "fitted_to": fitted_to, "model": model, "sessions": sessions}
+    told |= {"skipped": [{"session": name, "reason": reason} for name, reason in skipped.items()]}
+    of_all = {name: getattr(found, name) for name in ValidationDocument.model_fields if hasattr(found, name)}
+    return ValidationDocument.model_validate({"format": 1} | of_all | told)
 
 
 def read_validation(session: Session) -> ValidationDocument | None:
@@ -96,19 +89,3 @@ def read_validation(session: Session) -> ValidationDocument | None:
 def write_validation(session: Session, document: ValidationDocument) -> None:
     """Write results/validation.json."""
     write_document(session, NAME, document)
-
-
-def _validated(name: str, one: Validated) -> ValidatedDocument:
-    return ValidatedDocument(
-        session=name,
-        model=_prediction(one.model),
-        usual=_prediction(one.usual),
-        better=one.better,
-        worse=one.worse,
-    )
-
-
-def _prediction(found: Prediction) -> PredictionDocument:
-    return PredictionDocument(
-        motion_percent=found.motion_percent, chi2=found.chi_square, varied_percent=dict(found.varied)
-    )

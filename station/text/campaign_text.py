@@ -4,7 +4,7 @@ from identify.formatting import decimals_for
 from station.results.campaign_document import CampaignDocument, CampaignRow, ChartDocument, TrendDocument
 from station.text.campaign_progress import duration
 from station.text.content import Table, Told, facts
-from station.text.numbers import DASH, probability, three_figures, typeset_unit, with_error, with_unit
+from station.text.numbers import DASH, probability, scale, three_figures, typeset_unit, with_error, with_unit
 
 MOST_TRENDS = 8
 MOST_OUTSIDE = 10
@@ -56,11 +56,12 @@ def _few(rows: list[CampaignRow]) -> Table:
         known = ", ".join(f"{name} {value:g}" for name, value in row.conditions.items())
         found, size = row.result, row.result.amplitude
         estimate = found.parameters.get("wavelet.K")
-        amplitude = DASH if size is None else f"{three_figures(size)} {found.unit}"
+        factor, unit = scale("displacement", found.unit)
+        amplitude = DASH if size is None else f"{three_figures(size * factor)} {unit}"
         lines.append(
             (found.session, known or DASH, amplitude, DASH if estimate is None else with_unit(estimate))
         )
-    return Table("", ("session", "known of it", "amplitude", "stiffness K"), tuple(lines), texts=4)
+    return Table("", ("session", "conditions", "amplitude", "stiffness K"), tuple(lines), texts=4)
 
 
 def _value(value: float, error: float) -> str:
@@ -90,9 +91,9 @@ def _facts(document: CampaignDocument, trends: list[TrendDocument]) -> list[tupl
         found.append(("named", _counts(document.names)))
     if document.trends and not any(trend.sure for trend in document.trends):
         looked_at = ", ".join(dict.fromkeys(t.against for t in document.trends))
-        found.append(("trends", f"none is sure among {len(document.trends)} (against {looked_at})"))
+        found.append(("trends", f"none of {len(document.trends)} is significant (against {looked_at})"))
     elif any(not trend.sure for trend in trends):
-        found.append(("trends", f"dim: not sure after {len(document.trends)} were looked at"))
+        found.append(("trends", f"dimmed: not significant, since {len(document.trends)} were tested"))
     found += _outside(document)
     found += [("failed", f"{one.session}: {one.reason}") for one in document.failed[:MOST_FAILED]]
     if len(document.failed) > MOST_FAILED:
@@ -114,7 +115,7 @@ def _outside(document: CampaignDocument) -> list[tuple[str, str]]:
             off = float("inf") if one.sigmas is None else abs(one.sigmas)
             way = "above" if one.value > chart.centre else "below"
             far = "" if one.sigmas is None else f" {off:.3g} spreads"
-            found.setdefault(one.session, []).append((off, f"{chart.parameter}{far} {way}"))
+            found.setdefault(one.session, []).append((off, f"{chart.parameter}{far} {way} the median"))
     furthest = sorted(found.items(), key=lambda item: -max(off for off, _ in item[1]))
     lines = []
     for name, parts in furthest[:MOST_OUTSIDE]:
@@ -133,5 +134,5 @@ def _time(document: CampaignDocument) -> str:
     return (
         f"{_sessions(document.done)} in {duration(document.wall_s)} by {document.workers} "
         f"worker{'s' * (document.workers != 1)} "
-        f"({duration(document.work_s)} of their time){kept}"
+        f"({duration(document.work_s)} of computing){kept}"
     )

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Protocol
 
 Rows = tuple[tuple[str, ...], ...]
 Tone = Literal["good", "bad", "unsure", ""]
@@ -47,12 +47,20 @@ class Table:
         return zip(self.marks or ("",) * len(self.rows), self.rows, strict=True)
 
 
+class Drawn(Protocol):
+    """A picture that a page can hold."""
+
+    @property
+    def uri(self) -> str:
+        """The picture as a data URI."""
+
+
 @dataclass(frozen=True)
 class Figure:
-    """A picture as a data URI with its caption."""
+    """A picture with its caption."""
 
     caption: str
-    picture: str
+    picture: Drawn
     kind: ClassVar[str] = "figure"
 
 

@@ -11,7 +11,8 @@ from identify.curves.amplitude_curve import AmplitudeCurve
 from identify.curves.laid_over import DecayCurves, LaidOver
 from identify.formatting import plain_name
 from station.text.numbers import scale
-from station.views.plots import Look, literal
+from station.views.figure import literal
+from station.views.palette import Look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

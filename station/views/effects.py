@@ -8,38 +8,26 @@ from station.story.effect_portrait import FREQUENCY, Portrait
 
 def draw(effect: Effect, portrait: Portrait, file: Path) -> None:
     """Write the picture of a portrait: force over u, force over v, damping and frequency against amplitude."""
-    from station.views import palette
-    from station.views.figure import figure as chart
-    from station.views.plots import literal
+    from station.views.figure import figure, inked, literal
+    from station.views.palette import PAPER
 
-    figure, axes = chart(10.5, 6.4, 2, 2)
-    length, factor = portrait.length
-    unit = portrait.unit
-    u, v, force = portrait.displacement * factor, portrait.velocity, portrait.force
-    axes[0].plot(u, force)
-    axes[0].set(
-        xlabel=literal(f"displacement [{length}]"),
-        ylabel=literal(f"force per unit mass [{unit}/s²]"),
-        title="force over displacement",
+    (length, factor), unit, found = portrait.length, portrait.unit, portrait.signature
+    displacement, amplitude = f"displacement [{length}]", (f"amplitude [{length}]", found.amplitude * factor)
+    force = (f"force per unit mass [{unit}/s²]", portrait.force)
+    shown = (
+        ("force over displacement", (displacement, portrait.displacement * factor), force),
+        ("force over velocity", (f"velocity [{unit}/s]", portrait.velocity), force),
+        ("damping against amplitude", amplitude, ("equivalent damping [1/s]", found.damping)),
+        (
+            "frequency against amplitude",
+            amplitude,
+            ("change of frequency [%]", 50.0 * found.stiffening / FREQUENCY**2),
+        ),
     )
-    axes[1].plot(v, force)
-    axes[1].set(
-        xlabel=literal(f"velocity [{unit}/s]"),
-        ylabel=literal(f"force per unit mass [{unit}/s²]"),
-        title="force over velocity",
-    )
-    found = portrait.signature
-    axes[2].plot(found.amplitude * factor, found.damping)
-    axes[2].set(
-        xlabel=literal(f"amplitude [{length}]"),
-        ylabel="equivalent damping [1/s]",
-        title="damping against amplitude",
-    )
-    axes[3].plot(found.amplitude * factor, 50.0 * found.stiffening / FREQUENCY**2)
-    axes[3].set(
-        xlabel=literal(f"amplitude [{length}]"),
-        ylabel="change of frequency [%]",
-        title="frequency against amplitude",
-    )
-    figure.suptitle(f"{effect.name}: {effect.equation}", fontsize=11, color=palette.INK)
-    figure.savefig(file)
+    with inked(PAPER):
+        drawn, axes = figure(PAPER, 6.4, 2, 2, width=10.5)
+        for axis, (title, (over, x), (what, y)) in zip(axes, shown, strict=True):
+            axis.plot(x, y)
+            axis.set(xlabel=literal(over), ylabel=literal(what), title=title)
+        drawn.suptitle(f"{effect.name}: {effect.equation}", fontsize=11)
+        drawn.savefig(file)

@@ -1,73 +1,165 @@
-"""Pictures with real axes and units, in ink that stands out from a light and from a dark ground."""
+"""Pictures with real axes and units: one drawing for report, viewer and notebook, in the colours of paper or of a screen."""
 
-from typing import TYPE_CHECKING, Any, Literal
+import base64
+import re
+from collections.abc import Sequence
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
 
-from station.views import palette
+import numpy as np
+
+from identify.arrays import Array
+from station.text.numbers import typeset
+from station.views.palette import PAPER, Look
 from station.working_folder import unseen
 
 with unseen("matplotlibrc"):
-    import matplotlib as matplotlib
+    import matplotlib
+
+# isort: split
+from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from contextlib import AbstractContextManager
 
-DOTS_PER_INCH = 150
+    from matplotlib.axes import Axes
+
+WIDTH = 6.9
+MOST_POINTS = 900
+_PATH = re.compile(rb'\bd="[^"]*"')
+_DECIMALS = re.compile(rb"(\.\d\d)\d+")  # a hundredth of a point is finer than any printer
 
 STYLE: dict[Any, Any] = {
     "figure.facecolor": "white",
     "axes.facecolor": "none",
-    "axes.edgecolor": palette.FAINT,
-    "axes.labelcolor": palette.INK,
-    "axes.titlecolor": palette.INK,
-    "axes.titlesize": 11,
-    "axes.labelsize": 10,
+    "axes.titlesize": 9,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 8.5,
+    "axes.linewidth": 0.7,
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "grid.color": palette.FAINT,
+    "axes.formatter.useoffset": False,
     "grid.alpha": 0.35,
-    "grid.linewidth": 0.6,
-    "text.color": palette.INK,
-    "xtick.color": palette.INK,
-    "ytick.color": palette.INK,
-    "xtick.labelsize": 9,
-    "ytick.labelsize": 9,
-    "font.size": 10,
+    "grid.linewidth": 0.5,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "font.size": 8.5,
+    "lines.linewidth": 1.0,
+    "legend.fontsize": 8,
+    "legend.frameon": False,
+    "svg.fonttype": "none",
+    "font.sans-serif": ["Liberation Sans", "Arial", "Helvetica", "DejaVu Sans"],
+    "svg.hashsalt": "report",
 }
+_INKED = ("axes.labelcolor", "axes.titlecolor", "text.color", "xtick.color", "ytick.color")
+
+
+def inked(look: Look) -> "AbstractContextManager[None]":
+    """Draw in the colours of a look, within a `with`; what is written in them later needs them again."""
+    inks = dict.fromkeys(_INKED, look.ink) | {"axes.edgecolor": look.faint, "grid.color": look.faint}
+    return matplotlib.rc_context(STYLE | inks)
+
+
+class Picture(Figure):
+    """A figure that a notebook shows by itself; `savefig` writes it to a file."""
+
+    look = PAPER
+
+    def encoded(self, form: str, **how: Any) -> bytes:
+        """Return the picture as "png" or "svg"; its ticks are made now, in its own colours."""
+        buffer = BytesIO()
+        with inked(self.look):
+            self.savefig(buffer, format=form, **how)
+        return buffer.getvalue()
+
+    def _repr_png_(self) -> bytes:
+        return self.encoded("png", dpi=110)
+
+    @property
+    def uri(self) -> str:
+        """The picture as a data URI of an SVG: nothing outside a page is needed to see it."""
+        drawing = self.encoded("svg", metadata={"Date": None})
+        small = _PATH.sub(lambda path: _DECIMALS.sub(rb"\1", path.group()), drawing)
+        return f"data:image/svg+xml;base64,{base64.b64encode(small).decode()}"
 
 
 def figure(
-    width: float,
-    height: float,
-    rows: int = 1,
-    columns: int = 1,
-    sharey: bool = False,
-    style: dict[Any, Any] = STYLE,
-    **grid: Any,
-) -> tuple["Figure", list["Axes"]]:
-    """Return a figure of that size in inches and its axes in reading order.
-
-    `style` is the viewer's unless another is given; `grid` goes to matplotlib's `subplots` (sharex, height_ratios ...).
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with matplotlib.rc_context(style):
-        made = Figure(figsize=(width, height), dpi=DOTS_PER_INCH, layout="constrained")
-        FigureCanvasAgg(made)
-        axes = made.subplots(rows, columns, squeeze=False, sharey=sharey, **grid)
+    look: Look, height: float, rows: int = 1, columns: int = 1, width: float = WIDTH, **how: Any
+) -> tuple[Picture, list["Axes"]]:
+    """Return a picture of that size in inches and its axes in reading order; `how` goes to matplotlib's `subplots`."""
+    with inked(look):
+        made = Picture(figsize=(width, height), dpi=150, layout="constrained")
+        axes = made.subplots(rows, columns, squeeze=False, **how)
+    made.look = look
     return made, list(axes.ravel())
 
 
-def legend(
-    axis: "Axes",
-    place: Literal["upper left", "upper right", "lower left"],
-    labels: list[str] | None = None,
-    colour: str = palette.INK,
+def literal(text: str) -> str:
+    """Return text that matplotlib draws as it stands, whatever signs a stranger's names hold."""
+    return typeset(text).replace("$", r"\$")
+
+
+def joined(drawn: Picture, cells: list["Axes"]) -> "Axes":
+    """Put one pair of axes in place of several neighbouring ones."""
+    places = [cell.get_subplotspec() for cell in cells]
+    first, last = places[0], places[-1]
+    assert first is not None
+    assert last is not None
+    for cell in cells:
+        cell.remove()
+    rows = slice(first.rowspan.start, last.rowspan.stop)
+    columns = slice(first.colspan.start, last.colspan.stop)
+    made: Axes = drawn.add_subplot(first.get_gridspec()[rows, columns])
+    return made
+
+
+def thinned(time: Array, values: Array) -> tuple[Array, Array]:
+    """Thin a curve to `MOST_POINTS` points that keep the extremes of every stretch; holes stay holes."""
+    time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    size = -(-len(time) // (MOST_POINTS // 2))
+    if size <= 2:
+        return time, values
+    kept = []
+    for first in range(0, len(time), size):
+        block = values[first : first + size]
+        if np.isfinite(block).any():
+            kept += sorted({first + int(np.nanargmin(block)), first + int(np.nanargmax(block))})
+        else:
+            kept.append(first)
+    return time[kept], values[kept]
+
+
+def curve(axis: "Axes", time: Array, values: Array, **how: Any) -> None:
+    """Draw a curve, thinned to what can be seen."""
+    axis.plot(*thinned(time, values), **how)
+
+
+def both(
+    axis: "Axes", time: Array, measured: Array, model: Array, names: tuple[str, str], look: Look
 ) -> None:
-    """Put a legend without a box at `place`; `labels` name the curves in the order in which they were drawn."""
-    for handle, label in zip(axis.get_lines(), labels or [], strict=False):
-        handle.set_label(label)
-    axis.legend(loc=place, frameon=False, labelcolor=colour, fontsize=9)
+    """Draw a measurement as a broad line and a model as a thin one over it."""
+    curve(axis, time, measured, color=look.broad, lw=2.4, label=names[0], solid_capstyle="round")
+    curve(axis, time, model, color=look.model, lw=0.8, label=names[1])
+
+
+def zero_lines(axis: "Axes", look: Look) -> None:
+    """Draw the axes through zero."""
+    axis.axhline(0, color=look.faint, lw=0.7)
+    axis.axvline(0, color=look.faint, lw=0.7)
+
+
+def points(
+    axis: "Axes", x: Array, y: Array, std: Array | None, form: str, colour: str, label: str = ""
+) -> None:
+    """Draw points with two standard errors, where those are known; `form` as matplotlib takes it."""
+    error = None if std is None else 2 * std
+    axis.errorbar(x, y, yerr=error, fmt=form, ms=3.5, lw=0.9, capsize=2, color=colour, label=label or None)
+
+
+def rows_of(axis: "Axes", names: Sequence[str]) -> None:
+    """Name the bars of an axis from the top down."""
+    axis.set_yticks(range(len(names)), [literal(name) for name in names])
+    axis.invert_yaxis()
+    axis.grid(axis="y", visible=False)

@@ -1,7 +1,6 @@
 """The Ladder tab: a tab for each step, whatever the time is; the model closes in, the bars fall to the floor."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import rerun as rr
@@ -14,18 +13,13 @@ from station.story.measured_curves import MeasuredCurve, measured_curves
 from station.text import ladder_text
 from station.text.content import Equation, Paragraph, facts, markdown
 from station.text.ladder_text import step_words
-from station.text.numbers import scale, with_unit
-from station.views import log, palette, plots
-from station.views.figure import figure, legend
-from station.views.plots import literal
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from station.text.numbers import with_unit
+from station.views import log, palette
+from station.views.comparison_figures import front
+from station.views.diagnosis_figures import measured_curve, residuals
 
 ROOT = "/ladder"
 NAME = "Ladder"
-NOISE = 2.0
-ROOM = 1.15
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,64 +40,20 @@ def write(stream: rr.RecordingStream, fitted: FittedLadder, root: str = ROOT) ->
     """Log each step under a path of its own; `root` is another one each time the ladder has changed."""
     for place in range(len(fitted.fits)):
         here = f"{root}/{place}"
-        window = fitted.fits[place].windows[0]
-        left = {c: fitted.fits[place].residual(c) for c in window.channels}
-        log.picture(stream, f"{here}/motion", _motion(fitted, place), left)
-        error = fitted.steps[place].error
-        errors: dict[str, list[float | None]] = {
-            "motion_percent": [error.motion_percent],
-            "times_noise": [error.times_noise],
-        }
-        log.picture(stream, f"{here}/errors", _errors(fitted, place), errors)
+        names = [f"{n}: {step_words(step)}" for n, step in enumerate(fitted.steps[: place + 1])]
+        each = list(zip(names, fitted.fits, strict=False))
+        first_and_this = [each[0], *each[1:][-1:]]
+        log.picture(stream, f"{here}/motion", front(first_and_this, palette.SCREEN))
+        rows = [(name, step.error.chi2 or np.nan) for name, step in zip(names, fitted.steps, strict=False)]
+        log.picture(stream, f"{here}/errors", residuals(rows, fitted.ladder.top.chi2_std, palette.SCREEN))
         for curve in _curves(fitted, place):
-            drawn, (axis,) = figure(5.4, 3.6)
-            plots.measured_curve(axis, curve, plots.SCREEN)
-            log.picture(stream, f"{here}/curve", drawn, {})
+            log.picture(stream, f"{here}/curve", measured_curve(curve, palette.SCREEN))
         log.markdown(stream, f"{here}/summary", summary(fitted, place))
 
 
 def _curves(fitted: FittedLadder, place: int) -> tuple[MeasuredCurve, ...]:
     """Return the measured curve of a step, the last one where there are several; nothing where there is none."""
     return measured_curves(fitted.fits[place], fitted.steps[place].model.expressions)[-1:]
-
-
-def _motion(fitted: FittedLadder, place: int) -> "Figure":
-    """Draw the first channel with the model of a step, and the residual on the scale of the first one and of the noise."""
-    fit = fitted.fits[place]
-    window = fit.windows[0]
-    channel = window.channels[0]
-    factor, unit = scale(channel, window.unit)
-    fine, fine_unit = scale(channel, window.unit, fine=True)
-    used = window.used[channel]
-    drawn, axes = figure(8.6, 6.4, 3, 1, sharex=True)
-    measured = np.where(used, window.readings[channel], np.nan) * factor
-    axes[0].plot(window.clock, measured, color=palette.css(palette.MEASURED), lw=2.2)
-    axes[0].plot(window.clock, fit.predicted[0][channel] * factor, color=palette.css(palette.FORCE), lw=1.3)
-    axes[0].set(
-        ylabel=literal(f"{channel} [{unit}]"), title=f"step {place}: {step_words(fitted.steps[place])}"
-    )
-    legend(axes[0], "upper right", ["measured", "model, run freely"])
-    noise = NOISE * window.sigma[channel] * fine
-    residual = np.where(used, fit.residual(channel), np.nan) * fine
-    first = fitted.fits[0].residual(channel)[used] * fine
-    for axis, reach in ((axes[1], float(np.max(np.abs(first), initial=0.0))), (axes[2], 2.0 * noise)):
-        axis.axhspan(-noise, noise, color=palette.css(palette.FORCE), alpha=0.3, lw=0)
-        axis.plot(window.clock, residual, color=palette.css(palette.WRONG), lw=1.0)
-        axis.set(ylabel=literal(f"residual [{fine_unit}]"), ylim=(-ROOM * reach, ROOM * reach))
-    axes[1].set_title("residual, on the scale of the first model", loc="left")
-    axes[2].set_title("the same, on the scale of the noise (band: 2 std.)", loc="left")
-    axes[2].set_xlabel("time since the release [s]")
-    return drawn
-
-
-def _errors(fitted: FittedLadder, place: int) -> "Figure":
-    drawn, (axis,) = figure(5.8, 4.2)
-    rows = [
-        (f"{n}: {step_words(step)}", step.error.chi2 or np.nan)
-        for n, step in enumerate(fitted.steps[: place + 1])
-    ]
-    plots.residuals(axis, rows, fitted.ladder.top.chi2_std, plots.SCREEN)
-    return drawn
 
 
 def summary(fitted: FittedLadder, place: int) -> str:
@@ -132,10 +82,10 @@ def _step(fitted: FittedLadder, place: int, root: str) -> rrb.Container:
     if _curves(fitted, place):
         curve = log.shown_picture("The measured curve", f"{root}/curve")
         words = rrb.Vertical(words, curve, row_shares=[1.6, 1.0])
-    return rrb.Horizontal(
+    pictures = rrb.Vertical(
         log.shown_picture("The model closes in on the measurement", f"{root}/motion"),
         log.shown_picture("The residual falls to the noise", f"{root}/errors"),
-        words,
-        column_shares=[1.35, 0.9, 0.75],
-        name=f"{place}: {step_words(fitted.steps[place])}",
+        row_shares=[2.0, 1.0],
     )
+    name = f"{place}: {step_words(fitted.steps[place])}"
+    return rrb.Horizontal(pictures, words, column_shares=[2.0, 1.0], name=name)

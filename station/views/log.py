@@ -1,8 +1,6 @@
 """The few ways in which numbers are put into a Rerun recording."""
 
-from collections.abc import Mapping, Sequence
-from io import BytesIO
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 import rerun as rr
@@ -12,9 +10,7 @@ from rerun.blueprint.archetypes import PlotBackground
 
 from station.text.numbers import typeset
 from station.views import palette
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from station.views.figure import Picture
 
 Array = NDArray[np.float64]
 Colour = tuple[int, int, int]
@@ -61,18 +57,10 @@ def _scalars(
     )
 
 
-def picture(
-    stream: rr.RecordingStream,
-    path: str,
-    figure: "Figure",
-    numbers: Mapping[str, Array | Sequence[float | None]],
-) -> None:
-    """Log a picture with real axes, and beside it the numbers that it shows."""
-    buffer = BytesIO()
-    figure.savefig(buffer, format="png", facecolor=palette.ground.get())
-    stream.log(path, rr.EncodedImage(contents=buffer.getvalue(), media_type="image/png"), static=True)
-    columns = {name: np.asarray(values, dtype=np.float64).ravel() for name, values in numbers.items()}
-    stream.log(f"{path}/numbers", rr.AnyValues(drop_untyped_nones=True, **columns), static=True)
+def picture(stream: rr.RecordingStream, path: str, drawn: Picture) -> None:
+    """Log a picture with real axes, on the ground of the viewer."""
+    contents = drawn.encoded("png", facecolor=palette.ground.get())
+    stream.log(path, rr.EncodedImage(contents=contents, media_type="image/png"), static=True)
 
 
 def markdown(stream: rr.RecordingStream, path: str, text: str) -> None:

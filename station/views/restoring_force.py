@@ -3,16 +3,13 @@
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
-from numpy.typing import NDArray
 
 from identify.restoring_force.restoring_force import RestoringForceResult
 from station.story.identification import Identification
 from station.text.numbers import scale
-from station.views import log, palette, plots
-from station.views.figure import figure, legend
+from station.views import identification_figures as figures
+from station.views import log, palette
 from station.views.log import Array
-from station.views.plots import SCREEN, literal
-from station.views.wavelet import orders
 
 ROOT = "/restoring_force"
 MOST_POINTS = 4000
@@ -29,9 +26,8 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
     _surface(stream, found, cube)
     _points(stream, found, cube)
     cube.draw(stream)
-    _sections(stream, found, result.decay.unit)
-    orders(stream, f"{ROOT}/orders", found.mse_percent_by_order, found.order, palette.css(palette.FORCE))
-    _significance(stream, found)
+    log.picture(stream, f"{ROOT}/sections", figures.sections(found, result.decay.unit, palette.SCREEN))
+    log.picture(stream, f"{ROOT}/orders", figures.orders(result, palette.SCREEN))
 
 
 class Cube:
@@ -80,7 +76,7 @@ def _round_up(value: float) -> float:
 
 
 def _surface(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube) -> None:
-    vertices, triangles = mesh(found)
+    vertices, triangles = figures.mesh(found)
     placed = np.clip(cube.place(*vertices.T), -1.2, 1.2)
     stream.log(
         f"{ROOT}/surface/fit",
@@ -104,30 +100,6 @@ def _surface(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube
     )
 
 
-def mesh(found: RestoringForceResult) -> tuple[Array, NDArray[np.uint32]]:
-    """Return the fitted surface over the region that was visited: vertices (n, 3) of u, v, f, and triangles (m, 3).
-
-    The region is the hull of the measured points: a decay winds inwards and leaves nothing inside it out.
-    """
-    from matplotlib.path import Path
-    from scipy.interpolate import RegularGridInterpolator
-    from scipy.spatial import ConvexHull, Delaunay
-
-    reach = np.array([np.ptp(found.displacement), np.ptp(found.velocity)])
-    measured = np.column_stack([found.displacement, found.velocity]) / reach
-    corners = measured[ConvexHull(measured).vertices]
-    u, v = np.meshgrid(found.grid_displacement, found.grid_velocity)
-    grid = np.column_stack([u.ravel(), v.ravel()]) / reach
-    inside = grid[Path(corners).contains_points(grid)]
-    plane = np.vstack([inside, corners])
-    triangles = Delaunay(plane).simplices.astype(np.uint32)
-    force = RegularGridInterpolator(
-        (found.grid_velocity, found.grid_displacement), found.surface, bounds_error=False, fill_value=None
-    )
-    points = plane * reach
-    return np.column_stack([points, force(points[:, ::-1])]), triangles
-
-
 def _colours(height: Array) -> Array:
     import matplotlib
 
@@ -142,28 +114,6 @@ def _points(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube)
     stream.log(
         f"{ROOT}/surface/measured", rr.Points3D(placed, colors=palette.MEASURED, radii=0.007), static=True
     )
-
-
-def _sections(stream: rr.RecordingStream, found: RestoringForceResult, length: str) -> None:
-    factor, unit = scale("displacement", length)
-    drawn, axes = figure(8.4, 3.6, 1, 2)
-    plots.force_section(axes[0], found.section_zero_velocity, factor, SCREEN)
-    plots.force_section(axes[1], found.section_zero_displacement, 1.0, SCREEN)
-    axes[0].set(xlabel=literal(f"displacement [{unit}]"), title="at velocity 0: the springs")
-    axes[1].set(xlabel=literal(f"velocity [{length}/s]"), title="at displacement 0: the damping")
-    axes[0].set_ylabel(literal(f"force per unit mass [{length}/s^2]"))
-    legend(axes[0], "upper left")
-    numbers: dict[str, Array] = {}
-    for name, cut in (("u", found.section_zero_velocity), ("v", found.section_zero_displacement)):
-        numbers |= {f"{name}_position": cut.position, f"{name}_force": cut.force, f"{name}_fit": cut.fit}
-    log.picture(stream, f"{ROOT}/sections", drawn, numbers)
-
-
-def _significance(stream: rr.RecordingStream, found: RestoringForceResult) -> None:
-    drawn, (axis,) = figure(4.6, 3.6)
-    plots.significance(axis, found.significance_percent, SCREEN)
-    numbers = {"percent": sorted(found.significance_percent.values(), reverse=True)}
-    log.picture(stream, f"{ROOT}/significance", drawn, numbers)
 
 
 def tab(result: Identification) -> rrb.Container:
@@ -182,10 +132,7 @@ def tab(result: Identification) -> rrb.Container:
         surface,
         rrb.Vertical(
             log.shown_picture("Sections", f"{ROOT}/sections"),
-            rrb.Horizontal(
-                log.shown_picture("Error against order", f"{ROOT}/orders"),
-                log.shown_picture("Significance of the terms", f"{ROOT}/significance"),
-            ),
+            log.shown_picture("Error against order, and significance of the terms", f"{ROOT}/orders"),
         ),
         column_shares=[1, 1.05],
         name="Restoring force",

@@ -7,6 +7,7 @@ import rerun.blueprint as rrb
 
 from station.story.identification import Identification
 from station.views import alignment, capture, log, palette, restoring_force, results, wavelet
+from station.views.figure import inked
 from station.views.tab import Tab
 
 APPLICATION = "free-decay-station"
@@ -38,17 +39,19 @@ def send_tabs(url: str, name: str, tabs: tuple[Tab, ...]) -> None:
     stream.connect_grpc(url)
     layout = log.blueprint([tab.layout() for tab in tabs])
     stream.send_blueprint(layout, make_active=True, make_default=True)
-    for tab in tabs:
-        tab.write(stream)
+    with inked(palette.SCREEN):
+        for tab in tabs:
+            tab.write(stream)
     stream.flush()
     stream.disconnect()
 
 
 def _fill(stream: rr.RecordingStream, name: str, result: Identification, more: tuple[Tab, ...] = ()) -> None:
-    for tab in TABS:
-        tab.write(stream, name, result)
-    for other in more:
-        other.write(stream)
+    with inked(palette.SCREEN):
+        for tab in TABS:
+            tab.write(stream, name, result)
+        for other in more:
+            other.write(stream)
     stream.flush()
     stream.disconnect()
 

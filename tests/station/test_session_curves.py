@@ -11,10 +11,10 @@ from hidden import DUFFING, TRUTH
 from daq.session import Session
 from station.operations.refining import open_refinement
 from station.operations.session_curves import kept_curves
-from station.report import diagnosis_figures
 from station.report.loop import suspects
 from station.results.diagnosis_document import read_diagnosis
 from station.settings import Settings
+from station.views import diagnosis_figures
 from station.workbench.decay_curves import plain_curves
 
 
@@ -83,7 +83,7 @@ def test_page_and_report_show_what_was_found(kept):
     assert [line.role for line in drawn.lines][:3] == ["measured", "usual", "named"]
     low, high = drawn.frequency_range
     assert all(low < value < high for value in drawn.lines[0].frequency)
-    picture = diagnosis_figures.curves(kept.shown)
+    picture = diagnosis_figures.curves(kept.shown.curves, kept.shown.names).uri
     assert b"<svg" in base64.b64decode(picture.partition(",")[2])
     found = SimpleNamespace(diagnosis=kept.document, fits=None, curves=kept.shown, left_out={})
     captions = [part.caption for part in suspects(found).parts if part.kind == "figure"]

@@ -13,8 +13,10 @@ from station.story.adequacy import Adequacy
 from station.story.identification import Identification
 from station.text.identification_text import told
 from station.text.numbers import SPACE
-from station.views import alignment, show
-from station.views.restoring_force import mesh
+from station.views import identification_figures as figures
+from station.views import overlay, show
+from station.views.identification_figures import mesh
+from station.views.palette import SCREEN
 
 
 @pytest.fixture(scope="module")
@@ -74,8 +76,6 @@ def test_the_lag_is_told_with_its_error_and_what_it_would_have_done(file):
     told = text(file, "/alignment/text")
     assert "late by 1300.0 ± 3.1 µs" in told.replace(SPACE, " ")
     assert f"{VISCOUS + OMEGA**2 * LAG:.3f}" in told
-    story = column(file, "/alignment/damping/numbers", "value")
-    assert np.allclose(story, [VISCOUS + OMEGA**2 * LAG, VISCOUS, 0.2765])
 
 
 def test_the_overlay_differentiates_a_known_motion_rightly(result):
@@ -84,7 +84,7 @@ def test_the_overlay_differentiates_a_known_motion_rightly(result):
     late = 0.02 * np.sin(OMEGA * (time - LAG))
     decay = result.decay.with_(displacement=late, acceleration=-(OMEGA**2) * swing)
     known = Identification(**(vars(result) | {"decay": decay, "aligned": decay.with_(displacement=swing)}))
-    shown = alignment.overlay(known)
+    shown = overlay.overlay(known)
     # The Gaussian is cut at 7 standard deviations and sampled: a part in a million of 12 m/s^2.
     assert np.abs(shown.acceleration - shown.after).max() < 1.2e-5
     amplitude = 0.02 * OMEGA**2 * np.exp(-0.5 * (2 * np.pi * 0.05) ** 2)
@@ -101,24 +101,28 @@ def test_the_envelope_the_fit_and_the_frequency_are_those_that_were_found(file, 
     shown = column(file, "/wavelet/frequency", "Scalars:scalars")
     assert np.array_equal(shown[found.trusted], found.frequency[found.trusted])
     assert np.isnan(shown[~found.trusted]).all()
-    assert np.array_equal(column(file, "/wavelet/orders/numbers", "mse_percent"), found.mse_percent_by_order)
-    assert np.array_equal(column(file, "/wavelet/scalogram/numbers", "ridge"), found.frequency)
-    assert np.array_equal(column(file, "/wavelet/backbone/numbers", "amplitude"), found.backbone_amplitude)
+    left, *_ = figures.orders(result).axes
+    assert np.array_equal(left.lines[0].get_ydata(), found.mse_percent_by_order)
+    (ridge, fit) = figures.backbone(found, "m", SCREEN).axes[0].lines
+    every = len(found.backbone_amplitude) // figures.MOST_DOTS or 1
+    assert np.array_equal(ridge.get_ydata(), 1e3 * found.backbone_amplitude[::every])
+    assert np.array_equal(fit.get_xdata(), found.backbone_fit[::every])
+    ridge = figures.scalogram(found, SCREEN).axes[0].lines[1]
+    assert np.array_equal(ridge.get_ydata()[found.trusted], found.frequency[found.trusted])
 
 
 def test_the_surface_the_sections_and_the_significance_are_those_that_were_found(file, result):
     found = result.restoring_force
     root = "/restoring_force"
     assert np.array_equal(column(file, f"{root}/surface/fit/numbers", "surface"), found.surface.ravel())
-    assert np.array_equal(
-        column(file, f"{root}/sections/numbers", "u_force"), found.section_zero_velocity.force
-    )
-    assert np.array_equal(
-        column(file, f"{root}/sections/numbers", "v_fit"), found.section_zero_displacement.fit
-    )
-    assert np.array_equal(column(file, f"{root}/orders/numbers", "mse_percent"), found.mse_percent_by_order)
-    percent = column(file, f"{root}/significance/numbers", "percent")
-    assert np.array_equal(percent, sorted(found.significance_percent.values(), reverse=True))
+    cuts = figures.sections(found, "m").axes
+    for axis, cut in zip(cuts, (found.section_zero_velocity, found.section_zero_displacement), strict=True):
+        assert np.array_equal(axis.lines[0].get_ydata(), cut.force)
+        assert any(np.array_equal(line.get_ydata(), cut.fit) for line in axis.lines)
+    *_, orders, bars = figures.orders(result).axes
+    assert np.array_equal(orders.lines[0].get_ydata(), found.mse_percent_by_order)
+    percent = [bar.get_width() for bar in bars.patches]
+    assert np.allclose(percent, sorted(found.significance_percent.values(), reverse=True))
 
 
 def test_the_mesh_lies_on_the_fitted_plane_and_within_what_was_visited():

@@ -1,15 +1,17 @@
-"""Where a model fails, in figures for paper: measurement and model, the phase plane, cycle by cycle."""
+"""Where a model fails, in figures: measurement and model, the phase plane, cycle by cycle."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from identify.comparison.compare import Comparison
 from identify.comparison.discrepancy_text import DiscrepancyText
-from station.report.drawing import BAND, GREY, INK, OTHER, both, curve, embedded, joined, paper
-from station.story.compared import Compared
+from identify.comparison.phase_plane import ForceSection
+from identify.fitting.fit import Fit
 from station.text.numbers import energy_scale, scale
-from station.views import plots
-from station.views.plots import PAPER, literal
+from station.views.figure import Picture, both, curve, figure, joined, literal, points, zero_lines
+from station.views.palette import PAPER, Look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,58 +19,56 @@ if TYPE_CHECKING:
 NOISE = 2.0
 SURE = 3.0
 COARSE = 5000.0
+TOO_MANY_DOTS = 60
 
 
-def measured_and_model(axis: "Axes", compared: Compared, channel: str) -> None:
+def measured_and_model(axis: "Axes", fit: Fit, channel: str, look: Look) -> None:
     """Draw one channel as it was measured, and the model run freely."""
-    fit = compared.baseline.fit
     window = fit.windows[0]
     factor, name = scale(channel, window.unit)
     measured = np.where(window.used[channel], window.readings[channel], np.nan)
-    both(axis, window.clock, measured * factor, fit.predicted[0][channel] * factor, ("measured", "model"))
+    model = fit.predicted[0][channel] * factor
+    both(axis, window.clock, measured * factor, model, ("measured", "model"), look)
     axis.set_ylabel(literal(f"{channel}\n[{name}]"))
     axis.legend(loc="upper right", ncols=2)
     axis.margins(y=0.16)
 
 
-def left_over(axis: "Axes", compared: Compared, channel: str) -> None:
+def residual(axis: "Axes", fit: Fit, channel: str, look: Look) -> None:
     """Draw what a model leaves of one channel over the band of its noise."""
-    fit = compared.baseline.fit
     window = fit.windows[0]
     left = np.where(window.used[channel], fit.residual(channel), np.nan)
     fine, name = scale(channel, window.unit, fine=True)
     if float(np.nanmax(np.abs(left))) * fine > COARSE:
         fine, name = scale(channel, window.unit)
     noise = NOISE * window.sigma[channel] * fine
-    axis.axhspan(-noise, noise, color=BAND, lw=0)
+    axis.axhspan(-noise, noise, color=look.noise, lw=0)
     for level in (-noise, noise):
-        axis.axhline(level, color=GREY, lw=0.5, ls=":")
-    curve(axis, window.clock, left * fine, color=OTHER, lw=0.7)
+        axis.axhline(level, color=look.faint, lw=0.5, ls=":")
+    curve(axis, window.clock, left * fine, color=look.residual, lw=0.7)
     axis.set_ylabel(literal(f"residual [{name}]"))
 
 
-def front(first: Compared | None, last: Compared) -> str:
-    """Draw measurement and current model in one channel, and under them the residual before and after."""
-    window = last.baseline.fit.windows[0]
+def front(fits: Sequence[tuple[str, Fit]], look: Look = PAPER) -> Picture:
+    """Draw a channel as measured and by the last of some models, and under it the residual of each, under its name."""
+    last = fits[-1][1]
+    window = last.windows[0]
     channel = window.channels[0]
-    shown = [one for one in (first, last) if one is not None]
-    drawn, axes = paper(
-        1.7 + 0.95 * len(shown), 1 + len(shown), sharex=True, height_ratios=[1.6] + [1.0] * len(shown)
-    )
-    measured_and_model(axes[0], last, channel)
-    for axis, compared in zip(axes[1:], shown, strict=True):
-        left_over(axis, compared, channel)
-        axis.set_title(compared.words, fontsize=8)
+    ratios = [1.6] + [1.0] * len(fits)
+    drawn, axes = figure(look, 1.7 + 0.95 * len(fits), 1 + len(fits), sharex=True, height_ratios=ratios)
+    measured_and_model(axes[0], last, channel, look)
+    for axis, (words, fit) in zip(axes[1:], fits, strict=True):
+        residual(axis, fit, channel, look)
+        axis.set_title(literal(words), fontsize=8)
     axes[-1].set(xlabel="time since the release [s]", xlim=(window.clock[0], window.clock[-1]))
-    return embedded(drawn)
+    return drawn
 
 
-def phase_plane(compared: Compared) -> str:
+def phase_plane(found: Comparison) -> Picture:
     """Draw the force that the model lacks over the phase plane, its sign written in each bin that stands out, and cuts."""
-    found = compared.comparison
     plane, units = found.phase_plane, DiscrepancyText(found.unit, found.mass)
     factor, length = scale("displacement", found.unit)
-    drawn, axes = paper(4.6, 2, 2)
+    drawn, axes = figure(PAPER, 4.6, 2, 2)
     at_reversal, at_middle = axes[2:]
     wide = joined(drawn, axes[:2])
     force = plane.force * units.force_scale
@@ -83,7 +83,7 @@ def phase_plane(compared: Compared) -> str:
             wide.text(
                 plane.displacement[column] * factor, plane.velocity[row],
                 "+" if force[row, column] > 0 else "−", ha="center", va="center", fontsize=9,
-                color="white" if dark else INK,
+                color="white" if dark else PAPER.ink,
             )  # fmt: skip
     wide.set(xlabel=literal(f"displacement [{length}]"), ylabel=literal(f"velocity [{found.unit}/s]"))
     wide.set_title("measured less model force")
@@ -92,21 +92,29 @@ def phase_plane(compared: Compared) -> str:
     bar.set_label(literal(f"force [{units.force_unit}]"))
     bar.outline.set_visible(False)
     down, up = plane.sections_at_reversal
-    plots.missing_section(at_reversal, up, factor, units, PAPER, "^-", "moving to the positive side")
-    plots.missing_section(at_reversal, down, factor, units, PAPER, "v--", "moving to the negative side")
+    _section(at_reversal, up, factor, units, "^-", "moving to the positive side")
+    _section(at_reversal, down, factor, units, "v--", "moving to the negative side")
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
     at_reversal.legend(loc="best")
-    plots.missing_section(at_middle, plane.section_at_middle, 1.0, units, PAPER, "o-", "")
+    _section(at_middle, plane.section_at_middle, 1.0, units, "o-", "")
     at_middle.set(xlabel=literal(f"velocity [{found.unit}/s]"), title="at displacement 0: damping")
     at_reversal.set_ylabel(literal(f"measured less\nmodel [{units.force_unit}]"))
-    return embedded(drawn)
+    return drawn
 
 
-def cycles(compared: Compared) -> str:
+def _section(
+    axis: "Axes", cut: ForceSection, factor: float, units: DiscrepancyText, form: str, label: str
+) -> None:
+    colour = PAPER.model if form.startswith("v") else PAPER.second
+    force, std = cut.force * units.force_scale, cut.std * units.force_scale
+    points(axis, cut.position * factor, force, std, form, colour, label)
+    zero_lines(axis, PAPER)
+
+
+def cycles(found: Comparison) -> Picture:
     """Draw the errors of frequency and energy and the misfit of the free run, cycle by cycle."""
-    found = compared.comparison
     done, units = found.cycles, DiscrepancyText(found.unit, found.mass)
-    drawn, axes = paper(2.2, 1, 3)
+    drawn, axes = figure(PAPER, 2.2, 1, 3)
     factor, energy = energy_scale(units)
     rows = (
         (done.frequency_error, done.frequency_error_std, "frequency error [%]"),
@@ -114,7 +122,9 @@ def cycles(compared: Compared) -> str:
         (found.free_run_misfit, None, "free run: rms misfit / noise"),
     )
     for axis, (values, std, label) in zip(axes, rows, strict=True):
-        plots.cycle_by_cycle(axis, done.time, values, std, PAPER)
+        form = "o-" if len(values) < TOO_MANY_DOTS else "-"
+        points(axis, done.time, values, std, form, PAPER.model)
+        axis.axhline(0 if std is not None else 1, color=PAPER.faint, lw=0.8, ls="--")
         axis.set(xlabel="time since the release [s]", ylabel=literal(label))
     axes[-1].set_ylim(bottom=0)
-    return embedded(drawn)
+    return drawn

@@ -1,0 +1,262 @@
+"""The record and both identifications in figures."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from daq.manifest import FlagEntry
+from daq.recording import Recording
+from identify.arrays import Array
+from identify.restoring_force.restoring_force import RestoringForceResult
+from identify.wavelet.wavelet import WaveletResult
+from station.story.identification import Identification
+from station.text.numbers import scale, scale_as_recorded, three_figures
+from station.views.figure import Picture, both, curve, figure, joined, literal, points, rows_of, zero_lines
+from station.views.palette import PAPER, Look
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SINCE = "time since the release [s]"
+MOST_CHANNELS = 8
+MOST_SHADED = 200
+LONGEST = 24
+COARSE = 3
+LEAST_SHARE = 1e-6
+MOST_DOTS = 250
+WIDE = {1: 3.0, 2: 5.0, 3: 6.9}
+
+
+def record(recording: Recording, release: float | None, flags: Sequence[FlagEntry] = ()) -> Picture:
+    """Draw the channels as recorded, lost samples as holes, flagged ones shaded, the `release` (s) as a line."""
+    channels = recording.channels[:MOST_CHANNELS]
+    drawn, axes = figure(PAPER, 0.4 + 1.35 * len(channels), len(channels), sharex=True)
+    begin = release or 0.0
+    time = np.arange(recording.samples.shape[1]) / recording.rate - begin
+    for axis, channel, samples in zip(axes, channels, recording.samples, strict=False):
+        factor, label = scale_as_recorded(channel.quantity, channel.unit)
+        curve(axis, time, np.where(recording.valid, samples, np.nan) * factor, color=PAPER.ink, lw=0.7)
+        name = channel.name if channel.quantity == "other" else channel.quantity
+        axis.set_ylabel(literal(f"{name[:LONGEST]} [{label}]"))
+        for run in [run for run in flags if run.channel == channel.name][:MOST_SHADED]:
+            first, stop = run.first / recording.rate, (run.first + run.count) / recording.rate
+            axis.axvspan(first - begin, stop - begin, color=PAPER.residual, alpha=0.25, lw=0.5)
+        if release is not None:
+            axis.axvline(0.0, color=PAPER.residual, lw=1.0, ls="--")
+    name = "time from the first sample [s]" if release is None else SINCE
+    axes[-1].set(xlabel=name, xlim=(time[0], time[-1] + 1.0 / recording.rate))
+    return drawn
+
+
+def envelope(found: WaveletResult, length: str, release: float) -> Picture:
+    """Draw envelope with fit, instantaneous frequency and backbone: the paper's figure 4 and what it rests on."""
+    time = found.time - release
+    factor, name = scale("displacement", length)
+    drawn, axes = figure(PAPER, 3.9, 2, 2, width_ratios=[2.2, 1])
+    top, _, below, _ = axes
+    backbone = joined(drawn, axes[1::2])
+    curve(top, time, found.envelope * factor, color=PAPER.broad, lw=2.6, label="ridge of the transform")
+    curve(top, time, found.envelope_fit * factor, color=PAPER.model, lw=1.0, label="fit")
+    top.set(xlabel=SINCE, ylabel=literal(f"envelope [{name}]"))
+    top.set_ylim(bottom=0)
+    top.legend(loc="upper right")
+    frequency = np.where(found.trusted, found.frequency, np.nan)
+    curve(below, time, frequency, color=PAPER.ink, lw=0.9)
+    middle = float(np.nanmedian(frequency)) if np.isfinite(frequency).any() else 1.0
+    spread = np.abs(frequency - middle)
+    half = max(1.5 * float(np.nanpercentile(spread, 98)) if np.isfinite(spread).any() else 0.0, 0.01 * middle)
+    below.set(xlabel=SINCE, ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
+    below.set_xlim(top.get_xlim())
+    _backbone(backbone, found, (factor, name), half, PAPER)
+    backbone.set_title("backbone")
+    return drawn
+
+
+def _backbone(axis: "Axes", found: WaveletResult, unit: tuple[float, str], half: float, look: Look) -> None:
+    """Draw amplitude in a unit (factor, name) over frequency on the ridge, and of the fit; `half` the width in Hz."""
+    every = max(1, len(found.backbone_frequency) // MOST_DOTS)
+    amplitude = found.backbone_amplitude[::every] * unit[0]
+    axis.plot(found.backbone_frequency[::every], amplitude, "o", color=look.measured, ms=2.5, label="ridge")
+    axis.plot(found.backbone_fit[::every], amplitude, color=look.model, lw=1.4, label="averaged model")
+    middle = float(np.median(found.backbone_frequency)) if len(found.backbone_frequency) else 1.0
+    limits = (middle - half, middle + half)
+    axis.set(xlim=limits, xlabel="frequency [Hz]", ylabel=literal(f"amplitude [{unit[1]}]"))
+    axis.set_ylim(bottom=0)
+    axis.locator_params(axis="x", nbins=4)
+    axis.legend(loc="upper left")
+
+
+def backbone(found: WaveletResult, length: str, look: Look) -> Picture:
+    """Draw the backbone alone."""
+    drawn, (axis,) = figure(look, 3.6, width=4.2)
+    spread = float(np.ptp(found.backbone_frequency)) if len(found.backbone_frequency) else 0.0
+    half = max(0.6 * spread, 0.005 * float(np.median(found.frequency)))
+    _backbone(axis, found, scale("displacement", length), half, look)
+    return drawn
+
+
+def scalogram(found: WaveletResult, look: Look) -> Picture:
+    """Draw the modulus of the transform over time and frequency, with its ridge."""
+    drawn, (axis,) = figure(look, 3.6, width=7.2)
+    modulus = found.scalogram / max(float(np.max(found.scalogram)), np.finfo(float).tiny)
+    shown = axis.pcolormesh(
+        found.scalogram_time, found.scalogram_frequency, 20 * np.log10(np.maximum(modulus, 1e-4)),
+        cmap="magma", vmin=-60, vmax=0, shading="nearest", rasterized=True,
+    )  # fmt: skip
+    low, high = found.scalogram_frequency.min(), found.scalogram_frequency.max()
+    axis.plot(found.time, np.clip(found.frequency, low, high), ":", color="white")
+    ridge = np.where(found.trusted, found.frequency, np.nan)
+    axis.plot(found.time, ridge, color="white", lw=1.8, label="ridge (dotted: not trusted)")
+    axis.set(xlabel="time [s]", ylabel="frequency [Hz]", ylim=(low, high))
+    axis.grid(visible=False)
+    axis.legend(loc="upper right", labelcolor="white")
+    drawn.colorbar(shown, ax=axis, pad=0.01, label="modulus [dB of its maximum]").outline.set_visible(False)
+    return drawn
+
+
+def orders(result: Identification, look: Look = PAPER) -> Picture:
+    """Draw the error against the order of damping by both methods and the significance of the terms: figure 3."""
+    methods = [("wavelet", result.wavelet), ("restoring force", result.restoring_force)]
+    there = [(name, found) for name, found in methods if found is not None]
+    force = result.restoring_force
+    columns = len(there) + (force is not None)
+    drawn, axes = figure(look, 2.2, 1, columns, width=WIDE[columns])
+    for axis, (name, found) in zip(axes, there, strict=False):
+        errors = found.mse_percent_by_order
+        axis.semilogy(range(len(errors)), errors, "o-", color=look.ink, ms=5)
+        axis.semilogy([found.order], [errors[found.order]], "o", ms=13, mfc="none", mec=look.ink, mew=1.5)
+        axis.set(xlabel="order of damping", ylabel="MSE [%]", xticks=range(len(errors)))
+        axis.margins(x=0.15, y=0.2)
+        axis.set_title(f"{name}: order {found.order}")
+    if force is not None:
+        _significance(axes[-1], force.significance_percent, look)
+    return drawn
+
+
+def _significance(axis: "Axes", percent: Mapping[str, float], look: Look) -> None:
+    """Draw the share of the variance of each term of the restoring force, eq. (19), on a logarithmic axis."""
+    terms = sorted(percent.items(), key=lambda item: -item[1])
+    values = [max(value, LEAST_SHARE) for _, value in terms]
+    axis.barh(range(len(terms)), values, color=look.bar, edgecolor=look.ink, lw=0.5, height=0.6, log=True)
+    for row, (_, value) in enumerate(terms):
+        label = f" {three_figures(value)} %" if value >= 0.01 else f" {value:.1g} %"
+        axis.annotate(label, (values[row], row), va="center", fontsize=8, color=look.ink)
+    rows_of(axis, [name for name, _ in terms])
+    axis.set_xlim(min(values, default=1.0) / 3, 2e4)
+    axis.set(xlabel="share of the variance [%]", title="significance, eq. (19)")
+
+
+def reconstruction(result: Identification) -> Picture:
+    """Draw the decay and the restoring force, measured and reconstructed, and the residual: figures 5 and 6."""
+    wavelet, force, length = result.wavelet, result.restoring_force, result.decay.unit
+    begin = result.release.time_s
+    rows = 2 * ((wavelet is not None) + (force is not None))
+    drawn, axes = figure(PAPER, 1.25 * rows, rows, height_ratios=[1.5, 1.0] * (rows // 2), sharex=True)
+    free = iter(axes)
+    if wavelet is not None:
+        factor, name = scale(wavelet.channel, length)
+        fine = scale(wavelet.channel, length, fine=True)
+        measured, model = (values * factor for values in result.rebuilt_decay(wavelet))
+        words = (f"{wavelet.channel}\n[{name}]", fine[1], "rebuilt, wavelet")
+        _rebuilt((next(free), next(free)), wavelet.time - begin, measured, model, fine[0] / factor, words)
+    if force is not None:
+        label = f"{length}/s^2"
+        words = (f"force per unit\nmass [{label}]", label, "fitted, restoring force")
+        _rebuilt((next(free), next(free)), force.time - begin, force.force, force.force_fit, 1.0, words)
+    for place in range(0, rows, 2):
+        axes[place].legend(loc="upper right", ncols=2)
+        axes[place].margins(y=0.16)
+    axes[-1].set_xlabel(SINCE)
+    return drawn
+
+
+def _rebuilt(
+    axes: tuple["Axes", "Axes"],
+    time: Array,
+    measured: Array,
+    model: Array,
+    fine: float,
+    words: tuple[str, ...],
+) -> None:
+    """Draw a measurement and its model, and under them the residual times `fine`; `words` name axis, unit and model."""
+    label, unit, name = words
+    both(axes[0], time, measured, model, ("measured", name), PAPER)
+    axes[0].set_ylabel(literal(label))
+    curve(axes[1], time, (measured - model) * fine, color=PAPER.residual, lw=0.7)
+    axes[1].set_ylabel(literal(f"residual [{unit}]"))
+
+
+def surface(found: RestoringForceResult, length: str) -> Picture:
+    """Draw the restoring force surface over displacement and velocity with the measured points on it."""
+    from matplotlib.tri import Triangulation
+
+    factor, name = scale("displacement", length)
+    drawn, (flat,) = figure(PAPER, 3.3, subplot_kw={"projection": "3d"}, width=5.2)
+    axis: Any = flat  # three-dimensional, which the types of a plain pair of axes do not know
+    coarse = replace(
+        found,
+        grid_displacement=found.grid_displacement[::COARSE],
+        grid_velocity=found.grid_velocity[::COARSE],
+        surface=found.surface[::COARSE, ::COARSE],
+    )
+    vertices, triangles = mesh(coarse)
+    net = Triangulation(vertices[:, 0] * factor, vertices[:, 1], triangles)
+    axis.plot_trisurf(
+        net, vertices[:, 2], color="#e4e4e4", edgecolor="#9a9a9a", lw=0.2, alpha=0.75, rasterized=True
+    )
+    every = max(1, len(found.force) // MOST_DOTS)
+    points = (found.displacement * factor, found.velocity, found.force)
+    axis.plot(*(values[::every] for values in points), ".", color=PAPER.ink, ms=1.6)
+    axis.set_xlabel(literal(f"displacement [{name}]"))
+    axis.set_ylabel(literal(f"velocity [{length}/s]"))
+    axis.set_zlabel(literal(f"force per unit mass [{length}/s^2]"))
+    axis.locator_params(nbins=5)
+    axis.view_init(22, -125)
+    axis.set_box_aspect((1.3, 1.3, 0.9), zoom=0.9)
+    return drawn
+
+
+def sections(found: RestoringForceResult, length: str, look: Look = PAPER) -> Picture:
+    """Draw the cuts through the surface where velocity or displacement is zero, measured with two standard errors."""
+    factor, name = scale("displacement", length)
+    drawn, axes = figure(look, 2.3, 1, 2)
+    first = (found.section_zero_velocity, factor, f"displacement [{name}]", "at velocity 0: the springs")
+    second = (
+        found.section_zero_displacement, 1.0, f"velocity [{length}/s]", "at displacement 0: the damping",
+    )  # fmt: skip
+    for axis, (cut, factor, label, title) in zip(axes, (first, second), strict=True):
+        x = cut.position * factor
+        points(axis, x, cut.force, cut.std, "o", look.measured, "measured, 2 std. errors")
+        axis.plot(x, cut.fit, color=look.model, lw=1.4, label="fit")
+        zero_lines(axis, look)
+        axis.set(xlabel=literal(label), title=title)
+    axes[0].set_ylabel(literal(f"force per unit mass [{length}/s^2]"))
+    axes[0].legend(loc="upper left")
+    return drawn
+
+
+def mesh(found: RestoringForceResult) -> tuple[Array, NDArray[np.uint32]]:
+    """Return the fitted surface over the region that was visited: vertices (n, 3) of u, v, f, and triangles (m, 3).
+
+    The region is the hull of the measured points: a decay winds inwards and leaves nothing inside it out.
+    """
+    from matplotlib.path import Path
+    from scipy.interpolate import RegularGridInterpolator
+    from scipy.spatial import ConvexHull, Delaunay
+
+    reach = np.array([np.ptp(found.displacement), np.ptp(found.velocity)])
+    measured = np.column_stack([found.displacement, found.velocity]) / reach
+    corners = measured[ConvexHull(measured).vertices]
+    u, v = np.meshgrid(found.grid_displacement, found.grid_velocity)
+    grid = np.column_stack([u.ravel(), v.ravel()]) / reach
+    inside = grid[Path(corners).contains_points(grid)]
+    plane = np.vstack([inside, corners])
+    triangles = Delaunay(plane).simplices.astype(np.uint32)
+    force = RegularGridInterpolator(
+        (found.grid_velocity, found.grid_displacement), found.surface, bounds_error=False, fill_value=None
+    )
+    points = plane * reach
+    return np.column_stack([points, force(points[:, ::-1])]), triangles

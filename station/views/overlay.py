@@ -1,0 +1,99 @@
+"""Both channels on one footing, and close to a zero of the acceleration, where a lag shows most."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from identify.arrays import Array
+from station.story.identification import Identification
+from station.views.figure import Picture, figure, literal
+from station.views.palette import PAPER, Look
+
+PERIOD_SHARE = 0.05
+TAIL = 7.0
+NEAR = 0.06
+"""Share of the period that is shown about a zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Overlay:
+    """Acceleration and twice differentiated displacement under the same filter, m/s^2, on `time` (s)."""
+
+    time: Array
+    acceleration: Array
+    before: Array
+    after: Array
+
+
+def overlay(result: Identification) -> Overlay | None:
+    """Put both channels on one footing: the same Gaussian smooths one and differentiates the other twice.
+
+    None without a displacement and an acceleration.
+    """
+    from scipy.ndimage import gaussian_filter1d
+
+    recorded, aligned = result.decay, result.aligned
+    if recorded.acceleration is None or recorded.displacement is None or aligned.displacement is None:
+        return None
+    width = max(1.5, PERIOD_SHARE * _period(result) * recorded.rate)
+    edge = int(TAIL * width) + 1
+    if 4 * edge >= len(recorded):
+        return None
+    inside = slice(edge, len(recorded) - edge)
+
+    def second_derivative(displacement: Array) -> Array:
+        smooth: Array = gaussian_filter1d(displacement, width, order=2, truncate=TAIL) * recorded.rate**2
+        return smooth[inside]
+
+    return Overlay(
+        recorded.time[inside],
+        gaussian_filter1d(recorded.acceleration, width, truncate=TAIL)[inside],
+        second_derivative(recorded.displacement),
+        second_derivative(aligned.displacement),
+    )
+
+
+def _period(result: Identification) -> float:
+    found = result.restoring_force or result.wavelet
+    if found is None or found.stiffness.value <= 0:
+        return 0.0
+    return float(2 * np.pi / np.sqrt(found.stiffness.value / (result.decay.mass or 1.0)))
+
+
+def about_zero(result: Identification, seen: Overlay) -> tuple[Array, NDArray[np.bool_]] | None:
+    """Return the time (ms) about a zero of the acceleration one period after the release, and which samples are near.
+
+    None where there is none.
+    """
+    rate = result.decay.rate
+    period = _period(result) or 10 / rate
+    later = np.flatnonzero(seen.time > result.release.settle / rate + period)
+    crossings = np.flatnonzero(np.diff(np.sign(seen.acceleration[later])) > 0)
+    if not len(crossings):
+        return None
+    time = seen.time - seen.time[later[crossings[0]]]
+    return time * 1e3, np.abs(time) < max(NEAR * period, 4 / rate)
+
+
+def alignment(result: Identification, look: Look = PAPER) -> Picture | None:
+    """Draw both channels as accelerations about a zero, as recorded and with the lag corrected; None where not both."""
+    seen = overlay(result)
+    found = None if seen is None or result.alignment is None else about_zero(result, seen)
+    if seen is None or result.alignment is None or found is None:
+        return None
+    ms, near = found
+    gain = result.alignment.gain.value
+    drawn, axes = figure(look, 2.1, 1, 2, sharey=True)
+    for axis, second, title in zip(
+        axes, (seen.before, seen.after), ("as recorded", "lag corrected"), strict=True
+    ):
+        axis.plot(ms[near], seen.acceleration[near], "o-", color=look.second, ms=4, label="acceleration")
+        axis.plot(
+            ms[near], gain * second[near], "x--", color=look.model, ms=4.5,
+            label="displacement, twice\ndifferentiated",
+        )  # fmt: skip
+        axis.set(title=title, xlabel="time about a zero of the acceleration [ms]")
+    axes[0].set_ylabel(literal(f"acceleration [{result.decay.unit}/s^2]"))
+    axes[0].legend(loc="upper left")
+    return drawn
