@@ -102,21 +102,13 @@ def _said(verdict: str) -> str:
 
 def _achieved(case, before, told, found) -> list[tuple[float, float, float]]:  # type: ignore[no-untyped-def]
     """Return what was expected of a release if one hypothesis is true, and what it gave; where that is what is hidden."""
-    chosen = told.chosen
-    if chosen is None or chosen.hidden or chosen.best.experiment != told.experiment:
-        return []
+    from identify.diagnosis.guidance import what_it_gave
+
+    gave, chosen = what_it_gave(told, before, found), told.chosen
     named = {frozenset(h.names): h.title for h in before.hypotheses}
-    if chosen.between[0] != named.get(frozenset((case.hidden or "").split("+"))):
+    if gave is None or chosen.between[0] != named.get(frozenset((case.hidden or "").split("+"))):
         return []
-    halves = []
-    for title in chosen.between:
-        one = next((h for h in before.hypotheses if h.title == title and h.has_law), None)
-        other = next((h for h in found.hypotheses if h.title == title and h.has_law), None)
-        if one is None or other is None:
-            return []
-        halves.append(0.5 * (other.fit.chi_square - one.fit.chi_square))
-    gain = halves[1] - halves[0]
-    return [(chosen.best.nats, chosen.best.scatter, gain)]
+    return [(chosen.best.nats, chosen.best.scatter, gave)]
 
 
 def outcomes(chosen: list[Case], policies: tuple[str, ...] = POLICIES) -> list[Outcome]:

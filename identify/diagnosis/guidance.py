@@ -86,6 +86,27 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
     return Guidance("go_on", chosen.words, chosen.best.experiment, chosen)
 
 
+def what_it_gave(told: Guidance, before: Diagnosis, after: Diagnosis) -> float | None:
+    """Return the evidence (nats) that a release gave between the two hypotheses for which it was asked for.
+
+    Half of what chi-square of the second rose by more than that of the first; None where it was asked for to see what can
+    hide, or where one of them was not fitted again.
+    """
+    chosen = told.chosen
+    if chosen is None or chosen.hidden or chosen.best.experiment != told.experiment:
+        return None
+    rises = []
+    for title in chosen.between:
+        first, last = (
+            next((h.fit.chi_square for h in found.hypotheses if h.title == title and h.has_law), None)
+            for found in (before, after)
+        )
+        if first is None or last is None:
+            return None
+        rises.append(last - first)
+    return 0.5 * (rises[1] - rises[0])
+
+
 def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None) -> Guidance:
     """Return how a test ends of which no release tells more."""
     if found.verdict == "nothing_missing":

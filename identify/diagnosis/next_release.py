@@ -9,7 +9,6 @@ import numpy as np
 from identify.arrays import Array
 from identify.diagnosis.expected_evidence import (
     ExpectedEvidence,
-    SoFar,
     draw_parameters,
     expected_evidence,
     refitted,
@@ -17,6 +16,7 @@ from identify.diagnosis.expected_evidence import (
 from identify.diagnosis.experiment import Experiment, has_memory, signed_amplitude
 from identify.diagnosis.hypotheses import Hypothesis, odds
 from identify.diagnosis.ranking import RIVALS_WITHIN
+from identify.diagnosis.so_far import SoFar
 from identify.evidence.priors import DOUBT
 from identify.fitting.fit import Fit
 from identify.formatting import three_figures
