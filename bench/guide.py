@@ -173,7 +173,8 @@ def _policies(found: list[Outcome]) -> str:
     if "guide" in means and "random" in means:
         fewer = f"\n\nThe guide takes {100 * (1 - means['guide'] / means['random']):.0f} % fewer releases than random ones."
     return (
-        f"{len({o.case for o in found})} hidden cases on the simulated bench, limits {LIMITS_WORDS}, at most six releases, all "
+        f"{len({o.case for o in found})} hidden cases on the simulated bench (seeds {min(o.case.seed for o in found)} to "
+        f"{max(o.case.seed for o in found)}, which the guide was not made on), limits {LIMITS_WORDS}, at most six releases, all "
         "judged together after each and ended by one rule (docs/guided.md); only the amplitudes are chosen otherwise: "
         + "; ".join(f"{policy}: {words}" for policy, words in POLICIES.items() if policy in means)
         + ". A right end is the name that is hidden, nothing where nothing is, no name where the library has none. A minute counts "
