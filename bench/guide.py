@@ -18,7 +18,6 @@ POLICIES = {
     "same": "the guide's first one again and again",
     "grid": "a grid upwards, the sides in turn",
     "random": "at random, evenly between the limits and on both sides",
-    "options": "at random among the guide's own options",
 }
 WHOLE = ("guide", "random")
 THIRD = 3
