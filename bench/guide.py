@@ -18,7 +18,6 @@ POLICIES = {
     "same": "the guide's first one again and again",
     "grid": "a grid upwards, the sides in turn",
     "random": "at random, evenly between the limits and on both sides",
-    "options": "at random among the guide's own options",
 }
 WHOLE = ("guide", "random")
 THIRD = 3
@@ -102,21 +101,13 @@ def _said(verdict: str) -> str:
 
 def _achieved(case, before, told, found) -> list[tuple[float, float, float]]:  # type: ignore[no-untyped-def]
     """Return what was expected of a release if one hypothesis is true, and what it gave; where that is what is hidden."""
-    chosen = told.chosen
-    if chosen is None or chosen.hidden or chosen.best.experiment != told.experiment:
-        return []
+    from identify.diagnosis.guidance import what_it_gave
+
+    gave, chosen = what_it_gave(told, before, found), told.chosen
     named = {frozenset(h.names): h.title for h in before.hypotheses}
-    if chosen.between[0] != named.get(frozenset((case.hidden or "").split("+"))):
+    if gave is None or chosen.between[0] != named.get(frozenset((case.hidden or "").split("+"))):
         return []
-    halves = []
-    for title in chosen.between:
-        one = next((h for h in before.hypotheses if h.title == title and h.has_law), None)
-        other = next((h for h in found.hypotheses if h.title == title and h.has_law), None)
-        if one is None or other is None:
-            return []
-        halves.append(0.5 * (other.fit.chi_square - one.fit.chi_square))
-    gain = halves[1] - halves[0]
-    return [(chosen.best.nats, chosen.best.scatter, gain)]
+    return [(chosen.best.nats, chosen.best.scatter, gave)]
 
 
 def outcomes(chosen: list[Case], policies: tuple[str, ...] = POLICIES) -> list[Outcome]:
@@ -181,7 +172,8 @@ def _policies(found: list[Outcome]) -> str:
     if "guide" in means and "random" in means:
         fewer = f"\n\nThe guide takes {100 * (1 - means['guide'] / means['random']):.0f} % fewer releases than random ones."
     return (
-        f"{len({o.case for o in found})} hidden cases on the simulated bench, limits {LIMITS_WORDS}, at most six releases, all "
+        f"{len({o.case for o in found})} hidden cases on the simulated bench (seeds {min(o.case.seed for o in found)} to "
+        f"{max(o.case.seed for o in found)}, which the guide was not made on), limits {LIMITS_WORDS}, at most six releases, all "
         "judged together after each and ended by one rule (docs/guided.md); only the amplitudes are chosen otherwise: "
         + "; ".join(f"{policy}: {words}" for policy, words in POLICIES.items() if policy in means)
         + ". A right end is the name that is hidden, nothing where nothing is, no name where the library has none. A minute counts "

@@ -17,7 +17,6 @@ FIRST_SEED = 91000
 LIMITS_WORDS = "2 to 25 mm"
 REFERENCE = 0.02
 NOISES = {"usual noise": 1.0, "five times the noise": 5.0}
-OPTIONS = np.geomspace(LOW, HIGH, 6)
 GRID = np.linspace(LOW, HIGH, 5)
 
 KINDS = {
@@ -141,5 +140,4 @@ def amplitudes(policy: str, seed: int, first: float) -> list[float]:
         "same": [first] * 12,
         "grid": [float(a * (-1.0) ** i) for i, a in enumerate((*GRID, *GRID))],
         "random": [float(side * size) for side, size in zip(sides, sizes, strict=True)],
-        "options": [float(side * size) for side, size in zip(sides, random.choice(OPTIONS, 12), strict=True)],
     }[policy]

@@ -7,7 +7,7 @@ against it (Chaloner and Verdinelli 1995; Foster et al. 2019). That covariance h
 refitted anew, to the simulated record and to the records so far themselves.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,9 +23,9 @@ from identify.diagnosis.experiment import (
 )
 from identify.diagnosis.hypotheses import Hypothesis
 from identify.diagnosis.nonparametric_force import NonparametricForce
+from identify.diagnosis.so_far import SoFar
 from identify.fitting.fit import Fit
 from identify.fitting.jacobian import linearise
-from identify.fitting.levenberg_marquardt import minimise
 from identify.fitting.problem import Problem
 from identify.preprocessing.fit_window import FitWindow
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -34,8 +34,6 @@ DRAWS = 6
 _REFITTED = 4
 """Draws, that of the fit itself among them, of which a rival is refitted to the records themselves."""
 
-_STEPS, _GAIN = 8, 0.2
-_READINGS_A_CYCLE = 24
 _LEAVE = 2.0
 """How many times more than in linear theory a draw may contradict the release that was fitted."""
 
@@ -96,58 +94,6 @@ class _Carried:
             if better < 1.0:
                 break
         return _kept(jacobian, self.precision, misfit[:, None] - records, theta - self.centre)
-
-
-@dataclass(frozen=True, eq=False)
-class SoFar:
-    """A hypothesis fitted to the releases so far, read a few times a cycle; `cost` is the chi-square that it leaves."""
-
-    fit: Fit
-    windows: tuple[FitWindow, ...]
-    theta: Array
-    cost: float
-    reach: Mapping[str, float]
-
-    @classmethod
-    def of(cls, one: Hypothesis) -> "SoFar":
-        """Return a hypothesis fitted to fewer readings, settled anew for them."""
-        found = one.fit
-        w = found.frequency
-        windows = tuple(
-            one.thinned(int(2.0 * np.pi / w * one.rate / _READINGS_A_CYCLE)) for one in found.windows
-        )
-        problem = Problem(found.model, windows, w, coarse=True)
-        _bound(problem, one.reach)
-        end = minimise(problem, problem.theta(found.point), steps=_STEPS, tolerance=_GAIN)
-        return cls(found, windows, end.theta, end.cost, one.reach)
-
-    def costs_more(self, own: Problem, centre: Array, readings: dict[str, Array]) -> float:
-        """Return by how much chi-square rises where a record comes that begins, as far as it is its own, at `centre`."""
-        found, count = self.fit, len(self.windows) + 1
-        releases = 1 + max(one.release for one in self.windows)
-        new = own.windows[0].with_(readings=readings, release=releases, own_linear=self.windows[0].own_linear)
-        problem = Problem(found.model, (*self.windows, new), found.frequency, coarse=True)
-        start = {
-            str(u.id.of_release(u.window, count)): float(value)
-            for u, value in zip(found.unknowns, self.theta, strict=True)
-            if u.window >= 0 and u.deviates < 0
-        }
-        for u, value in zip(found.unknowns, self.theta, strict=True):
-            if u.window < 0:
-                start[u.name] = float(value)
-            elif u.deviates >= 0:
-                start[str(u.id.of_release(self.windows[u.window].release, releases + 1))] = float(value)
-        for u, value in zip(own.unknowns, centre, strict=True):
-            if u.window == 0:
-                start[str(u.id.of_release(count - 1, count))] = float(value)
-        _bound(problem, self.reach)
-        end = minimise(problem, problem.theta(start), steps=_STEPS, tolerance=_GAIN)
-        return end.cost - self.cost
-
-
-def _bound(problem: Problem, reach: Mapping[str, float]) -> None:
-    """Bound the unknowns of a problem that another effect is the better name for beyond."""
-    problem.high = np.minimum(problem.high, [reach.get(u.name, np.inf) for u in problem.unknowns])
 
 
 def draw_parameters(one: Hypothesis, last: PreparedDecay, seed: int) -> Array:

@@ -73,7 +73,7 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
         words = "Something is missing that has no name here, as all releases say."
         return Guidance("no_name", words, None, chosen)
     if enough and not more and (far or not nameless):
-        return _no_more(found, releases, chosen)
+        return _no_more(found, releases, chosen, limits)
     if releases >= MOST:
         return Guidance("given_up", f"{MOST} releases have not settled it.", None, chosen)
     if chosen is None or not more:
@@ -85,7 +85,28 @@ def guidance(found: Diagnosis, releases: int, limits: Limits) -> Guidance:
     return Guidance("go_on", chosen.words, chosen.best.experiment, chosen)
 
 
-def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None) -> Guidance:
+def what_it_gave(told: Guidance, before: Diagnosis, after: Diagnosis) -> float | None:
+    """Return the evidence (nats) that a release gave between the two hypotheses for which it was asked for.
+
+    Half of what chi-square of the second rose by more than that of the first; None where it was asked for to see what can
+    hide, or where one of them was not fitted again.
+    """
+    chosen = told.chosen
+    if chosen is None or chosen.hidden or chosen.best.experiment != told.experiment:
+        return None
+    rises = []
+    for title in chosen.between:
+        first, last = (
+            next((h.fit.chi_square for h in found.hypotheses if h.title == title and h.has_law), None)
+            for found in (before, after)
+        )
+        if first is None or last is None:
+            return None
+        rises.append(last - first)
+    return 0.5 * (rises[1] - rises[0])
+
+
+def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits: Limits) -> Guidance:
     """Return how a test ends of which no release tells more."""
     if found.verdict == "nothing_missing":
         why = "" if chosen is None else f" {chosen.words}"
@@ -102,7 +123,7 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None) -> Gui
         return Guidance("confirmed", words, None, chosen, better)
     if all(_less_simple(found, one) for one in near):
         simplest = " as the simplest law" if near else ""
-        words = f"{_named(named)}: confirmed by {releases} releases{simplest}. {_not_excluded(found, near)}"
+        words = f"{_named(named)}: confirmed by {releases} releases{simplest}. {_not_excluded(found, near, limits)}"
         return Guidance("confirmed", words.strip(), None, chosen, named)
     alike = among([one.title for one in near])
     words = f"{_named(named)}, or {alike}: no release within the limits distinguishes them."
@@ -117,9 +138,13 @@ def leading(found: Diagnosis) -> tuple[str, ...]:
     return lead.names if len(found.named) > 1 and len(lead.names) > 1 else found.named
 
 
-def _not_excluded(found: Diagnosis, near: list[Hypothesis]) -> str:
-    """Return which other laws a rig cannot exclude where one is confirmed, in a sentence; "" where there are none."""
-    parts = []
+def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> str:
+    """Return what a test cannot exclude where a law is confirmed: other laws, and what begins above all releases; or ""."""
+    parts, reach = [], _reach(found)
+    if reach < _REACHED * limits.high:
+        unit = found.baseline.decays[0].window.unit
+        amplitude = f"{1e3 * reach:.3g} mm" if unit == "m" else f"{reach:.3g} {unit}"
+        parts.append(f"What begins above {amplitude} was not seen.")
     if near:
         laws = among([one.title for one in near])
         parts.append(

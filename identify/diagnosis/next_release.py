@@ -9,13 +9,13 @@ import numpy as np
 from identify.arrays import Array
 from identify.diagnosis.expected_evidence import (
     ExpectedEvidence,
-    SoFar,
     draw_parameters,
     expected_evidence,
     refitted,
 )
 from identify.diagnosis.experiment import Experiment, has_memory, signed_amplitude
 from identify.diagnosis.hypotheses import Hypothesis, odds
+from identify.diagnosis.so_far import SoFar
 from identify.fitting.fit import Fit
 from identify.formatting import three_figures
 from identify.preprocessing.prepared_decay import PreparedDecay

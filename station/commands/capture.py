@@ -7,7 +7,20 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station import exits
-from station.commands.options import BAUD, COLUMNS, CONDITIONS, MASS, MASS_STD, UNITS, pairs
+from station.commands.options import (
+    BAUD,
+    COLUMNS,
+    CONDITIONS,
+    DURATION,
+    MASS,
+    MASS_STD,
+    OPERATOR,
+    PATIENCE,
+    RATE,
+    SPECIMEN,
+    UNITS,
+    pairs,
+)
 from station.output import json_option, print_json, progress, screen
 
 MOST_TAKES = 3
@@ -32,22 +45,12 @@ if TYPE_CHECKING:
 )
 @MASS
 @MASS_STD
-@click.option(
-    "--duration",
-    type=click.FloatRange(0, 3600, min_open=True),
-    metavar="S",
-    help="Seconds after the release (8).",
-)
-@click.option("--rate", type=click.FloatRange(5, 20_000), metavar="HZ", help="Sampling rate (256).")
+@DURATION
+@RATE
 @click.option(
     "--pre-trigger", type=click.FloatRange(0.5, 60), metavar="S", help="Seconds kept before the release (1)."
 )
-@click.option(
-    "--patience",
-    type=click.FloatRange(0, 3600, min_open=True),
-    metavar="S",
-    help="How long to wait for the release (60).",
-)
+@PATIENCE
 @click.option(
     "--level",
     type=click.FloatRange(0, min_open=True),
@@ -69,8 +72,8 @@ if TYPE_CHECKING:
 @COLUMNS
 @UNITS
 @BAUD
-@click.option("--specimen", help="What is tested.")
-@click.option("--operator", help="Who tests it.")
+@SPECIMEN
+@OPERATOR
 @CONDITIONS
 @click.option(
     "--spare",

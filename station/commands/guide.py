@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station import exits
-from station.commands.options import CONDITIONS, MASS, MASS_STD
+from station.commands.options import CONDITIONS, DURATION, MASS, MASS_STD, OPERATOR, PATIENCE, RATE, SPECIMEN
 from station.output import json_option, print_json, progress, screen
 
 if TYPE_CHECKING:
@@ -35,21 +35,11 @@ if TYPE_CHECKING:
 )
 @MASS
 @MASS_STD
-@click.option(
-    "--duration",
-    type=click.FloatRange(0, 3600, min_open=True),
-    metavar="S",
-    help="Seconds after a release (8).",
-)
-@click.option("--rate", type=click.FloatRange(5, 20_000), metavar="HZ", help="Sampling rate (256).")
-@click.option(
-    "--patience",
-    type=click.FloatRange(0, 3600, min_open=True),
-    metavar="S",
-    help="How long to wait for a release (60).",
-)
-@click.option("--specimen", help="What is tested.")
-@click.option("--operator", help="Who tests it.")
+@DURATION
+@RATE
+@PATIENCE
+@SPECIMEN
+@OPERATOR
 @CONDITIONS
 @json_option
 @click.pass_obj

@@ -100,6 +100,21 @@ VARIES = click.option(
 )
 FULL = click.option("--full", is_flag=True, help="Print all that is known, not only the result.")
 NO_VIEWER = click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
+DURATION = click.option(
+    "--duration",
+    type=click.FloatRange(0, 3600, min_open=True),
+    metavar="S",
+    help="Seconds after the release (8).",
+)
+RATE = click.option("--rate", type=click.FloatRange(5, 20_000), metavar="HZ", help="Sampling rate (256).")
+PATIENCE = click.option(
+    "--patience",
+    type=click.FloatRange(0, 3600, min_open=True),
+    metavar="S",
+    help="How long to wait for the release (60).",
+)
+SPECIMEN = click.option("--specimen", help="What is tested.")
+OPERATOR = click.option("--operator", help="Who tests it.")
 CONDITIONS = click.option(
     "--condition",
     "conditions",

@@ -10,10 +10,9 @@ from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.quality import Grade
 from daq.session import Session
 from daq.storage import write_whole
-from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.diagnose import Diagnosis, diagnose
 from identify.diagnosis.experiment import Experiment
-from identify.diagnosis.guidance import Guidance, first_release, guidance
-from identify.diagnosis.hypotheses import Hypothesis
+from identify.diagnosis.guidance import Guidance, first_release, guidance, what_it_gave
 from identify.diagnosis.next_release import Limits
 from identify.errors import NotIdentifiable
 from identify.preprocessing.prepared_decay import PreparedDecay
@@ -79,11 +78,11 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
     """
     told, turns = first_release(test.limits), list[TurnDocument]()
     sessions, decays = tuple[Session, ...](), tuple[PreparedDecay, ...]()
-    open_: tuple[Hypothesis, ...] = ()
+    before: Diagnosis | None = None
     while not told.over and not cancelled():
         assert told.experiment is not None
         watcher.asks(len(turns) + 1, told)
-        session, answer = _record(test, told.experiment, len(turns) + 1, decays, open_, watcher)
+        session, answer = _record(test, told.experiment, len(turns) + 1, decays, before, watcher)
         began = time.monotonic()
         turn = {
             "session": session.folder.name,
@@ -105,7 +104,8 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
             told = _instead(told, test.limits, str(refusal))
             turn["problem"] = str(refusal)
         else:
-            sessions, decays, open_ = trial.sessions, trial.decays, found.hypotheses
+            turn |= _gave(told, before, found)
+            sessions, decays, before = trial.sessions, trial.decays, found
             told, document = (
                 guidance(found, len(sessions), test.limits),
                 diagnosis_document(trial.names, found),
@@ -122,8 +122,8 @@ def _record(
     test: GuidedTest,
     experiment: Experiment,
     number: int,
-    before: tuple[PreparedDecay, ...],
-    hypotheses: tuple[Hypothesis, ...],
+    decays: tuple[PreparedDecay, ...],
+    before: Diagnosis | None,
     watcher: Watcher,
 ) -> tuple[Session, str]:
     wanted = replace(
@@ -131,7 +131,8 @@ def _record(
         duration_s=test.capture.duration_s * experiment.longer,
         release_from=experiment.amplitude if test.alone else None,
     )
-    provisional = Provisional(before, hypotheses, wanted.rate_hz, wanted.duration_s, watcher.provisional)
+    hypotheses = () if before is None else before.hypotheses
+    provisional = Provisional(decays, hypotheses, wanted.rate_hz, wanted.duration_s, watcher.provisional)
     folder = test.folder / f"release_{number}"
     try:
         session = capture(test.port, wanted, folder, Several((watcher.observer(), provisional)))
@@ -178,6 +179,15 @@ def _outcome(document: DiagnosisDocument, told: Guidance, seconds: float) -> dic
         "next_release": None if told.chosen is None else next_release_document(told.chosen),
         "judged_s": seconds,
     }
+
+
+def _gave(told: Guidance, before: Diagnosis | None, found: Diagnosis) -> dict[str, Any]:
+    """Return what a release was expected to tell between two hypotheses, and what it told; nothing where it was for none."""
+    gave = None if before is None else what_it_gave(told, before, found)
+    if gave is None or told.chosen is None:
+        return {}
+    chosen = told.chosen
+    return {"between": list(chosen.between), "expected_nats": chosen.best.nats, "gave_nats": gave}
 
 
 def _keep(test: GuidedTest, turns: list[TurnDocument], told: Guidance) -> GuideDocument:

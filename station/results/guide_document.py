@@ -14,6 +14,8 @@ class TurnDocument(Part):
 
     `amplitude` (signed, in `unit`) as asked for; `provisional` is the answer while the decay was still running, "" where
     there was none in time; `hypotheses` have their odds after it; `judged_s` is how long after its end the verdict came.
+    `between` are the two hypotheses that it was to distinguish, none where it was to show what can hide; of `expected_nats`
+    it gave `gave_nats`.
     `problem` says why a release told nothing.
     """
 
@@ -27,6 +29,9 @@ class TurnDocument(Part):
     hypotheses: list[HypothesisDocument] = Field(default_factory=list)
     next_release: NextReleaseDocument | None = None
     judged_s: Number = None
+    between: list[str] = Field(default_factory=list)
+    expected_nats: Number = None
+    gave_nats: Number = None
     problem: str = ""
 
 

@@ -63,7 +63,16 @@ class GuideScreen:
         line = Text(f" {headline(document)}", style=STYLES.get(document.verdict, "bold red"))
         self._console.print(line.append(late, style="dim"))
         self._console.print(Padding(odds_chart(turn.hypotheses, self._odds), (0, 0, 0, 1)))
+        if turn.gave_nats is not None and turn.expected_nats is not None:
+            self._console.print(labelled("it gave", gave(turn), WIDTH))
         self._odds = {one.title: one.odds or 0.0 for one in turn.hypotheses}
+
+
+def gave(turn: TurnDocument) -> str:
+    """Return the evidence that a release gave between two hypotheses, beside what was expected of it, in a clause."""
+    one, other = turn.between
+    nats, expected = turn.gave_nats or 0.0, turn.expected_nats or 0.0
+    return f"{nats:.0f} nats for {one} against {other}; about {expected:.0f} were expected"
 
 
 def to_do(told: Guidance) -> str:

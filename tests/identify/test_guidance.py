@@ -1,7 +1,9 @@
+from dataclasses import replace
+
 import pytest
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.guidance import first_release, guidance
+from identify.diagnosis.guidance import first_release, guidance, leading
 from identify.diagnosis.next_release import Limits
 from tests.identify.specimens import Specimen
 
@@ -50,3 +52,24 @@ def test_a_law_between_the_names_is_confirmed_where_a_name_only_comes_near():
     found = diagnose((specimen.release(7.0), specimen.release(25.0, 1)))
     told = guidance(found, 2, LIMITS)
     assert (told.state, told.named) == ("confirmed", ("power_law_stiffness",))
+
+
+def test_what_is_confirmed_below_the_upper_limit_says_how_far_it_was_seen():
+    specimen = Specimen("cubic_stiffness", 0.02, 11)
+    found = diagnose((specimen.release(15.0), specimen.release(-15.0, 1)))
+    told = guidance(found, 2, LIMITS)
+    assert told.over is ("was not seen" in told.words)
+    assert "was not seen" not in guidance(found, 2, Limits(0.002, 0.015)).words
+
+
+def test_several_effects_are_confirmed_with_one_exchanged_where_that_explains_more():
+    specimen = Specimen("cubic_stiffness+quadratic_damping", 0.02, 12)
+    found = diagnose(
+        (specimen.release(25.0), specimen.release(-9.0, 1), specimen.release(-25.0, 2)),
+    )
+    assert set(found.named) == {"cubic_stiffness", "quadratic_damping"}
+    first, *others = found.hypotheses
+    exchanged = next(one for one in others if len(one.names) == 2)
+    turned = replace(found, hypotheses=(replace(exchanged, log_odds=1e3), first, *others))
+    assert leading(found) == found.named
+    assert leading(turned) == exchanged.names

@@ -3,10 +3,14 @@ import pytest
 
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.expected_evidence import _kept, _solve
+from identify.diagnosis.experiment import Experiment, carried_over, window_of
+from identify.diagnosis.guidance import Guidance, what_it_gave
 from identify.diagnosis.hypotheses import odds
 from identify.diagnosis.next_release import Limits
+from identify.diagnosis.so_far import SoFar
 from identify.diagnosis.weighed_anew import weighed_anew
-from identify.priors import RIVALS_WITHIN
+from identify.fitting.problem import Problem
+from identify.priors import DOUBT, RIVALS_WITHIN
 from tests.identify.specimens import Specimen
 
 LIMITS = Limits(0.002, 0.025)
@@ -17,12 +21,6 @@ def small_cubic():
     """A release from 7 mm, at which a cubic spring that shows at 20 mm is hardly there."""
     specimen = Specimen("cubic_stiffness", 0.02, 11)
     return specimen, diagnose((specimen.release(7.0),))
-
-
-def pair_of(found, one, other):
-    """Return half of chi-square of the first less that of the second hypothesis."""
-    fits = {h.names: h.fit for h in found.hypotheses}
-    return 0.5 * (fits[other,].chi_square - fits[one,].chi_square)
 
 
 def test_a_refit_with_a_prior_keeps_what_least_squares_keeps():
@@ -63,16 +61,65 @@ def test_the_same_choice_comes_twice(small_cubic):
     assert (first.words, first.best) == (second.words, second.best)
 
 
-def test_what_was_expected_of_a_release_comes_within_a_factor_of_five(small_cubic):
-    """The double makes the release: neither its motion nor its noise is that of the code that expects."""
-    specimen, found = small_cubic
-    chosen = found.next_within(Limits(0.002, 0.012))
+def test_what_was_expected_of_a_release_is_what_it_gives():
+    """The double makes the release: neither its motion nor its noise is that of the code that expects.
+
+    What settles slowly drifts: the values that it may have lie along a valley, and end where it is named for no more.
+    """
+    specimen = Specimen("time_varying_stiffness", 0.015, 61)
+    found = diagnose((specimen.release(7.0),))
+    assert odds(found.hypotheses)[0] < 1.0 - DOUBT
+    chosen = found.next_within(Limits(0.002, 0.011))
+    assert chosen.between == ("time varying stiffness", "settling stiffness")
     after = diagnose((specimen.release(7.0), specimen.release(1e3 * chosen.best.experiment.amplitude, 1)))
-    one, other = (title.replace(" ", "_") for title in chosen.between)
-    right = ("cubic_stiffness", next(n for n in (one, other) if n != "cubic_stiffness"))
-    gained = pair_of(after, *right) - pair_of(found, *right)
-    # The shapes are 0.4 nats apart before it: what their parameters leave open is a factor of two each way.
-    assert chosen.best.nats / 5.0 < gained < chosen.best.nats * 5.0
+    told = Guidance("go_on", chosen.words, chosen.best.experiment, chosen)
+    assert what_it_gave(told, found, after) == pytest.approx(chosen.best.nats, abs=3.0 * chosen.best.scatter)
+    assert chosen.best.scatter < 0.5 * chosen.best.nats
+    assert odds(after.hypotheses)[0] > 1.0 - DOUBT
+
+
+def test_a_record_of_its_own_costs_a_hypothesis_nothing_and_what_denies_it_much(small_cubic):
+    found, experiment = small_cubic[1], Experiment(0.02)
+    last, costs = found.baseline.decays[0], []
+    true = next(one for one in found.hypotheses if one.names == ("cubic_stiffness",))
+    usual = next(one for one in found.hypotheses if not one.names)
+    window = window_of(experiment, last, true.fit.windows[0])
+    own = Problem(true.fit.model, (window,), true.fit.frequency, coarse=True)
+    so_far = SoFar.of(true)
+    theta = own.theta(
+        carried_over(experiment, last, true.fit)[0]
+        | {u.name: float(t) for u, t in zip(true.fit.unknowns, so_far.theta, strict=True) if u.window < 0}
+    )
+    readings = own.read(theta, 0, own.respond(theta, 0))
+    for one in (true, usual):
+        problem = Problem(one.fit.model, (window,), one.fit.frequency, coarse=True)
+        centre = problem.theta(carried_over(experiment, last, one.fit)[0])
+        costs.append(SoFar.of(one).costs_more(problem, centre, readings))
+    assert abs(costs[0]) < 0.5  # the gains that end its two fits
+    assert costs[1] > 100.0
+
+
+def test_beside_what_is_named_only_what_can_still_hide_is_asked_for():
+    specimen = Specimen("quadratic_damping", 0.02, 11)
+    found = diagnose((specimen.release(12.0), specimen.release(-12.0, 1)))
+    assert odds(found.hypotheses)[0] > 1.0 - DOUBT
+    chosen = found.next_within(LIMITS)
+    assert chosen.hidden
+    assert chosen.tells_more
+    assert abs(chosen.best.experiment.amplitude) == 0.025
+    assert "can still hide, such as cubic stiffness" in chosen.words
+    whole = diagnose((specimen.release(12.0), specimen.release(-25.0, 1)))
+    assert not whole.next_within(LIMITS).tells_more
+
+
+def test_one_of_two_effects_is_exchanged_for_what_it_may_be_mistaken_for():
+    specimen = Specimen("cubic_stiffness+quadratic_damping", 0.02, 12)
+    found = diagnose((specimen.release(25.0), specimen.release(-9.0, 1)))
+    assert set(found.named) == {"cubic_stiffness", "quadratic_damping"}
+    pairs = [one for one in found.hypotheses if len(one.names) == 2]
+    assert len(pairs) > 1
+    assert pairs[0].names == found.named
+    assert all(len(set(one.names) & set(found.named)) == 1 for one in pairs[1:])
 
 
 def test_of_two_names_of_one_law_no_release_tells_which():

@@ -9,7 +9,8 @@ from station.commands.guide import limits_of
 from station.exits import UsageProblem
 from station.operations.guiding import _again
 from station.results.diagnosis_document import HypothesisDocument
-from station.text.guide_text import BAR, bar, odds_chart, percent
+from station.results.guide_document import TurnDocument
+from station.text.guide_text import BAR, bar, gave, odds_chart, percent
 
 
 def test_limits_are_two_lengths_with_their_units():
@@ -56,6 +57,14 @@ def test_the_chart_says_what_the_odds_were_before():
     assert first.count("█") == 18  # three quarters of 24
 
 
+def test_what_a_release_gave_stands_beside_what_was_expected_of_it():
+    turn = TurnDocument(
+        session="release_2", asked="", amplitude=0.025, unit="m", between=["end stop", "freeplay"]
+    )
+    words = gave(turn.model_copy(update={"expected_nats": 40.2, "gave_nats": 37.0}))
+    assert words == "37 nats for end stop against freeplay; about 40 were expected"
+
+
 def test_a_rejected_recording_is_taken_again_and_at_last_given_up():
     told = first_release(limits_of("2mm,25mm"))
     once = _again(told, "the recording was rejected: it clips", [])
@@ -73,8 +82,12 @@ def test_a_newcomer_is_led_from_an_open_verdict_to_a_confirmed_one(tmp_path, mon
     assert told["state"] == "confirmed"
     assert told["named"] == [told["hidden"]["hidden"]]
     first = told["turns"][0]
-    assert max(one["odds"] for one in first["hypotheses"]) < 0.98  # a rival is not distinguishable
+    assert max(one["odds"] for one in first["hypotheses"]) < 0.9  # a rival is not distinguishable
     assert all(turn["asked"] for turn in told["turns"])
+    last = told["turns"][-1]
+    assert last["between"][0] in last["asked"]
+    assert last["gave_nats"] == pytest.approx(last["expected_nats"], rel=0.5)
+    assert "cannot exclude settling stiffness" in told["words"]
     folder = tmp_path / told["folder"]
     assert (folder / "report.html").is_file()
     assert (folder / "campaign" / "campaign.json").is_file()
