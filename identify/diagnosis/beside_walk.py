@@ -1,8 +1,9 @@
-"""A name beside a random walk: whether effects explain more than a spring and damper that never stay quite the same.
+"""A name beside what has none: whether effects explain more than a random walk of spring and damper and a smooth law.
 
-Where the floor is sure, some law of the library follows nearly any slow walk of the spring to within the noise, with
-thousands of nats. What tells a law is what it explains beyond the walk, each with its evidence. A law that is there
-needs no walk beside it; a walk that a law has followed still shows in what the law leaves.
+Where the floor is sure, some law of the library follows nearly any slow walk of the spring, and nearly any smooth law that
+the library does not hold, to within the noise, with thousands of nats. What tells a law is what it explains beyond both,
+and that it leaves nothing to explain. A law that is there needs no walk beside it; a walk that a law has followed still
+shows in what the law leaves.
 """
 
 from dataclasses import dataclass, replace
@@ -35,10 +36,8 @@ class WithoutName:
         return cls(walk, smooth_law_beside(found, walk))
 
 
-def weigh(
-    before: Fit, nats: dict[str, float], effects: dict[str, Effect], last: WithoutName
-) -> Evidence:
-    """Decide what is named of some effects with the evidence `nats` against the fit before, a walk beside each and beside none.
+def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last: WithoutName) -> Evidence:
+    """Decide what is named of some effects with the evidence `nats` against the fit before; a walk is beside all and none.
 
     `last` is what the leader leaves: the others explain as much, and leave as much.
     """

@@ -62,9 +62,9 @@ def decide(
     """Decide what the evidence for several laws names: the one table of verdicts.
 
     None is as probable as all laws together to begin with, and these as one another. The laws that are not distinguishable
-    are the likeliest ones that leave out DOUBT of the probability at most. `unnamed` is the evidence for a law without a name
-    in their place, as probable as each to begin with, and `beside` that for one beside the leader. Laws of time stand for any
-    drift unless a drift is part of every hypothesis (`drift_weighed`).
+    are the likeliest ones that leave out DOUBT of the probability at most. `unnamed` is the evidence for a law without a
+    name in their place, as probable as each to begin with, and `beside` that for one beside the leader. Laws of time stand
+    for any drift unless a drift is part of every hypothesis (`drift_weighed`).
 
     | probability | verdict |
     |---|---|
