@@ -1,8 +1,9 @@
-"""A name beside a random walk: whether effects explain more than a spring and damper that never stay quite the same.
+"""A name beside what has none: whether effects explain more than a random walk of spring and damper and a smooth law.
 
-Where the floor is sure, some law of the library follows nearly any slow walk of the spring to within the noise, with
-thousands of nats. What tells a law is what it explains beyond the walk, each with its evidence. A law that is there
-needs no walk beside it; a walk that a law has followed still shows in what the law leaves.
+Where the floor is sure, some law of the library follows nearly any slow walk of the spring, and nearly any smooth law that
+the library does not hold, to within the noise, with thousands of nats. What tells a law is what it explains beyond both,
+and that it leaves nothing to explain. A law that is there needs no walk beside it; a walk that a law has followed still
+shows in what the law leaves.
 """
 
 from dataclasses import dataclass, replace
@@ -10,8 +11,10 @@ from dataclasses import dataclass, replace
 from identify.diagnosis.linear_gain import LINEAR_UP_TO
 from identify.diagnosis.suspects import residual_lines
 from identify.diagnosis.verdict import Judgement
-from identify.effects.effect import Scales
+from identify.effects.effect import Effect
+from identify.evidence.evidence import Evidence, decide
 from identify.evidence.marginal_likelihood import evidence
+from identify.evidence.smooth_law import smooth_law_beside
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import scales_of
@@ -20,39 +23,54 @@ from identify.priors import RIVALS_WITHIN
 
 
 @dataclass(frozen=True)
-class BesideWalk:
-    """Two fits, the second with one effect more or several, and what a walk of spring and damper does beside each.
+class WithoutName:
+    """What may be there beside a fit and has no name: a random walk of spring and damper, and a smooth law beside that."""
 
-    `gain` (nats) is what the effects explain beyond a walk: its evidence and theirs against its alone.
-    """
-
-    before: RandomWalk
-    after: RandomWalk
-    gain: float
+    walk: RandomWalk
+    law: float
 
     @classmethod
-    def of(cls, before: Fit, after: Fit, scales: Scales) -> "BesideWalk":
-        """Return what is gained from the first fit to the second."""
-        first, second = walk_beside(before), walk_beside(after)
-        return cls(first, second, evidence(before, after, scales) + second.evidence - first.evidence)
-
-    @property
-    def is_more(self) -> bool:
-        """Whether the effects are distinguishable from a walk: the odds are against one, or they explain more."""
-        return self.before.evidence < 0.0 or self.gain > RIVALS_WITHIN
+    def beside(cls, found: Fit) -> "WithoutName":
+        """Weigh both beside a fit, the law in nats."""
+        walk = walk_beside(found)
+        return cls(walk, smooth_law_beside(found, walk))
 
 
-def more_than_a_walk(baseline: Baseline, judged: Judgement) -> bool:
-    """Whether forces named at a sure floor are distinguishable from a random walk, together and each beside the others."""
-    before, final = baseline.fit, judged.final
-    forces = [t.effect.name for t in final.model.terms if t.is_force and t.effect.name not in before.model]
-    if not forces:
+def weigh(before: Fit, nats: dict[str, float], effects: dict[str, Effect], last: WithoutName) -> Evidence:
+    """Decide what is named of some effects with the evidence `nats` against the fit before; a walk is beside all and none.
+
+    `last` is what the leader leaves: the others explain as much, and leave as much.
+    """
+    first = WithoutName.beside(before)
+    shift = last.walk.evidence - first.walk.evidence
+    return decide(
+        {name: one + shift for name, one in nats.items()},
+        effects,
+        unnamed=first.law,
+        beside=last.law,
+        drift_weighed=True,
+    )
+
+
+def may_be_named(baseline: Baseline, judged: Judgement) -> bool:
+    """Whether what is named at a sure floor is more than a walk or a law without a name, and each beside the others."""
+    final = judged.final
+    added = [term.effect for term in final.model.terms if term.effect.name not in baseline.fit.model]
+    if not added:
         return True
-    scales = scales_of(baseline.decays[0], residual_lines(before))
-    if not BesideWalk.of(before, final, scales).is_more:
-        return False
-    without = (fit(final.model.minus(name), final.windows, final.point, final.frequency) for name in forces)
-    return not judged.together or all(BesideWalk.of(less, final, scales).is_more for less in without)
+    last = WithoutName.beside(final)
+    if len(added) == 1:
+        near = [one for one in judged.ranked if one.claimed and one.candidate.plausible]
+        effects = {one.candidate.name: one.candidate.term.effect for one in near}
+        nats = {one.candidate.name: one.evidence for one in near}
+        return weigh(baseline.fit, nats, effects, last).verdict == "named"
+    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
+    for effect in added:
+        less = fit(final.model.minus(effect.name), final.windows, final.point, final.frequency)
+        nats = {effect.name: evidence(less, final, scales)}
+        if weigh(less, nats, {effect.name: effect}, last).verdict != "named":
+            return False
+    return True
 
 
 def with_walk(baseline: Baseline, judged: Judgement) -> Judgement:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.beside_walk import more_than_a_walk, with_walk
+from identify.diagnosis.beside_walk import may_be_named, with_walk
 from identify.diagnosis.floor_not_reached import at_a_guess, by_curves, unclaimed
 from identify.diagnosis.line_beside import line_beside
 from identify.diagnosis.ranking import Ranked
@@ -139,7 +139,7 @@ def _beyond_one(
 
 def _unless_it_walks(baseline: Baseline, judged: Judgement) -> Judgement:
     """Return a judgement whose forces are distinguishable from a random walk; else one without a name."""
-    if more_than_a_walk(baseline, judged):
+    if may_be_named(baseline, judged):
         return judged
     shape = free_form(baseline, baseline.fit)
     return Judgement("unknown_effect", judged.ranked, baseline.fit, shape=shape)

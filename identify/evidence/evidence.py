@@ -10,7 +10,7 @@ from identify.effects.effect import Effect
 from identify.effects.force_effect import ForceEffect
 from identify.priors import DOUBT, MOST_ALIKE
 
-Decided = Literal["nothing", "named", "may drift", "too many"]
+Decided = Literal["nothing", "named", "no name", "may drift", "too many"]
 
 
 @dataclass(frozen=True)
@@ -51,15 +51,25 @@ def nothing(nats: Sequence[float]) -> float:
     return none / (none + float(np.sum(np.exp(np.array(nats) - most))))
 
 
-def decide(nats: Mapping[str, float], effects: Mapping[str, Effect]) -> Evidence:
+def decide(
+    nats: Mapping[str, float],
+    effects: Mapping[str, Effect],
+    *,
+    unnamed: float = -np.inf,
+    beside: float = -np.inf,
+    drift_weighed: bool = False,
+) -> Evidence:
     """Decide what the evidence for several laws names: the one table of verdicts.
 
     None is as probable as all laws together to begin with, and these as one another. The laws that are not distinguishable
-    are the likeliest ones that leave out DOUBT of the probability at most.
+    are the likeliest ones that leave out DOUBT of the probability at most. `unnamed` is the evidence for a law without a
+    name in their place, as probable as each to begin with, and `beside` that for one beside the leader. Laws of time stand
+    for any drift unless a drift is part of every hypothesis (`drift_weighed`).
 
     | probability | verdict |
     |---|---|
     | of none above DOUBT | nothing |
+    | of a law without a name in their place above DOUBT, or of none beside the leader below DOUBT | no name |
     | of the laws of time above DOUBT, if it is a law | may drift |
     | of any MOST_ALIKE laws below 1 - DOUBT | too many |
     | else | named: those that are not distinguishable, the likeliest first |
@@ -75,7 +85,9 @@ def decide(nats: Mapping[str, float], effects: Mapping[str, Effect]) -> Evidence
     total = sum(weight.values())
     above = np.cumsum([weight[name] for name in order])
     near = tuple(order[: 1 + int(np.searchsorted(above, (1.0 - DOUBT) * total))])
-    if sum(weight[name] for name in order if effects[name].of_time) > DOUBT * total:
+    if np.exp(unnamed - most) > DOUBT * (total + np.exp(unnamed - most)) or nothing((beside,)) < DOUBT:
+        return Evidence(dict(nats), "no name", near)
+    if not drift_weighed and sum(weight[name] for name in order if effects[name].of_time) > DOUBT * total:
         return Evidence(dict(nats), "may drift", near)
     return Evidence(dict(nats), "named" if len(near) <= MOST_ALIKE else "too many", near)
 

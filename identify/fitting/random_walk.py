@@ -7,7 +7,7 @@ Probability*, 1961, ch. 5). The misfit is taken for linear in the walk (linear m
 38, 1982), whose response is simulated.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -45,13 +45,15 @@ class RandomWalk:
 
     `evidence` is the logarithm (nats) of the odds for a walk of unknown strength, or none, against none. `stiffness` and
     `damping` are the likeliest standard deviations after one second (1/sqrt(s)), relative to the linear stiffness and to the
-    angular frequency of the motion. `reduced` is the reduced chi-square that the likeliest walk leaves.
+    angular frequency of the motion. `reduced` is the reduced chi-square that the likeliest walk leaves, and `follows` what
+    its steps of one standard deviation change of the misfit, less what the fit's own unknowns follow, (readings, steps).
     """
 
     evidence: float
     stiffness: float
     damping: float
     reduced: float
+    follows: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False, compare=False)
 
 
 def walk_beside(found: Fit) -> RandomWalk:
@@ -66,26 +68,29 @@ def walk_beside(found: Fit) -> RandomWalk:
     misfit, walk = free[:, 0], free[:, 1:]
     square, along, products = float(misfit @ misfit), walk.T @ misfit, walk.T @ walk
     is_spring = np.concatenate(of_spring)
-    best, likelihood = RandomWalk(0.0, 0.0, 0.0, square / max(found.degrees, 1)), []
+    best, likelihood = RandomWalk(0.0, 0.0, 0.0, square / max(found.degrees, 1), walk[:, :0]), []
     for stiffness in _STRENGTHS:
         for damping in _STRENGTHS:
             scale = np.where(is_spring, stiffness, damping)
             if not scale.any():
                 continue
-            gain, explained = _gain(products * np.outer(scale, scale), along * scale)
+            gain, explained = explained_by(products * np.outer(scale, scale), along * scale)
             likelihood.append(gain)
             gain -= _EACH * np.count_nonzero([stiffness, damping])
             if gain > best.evidence:
                 left = (square - explained) / max(found.degrees, 1)
-                best = RandomWalk(gain, float(stiffness), float(damping), left)
+                best = RandomWalk(gain, float(stiffness), float(damping), left, walk * scale)
     most = max(likelihood)
     mean = np.mean(np.exp(np.array(likelihood) - most))
     evidence = most + np.log(0.5 * np.exp(-most) + 0.5 * mean)
     return replace(best, evidence=float(evidence))
 
 
-def _gain(products: Array, along: Array) -> tuple[float, float]:
-    """Return log-likelihood beyond that of none, and what is explained of chi-square, of a walk with variance 1."""
+def explained_by(products: Array, along: Array) -> tuple[float, float]:
+    """Return log-likelihood beyond that of none, and what is explained of chi-square, of columns with variance 1.
+
+    `products` (columns, columns) are those of the columns with one another, `along` (columns,) those with the misfit.
+    """
     factor = np.linalg.cholesky(np.eye(len(along)) + products)
     followed = solve_triangular(factor, along, lower=True, check_finite=False)
     explained = float(followed @ followed)
@@ -105,8 +110,12 @@ def _responses(problem: Problem, theta: Array, readings: int, kind: str) -> Arra
         most = max(_ALL_KNOTS // len(problem.windows), _FEWEST_KNOTS)
         count = int(np.clip(cycles, _FEWEST_KNOTS, min(most, _MOST_KNOTS))) + 1
         knots = np.linspace(window.clock[0], window.clock[-1], count)
-        hats = [np.interp(window.clock, knots, one) for one in np.eye(count)]
-        changes = _changes(problem, theta, i, kind, hats)
+        motion = problem.respond(theta, i, problem.substeps(theta, i, tangent=True))
+        omega = problem.frequency
+        force = omega**2 * motion.displacement if kind == "stiffness" else omega * motion.velocity
+        changes = changes_by(
+            problem, theta, i, [np.interp(window.clock, knots, one) * force for one in np.eye(count)]
+        )
         for change, knot in zip(changes, knots.tolist(), strict=True):
             column = np.zeros(readings)
             column[first : first + len(change)] = change
@@ -126,25 +135,22 @@ def _steps(times: list[tuple[int, float]]) -> Array:
     return np.asarray(after * np.sqrt(np.maximum(length, 0.0)))
 
 
-def _changes(problem: Problem, theta: Array, i: int, kind: str, shapes: list[Array]) -> list[Array]:
-    """Return how the misfit of window i changes with a spring or damper that is more by each shape in time, (n,) each."""
+def changes_by(problem: Problem, theta: Array, i: int, forces: list[Array]) -> list[Array]:
+    """Return how the misfit of window i changes with each of some weak forces per unit mass along its motion, (n,) each."""
     substeps = problem.substeps(theta, i, tangent=True)
-    response = problem.respond(theta, i, substeps)
-    base = problem.residual_of(i, problem.read(theta, i, response))
-    omega = problem.frequency
-    force = -(omega**2) * response.displacement if kind == "stiffness" else -omega * response.velocity
+    base = problem.residual_of(i, problem.read(theta, i, problem.respond(theta, i, substeps)))
 
-    def change(shape: Array, step: float) -> Array:
-        moved = problem.respond(theta, i, substeps, extra=step * shape * force)
+    def change(force: Array, step: float) -> Array:
+        moved = problem.respond(theta, i, substeps, extra=-step * force)
         return np.asarray(problem.residual_of(i, problem.read(theta, i, moved)) - base)
 
-    whole = change(np.ones_like(force), _PROBE)
+    whole = change(np.sum(forces, axis=0), _PROBE)
     size = float(np.sqrt(np.mean(whole**2)))
     if not 0.0 < size < np.inf:  # the motion runs away
-        return [np.zeros_like(base) for _ in shapes]
+        return [np.zeros_like(base) for _ in forces]
     step = _PROBE * _MOVED / size
     found = []
-    for shape in shapes:
-        moved = change(shape, step)
+    for force in forces:
+        moved = change(force, step)
         found.append(np.where(np.abs(moved) < _JUMP, moved, 0.0) / step)
     return found

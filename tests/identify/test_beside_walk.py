@@ -1,14 +1,11 @@
 """A spring and damper that walk at random: how strong a walk is found, and that no law is named that only follows one."""
 
-from dataclasses import replace
-
 import pytest
 from releases import ready
 
-from identify.diagnosis.beside_walk import BesideWalk
+from identify.diagnosis.beside_walk import WithoutName
 from identify.diagnosis.diagnose import diagnose
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.initial_values import scales_of
 from identify.fitting.random_walk import walk_beside
 from identify.model.model import base_model
 from mocks.generate import draw
@@ -93,12 +90,18 @@ def test_a_strong_walk_is_not_named_after_the_law_that_follows_most_of_it(streng
     assert diagnose((release("wandering_stiffness", strength, 11300)[0],)).named == ()
 
 
-def test_a_law_alone_needs_no_wander():
+def test_a_law_alone_leaves_neither_a_wander_nor_a_law_without_a_name():
     prepared, _ = release("cubic_stiffness", 0.003, 7)
-    before = fit_baseline((prepared,), base_model())
     found = diagnose((prepared,))
     assert found.named == ("cubic_stiffness",)
-    beside = BesideWalk.of(before.fit, found.final, scales_of(prepared, {}))
-    assert beside.after.evidence < 1.0
-    assert beside.is_more
-    assert not replace(beside, gain=3.0, before=replace(beside.before, evidence=1.0)).is_more
+    beside = WithoutName.beside(found.final)
+    assert max(beside.walk.evidence, beside.law) < 0.0
+    alone = WithoutName.beside(fit_baseline((prepared,), base_model()).fit)
+    assert 0.0 < alone.walk.evidence + alone.law < found.suspects[0].evidence
+
+
+@pytest.mark.slow
+def test_no_law_is_named_that_follows_one_that_the_library_does_not_hold():
+    found = diagnose((release("fading_friction", 0.003, 300)[0],))
+    assert (found.verdict, found.named) == ("unknown_effect", ())
+    assert found.suspects[0].claimed

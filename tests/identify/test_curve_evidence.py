@@ -32,10 +32,10 @@ NAMES = (
 )
 
 
-def decided(**nats: float):
+def decided(without_name: dict | None = None, **nats: float):
     """Return what the evidence for some effects decides, beside effects that nothing speaks for."""
     given = {name: nats.get(name, -20.0) for name in NAMES}
-    return decide(given, {name: find_effect(name) for name in NAMES})
+    return decide(given, {name: find_effect(name) for name in NAMES}, **(without_name or {}))
 
 
 def test_the_likeliest_law_is_named_and_one_as_likely_is_its_rival():
@@ -58,6 +58,18 @@ def test_nothing_is_named_that_may_be_none_or_a_drift_or_any_of_many():
     many = dict.fromkeys(NAMES[:6], 12.0)
     assert decided(**many).verdict == "too many"
     assert set(decided(**many).names) == set(many)
+
+
+def test_a_law_without_a_name_is_a_rival_of_all_and_nothing_may_be_left_to_it():
+    assert decided({"unnamed": 16.0, "beside": -0.5}, cubic_stiffness=20.5).verdict == "named"
+    assert decided({"unnamed": 17.0, "beside": -0.5}, cubic_stiffness=20.5).verdict == "no name"
+    assert decided({"unnamed": -1.0, "beside": 3.5}, cubic_stiffness=20.5).verdict == "named"
+    assert decided({"unnamed": -1.0, "beside": 4.5}, cubic_stiffness=20.5).verdict == "no name"
+
+
+def test_a_law_of_time_is_named_where_a_drift_is_part_of_every_hypothesis():
+    assert decided(settling_stiffness=12.0).verdict == "may drift"
+    assert decided({"drift_weighed": True}, settling_stiffness=12.0).verdict == "named"
 
 
 def test_evidence_that_differs_in_its_last_digits_decides_the_same():
