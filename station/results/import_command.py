@@ -18,8 +18,8 @@ def explained(file: Path, options: ImportOptions, refusal: ImportProblem) -> Usa
     command = shlex.join(["station", "import", str(file), *words])
     proposal = refusal.proposal
     said = {"doubts": list(proposal.doubts), "recipe": to_toml(proposal.recipe)}
-    remedy = f"These are options of `station import`, and --ask shows the columns there. To read it as proposed: {command}"
-    return UsageProblem(f"{refusal}. {remedy}", **said)
+    where = "These are options of `station import`, and --ask shows the columns there"
+    return UsageProblem(f"{refusal}. {where}. To read it as proposed, type: {command}", **said)
 
 
 def _given(options: ImportOptions) -> list[list[str]]:
