@@ -155,7 +155,7 @@ def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> s
             effect = next(s.effect for s in found.suspects if s.effect.name == one.names[0])
             units = {p.name: p.unit for p in effect.parameters}
             ends = " and ".join(f"{key} beyond {value:.2g} {units[key]}" for key, value in one.within.items())
-            parts.append(f"It cannot exclude {one.title} with {ends} either, which is the same law here.")
+            parts.append(f"It cannot exclude {one.title} with {ends}: here that is the same law.")
     return " ".join(parts)
 
 

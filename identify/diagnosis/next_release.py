@@ -17,7 +17,6 @@ from identify.diagnosis.experiment import Experiment, has_memory, signed_amplitu
 from identify.diagnosis.hypotheses import Hypothesis, odds
 from identify.diagnosis.so_far import SoFar
 from identify.fitting.fit import Fit
-from identify.formatting import three_figures
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DOUBT, RIVALS_WITHIN
 
@@ -366,11 +365,13 @@ def _changes(best: Experiment, last: PreparedDecay, limits: Limits) -> list[Expe
 
 
 def _about(nats: float) -> str:
+    if nats < 1.0:
+        return f"{_number(nats)} nat"
     return f"{_number(nats)} nats" if nats > 1000.0 else f"about {_number(nats)} nats"
 
 
 def _number(nats: float) -> str:
-    return "more than 1000" if nats > 1000.0 else three_figures(nats) if nats < 1.0 else f"{nats:.0f}"
+    return "more than 1000" if nats > 1000.0 else "less than 1" if nats < 1.0 else f"{nats:.0f}"
 
 
 def _capital(sentence: str) -> str:
