@@ -92,12 +92,6 @@ MASS = click.option(
 MASS_STD = click.option(
     "--mass-std", type=click.FloatRange(min=0), metavar="KG", help="Standard error of the mass."
 )
-VARIES = click.option(
-    "--varies",
-    metavar="NAME,...",
-    default="",
-    help="What was changed on purpose between the sessions: stiffness, damping, inertia.",
-)
 FULL = click.option("--full", is_flag=True, help="Print all that is known, not only the result.")
 NO_VIEWER = click.option("--no-viewer", is_flag=True, help="Do not open the viewer.")
 DURATION = click.option(
