@@ -70,7 +70,8 @@ class Rig:
                     f"the rig did not arrive at {1e3 * displacement:g} mm within {seconds:g} s and was told to stop;"
                     " nothing was released. Check what blocks it"
                 )
-            self._link.take(0.05)
+            if self._link.wait(lambda message: isinstance(message, Holder), WARN_S) is None:
+                self._link.send(HelloRequest())  # a board that booted on the way only tells when it is asked
 
     def release(self) -> int | None:
         """Let go of the held mass; return the first sample taken after it, None when the board does not sample.

@@ -141,3 +141,12 @@ def test_a_rig_that_lets_go_before_the_release_ends_the_capture(tmp_path: Path) 
         capture(address, SHORT, tmp_path / "s")
     assert raised.value.exit_code == 4
     assert Session.open(tmp_path / "s").info.state is State.ABORTED
+
+
+def test_a_board_that_boots_while_it_moves_the_mass_ends_the_capture(tmp_path: Path) -> None:
+    with (
+        running("--tcp", "0", *HOLDER, "--fault", "reboot@1.5") as address,
+        pytest.raises(LetGo, match="booted anew"),
+    ):
+        capture(address, SHORT, tmp_path / "s")
+    assert Session.open(tmp_path / "s").info.state is State.ABORTED
