@@ -17,7 +17,7 @@ MADE_OF = "made_of.txt"
 SOURCES = (
     "station/workbench/static/*",
     "station/workbench/cards_panel.py",
-    "station/workbench/*chart*.py",
+    "station/workbench/telling*.py",
     "station/views/alignment.py",
     "station/views/results.py",
     "station/report/*.html",

@@ -64,26 +64,26 @@ def front(fits: Sequence[tuple[str, Fit]], look: Look = PAPER) -> Picture:
     return drawn
 
 
-def phase_plane(found: Comparison) -> Picture:
+def phase_plane(found: Comparison, look: Look = PAPER) -> Picture:
     """Draw the force that the model lacks over the phase plane, its sign written in each bin that stands out, and cuts."""
     plane, units = found.phase_plane, DiscrepancyText(found.unit, found.mass)
     factor, length = scale("displacement", found.unit)
-    drawn, axes = figure(PAPER, 4.6, 2, 2)
+    drawn, axes = figure(look, 4.6, 2, 2)
     at_reversal, at_middle = axes[2:]
     wide = joined(drawn, axes[:2])
     force = plane.force * units.force_scale
     reach = float(np.nanmax(np.abs(force))) if np.isfinite(force).any() else 1.0
     mesh = wide.pcolormesh(
         plane.displacement_edges * factor, plane.velocity_edges, np.ma.masked_invalid(force),
-        cmap="PuOr", vmin=-reach, vmax=reach, edgecolors="white", linewidth=0.4,
+        cmap=look.force, vmin=-reach, vmax=reach, edgecolors=look.paper, linewidth=0.4,
     )  # fmt: skip
     for row, column in plane.bins:
         if abs(plane.significance[row, column]) > SURE:
-            dark = abs(force[row, column]) > 0.7 * reach
+            strong = abs(force[row, column]) > 0.7 * reach
             wide.text(
                 plane.displacement[column] * factor, plane.velocity[row],
                 "+" if force[row, column] > 0 else "−", ha="center", va="center", fontsize=9,
-                color="white" if dark else PAPER.ink,
+                color=look.paper if strong else look.ink,
             )  # fmt: skip
     wide.set(xlabel=literal(f"displacement [{length}]"), ylabel=literal(f"velocity [{found.unit}/s]"))
     wide.set_title("measured less model force")
@@ -92,29 +92,35 @@ def phase_plane(found: Comparison) -> Picture:
     bar.set_label(literal(f"force [{units.force_unit}]"))
     bar.outline.set_visible(False)
     down, up = plane.sections_at_reversal
-    _section(at_reversal, up, factor, units, "^-", "moving to the positive side")
-    _section(at_reversal, down, factor, units, "v--", "moving to the negative side")
+    _section(at_reversal, up, factor, units, "^-", look, "moving to the positive side")
+    _section(at_reversal, down, factor, units, "v--", look, "moving to the negative side")
     at_reversal.set(xlabel=literal(f"displacement [{length}]"), title="at velocity 0: stiffness")
     at_reversal.legend(loc="best")
-    _section(at_middle, plane.section_at_middle, 1.0, units, "o-", "")
+    _section(at_middle, plane.section_at_middle, 1.0, units, "o-", look)
     at_middle.set(xlabel=literal(f"velocity [{found.unit}/s]"), title="at displacement 0: damping")
     at_reversal.set_ylabel(literal(f"measured less\nmodel [{units.force_unit}]"))
     return drawn
 
 
 def _section(
-    axis: "Axes", cut: ForceSection, factor: float, units: DiscrepancyText, form: str, label: str
+    axis: "Axes",
+    cut: ForceSection,
+    factor: float,
+    units: DiscrepancyText,
+    form: str,
+    look: Look,
+    label: str = "",
 ) -> None:
-    colour = PAPER.model if form.startswith("v") else PAPER.second
+    colour = look.model if form.startswith("v") else look.second
     force, std = cut.force * units.force_scale, cut.std * units.force_scale
     points(axis, cut.position * factor, force, std, form, colour, label)
-    zero_lines(axis, PAPER)
+    zero_lines(axis, look)
 
 
-def cycles(found: Comparison) -> Picture:
+def cycles(found: Comparison, look: Look = PAPER) -> Picture:
     """Draw the errors of frequency and energy and the misfit of the free run, cycle by cycle."""
     done, units = found.cycles, DiscrepancyText(found.unit, found.mass)
-    drawn, axes = figure(PAPER, 2.2, 1, 3)
+    drawn, axes = figure(look, 2.2, 1, 3)
     factor, energy = energy_scale(units)
     rows = (
         (done.frequency_error, done.frequency_error_std, "frequency error [%]"),
@@ -123,8 +129,8 @@ def cycles(found: Comparison) -> Picture:
     )
     for axis, (values, std, label) in zip(axes, rows, strict=True):
         form = "o-" if len(values) < TOO_MANY_DOTS else "-"
-        points(axis, done.time, values, std, form, PAPER.model)
-        axis.axhline(0 if std is not None else 1, color=PAPER.faint, lw=0.8, ls="--")
+        points(axis, done.time, values, std, form, look.model)
+        axis.axhline(0 if std is not None else 1, color=look.faint, lw=0.8, ls="--")
         axis.set(xlabel="time since the release [s]", ylabel=literal(label))
     axes[-1].set_ylim(bottom=0)
     return drawn

@@ -39,10 +39,10 @@ def force_maps(maps: Sequence[tuple[str, ForceMap]], unit: str) -> Picture:
     return drawn
 
 
-def curves(found: DecayCurves, names: Sequence[str]) -> Picture:
+def curves(found: DecayCurves, names: Sequence[str], look: Look = PAPER) -> Picture:
     """Draw frequency and damping of the releases against amplitude, with the laws laid over."""
-    drawn, axes = figure(PAPER, 3.4, 1, 2)
-    draw_panels(axes, found, names, PAPER)
+    drawn, axes = figure(look, 3.4, 1, 2)
+    draw_panels(axes, found, names, look)
     return drawn
 
 

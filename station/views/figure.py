@@ -30,7 +30,6 @@ _PATH = re.compile(rb'\bd="[^"]*"')
 _DECIMALS = re.compile(rb"(\.\d\d)\d+")  # a hundredth of a point is finer than any printer
 
 STYLE: dict[Any, Any] = {
-    "figure.facecolor": "white",
     "axes.facecolor": "none",
     "axes.titlesize": 9,
     "axes.titlelocation": "left",
@@ -59,7 +58,7 @@ _INKED = ("axes.labelcolor", "axes.titlecolor", "text.color", "xtick.color", "yt
 def inked(look: Look) -> "AbstractContextManager[None]":
     """Draw in the colours of a look, within a `with`; what is written in them later needs them again."""
     inks = dict.fromkeys(_INKED, look.ink) | {"axes.edgecolor": look.faint, "grid.color": look.faint}
-    return matplotlib.rc_context(STYLE | inks)
+    return matplotlib.rc_context(STYLE | inks | {"figure.facecolor": look.paper})
 
 
 class Picture(Figure):

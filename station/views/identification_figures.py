@@ -30,22 +30,24 @@ MOST_DOTS = 250
 WIDE = {1: 3.0, 2: 5.0, 3: 6.9}
 
 
-def record(recording: Recording, release: float | None, flags: Sequence[FlagEntry] = ()) -> Picture:
+def record(
+    recording: Recording, release: float | None = None, flags: Sequence[FlagEntry] = (), look: Look = PAPER
+) -> Picture:
     """Draw the channels as recorded, lost samples as holes, flagged ones shaded, the `release` (s) as a line."""
     channels = recording.channels[:MOST_CHANNELS]
-    drawn, axes = figure(PAPER, 0.4 + 1.35 * len(channels), len(channels), sharex=True)
+    drawn, axes = figure(look, 0.4 + 1.35 * len(channels), len(channels), sharex=True)
     begin = release or 0.0
     time = np.arange(recording.samples.shape[1]) / recording.rate - begin
     for axis, channel, samples in zip(axes, channels, recording.samples, strict=False):
         factor, label = scale_as_recorded(channel.quantity, channel.unit)
-        curve(axis, time, np.where(recording.valid, samples, np.nan) * factor, color=PAPER.ink, lw=0.7)
+        curve(axis, time, np.where(recording.valid, samples, np.nan) * factor, color=look.ink, lw=0.7)
         name = channel.name if channel.quantity == "other" else channel.quantity
         axis.set_ylabel(literal(f"{name[:LONGEST]} [{label}]"))
         for run in [run for run in flags if run.channel == channel.name][:MOST_SHADED]:
             first, stop = run.first / recording.rate, (run.first + run.count) / recording.rate
-            axis.axvspan(first - begin, stop - begin, color=PAPER.residual, alpha=0.25, lw=0.5)
+            axis.axvspan(first - begin, stop - begin, color=look.residual, alpha=0.25, lw=0.5)
         if release is not None:
-            axis.axvline(0.0, color=PAPER.residual, lw=1.0, ls="--")
+            axis.axvline(0.0, color=look.residual, lw=1.0, ls="--")
     name = "time from the first sample [s]" if release is None else SINCE
     axes[-1].set(xlabel=name, xlim=(time[0], time[-1] + 1.0 / recording.rate))
     return drawn

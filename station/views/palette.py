@@ -35,7 +35,7 @@ def css(colour: tuple[int, int, int]) -> str:
 @dataclass(frozen=True)
 class Look:
     """Colours of what is drawn: text, lines of reference, a measurement (as points, as a broad line), a model, a second
-    curve, a residual, the noise's band and bars."""
+    curve, a residual, the noise's band and bars; the ground, and matplotlib's name for the colours of a force."""
 
     ink: str
     faint: str
@@ -46,6 +46,8 @@ class Look:
     residual: str
     noise: str
     bar: str
+    paper: str = "#ffffff"
+    force: str = "PuOr"
 
 
 SCREEN = Look(
@@ -71,3 +73,29 @@ PAPER = Look(
     noise="#d4d4d4",
     bar="#c4c4c4",
 )
+
+LIGHT = Look(
+    ink="#1d2530",
+    faint="#8c959f",
+    measured="#8c959f",
+    broad="#b3bcc6",
+    model="#d55e00",
+    second="#0072b2",
+    residual="#0072b2",
+    noise="#00967033",
+    bar="#b3bcc6",
+)
+DARK = Look(
+    ink="#e4e8ee",
+    faint="#7c8794",
+    measured="#9aa5b2",
+    broad="#66717e",
+    model="#f0903c",
+    second="#56b4e9",
+    residual="#56b4e9",
+    noise="#3cc89640",
+    bar="#66717e",
+    paper="#171c23",
+    force="managua",
+)
+"""Of the workbench's page, in the colours of its style sheet."""

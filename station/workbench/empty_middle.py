@@ -5,13 +5,17 @@ from collections.abc import Callable
 from nicegui import ui
 
 from station.workbench import widgets
-from station.workbench.raw_pictures import RawPictures
 from station.workbench.session_state import SessionState
+from station.workbench.telling_panel import TellingPanel
 from station.workbench.widgets import run
 
 
 def say_empty(
-    place: ui.element, session: SessionState | None, key: str | None, solve_mystery: Callable[[], None]
+    place: ui.element,
+    session: SessionState | None,
+    key: str | None,
+    solve_mystery: Callable[[], None],
+    dark: bool,
 ) -> None:
     """Fill the place."""
     place.clear()
@@ -20,7 +24,9 @@ def say_empty(
             widgets.label("This recording does not allow an analysis", "strong")
             widgets.label(session.problem, "wrap").style("max-width:520px")
             widgets.label("What was recorded is kept. Choose another session, or record again.", "small")
-            RawPictures(session).build()
+            recorded = TellingPanel(session, "recorded", "Drawing what was recorded")
+            recorded.build()
+            ui.timer(0.05, lambda: recorded.open(dark), once=True)
         elif session is not None:
             widgets.spinner(32)
             widgets.label("The session is read, and the usual model fitted to it.")

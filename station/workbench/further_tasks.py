@@ -1,31 +1,20 @@
-"""What a worker does beside the ladder: identification, export, validation."""
+"""What a worker does beside the ladder: export, revealing, previewing."""
 
-from dataclasses import replace
 from pathlib import Path
 
 from daq.exporting import encode
 from daq.session import Session
 from identify.fitting.fit import Fit
-from station.operations.validating import validate_sessions
 from station.results.ladder import read_ladder
 from station.results.models import name_of
 from station.settings import Settings
 from station.story.pipeline import Progress
-from station.text.content import Table
-from station.text.validation_text import predictions
-from station.workbench import identified, view_models
+from station.workbench import view_models
 from station.workbench.export import fitted_samples
 from station.workbench.frame_store import of_step
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, open_session
 from station.workbench.unkept import frame_of_tried
-
-
-def identify(
-    settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]
-) -> view_models.Identified:
-    """Identify a session by both methods, and others for the tables."""
-    return identified.identified(settings, progress, folder, others)
 
 
 def export(settings: Settings, progress: Progress, folder: Path) -> str:
@@ -63,14 +52,3 @@ def preview(settings: Settings, progress: Progress, folder: Path, wanted: str) -
     opened = open_session(settings, folder)
     _present_fit(opened)
     return frame_of_tried(opened.store, opened.refinement, wanted, name_of(wanted))[1]
-
-
-def validate(
-    settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]
-) -> tuple[str, Table]:
-    """Predict other sessions by the present model; return the sentence and the errors, session by session."""
-    chosen = tuple(str(other) for other in others)
-    document = validate_sessions(str(folder), chosen, settings, progress=progress)
-    skipped = tuple((one.session, "", "", "", "", f"skipped: {one.reason}") for one in document.skipped)
-    table = predictions(document)
-    return document.sentence, replace(table, rows=(*table.rows, *skipped), marks=())

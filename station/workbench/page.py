@@ -8,7 +8,6 @@ from station.workbench.busy_bar import BusyBar
 from station.workbench.capture_panel import CapturePanel
 from station.workbench.capture_run import CaptureRun
 from station.workbench.cards_panel import CardsPanel
-from station.workbench.details_panel import DetailsPanel
 from station.workbench.empty_middle import say_empty
 from station.workbench.floor_card import FloorCard
 from station.workbench.guide_panel import GuidePanel
@@ -23,7 +22,7 @@ from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import SessionsPanel
 from station.workbench.stage_feed import StageFeed
 from station.workbench.story_panel import StoryPanel
-from station.workbench.theme import theme
+from station.workbench.telling_panel import TellingPanel
 from station.workbench.validate_dialog import ValidateDialog
 from station.workbench.widgets import run
 
@@ -122,7 +121,7 @@ class Page:
     def _build_panels(self, session: SessionState) -> None:
         self._story, self._details, self._cards = (
             StoryPanel(),
-            DetailsPanel(session),
+            TellingPanel(session, "compared", "Comparing the model with the measurement"),
             CardsPanel(session, self._state.session_list),
         )
         self._identified = IdentificationPanel(session, self._state.session_list)
@@ -144,11 +143,11 @@ class Page:
                     # the viewer needs all of a small screen's width
                     self._head_tabs.on_value_change(lambda e: self._right.set_visibility(e.value != RERUN))
 
-    def _show_details(self) -> None:
-        self._details.show(theme(self._dark))
+    async def _show_details(self) -> None:
+        await self._details.open(self._dark)
 
     def _say_empty(self) -> None:
-        say_empty(self._empty, self._session, self._key, self._capture.solve_mystery)
+        say_empty(self._empty, self._session, self._key, self._capture.solve_mystery, self._dark)
 
     async def _begin(self) -> None:
         try:
@@ -226,8 +225,8 @@ class Page:
             self._story.show(view.stage)
         self._ladder.show(view)
         self._cards.show(view)
-        if self._head_tabs.value == DETAILS:
-            self._show_details()
+        if self._head_tabs.value == DETAILS and not session.busy:
+            background_tasks.create(self._show_details())
         if self._head_tabs.value == NUMBERS:
             background_tasks.create(self._identified.open())
         self._feed.send()

@@ -1,6 +1,7 @@
 """One session as every tab that shows it sees it. One computation at a time; each change has a number."""
 
 import asyncio
+import contextlib
 import re
 import time
 from collections.abc import Coroutine
@@ -35,9 +36,8 @@ class SessionState:
     def __init__(self, folder: Path, workers: WorkerPool) -> None:
         self.folder = folder
         self.view: view_models.View | None = None
-        self.details: view_models.Details | None = None
-        self.no_details = ""
-        self._detailed: view_models.View | None = None
+        self.summary = ""
+        self._summarised: view_models.View | None = None
         self.frames: dict[str, view_models.Frame] = {}
         self.suspect_frames: dict[str, str] = {}
         self._suspects_drawn = False
@@ -120,7 +120,7 @@ class SessionState:
         finally:
             self.running, self._job = None, None
             self.changed()
-        await asyncio.gather(self._complete_frames(), self._complete_details())  # a worker for each
+        await asyncio.gather(self._complete_frames(), self._complete_summary())  # a worker for each
         if task in ("add", "remove") and not job.cancelled:
             self._ask_again()
 
@@ -145,24 +145,22 @@ class SessionState:
                 self.earlier[:-1] if task == "restore" else [*self.earlier, before.ladder][-MOST_UNDONE:]
             )
         if before is None or _steps(before.ladder) != _steps(found.ladder):
-            self.details = None  # of another model
+            self.summary = ""  # of another model
         if before is not None and found.diagnosis != before.diagnosis:  # by the page or by a command
             self.suspect_frames, self._suspects_drawn = {}, False
         wanted = {*found.step_frames, *self.suspect_frames.values()}
         self.frames = {name: frame for name, frame in self.frames.items() if name in wanted} | found.frames
 
-    async def _complete_details(self) -> None:
+    async def _complete_summary(self) -> None:
         """Compare the present model with the measurement: that is asked for once the ladder is on the page."""
         view = self.view
-        if view is None or view is self._detailed:
+        if view is None or view is self._summarised:
             return
-        try:
-            found, problem = await self.ask(Job(), "details"), ""
-        except (Cancelled, Failed) as failure:
-            found, problem = None, str(failure) or "cancelled"
-        if view is self.view:
-            self.details, self.no_details, self._detailed = found, problem, view
-            self.changed()
+        with contextlib.suppress(Cancelled, Failed):
+            found = await self.ask(Job(), "summary")
+            if view is self.view:
+                self.summary, self._summarised = found, view
+                self.changed()
 
     async def _complete_frames(self) -> None:
         """Let the frames be drawn that are not at hand: of other steps, and of the suspects."""

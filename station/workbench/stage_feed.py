@@ -36,7 +36,7 @@ class StageFeed:
             "busy": self._session.busy,
             "suspects": self._offered(view),
             "best": self._best(view),
-            "says": says_of(view, self._session.details),
+            "says": says_of(view, self._session.summary),
         }
         for effect, frame in news[
             "suspects"

@@ -12,12 +12,11 @@ from station.workbench.ladder_bars import share
 from station.workbench.names import plain
 
 
-def says_of(view: view_models.View, details: view_models.Details | None = None) -> dict[str, dict[str, Any]]:
+def says_of(view: view_models.View, summary: str) -> dict[str, dict[str, Any]]:
     """Write the words of each step, as "step0", and of each suspect, by its effect.
 
-    `details` tell where the present model fails, as soon as they are known.
+    `summary` tells where the present model fails, as soon as that is known.
     """
-    summary = f"{details.picture.summary} " if details is not None else ""
     found: dict[str, dict[str, Any]] = {}
     for place, step in enumerate(view.ladder.steps):
         found[f"step{place}"] = _step(view, place, step, summary)

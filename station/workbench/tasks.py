@@ -22,13 +22,11 @@ from station.settings import Settings
 from station.story.pipeline import Progress, silent
 from station.story.preparation import weighing_of
 from station.text.ladder_text import with_mass
-from station.workbench import further_tasks, view_models
-from station.workbench.build_view_models import equations_of, picture_of, results_stamp
-from station.workbench.decay_curves import curves_of
+from station.workbench import further_tasks, telling, view_models
+from station.workbench.build_view_models import equations_of, results_stamp
 from station.workbench.frame_store import of_ladder, of_step, of_suspects
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session
-from station.workbench.raw_trace import raw_traces
 from station.workbench.session_thumbnails import outline, thumbnail_of
 from station.workbench.several_files import import_files
 from station.workbench.unkept import MEASURED_CURVE, frame_of_tried
@@ -61,13 +59,12 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models
     )
 
 
-def details(settings: Settings, progress: Progress, folder: Path) -> view_models.Details:
-    """Compare the present model with the measurement; return what the tab Curves shows of it."""
+def summary(settings: Settings, progress: Progress, folder: Path) -> str:
+    """Compare the present model with the measurement; return the sentence on where it fails."""
     progress("comparing with the measurement")
-    opened = open_session(settings, folder)
-    refinement, session = opened.refinement, opened.refinement.session
-    compared, _ = compare_session(session, settings, prepared=refinement.prepared)
-    return view_models.Details(picture_of(compared), curves_of(settings, refinement, kept_diagnosis(session)))
+    refinement = open_session(settings, folder).refinement
+    compared, _ = compare_session(refinement.session, settings, prepared=refinement.prepared)
+    return compared.comparison.summary
 
 
 def _with_mass(settings: Settings, opened: Opened, ladder: KeptLadder) -> dict[str, str]:
@@ -265,15 +262,16 @@ TASKS: dict[str, Callable[..., Any]] = {
     "again": begin_again,
     "diagnose": diagnose,
     "frames": frames,
-    "details": details,
+    "summary": summary,
+    "compared": telling.compared,
     "restore": restore,
     "prune": prune,
-    "raw": raw_traces,
-    "identify": further_tasks.identify,
+    "recorded": telling.recorded,
+    "identified": telling.identified,
+    "validated": telling.validated,
     "export": further_tasks.export,
     "reveal": further_tasks.reveal,
     "preview": further_tasks.preview,
-    "validate": further_tasks.validate,
     "thumbnail": thumbnail,
     "import": import_file,
     "files": import_files,

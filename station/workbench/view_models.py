@@ -6,7 +6,6 @@ from typing import Any
 from daq.importing.recipe import Recipe
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
-from station.text.content import Table
 
 Numbers = list[float | None]
 
@@ -38,53 +37,6 @@ class Campaign:
 
     sessions: list[str]
     text: str
-
-
-@dataclass(frozen=True)
-class Section:
-    """A cut through the phase plane: missing force and its standard error over a position."""
-
-    name: str
-    position: Numbers
-    force: Numbers
-    std: Numbers
-
-
-@dataclass(frozen=True)
-class Plane:
-    """Cuts through the missing force: against velocity at zero displacement, and against displacement at reversal."""
-
-    middle: Section
-    reversal: tuple[Section, Section]
-
-
-@dataclass(frozen=True)
-class Cycles:
-    """Errors of the model cycle by cycle: frequency in %, energy in the unit `energy_unit`."""
-
-    time: Numbers
-    frequency: Numbers
-    frequency_std: Numbers
-    energy: Numbers
-    energy_std: Numbers
-    energy_unit: str
-
-
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """Where a model fails, in the units in which it is shown; `time` is in s since the release."""
-
-    time: Numbers
-    displacement_unit: str
-    velocity_unit: str
-    force_unit: str
-    plane: Plane
-    cycles: Cycles
-    errors: dict[str, float]
-    words: str
-    summary: str
-    cause: str
-    places: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -147,43 +99,6 @@ class Drawn:
     suspects: dict[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class AmplitudeLine:
-    """Frequency (Hz) and damping ratio (%) against amplitude: of a release with standard errors, or of a model.
-
-    `role` is "measured", or what the model is to the diagnosis: "usual", "named" or "rival".
-    """
-
-    name: str
-    role: str
-    amplitude: Numbers
-    frequency: Numbers
-    frequency_std: Numbers
-    damping: Numbers
-    damping_std: Numbers
-
-
-@dataclass(frozen=True, eq=False)
-class DecayCurves:
-    """Curves of releases and models over the amplitude in `unit`; what each chart reaches over."""
-
-    unit: str
-    lines: tuple[AmplitudeLine, ...]
-    frequency_range: tuple[float, float]
-    damping_range: tuple[float, float]
-
-
-@dataclass(frozen=True, eq=False)
-class Details:
-    """What the tab Curves shows: the comparison of the present model, and the curves of the last diagnosis.
-
-    `curves` come with a diagnosis; None where the record is too short for them.
-    """
-
-    picture: Picture
-    curves: DecayCurves | None = None
-
-
 @dataclass(frozen=True, eq=False)
 class View:
     """What the page shows of a session: ladder, last diagnosis, equations by effect.
@@ -218,29 +133,10 @@ class View:
 
 
 @dataclass(frozen=True)
-class RawTrace:
-    """One channel as it was recorded, in `unit`, against the time since the start of the record (s)."""
+class Sent:
+    """A picture that was drawn by a worker, as a data URI."""
 
-    channel: str
-    unit: str
-    time: Numbers
-    values: Numbers
-
-
-@dataclass(frozen=True)
-class Identified:
-    """What both identifications find: what is said of the lag, tables, and reasons in sentences.
-
-    `judgement` says whose values may be quoted (`quotable`); "" where no model was fitted to the record. `beside` says the
-    same of the identified model where the current one is another.
-    """
-
-    lag: str
-    tables: tuple[Table, ...]
-    notes: tuple[str, ...]
-    judgement: str = ""
-    quotable: bool = False
-    beside: str = ""
+    uri: str
 
 
 @dataclass(frozen=True)

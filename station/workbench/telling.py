@@ -1,0 +1,115 @@
+"""What the tabs of the page tell, in words, tables and pictures: as the commands and the report tell it."""
+
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+from daq.errors import StationError
+from daq.session import Session
+from identify.errors import NotIdentifiable
+from station.exits import Problem, UsageProblem
+from station.operations.comparing import compare_session
+from station.operations.identifying import identify_session, kept_options
+from station.operations.session_curves import kept_curves
+from station.operations.validating import validate_sessions
+from station.report.failure import where_it_fails
+from station.results.identification_document import IdentificationDocument
+from station.results.ladder import read_ladder
+from station.settings import Settings
+from station.story.pipeline import Progress
+from station.text import comparison_text, identification_text, table, validation_text
+from station.text.content import Figure, Paragraph, Told, facts
+from station.text.curves_text import curves_caption
+from station.text.layout import sentence
+from station.views.diagnosis_figures import curves
+from station.views.figure import inked
+from station.views.identification_figures import record
+from station.views.palette import DARK, LIGHT, Look
+from station.workbench.opened_session import kept_diagnosis, open_session
+from station.workbench.view_models import Sent
+
+
+def compared(settings: Settings, progress: Progress, folder: Path, dark: bool) -> Told:
+    """Tell where the present model fails, under the curves of the diagnosis that a session keeps."""
+    progress("comparing with the measurement")
+    refinement, look = open_session(settings, folder).refinement, _look(dark)
+    session, prepared, library = refinement.session, refinement.prepared, refinement.library
+    found, _ = compare_session(session, settings, prepared=prepared)
+    words, document, kept = comparison_text.told(found), kept_diagnosis(session), None
+    if document is not None:
+        with suppress(UsageProblem):  # an effect of a file that is not at hand
+            kept = kept_curves(session, prepared, document, library, settings)
+    with inked(look):
+        parts = where_it_fails(found, look)
+        if kept is not None:
+            drawn = curves(kept.curves, kept.names, look)
+            parts = (Figure(curves_caption(kept.names, kept.curves), drawn), *parts)
+    return _sent(replace(words, brief=parts, more=()))
+
+
+def recorded(settings: Settings, progress: Progress, folder: Path, dark: bool) -> Told:
+    """Show a record that allows no analysis as it stands; nothing where it cannot be read."""
+    try:
+        recording = Session.open(folder).recording()
+    except StationError:
+        return Told("", "", ())
+    if recording.samples.shape[1] < 2:
+        return Told("", "", ())
+    look = _look(dark)
+    with inked(look):
+        drawn = record(recording, look=look)
+    return _sent(Told("", "", (Figure("The channels as they were recorded.", drawn),)))
+
+
+def identified(settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]) -> Told:
+    """Tell what both methods find in a session, beside others in the tables; those that hold too little say why."""
+    progress(f"identifying {folder.name}")
+    session = Session.open(folder)
+    result, document = identify_session(session, kept_options(session, settings))
+    documents, left_out = [document], []
+    for place, other in enumerate(others):
+        progress(f"identifying {other.name}: {place + 1} of {len(others)}")
+        try:
+            beside = Session.open(other)
+            found = identify_session(beside, kept_options(beside, settings))[1]
+        except (NotIdentifiable, Problem) as refusal:
+            left_out.append((other.name, f"left out: {refusal}"))
+            continue
+        if _units(found) != _units(document):
+            left_out.append((other.name, "left out: its parameters have other units"))
+        else:
+            documents.append(found)
+    words, ladder, adequacy = (
+        identification_text.told(folder.name, result),
+        read_ladder(session),
+        result.adequacy,
+    )
+    tables = table.told(table.make_tables(documents))
+    parts = (*words.brief, *tables, *facts(left_out))
+    if ladder is not None and ladder.top.at_floor and adequacy and not (adequacy.doubt or adequacy.quotable):
+        current = f"the refined model leaves {ladder.top.error.words}: quote its values, not those below"
+        return Told(sentence(current), "good", (Paragraph(words.headline), *parts))
+    return replace(words, brief=parts)
+
+
+def validated(settings: Settings, progress: Progress, folder: Path, others: tuple[Path, ...]) -> Told:
+    """Predict other sessions by the present model, and tell how well."""
+    chosen = tuple(str(other) for other in others)
+    return validation_text.told(validate_sessions(str(folder), chosen, settings, progress=progress))
+
+
+def _units(document: IdentificationDocument) -> tuple[str, bool]:
+    return document.record.unit, document.record.mass_kg is not None
+
+
+def _look(dark: bool) -> Look:
+    return DARK if dark else LIGHT
+
+
+def _sent(told: Told) -> Told:
+    """Draw the pictures, so that they go through a pipe."""
+    brief = (
+        replace(part, picture=Sent(part.picture.uri)) if isinstance(part, Figure) else part
+        for part in told.brief
+    )
+    return replace(told, brief=tuple(brief))

@@ -1,0 +1,76 @@
+"""What the tabs of the page tell of a session: words, tables and pictures in the page's colours."""
+
+import base64
+import re
+from dataclasses import replace
+
+import pytest
+
+from daq.recording import Channel
+from daq.session import Session
+from station.operations.examples import open_example
+from station.settings import Settings
+from station.story.pipeline import silent
+from station.views.figure import inked
+from station.views.identification_figures import record
+from station.views.palette import DARK, LIGHT
+from station.workbench.tasks import TASKS
+from tests.workbench.test_page_parts import palette
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return open_example("simulated_plain", tmp_path_factory.mktemp("told") / "sessions").folder
+
+
+def drawing(part):
+    return base64.b64decode(part.picture.uri.partition(",")[2]).decode()
+
+
+def figures(told):
+    return [part for part in told.brief if part.kind == "figure"]
+
+
+def task(name, folder, *arguments):
+    return TASKS[name](Settings(sessions=folder.parent), silent, folder, *arguments)
+
+
+def test_the_comparison_is_drawn_in_the_colours_of_the_page_every_axis_with_its_unit(folder):
+    for dark, look in ((False, LIGHT), (True, DARK)):
+        told = task("compared", folder, dark)
+        assert "times the noise" in told.headline
+        plane, cycles = (drawing(part) for part in figures(told))
+        for picture in (plane, cycles):
+            assert {look.ink, look.paper} <= set(re.findall("#[0-9a-f]{6}", picture))
+        for label in ("displacement [mm]", "velocity [m/s]", "frequency error [%]"):
+            assert label in plane + cycles
+
+
+@pytest.mark.parametrize(("scheme", "look"), [(":root", LIGHT), ("body.body--dark", DARK)])
+def test_the_looks_of_the_page_are_the_colours_of_its_style_sheet(scheme, look):
+    colours = palette(scheme)
+    for name, colour in (
+        ("ink", look.ink),
+        ("paper", look.paper),
+        ("model", look.model),
+        ("left", look.second),
+    ):
+        assert [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)] == colours[name]
+
+
+def test_a_record_without_analysis_is_shown_and_a_strangers_name_stays_text(folder):
+    told = task("recorded", folder, True)
+    assert [len(figures(told)), told.headline] == [1, ""]
+    recording = Session.open(folder).recording()
+    evil = "<img src=x onerror=alert(1)>"[:24]
+    named = replace(recording, channels=tuple(Channel(evil, "other", "V") for _ in recording.channels))
+    with inked(LIGHT):
+        picture = record(named).encoded("svg").decode()
+    assert "&lt;img" in picture
+    assert "<img" not in picture
+
+
+def test_an_identification_is_told_with_both_methods_side_by_side(folder):
+    told = task("identified", folder, ())
+    assert [part.kind for part in told.brief] == ["facts", "table", "facts", "table"]
+    assert told.headline.startswith(folder.name)
