@@ -4,6 +4,7 @@ from station.report.findings import Findings
 from station.report.section import Section
 from station.text.content import Figure, Paragraph, Part, facts, left_out
 from station.text.identification_text import methods_table, reasons, told
+from station.text.numbers import with_unit
 from station.views import identification_figures as draw
 
 TITLE = "Appendix: identification by two methods"
@@ -19,7 +20,9 @@ def methods(found: Findings) -> Section:
         return Section("methods", TITLE, why)
     words = Paragraph(told("This release", result).headline, strong=True)
     force, length = result.restoring_force, result.decay.unit
-    offset = "" if force is None else f"{force.source}; {_offset(found)}"
+    offset = (
+        "" if force is None else f"{force.source}; constant force per unit mass {with_unit(force.offset)}"
+    )
     parts: list[Part] = [words, methods_table(result), *why, *facts([("force from", offset)])]
     if result.wavelet is not None:
         caption = (
@@ -37,10 +40,3 @@ def methods(found: Findings) -> Section:
         parts.append(Figure("Restoring force surface with the measured points.", draw.surface(force, length)))
         parts.append(Figure("Sections of the surface.", draw.sections(force, length)))
     return Section("methods", TITLE, tuple(parts))
-
-
-def _offset(found: Findings) -> str:
-    from station.text.numbers import with_unit
-
-    force = None if found.identification is None else found.identification.restoring_force
-    return "" if force is None else f"constant force per unit mass {with_unit(force.offset)}"

@@ -29,26 +29,6 @@ def series(
 ) -> None:
     """Log a curve over the record's time in s; the name carries the unit."""
     style = rr.SeriesLines(colors=colour, names=typeset(name), widths=width, aggregation_policy="MinMax")
-    _scalars(stream, path, time, values, style)
-
-
-def points(
-    stream: rr.RecordingStream,
-    path: str,
-    time: Array,
-    values: Array,
-    name: str,
-    colour: Colour,
-    size: float = 2.5,
-) -> None:
-    """Log points over the record's time in s; the name carries the unit."""
-    style = rr.SeriesPoints(colors=colour, names=typeset(name), marker_sizes=size, markers="circle")
-    _scalars(stream, path, time, values, style)
-
-
-def _scalars(
-    stream: rr.RecordingStream, path: str, time: Array, values: Array, style: rr.AsComponents
-) -> None:
     stream.log(path, style, static=True)
     stream.send_columns(
         path,

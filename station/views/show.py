@@ -13,7 +13,6 @@ from station.views.tab import Tab
 APPLICATION = "free-decay-station"
 
 TABS = (capture, alignment, wavelet, restoring_force, results)
-NAMES = ("Capture", "Alignment", "Wavelet", "Restoring force", "Results")
 
 
 def write(
@@ -22,7 +21,7 @@ def write(
     """Write the recording with its blueprint to `file`, for a dark or a light viewer; `more` are further tabs."""
     palette.ground.set(palette.GROUNDS[dark])
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
-    stream.save(file, default_blueprint=blueprint(result, more=more))
+    stream.save(file, default_blueprint=blueprint(result, more))
     _fill(stream, name, result, more)
 
 
@@ -56,7 +55,7 @@ def _fill(stream: rr.RecordingStream, name: str, result: Identification, more: t
     stream.disconnect()
 
 
-def blueprint(result: Identification, active: str = "Results", more: tuple[Tab, ...] = ()) -> rrb.Blueprint:
-    """Return the layout: one named tab for each step of the pipeline."""
+def blueprint(result: Identification, more: tuple[Tab, ...] = ()) -> rrb.Blueprint:
+    """Return the layout: one named tab for each step of the pipeline, the results in front."""
     tabs = [*(tab.tab(result) for tab in TABS), *(other.layout() for other in more)]
-    return log.blueprint(tabs, active=NAMES.index(active))
+    return log.blueprint(tabs, active=TABS.index(results))

@@ -1,7 +1,6 @@
 """The viewer itself: opened on a file where there is a screen."""
 
 import os
-import shutil
 import socket
 import subprocess
 import sys
@@ -26,20 +25,12 @@ def has_screen() -> bool:
 def executable() -> str:
     """Return the path of the viewer that came with the SDK.
 
-    The program itself where it is found, not its launcher in `bin/`: ending the launcher would leave the viewer behind.
+    The program itself, not its launcher in `bin/`: ending the launcher would leave the viewer behind.
     """
-    suffix = ".exe" if sys.platform == "win32" else ""
     package = find_spec("rerun_cli")
-    places = (
-        []
-        if package is None or package.origin is None
-        else [Path(package.origin).with_name(f"rerun{suffix}")]
-    )
-    places.append(Path(sys.executable).with_name(f"rerun{suffix}"))
-    found = next((str(place) for place in places if place.is_file()), None) or shutil.which("rerun")
-    if found is None:
+    if package is None or package.origin is None:
         raise Problem("the Rerun viewer is not installed; `pip install rerun-sdk` brings it")
-    return found
+    return str(Path(package.origin).with_name("rerun.exe" if sys.platform == "win32" else "rerun"))
 
 
 def start(*arguments: str, more: dict[str, str] | None = None) -> "subprocess.Popen[bytes]":

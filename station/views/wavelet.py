@@ -20,28 +20,14 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
         return
     factor, unit = scale("displacement", result.decay.unit)
     time, trusted = found.time, found.trusted
-    hilbert = found.hilbert_envelope * factor
-    log.series(
-        stream,
-        f"{ROOT}/envelope/hilbert",
-        time,
-        hilbert,
-        f"Hilbert, for reference [{unit}]",
-        palette.REFERENCE,
-        1.0,
+    curves = (
+        ("hilbert", found.hilbert_envelope, "Hilbert, for reference", palette.REFERENCE, 1.0),
+        ("measured", found.envelope, "ridge", palette.MEASURED, 4.0),
+        ("model", found.envelope_fit, "fit", palette.WAVELET, 1.5),
     )
-    log.series(
-        stream,
-        f"{ROOT}/envelope/measured",
-        time,
-        found.envelope * factor,
-        f"ridge [{unit}]",
-        palette.MEASURED,
-        4.0,
-    )
-    log.series(
-        stream, f"{ROOT}/envelope/model", time, found.envelope_fit * factor, f"fit [{unit}]", palette.WAVELET
-    )
+    for what, values, label, colour, width in curves:
+        name = f"{label} [{unit}]"
+        log.series(stream, f"{ROOT}/envelope/{what}", time, values * factor, name, colour, width)
     frequency = np.where(trusted, found.frequency, np.nan)
     log.series(stream, f"{ROOT}/frequency", time, frequency, "instantaneous frequency [Hz]", palette.WAVELET)
     log.picture(stream, f"{ROOT}/scalogram", figures.scalogram(found, palette.SCREEN))

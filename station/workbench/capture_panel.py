@@ -159,14 +159,17 @@ class CapturePanel:
                 widgets.label(sentence(now.problem), "bad small wrap")
                 if now.kept is not None:
                     widgets.label("What was received is in the list below.", "small faint wrap")
-            if now.session is None or (now.session.name == self._chosen and now.verdict == "OK"):
+            verdict = now.verdict
+            good = verdict is not None and verdict.grade.value == "OK"
+            if now.session is None or (now.session.name == self._chosen and good):
                 return
-            good = now.verdict == "OK"
-            widgets.label(now.verdict or "recorded", f"strong {'good' if good else 'bad'}")
-            for reason in now.reasons:
-                widgets.label(reason, "small wrap")
-            for advice in now.advice:
-                widgets.label(f"To take it again: {advice}", "small wrap")
+            widgets.label(
+                verdict.grade.value if verdict else "recorded", f"strong {'good' if good else 'bad'}"
+            )
+            for words in (
+                (*verdict.reasons, *(f"To take it again: {one}" for one in verdict.advice)) if verdict else ()
+            ):
+                widgets.label(words, "small wrap")
             key = now.session.name
             if key != self._chosen:
                 widgets.button(f"Open {key}", lambda: ui.navigate.to(address_of(key)), strong=True)

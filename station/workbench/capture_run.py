@@ -5,11 +5,13 @@ import time
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from daq.capture import CaptureObserver, CaptureSettings, capture
 from daq.errors import StationError
+from daq.quality import Verdict
 from daq.recording import Array, Channel, Gap
 from daq.session import Session
 from firmware_protocol import Hello
@@ -32,16 +34,6 @@ class Level:
 
 
 @dataclass(frozen=True)
-class Details:
-    """What the operator writes beside the scope; None where it was not touched."""
-
-    name: str | None = None
-    specimen: str | None = None
-    operator: str | None = None
-    mass_kg: float | None = None
-
-
-@dataclass(frozen=True)
 class Progress:
     """Where a capture stands. `state` as the observer was given it, "" before the board has answered.
 
@@ -57,16 +49,17 @@ class Progress:
     recorded: float = 0.0
     finished: bool = False
     problem: str = ""
-    verdict: str = ""
-    reasons: tuple[str, ...] = ()
-    advice: tuple[str, ...] = ()
+    verdict: Verdict | None = None
     session: Path | None = None
     kept: Path | None = None
     scope: Scope = field(default_factory=Scope)
 
 
 class CaptureRun(CaptureObserver):
-    """A capture that runs until it is sealed, fails, or is cancelled."""
+    """A capture that runs until it is sealed, fails, or is cancelled.
+
+    `written` is what the operator writes beside the scope, by its name in the session, and the session's `name`.
+    """
 
     def __init__(
         self,
@@ -76,7 +69,7 @@ class CaptureRun(CaptureObserver):
         prefix: str = "release",
     ) -> None:
         self.now = Progress()
-        self.details = Details()
+        self.written: dict[str, Any] = {}
         self._board, self._settings = board, settings
         plain = sessions / prefix
         self._folder = plain if prefix != "release" and not plain.exists() else new_folder(sessions, prefix)
@@ -157,7 +150,7 @@ class CaptureRun(CaptureObserver):
         self.now = replace(self.now, finished=True, problem=sentence, kept=kept)
 
     def _done(self, session: Session) -> None:
-        verdict, problem = session.verdict, ""
+        problem = ""
         try:
             folder = self._described(session.folder)
         except Problem as error:
@@ -167,20 +160,13 @@ class CaptureRun(CaptureObserver):
             finished=True,
             problem=problem,
             session=folder,
-            verdict="" if verdict is None else verdict.grade.value,
-            reasons=() if verdict is None else tuple(verdict.reasons),
-            advice=() if verdict is None else tuple(verdict.advice),
+            verdict=session.verdict,
         )
 
     def _described(self, folder: Path) -> Path:
         """Write what was filled in beside the scope into the session; return its folder, renamed where a name was given."""
-        given = self.details
-        changes = {
-            "specimen": given.specimen,
-            "operator": given.operator,
-            "mass_kg": given.mass_kg,
-        }
-        known = {key: value for key, value in changes.items() if value is not None}
+        known = {key: value for key, value in self.written.items() if value is not None}
+        name = known.pop("name", "")
         if known:
             describe(folder, **known)
-        return rename(folder, given.name) if given.name else folder
+        return rename(folder, name) if name else folder

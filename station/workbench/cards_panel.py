@@ -2,6 +2,7 @@
 
 from nicegui import ui
 
+from identify.formatting import plain_name
 from station.results.diagnosis_document import DiagnosisDocument, SuspectDocument
 from station.results.ladder import KeptLadder
 from station.story.residual import explained_words
@@ -9,7 +10,6 @@ from station.text.diagnosis_text import found_in_sensor, not_distinguishable, pr
 from station.text.layout import sentence
 from station.text.numbers import typeset
 from station.workbench import view_models, widgets
-from station.workbench.names import plain
 from station.workbench.others_menu import OthersMenu
 from station.workbench.own_card import OwnCard
 from station.workbench.session_list import SessionList
@@ -127,7 +127,7 @@ class CardsPanel:
         words = explained_words(top.error.chi2, suspect.error_after, top.chi2_std)
         self._button(
             name,
-            plain(name),
+            plain_name(name),
             words if suspect.claimed else "no better than chance",
             view.equations.get(name, suspect.title),
             "" if suspect.claimed else "weak",
@@ -147,7 +147,7 @@ class CardsPanel:
 
     def _add(self, name: str | None) -> None:
         if name is not None:
-            called = "the measured curve" if name == MEASURED_CURVE else plain(name)
+            called = "the measured curve" if name == MEASURED_CURVE else plain_name(name)
             self._session.start(f"Adding {called}", "add", name)
 
 
@@ -162,7 +162,7 @@ def _headline(document: DiagnosisDocument | None, ladder: KeptLadder, floor: boo
             if document.suspects
             else typeset(document.explanation)
         )
-    named = " and ".join(plain(name) for name in document.named)
+    named = " and ".join(plain_name(name) for name in document.named)
     if document.verdict == "sensor_fault":
         return f"A sensor is at fault: {named}."
     return f"The missing effect is {named}."

@@ -1,13 +1,13 @@
-"""At the floor: that the model is adequate, its equation with its values, and what to do with it."""
+"""At the floor: that the model is adequate, its equation, and what to do with it."""
 
 from collections.abc import Callable
 
 from nicegui import ui
 
+from identify.formatting import plain_name
 from station.story.residual import floor_words
-from station.text.numbers import typeset, with_unit
+from station.text.numbers import typeset
 from station.workbench import view_models, widgets
-from station.workbench.names import plain
 
 
 class FloorCard:
@@ -29,7 +29,6 @@ class FloorCard:
                 widgets.button("Validate on another release", self._validate)
                 widgets.button("Drop what is not needed", self._prune)
             self._equation = widgets.label("", "mono wrap")
-            self._values = ui.element("div").classes("small")
         self._card.set_visibility(False)
 
     def show(self, view: view_models.View) -> None:
@@ -41,17 +40,6 @@ class FloorCard:
         self._words.text = (
             f"The {top.name} leaves {top.error.words} (noise alone: "
             f"{floor_words(top.chi2_std)}). Added to the {view.ladder.steps[0].began}: "
-            f"{', '.join(plain(n) for n in top.effects if n not in view.ladder.steps[0].effects) or 'nothing'}."
+            f"{', '.join(plain_name(n) for n in top.effects if n not in view.ladder.steps[0].effects) or 'nothing'}."
         )
         self._equation.text = typeset(top.model.equation)
-        self._values.clear()
-        with self._values:
-            for name, value in top.parameters.items():
-                effect, _, parameter = name.partition(".")
-                words = with_unit(value)
-                per_mass = name in view.with_mass
-                if per_mass:
-                    widgets.label(f"{plain(effect)}: {parameter} = {view.with_mass[name]}")
-                    widgets.label(f"({words} per unit mass)", "faint")
-                else:
-                    widgets.label(f"{plain(effect)}: {parameter} = {words}")

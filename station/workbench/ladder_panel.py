@@ -4,13 +4,13 @@ from functools import partial
 
 from nicegui import ui
 
+from identify.formatting import plain_name
 from station.results.ladder import KeptLadder
 from station.story.residual import times
 from station.workbench import view_models, widgets
 from station.workbench.floor_card import FloorCard
 from station.workbench.ladder_bars import share
-from station.workbench.model_card import ModelCard
-from station.workbench.names import plain, title
+from station.workbench.model_card import ModelCard, title
 from station.workbench.session_state import SessionState
 
 
@@ -111,7 +111,7 @@ class LadderPanel:
 def _step(ladder: KeptLadder, place: int) -> str:
     step = ladder.steps[place]
     if step.added:
-        return f"+ {plain(step.added)}"
+        return f"+ {plain_name(step.added)}"
     if step.removed:
-        return f"− {plain(step.removed)}"
+        return f"− {plain_name(step.removed)}"
     return step.began if place == 0 else title("model")

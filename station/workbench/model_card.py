@@ -2,11 +2,11 @@
 
 from nicegui import ui
 
+from identify.formatting import plain_name
 from station.results.ladder import KeptLadder
 from station.results.models import EffectEntry, name_of
 from station.text.numbers import with_unit
 from station.workbench import view_models, widgets
-from station.workbench.names import plain, title
 from station.workbench.session_state import SessionState
 
 
@@ -53,15 +53,15 @@ class ModelCard:
 
     def _switch(self, name: str, on: bool) -> None:
         switch = ui.switch(value=on, on_change=lambda e: self._turn(name, bool(e.value)))
-        switch.props("dense size=sm").props["aria-label"] = f"{plain(name)} in the model"
+        switch.props("dense size=sm").props["aria-label"] = f"{plain_name(name)} in the model"
 
     def _turn(self, name: str, on: bool) -> None:
         self._shown = None
         if on:
             text = expression_of(self._session.view.ladder, name) if self._session.view else ""
-            self._session.start(f"Adding {plain(name)}", "add", text or name)
+            self._session.start(f"Adding {plain_name(name)}", "add", text or name)
         else:
-            self._session.start(f"Taking {plain(name)} out", "remove", name)
+            self._session.start(f"Taking {plain_name(name)} out", "remove", name)
         self._session.changed()
 
 
@@ -81,3 +81,9 @@ def expression_of(ladder: KeptLadder, name: str) -> str:
             if name_of(text) == name:
                 return text
     return ""
+
+
+def title(name: str) -> str:
+    """Return an effect's name for people as the beginning of a line."""
+    words = plain_name(name)
+    return f"{words[:1].upper()}{words[1:]}"

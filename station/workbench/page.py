@@ -13,7 +13,6 @@ from station.workbench.floor_card import FloorCard
 from station.workbench.guide_panel import GuidePanel
 from station.workbench.identification_panel import IdentificationPanel
 from station.workbench.ladder_panel import LadderPanel
-from station.workbench.notice_card import NoticeCard
 from station.workbench.report_button import ReportButton
 from station.workbench.rerun_tab import RerunTab
 from station.workbench.scope_panel import ScopePanel
@@ -89,15 +88,18 @@ class Page:
             self._report: ReportButton | None = None
             if self._session is not None and self._key is not None:
                 SessionMenu(self._state, self._session, self._key).build()
-                self._report = ReportButton(self._state, self._session, self._key)
+                self._report = ReportButton(self._session, self._key)
                 self._report.build()
             self._theme_button = widgets.button("Dark", self._turn_theme, "Switch between light and dark")
 
     def _build_middle(self) -> None:
         self._busy = BusyBar()
         self._busy.build(lambda: self._session.cancel() if self._session else None)
-        self._notice = NoticeCard(self._close_notice)
-        self._notice.build()
+        self._notice = widgets.card("tight notice")
+        with self._notice, widgets.line():
+            self._said = widgets.label("", "grow wrap")
+            widgets.button("Close", self._close_notice, "Close the message")
+        self._notice.set_visibility(False)
         self._scope = ScopePanel()
         self._scope.build()
         self._empty = ui.element("div").classes("empty grow")
@@ -211,7 +213,8 @@ class Page:
         self._show(session)
 
     def _show(self, session: SessionState) -> None:
-        self._notice.show(session.notice)
+        self._said.text = session.notice
+        self._notice.set_visibility(bool(session.notice))
         self._head_tabs.set_visibility(session.view is not None)
         if session.view is None:
             self._empty.set_visibility(True)

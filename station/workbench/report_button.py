@@ -8,10 +8,10 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 
 from station.report.write import NAME
 from station.workbench import widgets
-from station.workbench.app_state import AppState
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
-from station.workbench.worker import Cancelled, Failed, Job
+from station.workbench.waiting import Waiting
+from station.workbench.worker import Cancelled, Failed
 
 PLACE = "/report"
 POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:"
@@ -21,66 +21,33 @@ POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; i
 class ReportButton:
     """Report, then the way to it; while it is written, how to cancel."""
 
-    def __init__(self, state: AppState, session: SessionState, key: str) -> None:
-        self._state, self._session, self._key = state, session, key
-        self._job: Job | None = None
-        self._message = ""
+    def __init__(self, session: SessionState, key: str) -> None:
+        self._session, self._key = session, key
+        self._waiting = Waiting(session.workers)
 
     def build(self) -> None:
         """Make the button."""
+        self._waiting.build()
         self._place = widgets.line().props("aria-live=polite")
-        self._offer()
-        ui.timer(0.3, self._tick)
-
-    def _offer(self, message: str = "", bad: bool = False) -> None:
-        self._place.clear()
-        with self._place:
-            if message and bad:
-                widgets.label(message, "small bad wrap")
-            elif message:
-                link = ui.link(message, f"{PLACE}/{quote(self._key, safe='')}", new_tab=True).classes(
-                    "small strong"
-                )
-                link.style("color: var(--accent)")
-            widgets.button("Report", self.write, "Write the report of this session")
+        widgets.button("Report", self.write, "Write the report of this session")
 
     async def write(self) -> None:
         """Write the report, and offer it."""
-        if self._job is not None:
+        if self._waiting.job is not None:
             return
-        self._job, self._message = Job(), "gathering"
         self._place.clear()
-        with self._place:
-            widgets.spinner(16)
-            self._words = widgets.label(self._message, "small faint")
-            widgets.button("Cancel", self._cancel, "Cancel the report")
+        folder = self._session.folder
         try:
-            await self._state.workers.do(
-                self._job,
-                str(self._session.folder),
-                "report",
-                self._session.folder,
-                progress=self._on_progress,
-            )
+            await self._waiting.do("gathering", str(folder), "report", folder)
         except Cancelled:
-            self._offer()
+            return
         except Failed as failure:
-            self._offer(str(failure), bad=True)
+            with self._place:
+                widgets.label(str(failure), "small bad wrap")
         else:
-            self._offer("Open the report")
-        finally:
-            self._job = None
-
-    def _cancel(self) -> None:
-        if self._job is not None:
-            self._job.cancel()
-
-    def _on_progress(self, text: str) -> None:
-        self._message = text
-
-    def _tick(self) -> None:
-        if self._job is not None:
-            self._words.text = self._message
+            with self._place:
+                link = ui.link("Open the report", f"{PLACE}/{quote(self._key, safe='')}", new_tab=True)
+                link.classes("small strong").style("color: var(--accent)")
 
 
 def serve_reports(app: FastAPI, session_list: SessionList) -> None:

@@ -8,7 +8,8 @@ from station.workbench import widgets
 from station.workbench.app_state import AppState
 from station.workbench.session_state import SessionState
 from station.workbench.viewer_files import address_of
-from station.workbench.worker import Cancelled, Failed, Job
+from station.workbench.waiting import Waiting
+from station.workbench.worker import Cancelled, Failed
 
 
 class RerunTab:
@@ -18,34 +19,26 @@ class RerunTab:
         self, state: AppState, session: SessionState, key: str, host: str, dark: Callable[[], bool]
     ) -> None:
         self._state, self._session, self._key, self._host, self._dark = state, session, key, host, dark
-        self._job: Job | None = None
+        self._waiting = Waiting(state.workers)
         self._made: object = None
 
     def build(self) -> None:
         """Make the tab; it is empty until it is opened."""
+        self._waiting.build()
         self._top = ui.element("div")
         self._frame = ui.element("div")
 
     async def open(self) -> None:
         """Show the recording of the session as its results stand."""
         view = self._session.view
-        if view is None or self._job is not None or self._made == (view.stamp, self._dark()):
+        if view is None or self._waiting.job is not None or self._made == (view.stamp, self._dark()):
             return
-        self._job = Job()
         self._frame.clear()
         self._top.clear()
-        with self._top, widgets.card("tight"), widgets.line():
-            widgets.spinner()
-            widgets.label("Writing the viewer's recording", "grow")
-            widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
+        folder, made = self._session.folder, (self._state.temporary, self._dark())
         try:
-            stamp = await self._state.workers.do(
-                self._job,
-                str(self._session.folder),
-                "viewer",
-                self._session.folder,
-                self._state.temporary,
-                self._dark(),
+            stamp = await self._waiting.do(
+                "Writing the viewer's recording", str(folder), "viewer", folder, *made
             )
         except Cancelled:
             self._say("Cancelled.")
@@ -53,7 +46,6 @@ class RerunTab:
             self._say(str(failure))
         else:
             self._made = (view.stamp, self._dark())
-            self._top.clear()
             with self._frame:
                 with widgets.card("tight viewer-wait"), widgets.line():
                     widgets.spinner()
@@ -64,8 +56,6 @@ class RerunTab:
                 frame = ui.element("iframe").classes("rerun")
                 frame.props["src"] = address_of(self._key, stamp, self._host, dark=self._dark())
                 frame.props["title"] = "Rerun viewer"
-        finally:
-            self._job = None
 
     def _say(self, text: str) -> None:
         self._top.clear()

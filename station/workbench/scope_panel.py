@@ -1,7 +1,7 @@
 """The middle while a board is being recorded: the live scope, what to do now, and what to write down beside it."""
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import asdict
 
 from nicegui import ui
 
@@ -59,7 +59,7 @@ class ScopePanel:
 
     def _note(self, key: str, value: object) -> None:
         if self._run is not None:
-            self._run.details = replace(self._run.details, **{key: value})  # type: ignore[arg-type]
+            self._run.written[key] = value
 
     def follow(self, capture: CaptureRun) -> None:
         """Show a capture from now on."""

@@ -50,7 +50,7 @@ class SessionState:
         self.running: Running | None = None
         self.version = 0
         self.news = Event[[]]()
-        self._workers = workers
+        self.workers = workers
         self._job: Job | None = None
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -103,7 +103,7 @@ class SessionState:
 
         title = self.running.title if self.running else task
         try:
-            found = await self._workers.do(
+            found = await self.workers.do(
                 job, str(self.folder), task, self.folder, *arguments, progress=self._on_progress
             )
             self._take(task, found)
@@ -192,7 +192,7 @@ class SessionState:
 
     async def ask(self, job: Job, task: str, *arguments: Any, progress: Progress = silent) -> Any:
         """Do a task beside the ladder, while the ladder stays as it is; raises Failed or Cancelled."""
-        return await self._workers.do(job, str(self.folder), task, self.folder, *arguments, progress=progress)
+        return await self.workers.do(job, str(self.folder), task, self.folder, *arguments, progress=progress)
 
     def undo(self) -> None:
         """Go back to the ladder before the last change."""

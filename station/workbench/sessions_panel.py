@@ -3,6 +3,7 @@
 import tempfile
 from functools import partial
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from nicegui import events, ui
@@ -16,7 +17,8 @@ from station.workbench.session_list import Entry
 from station.workbench.small_pictures import sparkline
 from station.workbench.uploads import plain_name
 from station.workbench.view_models import Campaign, ImportQuestion
-from station.workbench.worker import Cancelled, Failed, Job
+from station.workbench.waiting import Waiting
+from station.workbench.worker import Cancelled, Failed
 
 LARGEST = 200 << 20
 GOOD = ("OK", "sealed")
@@ -33,12 +35,11 @@ class SessionsPanel:
     """The list, and what imports a file into it."""
 
     def __init__(self, state: AppState, chosen: str | None) -> None:
-        self._session_list, self._workers, self._states = state.session_list, state.workers, state.sessions
+        self._session_list, self._states = state.session_list, state.sessions
+        self._waiting = Waiting(state.workers)
         self._chosen = chosen
         self._seen: tuple[Entry, ...] | None = None
         self._seen_refused: set[str] = set()
-        self._job: Job | None = None
-        self._told = ""
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     def build(self) -> None:
@@ -56,6 +57,7 @@ class SessionsPanel:
                 ).props('aria-label="Import a recording"')
             self._ask = ui.checkbox("Show the columns first").props("dense").classes("small")
             self._mass = ui.number("Mass, kg", min=0).props("dense outlined")
+            self._waiting.build()
             self._message = ui.element("div").props("aria-live=polite")
         with widgets.card("grow"):
             with widgets.line():
@@ -114,12 +116,11 @@ class SessionsPanel:
                 widgets.button(example.name, does, f"Open the example {example.name}: {example.about}")
 
     async def _open_example(self, name: str) -> None:
-        if self._job is not None:
+        if self._waiting.job is not None:
             return
-        self._job = Job()
-        self._importing(name)
+        self._message.clear()
         try:
-            key = await self._workers.do(self._job, "imports", "example", name)
+            key = await self._waiting.do(f"reading {name}", "imports", "example", name)
         except Cancelled:
             self._say(f"opening {name} was cancelled", "faint")
         except Failed as failure:
@@ -127,8 +128,6 @@ class SessionsPanel:
         else:
             with self._message:  # the button is gone by now: the list shows the session
                 ui.navigate.to(address_of(key))
-        finally:
-            self._job = None
 
     def _row(self, entry: Entry) -> None:
         link = ui.element("a").classes("session" + (" chosen" if entry.key == self._chosen else ""))
@@ -159,7 +158,7 @@ class SessionsPanel:
 
     async def _dropped(self, given: events.MultiUploadEventArguments) -> None:
         self._upload.reset()
-        if self._job is not None:
+        if self._waiting.job is not None:
             self._say("another import is under way; cancel it, or wait", "bad")
             return
         self._folder = tempfile.TemporaryDirectory(prefix="workbench-")  # one before goes with its files
@@ -171,32 +170,22 @@ class SessionsPanel:
 
     async def _import(self, files: list[Path], choices: ImportChoices | None = None) -> None:
         """Make sessions of files, or show what is to be said of the first before."""
-        self._job = Job()
+        self._message.clear()
         first, mass = files[0], self._mass.value or None
-        self._importing(first.name if len(files) == 1 else f"{len(files)} files")
+        words = f"reading {first.name if len(files) == 1 else f'{len(files)} files'}"
         recipe = choices.answered() if choices is not None else None
         ask = recipe is None and (bool(self._ask.value) or len(files) > 1)
+        task: tuple[Any, ...] = ("import", first, recipe, ask, mass)
+        if choices is not None and len(files) > 1:
+            task = ("files", files, recipe, *choices.of_files(), mass)
         told: ImportQuestion | Campaign | tuple[list[str], list[str]]
         try:
-            if choices is not None and recipe is not None and len(files) > 1:
-                told = await self._workers.do(
-                    self._job,
-                    "imports",
-                    "files",
-                    files,
-                    recipe,
-                    *choices.of_files(),
-                    mass,
-                    progress=self._progress,
-                )
-            else:
-                told = await self._workers.do(self._job, "imports", "import", first, recipe, ask, mass)
+            told = await self._waiting.do(words, "imports", *task)
         except Cancelled:
             self._say(f"the import of {first.name} was cancelled", "faint")
         except (Failed, OSError) as failure:
             self._say(str(failure).replace(f"{first.parent}/", ""), "bad")
         else:
-            self._message.clear()
             with self._message:
                 if isinstance(told, ImportQuestion):
                     self._question(files, told)
@@ -206,8 +195,6 @@ class SessionsPanel:
                     ui.navigate.to(address_of(told[0][0]))
                 else:
                     self._made(first.name, *told)
-        finally:
-            self._job = None
 
     def _question(self, files: list[Path], question: ImportQuestion) -> None:
         with ui.dialog(value=True) as dialog, ui.element("div").classes("card dialog"):
@@ -238,9 +225,6 @@ class SessionsPanel:
                 widgets.button(f"Open {told.sessions[0]}", does, strong=True)
                 widgets.button("Close", dialog.close)
 
-    def _progress(self, text: str) -> None:
-        self._told = text
-
     def _made(self, name: str, made: list[str], notes: list[str]) -> None:
         """Open the first session that was made, with a notice of the others and of what was guessed."""
         first, *others = made
@@ -249,14 +233,6 @@ class SessionsPanel:
             said = [*notes, *([f"its other releases: {', '.join(others)}"] if others else [])]
             self._states.at(place).notice = f"{name} was imported: {'; '.join(said)}"
         ui.navigate.to(address_of(first))
-
-    def _importing(self, name: str) -> None:
-        self._message.clear()
-        self._told = f"reading {name}"
-        with self._message, widgets.line():
-            widgets.spinner(16)
-            widgets.label("", "small grow wrap").bind_text_from(self, "_told")
-            widgets.button("Cancel", lambda: self._job.cancel() if self._job else None)
 
     def _say(self, text: str, kind: str) -> None:
         self._message.clear()

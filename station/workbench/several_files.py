@@ -17,18 +17,11 @@ class _Watch:
     def __init__(self, total: int, progress: Progress) -> None:
         self._total, self._done, self._progress = total, 0, progress
 
-    def kept(self, name: str) -> None:
-        self._count()
-
-    def done(self, name: str) -> None:
-        self._count()
-
-    def failed(self, name: str, reason: str) -> None:
-        self._count()
-
-    def _count(self) -> None:
+    def kept(self, name: str, reason: str = "") -> None:
         self._done += 1
         self._progress(f"{self._done} of {self._total} sessions identified")
+
+    done = failed = kept
 
 
 def import_files(

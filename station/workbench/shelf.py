@@ -54,13 +54,6 @@ def to_bin(folder: Path) -> Path:
     return place
 
 
-def from_bin(place: Path, folder: Path) -> None:
-    """Take a session back out of the bin."""
-    if folder.exists():
-        raise UsageProblem(f"there is a session called {folder.name} already")
-    _move(place, folder)
-
-
 def _move(folder: Path, place: Path) -> None:
     try:
         lock = Lock(folder)

@@ -4,8 +4,8 @@ import json
 from dataclasses import asdict
 from typing import Any
 
+from identify.formatting import plain_name
 from station.workbench import view_models
-from station.workbench.names import plain
 from station.workbench.session_state import SessionState
 from station.workbench.statements import says_of
 from station.workbench.widgets import run
@@ -43,7 +43,7 @@ class StageFeed:
         ].items():  # what stands in no diagnosis says of itself what it leaves
             if effect not in news["says"] and frame in self._session.frames:
                 news["says"][effect] = self._session.frames[frame].says
-        news["names"] = {name: plain(name) for name in news["says"]}
+        news["names"] = {name: plain_name(name) for name in news["says"]}
         if self._stage is None or self._stage.time != view.stage.time:
             news["stage"] = asdict(view.stage)
             self._sent.clear()

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from identify.formatting import plain_name
 from station.results.diagnosis_document import SuspectDocument
 from station.results.ladder import KeptLadder, KeptStep
 from station.story.residual import explained_words, times
@@ -9,7 +10,6 @@ from station.text.diagnosis_text import parameters
 from station.text.numbers import three_figures
 from station.workbench import view_models
 from station.workbench.ladder_bars import share
-from station.workbench.names import plain
 
 
 def says_of(view: view_models.View, summary: str) -> dict[str, dict[str, Any]]:
@@ -31,12 +31,12 @@ def _step(view: view_models.View, place: int, step: KeptStep, summary: str) -> d
     present = place == view.ladder.present
     name = f"the {step.name}" if present else f"step {place}"
     what = f"of the motion: residual of {name}, {times(error.chi2)} times the noise"
-    more = " + ".join(plain(name) for name in step.effects)
+    more = " + ".join(plain_name(name) for name in step.effects)
     if present and floor:
         more = f"Only noise remains. {more}"
     elif present and summary:
         more = summary
-    called = step.began if place == 0 else f"with {plain(step.added)}" if step.added else name
+    called = step.began if place == 0 else f"with {plain_name(step.added)}" if step.added else name
     return {
         "big": f"{three_figures(error.motion_percent)} %",
         "what": what,
@@ -47,7 +47,7 @@ def _step(view: view_models.View, place: int, step: KeptStep, summary: str) -> d
 
 
 def _suspect(view: view_models.View, suspect: SuspectDocument) -> dict[str, Any]:
-    name, values = plain(suspect.effect), parameters(suspect)
+    name, values = plain_name(suspect.effect), parameters(suspect)
     return with_effect(view.ladder, name, suspect.motion_percent, suspect.error_after, values)
 
 

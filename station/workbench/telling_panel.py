@@ -5,7 +5,8 @@ from nicegui import ui
 from station.text.content import Equation, Facts, Figure, Paragraph, Part, Table, Told
 from station.workbench import widgets
 from station.workbench.session_state import SessionState
-from station.workbench.worker import Cancelled, Failed, Job
+from station.workbench.waiting import Waiting
+from station.workbench.worker import Cancelled, Failed
 
 
 class TellingPanel:
@@ -13,12 +14,12 @@ class TellingPanel:
 
     def __init__(self, session: SessionState, task: str, doing: str) -> None:
         self._session, self._task, self._doing = session, task, doing
-        self._job: Job | None = None
+        self._waiting = Waiting(session.workers)
         self._wanted: object = None
 
     def build(self) -> None:
         """Make the panel; it is empty until it is opened."""
-        self._busy = widgets.line()
+        self._waiting.build()
         self._body = ui.element("div").classes("told")
 
     async def open(self, *arguments: object) -> None:
@@ -28,28 +29,18 @@ class TellingPanel:
         if wanted == self._wanted:
             return
         self.cancel()
-        job, self._wanted = Job(), wanted
-        self._job = job
-        self._busy.clear()
-        with self._busy:
-            widgets.spinner()
-            widgets.label(self._doing, "grow")
-            widgets.button("Cancel", job.cancel)
+        self._wanted = wanted
         try:
-            self._show(await self._session.ask(job, self._task, *arguments))
+            folder = self._session.folder
+            self._show(await self._waiting.do(self._doing, str(folder), self._task, folder, *arguments))
         except (Cancelled, Failed) as failure:
-            if self._job is job:
+            if self._wanted == wanted:
                 self._wanted = None
                 self._show(Told(str(failure), "bad", ()))
-        finally:
-            if self._job is job:
-                self._job = None
-                self._busy.clear()
 
     def cancel(self) -> None:
         """End the task where it is under way."""
-        if self._job is not None:
-            self._job.cancel()
+        self._waiting.cancel()
 
     def _show(self, told: Told) -> None:
         self._body.clear()

@@ -50,7 +50,7 @@ def test_a_session_is_renamed_described_and_put_into_a_bin_from_which_it_comes_b
     assert (Session.open(place).info.remarks, Session.open(place).info.mass_kg) == ("bolt M8 loose", 3.5)
     binned = shelf.to_bin(place)
     assert list_sessions(place.parent) == ()
-    shelf.from_bin(binned, place)
+    binned.rename(place)
     assert [summary.folder for summary in list_sessions(place.parent)] == [place]
 
 
