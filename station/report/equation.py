@@ -2,10 +2,8 @@
 
 import re
 
-from identify.effects.effect import Parameter
 from identify.estimate import Estimate
 from identify.fitting.fit import Fit
-from identify.model.model import Term
 from station.report.findings import Findings
 from station.report.section import Section
 from station.results.models import parameters_of
@@ -35,9 +33,10 @@ def equation(found: Findings) -> Section:
         return Section("equation", TITLE, (left_out(found.left_out["comparison"]),))
     judged = compared.judged
     fit = judged.stated(judged.fit)
+    letters = _typeset_equation(fit.model.equation.removesuffix(" = 0") + _right_side(fit))
     parts: list[Part] = [
         Paragraph(f"{sentence(compared.words)}", label="Model"),
-        Equation((_letters(fit), _numbers(fit))),
+        Equation((letters, _numbers(fit))),
         Paragraph(
             "Displacement u from the spring's zero and velocity v in "
             f"{compared.comparison.unit} and {compared.comparison.unit}/s; all forces per unit "
@@ -65,10 +64,6 @@ def caution(compared: Compared) -> str:
         f"This model leaves {residual_words(error.motion_percent, error.chi_square)}. The standard errors "
         "allow for that as for a slow drift of the motion; a force that is missing may have moved the parameters by more."
     )
-
-
-def _letters(fit: Fit) -> str:
-    return _typeset_equation(fit.model.equation.removesuffix(" = 0") + _right_side(fit))
 
 
 def _right_side(fit: Fit) -> str:
@@ -99,8 +94,9 @@ def _parameters(fit: Fit, length: str, found: Findings) -> Table:
     mass = found.options.mass
     rows = []
     for term in fit.model.terms:
+        meanings = {parameter.name: parameter.meaning for parameter in term.effect.parameters}
         for position, (name, value) in enumerate(parameters_of(fit, term).items()):
-            cells = (term.effect.name, typeset_symbol(name), _meaning(term, name).meaning)
+            cells = (term.effect.name, typeset_symbol(name), meanings[name])
             row: tuple[str, ...] = (
                 *cells,
                 with_error(value.value, value.std),
@@ -108,7 +104,7 @@ def _parameters(fit: Fit, length: str, found: Findings) -> Table:
             )
             if mass is not None:
                 strength = position == 0 and term.is_force
-                row = (*row, _times(value.value, value.std, value.unit, found) if strength else "")
+                row = (*row, _times(value, found) if strength else "")
             rows.append(row)
     head: tuple[str, ...] = ("effect", "parameter", "meaning", "value", "unit")
     if mass is not None:
@@ -116,15 +112,11 @@ def _parameters(fit: Fit, length: str, found: Findings) -> Table:
     return Table("Parameters (± one standard error)", head, tuple(rows), texts=3)
 
 
-def _meaning(term: Term, name: str) -> Parameter:
-    return next(parameter for parameter in term.effect.parameters if parameter.name == name)
-
-
-def _times(value: float, std: float, label: str, found: Findings) -> str:
+def _times(value: Estimate, found: Findings) -> str:
     """Return a strength times the mass, the error of the mass in it; "" where that has no unit of its own."""
     unit = "m" if found.compared is None else found.compared.comparison.unit
     mass, mass_std = found.options.mass or 1.0, found.options.mass_std
-    whole = times_mass(Estimate(value, std, label), mass, mass_std, unit)
+    whole = times_mass(value, mass, mass_std, unit)
     if whole is None:
         return ""
     return f"{with_error(whole.value, whole.std)}{SPACE}{typeset_unit(whole.unit)}"

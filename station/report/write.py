@@ -82,9 +82,8 @@ def _reasons(found: Findings) -> None:
         reason = found.left_out["identification"]
         found.left_out["alignment"] = reason
         return
-    names = {"alignment": "alignment", "wavelet": "wavelet", "restoring_force": "restoring_force"}
     for step, reason in found.identification.refusals.items():
-        if step in names:
-            found.left_out[names[step]] = reason
+        if step in ("alignment", "wavelet", "restoring_force"):
+            found.left_out[step] = reason
     if found.identification.alignment is None:
         found.left_out.setdefault("alignment", "there is one channel only")

@@ -17,6 +17,7 @@ with unseen("matplotlibrc"):
     import matplotlib
 
 # isort: split
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 if TYPE_CHECKING:
@@ -79,8 +80,10 @@ class Picture(Figure):
     @property
     def uri(self) -> str:
         """The picture as a data URI of an SVG: nothing outside a page is needed to see it."""
-        drawing = self.encoded("svg", metadata={"Date": None})
-        small = _PATH.sub(lambda path: _DECIMALS.sub(rb"\1", path.group()), drawing)
+        buffer = BytesIO()
+        with inked(self.look):  # not `savefig`, which would draw it twice
+            FigureCanvasSVG(self).print_svg(buffer, metadata={"Date": None})  # type: ignore[no-untyped-call]
+        small = _PATH.sub(lambda path: _DECIMALS.sub(rb"\1", path.group()), buffer.getvalue())
         return f"data:image/svg+xml;base64,{base64.b64encode(small).decode()}"
 
 

@@ -24,7 +24,10 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
         return
     cube = Cube(found, result.decay.unit)
     _surface(stream, found, cube)
-    _points(stream, found, cube)
+    every = max(1, len(found.force) // MOST_POINTS)
+    placed = cube.place(found.displacement[::every], found.velocity[::every], found.force[::every])
+    measured = rr.Points3D(placed, colors=palette.MEASURED, radii=0.007)
+    stream.log(f"{ROOT}/surface/measured", measured, static=True)
     cube.draw(stream)
     log.picture(stream, f"{ROOT}/sections", figures.sections(found, result.decay.unit, palette.SCREEN))
     log.picture(stream, f"{ROOT}/orders", figures.orders(result, palette.SCREEN))
@@ -106,14 +109,6 @@ def _colours(height: Array) -> Array:
     table = matplotlib.colormaps["viridis"]((np.clip(height, -1, 1) + 1) / 2)
     colours: Array = (table * 255).astype(np.uint8)
     return colours
-
-
-def _points(stream: rr.RecordingStream, found: RestoringForceResult, cube: Cube) -> None:
-    every = max(1, len(found.force) // MOST_POINTS)
-    placed = cube.place(found.displacement[::every], found.velocity[::every], found.force[::every])
-    stream.log(
-        f"{ROOT}/surface/measured", rr.Points3D(placed, colors=palette.MEASURED, radii=0.007), static=True
-    )
 
 
 def tab(result: Identification) -> rrb.Container:

@@ -3,18 +3,18 @@
 from nicegui import ui
 
 from identify.formatting import plain_name
-from station.results.diagnosis_document import DiagnosisDocument, SuspectDocument
+from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.story.residual import explained_words
 from station.text.diagnosis_text import found_in_sensor, not_distinguishable, predicted_parts
 from station.text.layout import sentence
 from station.text.numbers import typeset
 from station.workbench import view_models, widgets
+from station.workbench.frame_store import MEASURED_CURVE
 from station.workbench.others_menu import OthersMenu
 from station.workbench.own_card import OwnCard
 from station.workbench.session_list import SessionList
 from station.workbench.session_state import SessionState
-from station.workbench.unkept import MEASURED_CURVE
 from station.workbench.worker import Cancelled, Failed, Job
 
 
@@ -81,16 +81,17 @@ class CardsPanel:
             if document is not None and not floor:
                 self._cards(document, view)
                 if curve is not None:
-                    self._curve(curve.says["words"])
+                    self._card(
+                        MEASURED_CURVE, "the measured curve", curve.says["words"],
+                        "a spline of the residual, without a name",
+                    )  # fmt: skip
             elif not floor:
-                self._invite()
-
-    def _invite(self) -> None:
-        with ui.element("div").classes("invite"):
-            widgets.label(
-                "Diagnose tries every effect it knows on this recording. Each that explains something becomes a card here.",
-                "small faint wrap",
-            )
+                with ui.element("div").classes("invite"):
+                    widgets.label(
+                        "Diagnose tries every effect it knows on this recording. Each that explains something becomes a "
+                        "card here.",
+                        "small faint wrap",
+                    )
 
     def _details(self, document: DiagnosisDocument | None) -> None:
         self._more.clear()
@@ -111,30 +112,17 @@ class CardsPanel:
             widgets.label(document.next_experiment, "small wrap")
 
     def _cards(self, document: DiagnosisDocument, view: view_models.View) -> None:
-        present = view.ladder.top.effects
-        offered = [s for s in document.suspects if s.model is not None and s.effect not in present]
+        top = view.ladder.top
+        offered = [s for s in document.suspects if s.model is not None and s.effect not in top.effects]
         for suspect in offered[: view_models.MOST_CARDS]:
-            self._card(suspect, view)
-
-    def _curve(self, words: str) -> None:
-        """Offer what the model lacks as it was measured, where nothing that has a name may fit."""
-        self._button(
-            MEASURED_CURVE, "the measured curve", words, "a spline of the residual, without a name", ""
-        )
-
-    def _card(self, suspect: SuspectDocument, view: view_models.View) -> None:
-        name, top = suspect.effect, view.ladder.top
-        words = explained_words(top.error.chi2, suspect.error_after, top.chi2_std)
-        self._button(
-            name,
-            plain_name(name),
-            words if suspect.claimed else "no better than chance",
-            view.equations.get(name, suspect.title),
-            "" if suspect.claimed else "weak",
-        )
+            name, words = suspect.effect, "no better than chance"
+            if suspect.claimed:
+                words = explained_words(top.error.chi2, suspect.error_after, top.chi2_std)
+            equation = view.equations.get(name, suspect.title)
+            self._card(name, plain_name(name), words, equation, "" if suspect.claimed else "weak")
 
     @staticmethod
-    def _button(name: str, called: str, words: str, equation: str, classes: str) -> None:
+    def _card(name: str, called: str, words: str, equation: str, classes: str = "") -> None:
         """Show a card: pointing at it previews the model with it, a click selects it."""
         card = ui.element("button").classes(f"card-suspect {classes}")
         card.props["type"] = "button"

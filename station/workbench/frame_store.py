@@ -1,22 +1,25 @@
 """The frames of a session as a worker keeps them: each model is fitted and run once, however often it is looked at."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import Fit, fit
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.refining import Refinement, step_again
+from station.operations.refining import Refinement, step_again, tried
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, KeptStep
 from station.results.models import ModelFile, known_model, starting_values
 from station.story.pipeline import Progress
 from station.workbench import view_models
 from station.workbench.frames import Ground, frame_id, frame_of, ground_of
+from station.workbench.statements import with_effect
 
 MOST_KEPT = 80
+MEASURED_CURVE = "measured_curve"
+"""What is added where nothing that has a name fits, see `station refine --add`."""
 
 
 @dataclass(eq=False)
@@ -91,3 +94,16 @@ def of_suspects(
         except (NotIdentifiable, UsageProblem):  # shown without a picture
             continue
         yield view_models.Drawn({name: store.frames[name]}, {suspect.effect: name})
+
+
+def frame_of_tried(
+    store: FrameStore, refinement: Refinement, wanted: str, called: str
+) -> tuple[str, view_models.Frame]:
+    """Return the frame of the present model with `wanted` added, which is kept nowhere, and the frame's name."""
+    step, _ = tried(refinement, wanted)
+    name = frame_id(step.model)
+    frame = store.put(name, refinement.prepared, fit_of(refinement, step))
+    more = "Fitted to this release; Add keeps it."
+    error = step.error
+    says = with_effect(refinement.ladder, called, error.motion_percent, error.chi2, more)
+    return name, replace(frame, says=says)

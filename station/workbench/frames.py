@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from identify.comparison.discrepancy_text import DiscrepancyText
-from identify.comparison.multiple_shooting import MultipleShooting, shoot
+from identify.comparison.multiple_shooting import shoot
 from identify.comparison.residual_force import estimate_extra_force
 from identify.fitting.fit import Fit
 from identify.fitting.problem import Problem
@@ -78,7 +78,7 @@ def ground_of(prepared: PreparedDecay, fit: Fit, mass: float | None) -> Ground:
         velocity_per_amplitude=frequency / factor,
         units={"u": unit, "v": f"{window.unit}/s", "f": typeset(units.force_unit)},
         traces=tuple(_trace(fit, channel, step) for channel in window.channels),
-        cycle=_map(amplitude * factor, phase, cycle),
+        cycle=view_models.MapAxes(for_eye(amplitude * factor), for_eye(phase), cycle.codes.tolist()),
     )
     return Ground(prepared, stage, cycle, units.force_scale)
 
@@ -92,10 +92,6 @@ def _cells(
     column = np.clip(np.searchsorted(second_edges, second, side="right") - 1, 0, columns - 1)
     codes, member = np.unique(row * columns + column, return_inverse=True)
     return Cells(codes, member)
-
-
-def _map(first: NDArray[np.float64], second: NDArray[np.float64], cells: Cells) -> view_models.MapAxes:
-    return view_models.MapAxes(for_eye(first), for_eye(second), [int(code) for code in cells.codes])
 
 
 def _trace(fit: Fit, channel: str, step: int) -> view_models.Measured:
@@ -136,9 +132,10 @@ def frame_of(ground: Ground, fit: Fit) -> view_models.Frame:
     each cell takes up the residual; so its standard error is that of the readings' noise.
     """
     shooting = shoot(*without_faults(ground.prepared, fit))
-    cycle, cycle_std = _missing(shooting, ground.cycle, ground.force_scale)
-    model, left = motion_of(fit)
-    return view_models.Frame(model, left, cycle, cycle_std)
+    found = estimate_extra_force(shooting, ground.cycle.patterns)
+    known = found.std < UNKNOWN * np.median(found.std)
+    cycle, cycle_std = (np.where(known, one * ground.force_scale, np.nan) for one in (found.size, found.std))
+    return view_models.Frame(*motion_of(fit), _four(cycle), _four(cycle_std))
 
 
 def without_faults(prepared: PreparedDecay, fit: Fit) -> tuple[PreparedDecay, Fit]:
@@ -175,15 +172,6 @@ def motion_of(fit: Fit) -> tuple[tuple[view_models.Numbers, ...], tuple[view_mod
         models.append(numbers(fit.predicted[0][channel][::step] * factor, _quantum(fit, channel)))
         lefts.append(numbers(left[::step], max(sigma / 10, float(np.nanmax(np.abs(left))) / EYE)))
     return tuple(models), tuple(lefts)
-
-
-def _missing(
-    shooting: MultipleShooting, cells: Cells, factor: float
-) -> tuple[view_models.Numbers, view_models.Numbers]:
-    found = estimate_extra_force(shooting, cells.patterns)
-    known = found.std < UNKNOWN * np.median(found.std)
-    force = np.where(known, found.size * factor, np.nan)
-    return _four(force), _four(np.where(known, found.std * factor, np.nan))
 
 
 def _four(values: NDArray[np.float64]) -> view_models.Numbers:

@@ -2,19 +2,22 @@
 
 from pathlib import Path
 
-from daq.exporting import encode
+import numpy as np
+
+from daq.exporting import Exported, encode
+from daq.recording import Array, Channel, Recording
 from daq.session import Session
 from identify.fitting.fit import Fit
+from identify.preprocessing.prepared_decay import PreparedDecay
+from station.operations.exporting import facts_of
 from station.results.ladder import read_ladder
 from station.results.models import name_of
 from station.settings import Settings
 from station.story.pipeline import Progress
 from station.workbench import view_models
-from station.workbench.export import fitted_samples
-from station.workbench.frame_store import of_step
+from station.workbench.frame_store import frame_of_tried, of_step
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, open_session
-from station.workbench.unkept import frame_of_tried
 
 
 def export(settings: Settings, progress: Progress, folder: Path) -> str:
@@ -24,6 +27,36 @@ def export(settings: Settings, progress: Progress, folder: Path) -> str:
     refinement = opened.refinement
     exported = fitted_samples(refinement.session, refinement.prepared, _present_fit(opened))
     return encode(exported, "csv").decode()
+
+
+def fitted_samples(session: Session, prepared: PreparedDecay, fit: Fit) -> Exported:
+    """Return the samples of the fit, SI: the motion, and of each channel the reading, the model and the residual.
+
+    The motion is on one clock (the lag corrected). Readings that did not count are not a number.
+    """
+    window, motion = fit.windows[0], prepared.motion
+    units = {
+        "displacement": window.unit,
+        "velocity": f"{window.unit}/s",
+        "acceleration": f"{window.unit}/s^2",
+    }
+    columns: list[tuple[str, str, Array]] = [("time since release", "s", np.asarray(window.clock))]
+    columns += [(f"{name} aligned", unit, np.asarray(getattr(motion, name))) for name, unit in units.items()]
+    for channel in window.channels:
+        read = np.where(window.used[channel], window.readings[channel], np.nan)
+        model = fit.predicted[0][channel]
+        for what, values in (("read", read), ("model", model), ("residual", read - model)):
+            columns.append((f"{channel} {what}", units[channel], values))
+    recording = Recording(
+        window.rate,
+        tuple(Channel(name, "other", unit) for name, unit, _ in columns),
+        np.array([values for *_, values in columns]),
+        np.ones(len(window), dtype=bool),
+        rate_std=window.rate_std,
+    )
+    facts = {"model": " + ".join(term.effect.name for term in fit.model.terms)}
+    facts |= {f"fitted {name}": f"{found.value:.9g} ± {found.std:.3g}" for name, found in fit.values.items()}
+    return Exported(recording, facts_of(session) | facts)
 
 
 def reveal(settings: Settings, progress: Progress, folder: Path) -> str:

@@ -10,7 +10,6 @@ from pydantic import ValidationError
 from daq.importing.recipe import ROLES, Recipe
 from station.exits import UsageProblem
 from station.workbench import widgets
-from station.workbench.small_pictures import sparkline
 from station.workbench.view_models import ImportQuestion
 
 UNITS = ("s", "ms", "us", "m", "mm", "um", "rad", "deg", "m/s", "deg/s", "m/s^2", "g", "N", "V", "counts")
@@ -31,7 +30,7 @@ class ImportChoices:
                 run = f", run {field.run}" if field.run else ""
                 widgets.label(f"{column.place}{run}", "small strong wrap")
                 widgets.label(column.numbers, "small faint wrap")
-                widgets.svg(sparkline(column.line))
+                widgets.sparkline(column.line)
                 role = _select(f"Role of {column.place}", list(ROLES), field.role)
                 units = list(dict.fromkeys(("", field.unit, *UNITS)))
                 unit = _select(f"Unit of {column.place}", units, field.unit)

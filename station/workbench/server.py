@@ -46,15 +46,48 @@ def serve(
     say: Callable[[str], None],
 ) -> None:
     """Serve until interrupted. `named` are sessions of the command line; the first is opened."""
-    signal.signal(
-        signal.SIGTERM, signal.default_int_handler
-    )  # ended from outside, it tidies up as after Ctrl-C
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # it tidies up as after Ctrl-C
     with listen(host, port) as opened, tempfile.TemporaryDirectory(prefix="workbench-") as temporary:
         os.environ.setdefault("NICEGUI_STORAGE_PATH", temporary)
+        import uvicorn
+
+        from station.workbench.application import make
+        from station.workbench.sessions_panel import address_of
+
         bound = opened.getsockname()[1]
-        shown = HOST if host in ("0.0.0.0", "::") else host
+        everywhere = host in ("0.0.0.0", "::")
+        shown = HOST if everywhere else host
         place = f"[{shown}]:{bound}" if ":" in shown else f"{shown}:{bound}"
-        _run(settings, named, opened, place, Path(temporary), open_browser, say)
+        names = {place, f"localhost:{bound}"}
+        if everywhere:
+            names.add(f"{socket.gethostname()}:{bound}")
+        token, folder = secrets.token_urlsafe(24), Path(temporary)
+        app, state = make(settings, named, frozenset(names), token, everywhere, folder)
+        page = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
+        address = f"{page}{'&' if '?' in page else '?'}token={token}"
+        say_in_one_line(say)
+        config = uvicorn.Config(
+            app, log_config=None, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2
+        )
+        server = uvicorn.Server(config)
+
+        async def run() -> None:
+            say(f"workbench: {address}")
+            say("end it with Ctrl-C")
+            if open_browser:
+                asyncio.get_running_loop().run_in_executor(None, webbrowser.open, _way_to(address, folder))
+            await server.serve(sockets=[opened])
+
+        try:
+            asyncio.run(run())
+        except KeyboardInterrupt:
+            say("workbench closed; everything is kept in the sessions")
+            say(next_line("list", settings.sessions))
+        finally:
+            if state.capturing is not None:
+                state.capturing.cancel()
+                state.capturing.wait(3.0)
+            state.workers.end()
 
 
 def _way_to(address: str, temporary: Path) -> str:
@@ -62,51 +95,3 @@ def _way_to(address: str, temporary: Path) -> str:
     page = temporary / "open.html"
     page.write_text(f'<meta http-equiv="refresh" content="0;url={html.escape(address)}">', encoding="utf-8")
     return page.as_uri()
-
-
-def _run(
-    settings: Settings,
-    named: tuple[Path, ...],
-    opened: socket.socket,
-    place: str,
-    temporary: Path,
-    open_browser: bool,
-    say: Callable[[str], None],
-) -> None:
-    import uvicorn
-
-    from station.workbench.application import make
-    from station.workbench.sessions_panel import address_of
-
-    host, port = opened.getsockname()[:2]
-    everywhere = host in ("0.0.0.0", "::")
-    names = {place, f"localhost:{port}"}
-    if everywhere:
-        names.add(f"{socket.gethostname()}:{port}")
-    token = secrets.token_urlsafe(24)
-    app, state = make(settings, named, frozenset(names), token, everywhere, temporary)
-    page = f"http://{place}{address_of(named[0].resolve().name) if named else '/'}"
-    address = f"{page}{'&' if '?' in page else '?'}token={token}"
-    say_in_one_line(say)
-    config = uvicorn.Config(
-        app, log_config=None, log_level="error", ws_max_size=1 << 24, timeout_graceful_shutdown=2
-    )
-    server = uvicorn.Server(config)
-
-    async def run() -> None:
-        say(f"workbench: {address}")
-        say("end it with Ctrl-C")
-        if open_browser:
-            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, _way_to(address, temporary))
-        await server.serve(sockets=[opened])
-
-    try:
-        asyncio.run(run())
-    except KeyboardInterrupt:
-        say("workbench closed; everything is kept in the sessions")
-        say(next_line("list", settings.sessions))
-    finally:
-        if state.capturing is not None:
-            state.capturing.cancel()
-            state.capturing.wait(3.0)
-        state.workers.end()

@@ -4,7 +4,6 @@ import asyncio
 import contextlib
 import re
 import time
-from collections.abc import Coroutine
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -16,6 +15,7 @@ from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder
 from station.story.pipeline import Progress, silent
 from station.workbench import view_models
+from station.workbench.build_view_models import results_stamp
 from station.workbench.worker import Cancelled, Failed, Job, WorkerPool
 
 MOST_UNDONE = 50
@@ -61,8 +61,6 @@ class SessionState:
 
     def open(self) -> None:
         """Look at the session unless it is known as its results stand."""
-        from station.workbench.build_view_models import results_stamp
-
         if self.busy or (self.view is not None and self.view.stamp == results_stamp(self.folder)):
             return
         self.start("Reading and fitting", "look")
@@ -79,18 +77,15 @@ class SessionState:
         self.notice = self.notice if task == "look" else ""
         self._job = Job()
         self.version += 1  # shown in a moment: the task goes first
-        self._keep(self._run(self._job, task, arguments))
+        running = asyncio.get_running_loop().create_task(self._run(self._job, task, arguments))
+        self._tasks.add(running)
+        running.add_done_callback(self._tasks.discard)
         return True
 
     def changed(self) -> None:
         """Tell every tab that there is something to show."""
         self.version += 1
         self.news.emit()
-
-    def _keep(self, story: Coroutine[Any, Any, None]) -> None:
-        running = asyncio.get_running_loop().create_task(story)
-        self._tasks.add(running)
-        running.add_done_callback(self._tasks.discard)
 
     def cancel(self) -> None:
         """End the computation that is under way; what was kept before stays."""
@@ -99,8 +94,6 @@ class SessionState:
             asyncio.get_running_loop().run_in_executor(None, job.cancel)
 
     async def _run(self, job: Job, task: str, arguments: tuple[Any, ...]) -> None:
-        from station.workbench.build_view_models import results_stamp
-
         title = self.running.title if self.running else task
         try:
             found = await self.workers.do(

@@ -14,8 +14,7 @@ from station.workbench import widgets
 from station.workbench.app_state import AppState
 from station.workbench.import_choices import ImportChoices
 from station.workbench.session_list import Entry
-from station.workbench.small_pictures import sparkline
-from station.workbench.uploads import plain_name
+from station.workbench.shelf import plain_name
 from station.workbench.view_models import Campaign, ImportQuestion
 from station.workbench.waiting import Waiting
 from station.workbench.worker import Cancelled, Failed
@@ -73,7 +72,12 @@ class SessionsPanel:
                 .props("dense dense-toggle id=examples")
                 .classes("small") as self._expansion
             ):
-                self._examples()
+                for example in EXAMPLES:
+                    does = partial(self._open_example, example.name)
+                    with widgets.line("small"):
+                        widgets.button(
+                            example.name, does, f"Open the example {example.name}: {example.about}"
+                        )
         self.refresh()
         ui.timer(2.0, self.refresh)
         ui.timer(0.6, self._thumbnails, once=True)
@@ -109,12 +113,6 @@ class SessionsPanel:
             for entry in shown:
                 self._row(entry)
 
-    def _examples(self) -> None:
-        for example in EXAMPLES:
-            does = partial(self._open_example, example.name)
-            with widgets.line("small"):
-                widgets.button(example.name, does, f"Open the example {example.name}: {example.about}")
-
     async def _open_example(self, name: str) -> None:
         if self._waiting.job is not None:
             return
@@ -141,7 +139,7 @@ class SessionsPanel:
                 refused = self._refused(entry.folder)
                 word = "no analysis" if refused else entry.verdict
                 widgets.label(word, f"tag {'ok' if word in GOOD else 'bad'}")
-            widgets.svg(sparkline(thumbnail.line if thumbnail else []))
+            widgets.sparkline(thumbnail.line if thumbnail else [])
             amplitude = f" · {thumbnail.amplitude}" if thumbnail and thumbnail.amplitude else ""
             widgets.label(f"{entry.date}{amplitude}", "small faint date")
             problem = entry.problem or (thumbnail.problem if thumbnail else "")

@@ -1,6 +1,7 @@
 """What may be changed of a kept session: its name, its notes, what is known of the specimen; and the bin."""
 
 import os
+import re
 import time
 from pathlib import Path
 from typing import Any
@@ -9,9 +10,21 @@ from daq.errors import StationError
 from daq.session import Session
 from daq.storage import Lock
 from station.exits import UsageProblem
-from station.workbench.uploads import plain_name
 
 BIN = ".bin"
+LONGEST = 100
+"""Letters of a name."""
+
+
+def plain_name(given: str) -> str:
+    """Return the last part of a name with letters, digits, dots and dashes only; "recording" where nothing is left."""
+    last = re.split(r"[/\\]", given)[-1]
+    stem, dot, ending = last.rpartition(".")
+    if not dot:
+        stem, ending = last, ""
+    stem = re.sub(r"[^\w.-]+", "_", stem).strip("._")[:LONGEST] or "recording"
+    ending = re.sub(r"[^A-Za-z0-9]+", "", ending)[:10]
+    return f"{stem}.{ending}" if ending else stem
 
 
 def rename(folder: Path, wanted: str) -> Path:

@@ -30,36 +30,28 @@ class StageFeed:
         view = self._session.view
         if view is None or view.stage is None:
             return
+        document = view.diagnosis if view.about_present and not view.at_floor else None
+        present = view.ladder.top.effects
+        suspects = {e: name for e, name in self._session.suspect_frames.items() if e not in present}
+        says = says_of(view, self._session.summary)
+        for effect, frame in suspects.items():  # what stands in no diagnosis says of itself what it leaves
+            if effect not in says and frame in self._session.frames:
+                says[effect] = self._session.frames[frame].says
         news: dict[str, Any] = {
             "steps": list(view.step_frames),
             "present": view.ladder.present,
             "busy": self._session.busy,
-            "suspects": self._offered(view),
-            "best": self._best(view),
-            "says": says_of(view, self._session.summary),
+            "suspects": suspects,
+            "best": document.named[0] if document is not None and document.named else None,
+            "says": says,
+            "names": {name: plain_name(name) for name in says},
         }
-        for effect, frame in news[
-            "suspects"
-        ].items():  # what stands in no diagnosis says of itself what it leaves
-            if effect not in news["says"] and frame in self._session.frames:
-                news["says"][effect] = self._session.frames[frame].says
-        news["names"] = {name: plain_name(name) for name in news["says"]}
         if self._stage is None or self._stage.time != view.stage.time:
             news["stage"] = asdict(view.stage)
             self._sent.clear()
         self._stage = view.stage
-        wanted = {*view.step_frames, *news["suspects"].values()}
+        wanted = {*view.step_frames, *suspects.values()}
         fresh = {n: f for n, f in self._session.frames.items() if n in wanted and n not in self._sent}
         self._sent = (self._sent | fresh.keys()) & (wanted | self._sent)
         news["frames"] = {name: asdict(frame) for name, frame in fresh.items()}
         run(f"bench.receive({json.dumps(news)})")
-
-    @staticmethod
-    def _best(view: view_models.View) -> str | None:
-        """The suspect to look at first: the one that the diagnosis of the present model names."""
-        document = view.diagnosis if view.about_present and not view.at_floor else None
-        return document.named[0] if document is not None and document.named else None
-
-    def _offered(self, view: view_models.View) -> dict[str, str]:
-        present = view.ladder.top.effects
-        return {e: name for e, name in self._session.suspect_frames.items() if e not in present}

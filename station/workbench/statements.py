@@ -3,7 +3,6 @@
 from typing import Any
 
 from identify.formatting import plain_name
-from station.results.diagnosis_document import SuspectDocument
 from station.results.ladder import KeptLadder, KeptStep
 from station.story.residual import explained_words, times
 from station.text.diagnosis_text import parameters
@@ -22,7 +21,9 @@ def says_of(view: view_models.View, summary: str) -> dict[str, dict[str, Any]]:
         found[f"step{place}"] = _step(view, place, step, summary)
     if view.diagnosis is not None:
         for suspect in view.diagnosis.suspects:
-            found[suspect.effect] = _suspect(view, suspect)
+            name, values = plain_name(suspect.effect), parameters(suspect)
+            told = with_effect(view.ladder, name, suspect.motion_percent, suspect.error_after, values)
+            found[suspect.effect] = told
     return found
 
 
@@ -44,11 +45,6 @@ def _step(view: view_models.View, place: int, step: KeptStep, summary: str) -> d
         "short": f"{called}: {times(error.chi2)} × noise",
         "floor": floor,
     }
-
-
-def _suspect(view: view_models.View, suspect: SuspectDocument) -> dict[str, Any]:
-    name, values = plain_name(suspect.effect), parameters(suspect)
-    return with_effect(view.ladder, name, suspect.motion_percent, suspect.error_after, values)
 
 
 def with_effect(

@@ -43,9 +43,8 @@ class StoryPanel:
         if len(channels) > 1:
             with self._choice, widgets.line():
                 widgets.label("below:")
-                made = ui.toggle(dict(enumerate(channels)), on_change=lambda e: self._choose(e.value))
+                made = ui.toggle(
+                    dict(enumerate(channels)),
+                    on_change=lambda e: run(f"bench.choose('channel', {json.dumps(e.value)})"),
+                )
                 made.props('dense no-caps size=12px padding="1px 7px" unelevated toggle-color=primary')
-
-    @staticmethod
-    def _choose(channel: int) -> None:
-        run(f"bench.choose('channel', {json.dumps(channel)})")

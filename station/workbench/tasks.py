@@ -13,7 +13,7 @@ from station.exits import Problem
 from station.operations.comparing import compare_session
 from station.operations.current_model import current_model
 from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
-from station.operations.refining import add, drop_needless, go_to, open_refinement, remove
+from station.operations.refining import Refinement, add, drop_needless, go_to, open_refinement, remove
 from station.operations.refining import refine_to_floor as climb
 from station.operations.session_set import SessionSet, open_sessions
 from station.results.diagnosis_document import DiagnosisDocument, with_differences
@@ -24,12 +24,11 @@ from station.story.preparation import weighing_of
 from station.text.ladder_text import with_mass
 from station.workbench import further_tasks, telling, view_models
 from station.workbench.build_view_models import equations_of, results_stamp
-from station.workbench.frame_store import of_ladder, of_step, of_suspects
+from station.workbench.frame_store import MEASURED_CURVE, frame_of_tried, of_ladder, of_step, of_suspects
 from station.workbench.frames import frame_id
 from station.workbench.opened_session import Opened, kept_diagnosis, open_session
 from station.workbench.session_thumbnails import outline, thumbnail_of
 from station.workbench.several_files import import_files
-from station.workbench.unkept import MEASURED_CURVE, frame_of_tried
 from station.workbench.warm_up import warm_up
 
 
@@ -45,6 +44,7 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models
     session, store = opened.refinement.session, opened.store
     diagnosis = kept_diagnosis(session)
     names = tuple(frame_id(step.model) for step in ladder.steps)
+    weighing = weighing_of(session, settings, opened.refinement.prepared.window.unit)
     of_step(store, opened.refinement, ladder.top)
     return view_models.View(
         ladder,
@@ -54,7 +54,7 @@ def _view(settings: Settings, opened: Opened, ladder: KeptLadder) -> view_models
         None if store.ground is None else store.ground.stage,
         {name: store.frames[name] for name in names if name in store.frames},
         names,
-        with_mass=_with_mass(settings, opened, ladder),
+        with_mass={} if weighing is None else with_mass(ladder.top, weighing),
         mystery=session.info.specimen.startswith("mystery "),
     )
 
@@ -67,30 +67,17 @@ def summary(settings: Settings, progress: Progress, folder: Path) -> str:
     return compared.comparison.summary
 
 
-def _with_mass(settings: Settings, opened: Opened, ladder: KeptLadder) -> dict[str, str]:
-    weighing = weighing_of(opened.refinement.session, settings, opened.refinement.prepared.window.unit)
-    return {} if weighing is None else with_mass(ladder.top, weighing)
+def ladder_task(
+    words: str, change: Callable[[Refinement, Any], KeptLadder]
+) -> Callable[..., view_models.View]:
+    """Make a task that changes the ladder by one thing that is wanted, and says it in `words`."""
 
+    def task(settings: Settings, progress: Progress, folder: Path, wanted: Any) -> view_models.View:
+        progress(words.format(wanted).partition("=")[0].strip())
+        opened = open_session(settings, folder)
+        return _view(settings, opened, change(opened.refinement, wanted))
 
-def add_effect(settings: Settings, progress: Progress, folder: Path, wanted: str) -> view_models.View:
-    """Add an effect by name, or an expression as "magnet = a*u"."""
-    progress(f"adding {wanted.partition('=')[0].strip()}")
-    opened = open_session(settings, folder)
-    return _view(settings, opened, add(opened.refinement, wanted))
-
-
-def remove_effect(settings: Settings, progress: Progress, folder: Path, name: str) -> view_models.View:
-    """Take an effect out of the model."""
-    progress(f"taking {name} out")
-    opened = open_session(settings, folder)
-    return _view(settings, opened, remove(opened.refinement, name))
-
-
-def go_to_step(settings: Settings, progress: Progress, folder: Path, number: int) -> view_models.View:
-    """Make a step of the ladder the present model."""
-    progress(f"going to step {number}")
-    opened = open_session(settings, folder)
-    return _view(settings, opened, go_to(opened.refinement, number))
+    return task
 
 
 def refine_to_floor(settings: Settings, progress: Progress, folder: Path) -> view_models.View:
@@ -121,12 +108,9 @@ def prune(settings: Settings, progress: Progress, folder: Path) -> view_models.V
     return replace(_view(settings, opened, ladder), note=words)
 
 
-def restore(settings: Settings, progress: Progress, folder: Path, ladder: KeptLadder) -> view_models.View:
-    """Keep a ladder as it was before a change."""
-    progress("undoing the last change")
-    opened = open_session(settings, folder)
-    before = ladder.with_(seen=opened.refinement.ladder.seen)  # it follows what is kept now
-    return _view(settings, opened, write_ladder(opened.refinement.session, before))
+def restore(refinement: Refinement, ladder: KeptLadder) -> KeptLadder:
+    """Keep a ladder as it was before a change; it follows what is kept now."""
+    return write_ladder(refinement.session, ladder.with_(seen=refinement.ladder.seen))
 
 
 def diagnose(
@@ -166,11 +150,6 @@ def frames(
             name, frame = frame_of_tried(store, refinement, MEASURED_CURVE, "the measured curve")
             found[name], suspects[MEASURED_CURVE] = frame, name
     return view_models.Drawn(found, suspects)
-
-
-def thumbnail(settings: Settings, progress: Progress, folder: Path) -> view_models.Thumbnail:
-    """Return a session's amplitude and sparkline."""
-    return thumbnail_of(folder)
 
 
 def import_file(
@@ -248,23 +227,18 @@ def report(settings: Settings, progress: Progress, folder: Path) -> str:
     return str(write_report(Session.open(folder), settings=settings, progress=progress).path)
 
 
-def warm(settings: Settings, progress: Progress) -> None:
-    """Compile what the other tasks need."""
-    warm_up()
-
-
 TASKS: dict[str, Callable[..., Any]] = {
     "look": look,
-    "add": add_effect,
-    "remove": remove_effect,
-    "go": go_to_step,
+    "add": ladder_task("adding {}", add),
+    "remove": ladder_task("taking {} out", remove),
+    "go": ladder_task("going to step {}", go_to),
     "refine": refine_to_floor,
     "again": begin_again,
     "diagnose": diagnose,
     "frames": frames,
     "summary": summary,
     "compared": telling.compared,
-    "restore": restore,
+    "restore": ladder_task("undoing the last change", restore),
     "prune": prune,
     "recorded": telling.recorded,
     "identified": telling.identified,
@@ -272,11 +246,11 @@ TASKS: dict[str, Callable[..., Any]] = {
     "export": further_tasks.export,
     "reveal": further_tasks.reveal,
     "preview": further_tasks.preview,
-    "thumbnail": thumbnail,
+    "thumbnail": lambda settings, progress, folder: thumbnail_of(folder),
     "import": import_file,
     "files": import_files,
     "example": open_example,
     "viewer": viewer,
     "report": report,
-    "warm": warm,
+    "warm": lambda settings, progress: warm_up(),
 }

@@ -5,6 +5,11 @@ from typing import Any
 
 from nicegui import ui
 
+from station.workbench.view_models import Numbers
+
+WIDTH, HEIGHT = 84, 26
+"""Of a sparkline, pixels."""
+
 
 def card(classes: str = "") -> ui.element:
     """Return a box; used as a context."""
@@ -50,9 +55,19 @@ def button(
     return made
 
 
-def svg(markup: str) -> ui.html:
-    """Show a picture that was made here, of numbers only."""
-    return ui.html(markup, sanitize=False)
+def sparkline(line: Numbers) -> ui.html:
+    """Show the outline of a decay, -1 to 1; an empty box without points. Made of numbers only."""
+    steps = max(len(line) - 1, 1)
+    points = " ".join(
+        f"{WIDTH * i / steps:.1f},{HEIGHT / 2 * (1 - 0.92 * value):.1f}"
+        for i, value in enumerate(line)
+        if value is not None
+    )
+    return ui.html(
+        f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" aria-hidden="true">'
+        f'<polyline points="{points}" fill="none" stroke="currentColor" stroke-width="1"/></svg>',
+        sanitize=False,
+    )
 
 
 def chart(name: str, label: str, classes: str, options: dict[str, Any] | None = None) -> ui.echart:

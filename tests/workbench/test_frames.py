@@ -14,8 +14,8 @@ from identify.model.model import Term, base_model
 from station.results.sessions import open_session
 from station.settings import Settings
 from station.story.preparation import prepare_session
-from station.workbench.export import fitted_samples
 from station.workbench.frames import frame_of, ground_of
+from station.workbench.further_tasks import fitted_samples
 
 DATA = Path(__file__).resolve().parent.parent / "data"
 HIDDEN = {"release_14": "cubic_stiffness", "release_07": "offset_drift"}
