@@ -78,7 +78,8 @@ def capture(found: Findings) -> Section:
         rows.append(("how it was read", "; ".join(found.recording.notes)))
     parts.append(Facts(tuple(rows)))
     if result is None:
-        parts.append(_refused(found.left_out["identification"]))
+        reason = f"Nothing can be identified in this record: {_ended(found.left_out['identification'])}"
+        parts.append(Paragraph(reason, strong=True))
     free = result is not None and not result.decay.driven
     caption = "The record; dashed: the release." if free else "The record."
     time = result.release.time_s if free and result is not None else None
@@ -86,10 +87,6 @@ def capture(found: Findings) -> Section:
     figure = record(found.recording, time, flags)
     parts.append(Figure(f"{caption} Lost samples are left blank.{shaded}", figure))
     return Section("capture", "Capture and verdict", tuple(parts))
-
-
-def _refused(reason: str) -> Paragraph:
-    return Paragraph(f"Nothing can be identified in this record: {_ended(reason)}", strong=True)
 
 
 def _ended(reason: str) -> str:

@@ -19,29 +19,20 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
     if shown is None:
         return
     unit = f"{result.decay.unit}/s^2"
-    for when, second in (("before", shown.before), ("after", shown.after)):
-        log.series(
-            stream, f"{CURVES}/{when}/acceleration", shown.time, shown.acceleration,
-            f"acceleration [{unit}]", palette.ACCELERATION, 4.5,
-        )  # fmt: skip
-        log.series(
-            stream, f"{CURVES}/{when}/displacement", shown.time, second,
-            f"displacement, differentiated twice [{unit}]", palette.DISPLACEMENT,
-        )  # fmt: skip
     gain = 1.0 if result.alignment is None else result.alignment.gain.value
-    for when, second, colour in (
-        ("as_recorded", shown.before, palette.WRONG),
-        ("corrected", shown.after, palette.FORCE),
+    for when, words, second, colour in (
+        ("before", "as recorded", shown.before, palette.WRONG),
+        ("after", "corrected", shown.after, palette.FORCE),
     ):
+        for channel, values, name, tint, width in (
+            ("acceleration", shown.acceleration, "acceleration", palette.ACCELERATION, 4.5),
+            ("displacement", second, "displacement, differentiated twice", palette.DISPLACEMENT, 1.5),
+        ):
+            place = f"{CURVES}/{when}/{channel}"
+            log.series(stream, place, shown.time, values, f"{name} [{unit}]", tint, width)
+        place = f"{CURVES}/difference/{words.replace(' ', '_')}"
         difference = shown.acceleration - gain * second
-        log.series(
-            stream,
-            f"{CURVES}/difference/{when}",
-            shown.time,
-            difference,
-            f"{when.replace('_', ' ')} [{unit}]",
-            colour,
-        )
+        log.series(stream, place, shown.time, difference, f"{words} [{unit}]", colour)
     drawn = alignment(result, palette.SCREEN)
     if drawn is not None:
         log.picture(stream, f"{CURVES}/zoom", drawn)

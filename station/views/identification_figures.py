@@ -67,14 +67,20 @@ def envelope(found: WaveletResult, length: str, release: float) -> Picture:
     top.legend(loc="upper right")
     frequency = np.where(found.trusted, found.frequency, np.nan)
     curve(below, time, frequency, color=PAPER.ink, lw=0.9)
-    middle = float(np.nanmedian(frequency)) if np.isfinite(frequency).any() else 1.0
-    spread = np.abs(frequency - middle)
-    half = max(1.5 * float(np.nanpercentile(spread, 98)) if np.isfinite(spread).any() else 0.0, 0.01 * middle)
+    middle, half = frequency_reach(found)
     below.set(xlabel=SINCE, ylabel="instantaneous\nfrequency [Hz]", ylim=(middle - half, middle + half))
     below.set_xlim(top.get_xlim())
     _backbone(backbone, found, (factor, name), half, PAPER)
     backbone.set_title("backbone")
     return drawn
+
+
+def frequency_reach(found: WaveletResult) -> tuple[float, float]:
+    """Return what is shown of the instantaneous frequency, Hz: the middle where it can be trusted, and half the width."""
+    trusted = found.frequency[found.trusted]
+    middle = float(np.median(trusted if len(trusted) else found.frequency))
+    spread = float(np.percentile(np.abs(trusted - middle), 98)) if len(trusted) else 0.0
+    return middle, max(1.5 * spread, 0.01 * middle)
 
 
 def _backbone(axis: "Axes", found: WaveletResult, unit: tuple[float, str], half: float, look: Look) -> None:

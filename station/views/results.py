@@ -17,42 +17,27 @@ def write(stream: rr.RecordingStream, name: str, result: Identification) -> None
     """Log the table, the decay rebuilt from the parameters, and the force rebuilt from its fit."""
     found = told(name, result)
     log.markdown(stream, f"{ROOT}/table", f"**{found.headline}**\n\n{markdown(found.brief)}")
-    _decay(stream, result)
-    _force(stream, result)
-
-
-def _decay(stream: rr.RecordingStream, result: Identification) -> None:
-    found = result.wavelet
-    if found is None:
-        return
-    measured, model = result.rebuilt_decay(found)
-    factor, unit = scale(found.channel, result.decay.unit)
-    fine, fine_unit = scale(found.channel, result.decay.unit, fine=True)
-    _pair(stream, "decay", found.time, measured * factor, model * factor, unit)
-    log.series(
-        stream, f"{ROOT}/decay_error", found.time, (measured - model) * fine, f"measured minus model [{fine_unit}]",
-        palette.WAVELET,
-    )  # fmt: skip
-
-
-def _force(stream: rr.RecordingStream, result: Identification) -> None:
-    found = result.restoring_force
-    if found is None:
-        return
-    unit = f"{result.decay.unit}/s^2"
-    _pair(stream, "force", found.time, found.force, found.force_fit, unit)
-    log.series(
-        stream, f"{ROOT}/force_error", found.time, found.force - found.force_fit, f"measured minus model [{unit}]",
-        palette.FORCE,
-    )  # fmt: skip
+    wavelet, force, length = result.wavelet, result.restoring_force, result.decay.unit
+    if wavelet is not None:
+        measured, model = result.rebuilt_decay(wavelet)
+        shown, fine = (scale(wavelet.channel, length, fine=fine) for fine in (False, True))
+        _pair(stream, "decay", wavelet.time, measured, model, (shown, fine), palette.WAVELET)
+    if force is not None:
+        unit = (1.0, f"{length}/s^2")
+        _pair(stream, "force", force.time, force.force, force.force_fit, (unit, unit), palette.FORCE)
 
 
 def _pair(
-    stream: rr.RecordingStream, what: str, time: Array, measured: Array, model: Array, unit: str
-) -> None:
-    colour = palette.WAVELET if what == "decay" else palette.FORCE
-    log.series(stream, f"{ROOT}/{what}/measured", time, measured, f"measured [{unit}]", palette.MEASURED, 4.5)
-    log.series(stream, f"{ROOT}/{what}/model", time, model, f"model [{unit}]", colour, 1.5)
+    stream: rr.RecordingStream, what: str, time: Array, measured: Array, model: Array,
+    units: tuple[tuple[float, str], tuple[float, str]], colour: log.Colour,
+) -> None:  # fmt: skip
+    """Log a measurement, its model, and what the model leaves in a finer unit; `units` are factor and name of both."""
+    (factor, unit), (fine, fine_unit) = units
+    there, grey = f"{ROOT}/{what}", palette.MEASURED
+    log.series(stream, f"{there}/measured", time, measured * factor, f"measured [{unit}]", grey, 4.5)
+    log.series(stream, f"{there}/model", time, model * factor, f"model [{unit}]", colour)
+    left = (measured - model) * fine
+    log.series(stream, f"{there}_error", time, left, f"measured minus model [{fine_unit}]", colour)
 
 
 def tab(result: Identification) -> rrb.Container:

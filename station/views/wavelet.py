@@ -40,11 +40,8 @@ def tab(result: Identification) -> rrb.Container:
     found = result.wavelet
     if found is None:
         return rrb.Vertical(log.document("Wavelet", f"{ROOT}/refusal"), name="Wavelet")
-    trusted = found.frequency[found.trusted]
     _, unit = scale("displacement", result.decay.unit)
-    middle = float(np.median(trusted if len(trusted) else found.frequency))
-    spread = float(np.percentile(np.abs(trusted - middle), 98)) if len(trusted) else 0.0
-    half = max(1.5 * spread, 0.01 * middle)
+    middle, half = figures.frequency_reach(found)
     return rrb.Vertical(
         rrb.Horizontal(
             log.shown_picture("Scalogram and ridge", f"{ROOT}/scalogram"),

@@ -1,5 +1,7 @@
 """The page: record on the left, where the model fails in the middle, what is missing beneath, the fall on the right."""
 
+from functools import partial
+
 from nicegui import background_tasks, ui
 
 from station.workbench import widgets
@@ -64,11 +66,14 @@ class Page:
                 .props('aria-label="The ladder"') as self._right
             ):
                 if self._session is not None:
-                    self._validation = ValidateDialog(self._session, self._state.session_list)
-                    self._validation.build()
-                    self._ladder = LadderPanel(
-                        self._session, FloorCard(self._write_report, self._validation.open, self._prune)
+                    validation = ValidateDialog(self._session, self._state.session_list)
+                    validation.build()
+                    floor = FloorCard(
+                        lambda: self._report.write() if self._report is not None else None,
+                        validation.open,
+                        partial(self._session.start, "Trying to do without each effect", "prune", long=True),
                     )
+                    self._ladder = LadderPanel(self._session, floor)
                     self._ladder.build()
         self._right.set_visibility(False)
         ui.timer(0.05, self._begin, once=True)
@@ -180,13 +185,6 @@ class Page:
         self._right.set_visibility(False)
         self._scope.follow(capture)
         self._seen = -1
-
-    def _write_report(self) -> object:
-        return self._report.write() if self._report is not None else None
-
-    def _prune(self) -> None:
-        if self._session is not None:
-            self._session.start("Trying to do without each effect", "prune", long=True)
 
     def _close_notice(self) -> None:
         if self._session is not None:

@@ -1,6 +1,7 @@
 """The menu of a session: rename, notes, what is known of the specimen, share, export, delete."""
 
 import json
+from collections.abc import Callable
 
 from nicegui import ui
 
@@ -46,32 +47,23 @@ class SessionMenu:
             operator = ui.input("Operator", value=info.operator).props("dense outlined autocomplete=off")
             mass = ui.number("Mass, kg", value=info.mass_kg, min=0, format="%g").props("dense outlined")
             notes = ui.textarea("Notes", value=info.remarks).props("dense outlined autogrow")
-            problem = widgets.label("", "bad small wrap").props("aria-live=polite")
 
-            def save() -> None:
-                changes = {
-                    "specimen": specimen.value or "",
-                    "operator": operator.value or "",
-                    "remarks": notes.value or "",
-                    "mass_kg": mass.value,
-                }
-                try:
-                    describe(self._session.folder, **changes)
-                    place = rename(self._session.folder, str(name.value or ""))
-                except Problem as error:
-                    problem.text = str(error)
-                    return
-                if place != self._session.folder:
-                    self._state.sessions.known.pop(self._session.folder, None)
-                    ui.navigate.to(address_of(place.name))
-                    return
-                self._dialog.close()
-                self._session.start("Reading and fitting", "look")
+        def save() -> None:
+            describe(
+                self._session.folder,
+                specimen=specimen.value or "",
+                operator=operator.value or "",
+                remarks=notes.value or "",
+                mass_kg=mass.value,
+            )
+            place = rename(self._session.folder, str(name.value or ""))
+            if place != self._session.folder:
+                self._leave(address_of(place.name))
+                return
+            self._dialog.close()
+            self._session.start("Reading and fitting", "look")
 
-            with widgets.line():
-                widgets.button("Save", save, strong=True)
-                widgets.button("Cancel", self._dialog.close, "Close without saving")
-        self._dialog.open()
+        self._ask(save, "Save", "Cancel")
 
     async def _share(self) -> None:
         address = await ui.run_javascript("bench.address()", timeout=5.0)
@@ -94,18 +86,30 @@ class SessionMenu:
                 "It is moved to the folder .bin beside the sessions, from which it can be taken back.",
                 "small wrap",
             )
-            problem = widgets.label("", "bad small wrap")
 
-            def delete() -> None:
-                try:
-                    to_bin(self._session.folder)
-                except Problem as error:
-                    problem.text = str(error)
-                    return
-                self._state.sessions.known.pop(self._session.folder, None)
-                ui.navigate.to("/")
+        def delete() -> None:
+            to_bin(self._session.folder)
+            self._leave("/")
 
+        self._ask(delete, "Move to the bin", "Keep it")
+
+    def _ask(self, does: Callable[[], None], yes: str, no: str) -> None:
+        """Put the answers under what the dialog says; a Problem of what is done stands there."""
+
+        def attempt() -> None:
+            try:
+                does()
+            except Problem as error:
+                problem.text = str(error)
+
+        with self._body:
+            problem = widgets.label("", "bad small wrap").props("aria-live=polite")
             with widgets.line():
-                widgets.button("Move to the bin", delete, strong=True)
-                widgets.button("Keep it", self._dialog.close)
+                widgets.button(yes, attempt, strong=True)
+                widgets.button(no, self._dialog.close)
         self._dialog.open()
+
+    def _leave(self, address: str) -> None:
+        """Forget the session as it was, and go elsewhere."""
+        self._state.sessions.known.pop(self._session.folder, None)
+        ui.navigate.to(address)
