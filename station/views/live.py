@@ -1,6 +1,5 @@
 """The live view of a capture: levels and both channels as they come, the trigger, the losses."""
 
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -98,8 +97,6 @@ class LiveViewer:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._stream.flush()
         self._stream.disconnect()

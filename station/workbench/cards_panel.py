@@ -4,7 +4,6 @@ from nicegui import ui
 
 from identify.formatting import plain_name
 from station.results.diagnosis_document import DiagnosisDocument
-from station.results.ladder import KeptLadder
 from station.story.residual import explained_words
 from station.text.diagnosis_text import found_in_sensor, not_distinguishable, predicted_parts
 from station.text.layout import sentence
@@ -69,7 +68,7 @@ class CardsPanel:
         if now == self._shown:
             return
         self._shown = now
-        self._head.text = _headline(document, view.ladder, floor)
+        self._head.text = _headline(document, floor)
         self._head.classes(remove="good bad", add="good" if floor else "")
         self._add_it.set_visibility(not floor and document is not None and bool(document.suspects))
         self._ask.set_visibility(not floor and document is None)
@@ -139,7 +138,7 @@ class CardsPanel:
             self._session.start(f"Adding {called}", "add", name)
 
 
-def _headline(document: DiagnosisDocument | None, ladder: KeptLadder, floor: bool) -> str:
+def _headline(document: DiagnosisDocument | None, floor: bool) -> str:
     if floor:
         return "Nothing is missing: the residual is noise."
     if document is None:

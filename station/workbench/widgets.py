@@ -70,14 +70,13 @@ def sparkline(line: Numbers) -> ui.html:
     )
 
 
-def chart(name: str, label: str, classes: str, options: dict[str, Any] | None = None) -> ui.echart:
-    """Show a chart; one without `options` is drawn by the page's script, under its `name`."""
-    made = ui.echart({} if options is None else options).classes(f"plot {classes}")
+def chart(name: str, label: str, classes: str) -> None:
+    """Show a chart, which the page's script draws under its `name`."""
+    made = ui.echart({}).classes(f"plot {classes}")
     made.props["data-plot"] = name
     made.props["tabindex"] = "0"
     made.props["role"] = "img"
     made.props["aria-label"] = label
-    return made
 
 
 def run(script: str) -> None:
