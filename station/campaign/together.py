@@ -54,15 +54,11 @@ def campaign_document(
     parameters = parameter_series(rows)
     named = Counter(name for row in rows for name in row.result.named)
     verdicts = Counter(row.result.verdict for row in rows if row.result.verdict)
-    return CampaignDocument(
+    return CampaignDocument.of(
+        run,
         format=1,
         folder=str(folder),
         diagnosed=diagnosed,
-        workers=run.workers,
-        done=run.done,
-        kept=run.kept,
-        wall_s=run.wall_s,
-        work_s=run.work_s,
         rows=rows,
         failed=sorted(run.failed, key=lambda one: one.session),
         verdicts={str(verdict): count for verdict, count in verdicts.most_common()},
@@ -145,15 +141,12 @@ def _chart(series: Series, rows: list[CampaignRow]) -> ChartDocument | None:
         for i in there[limits.outside]
     ]
     known = series.std[there][np.isfinite(series.std[there])]
-    return ChartDocument(
+    return ChartDocument.of(
+        limits,
         parameter=series.name,
         unit=series.unit,
         sessions=len(there),
-        centre=limits.centre,
-        spread=limits.spread,
         stated=float(np.median(known)) if len(known) else None,
-        lower=limits.lower,
-        upper=limits.upper,
         outside=outside,
     )
 
@@ -167,16 +160,13 @@ def _trends(parameters: list[Series], against: list[Series]) -> list[TrendDocume
     ]
     sure = sure_ones([trend.p_value for _, _, trend in found])
     documents = [
-        TrendDocument(
+        TrendDocument.of(
+            trend,
             parameter=parameter.name,
             against=variable.name,
             unit=f"{parameter.unit} per {variable.unit}",
-            slope=trend.slope,
-            std=trend.std,
-            p_value=trend.p_value,
             sure=is_sure,
             sessions=trend.count,
-            left_out=trend.left_out,
         )
         for (parameter, variable, trend), is_sure in zip(found, sure, strict=True)
     ]

@@ -191,17 +191,9 @@ def _gave(told: Guidance, before: Diagnosis | None, found: Diagnosis) -> dict[st
 
 
 def _keep(test: GuidedTest, turns: list[TurnDocument], told: Guidance) -> GuideDocument:
-    document = GuideDocument.model_validate(
-        {
-            "format": 1,
-            "folder": str(test.folder),
-            "low": test.limits.low,
-            "high": test.limits.high,
-            "state": told.state,
-            "words": told.words,
-            "named": told.named,
-            "turns": turns,
-        }
+    limits = test.limits
+    document = GuideDocument.of(
+        told, format=1, folder=str(test.folder), low=limits.low, high=limits.high, turns=turns
     )
     write_whole(test.folder / NAME, document.model_dump_json(indent=1).encode() + b"\n")
     return document

@@ -138,44 +138,28 @@ class ComparisonDocument(Document):
 def comparison_document(compared: Compared) -> ComparisonDocument:
     """Return a comparison as it is kept."""
     found, error = compared.comparison, compared.error
-    return ComparisonDocument.model_validate(
-        {
-            "format": 1,
-            "session": compared.name,
-            "model": _model(compared),
-            "error": {
-                "force_mse_percent": error.force_mse_percent,
-                "force_mse_percent_of_noise": found.force_floor,
-                "motion_percent": error.motion_percent,
-                "motion_channel": found.motion_channel,
-                "chi2": error.chi_square,
-                "chi2_std": error.floor_std,
-            },
-            "model_is": compared.words,
-            "model_remark": compared.remark,
-            "pieces": compared.pieces,
-            "one_run": {"motion_percent": found.motion_error, "chi2": found.chi_square},
-            "horizon": {"seconds": found.horizon, "cycles": found.horizon_cycles},
-            "noise_floor": dict(found.floor),
-            "summary": found.summary,
-            "cause": found.cause,
-            "places": found.places,
-            "kinematics": _kinematics(found),
-            "cycles": _cycles(found),
-            "phase_plane": found.phase_plane,
-            "harmonics": found.harmonics,
-        }
-    )
-
-
-def _model(compared: Compared) -> dict[str, Any]:
     fit = compared.baseline.stated(compared.baseline.fit)
-    return {
-        "effects": fit.model.names,
-        "equation": fit.model.equation,
-        "parameters": fit.parameters,
-        "nuisances": fit.nuisances,
-    }
+    return ComparisonDocument.of(
+        found,
+        format=1,
+        session=compared.name,
+        model=ComparedModel.of(fit, effects=fit.model.names, equation=fit.model.equation),
+        error=ComparisonErrors.of(
+            error,
+            force_mse_percent_of_noise=found.force_floor,
+            motion_channel=found.motion_channel,
+            chi2=error.chi_square,
+            chi2_std=error.floor_std,
+        ),
+        model_is=compared.words,
+        model_remark=compared.remark,
+        pieces=compared.pieces,
+        one_run={"motion_percent": found.motion_error, "chi2": found.chi_square},
+        horizon={"seconds": found.horizon, "cycles": found.horizon_cycles},
+        noise_floor=dict(found.floor),
+        kinematics=_kinematics(found),
+        cycles=_cycles(found),
+    )
 
 
 def _kinematics(found: Comparison) -> dict[str, Any] | None:

@@ -69,30 +69,14 @@ class ConfirmationDocument(Part):
 def confirmation_document(found: Confirmation, sessions: tuple[str, ...]) -> ConfirmationDocument:
     """Return a confirmation on some sessions as it is kept."""
     names = _names(found, sessions)
-    return ConfirmationDocument(
-        one_record=found.one_record,
-        beats=found.beats,
-        driven=found.driven,
-        parts=found.parts,
-        better=found.better,
-        usual=_errors(found.usual, names),
-        found=_errors(found.found, names),
-        effects=[
-            ConfirmedEffectDocument(
-                name=effect.name,
-                title=effect.term.effect.title,
-                explains="frequency" if effect.explains == "frequency" else "loss",
-                before_percent=effect.before,
-                after_percent=effect.after,
-                better=effect.better,
-                parts=effect.parts,
-                rivals=list(effect.rivals),
-                nats=effect.nats,
-            )
-            for effect in found.effects
-        ],
-        undecided={what: list(names) for what, names in found.undecided.items()},
-    )
+    effects = [
+        ConfirmedEffectDocument.of(
+            one, title=one.term.effect.title, before_percent=one.before, after_percent=one.after
+        )
+        for one in found.effects
+    ]
+    usual, with_effects = _errors(found.usual, names), _errors(found.found, names)
+    return ConfirmationDocument.of(found, usual=usual, found=with_effects, effects=effects)
 
 
 def _names(found: Confirmation, sessions: tuple[str, ...]) -> tuple[str, ...]:

@@ -283,36 +283,27 @@ def diagnosis_document(
     """
     baseline, confirmation = found.baseline, found.confirmation
     fitted = model_file(baseline.stated(baseline.fit), expressions)
-    return DiagnosisDocument.model_validate(
-        {
-            "format": 1,
-            "sessions": names,
-            "model": ModelSummary.model_validate(fitted),
-            "error": errors_of(baseline),
-            "noise_floor": _noise_floor(baseline) | {"harmonics": found.harmonics},
-            "verdict": found.verdict,
-            "named": found.named,
-            "rivals": found.suspects[0].rivals if found.named else (),
-            "confirmed": [] if confirmation is None else [n for n in found.named if n in confirmation.names],
-            "confirmation": None if confirmation is None else confirmation_document(confirmation, names),
-            "suspects": [_suspect(suspect, found, expressions) for suspect in in_order(found)],
-            "together": found.together,
-            "findings": [_finding(fault) for fault in found.findings],
-            "error_with_named": errors_of(replace(baseline, fit=found.final)),
-            "shape": None if found.shape is None else _shape(found.shape),
-            "held_out": None if left_out is None else _held_out(names, left_out),
-            "explanation": found.explanation,
-            "next_experiment": found.next_experiment,
-            "hypotheses": _hypotheses(found),
-            "next_release": None if found.next_release is None else next_release_document(found.next_release),
-            "fitted": fitted,
-            "final": model_file(baseline.stated(found.final), expressions) if found.named else None,
-            "shares": found.shares,
-            "modes": found.modes,
-            "walk": found.walk,
-            "used": _used(names, found),
-            "of_sessions": [{"session": names[one.index]} | vars(one) for one in found.of_releases],
-        }
+    return DiagnosisDocument.of(
+        found,
+        format=1,
+        sessions=names,
+        model=ModelSummary.model_validate(fitted),
+        error=errors_of(baseline),
+        noise_floor=_noise_floor(baseline) | {"harmonics": found.harmonics},
+        rivals=found.suspects[0].rivals if found.named else (),
+        confirmed=[] if confirmation is None else [n for n in found.named if n in confirmation.names],
+        confirmation=None if confirmation is None else confirmation_document(confirmation, names),
+        suspects=[_suspect(suspect, found, expressions) for suspect in in_order(found)],
+        findings=[_finding(fault) for fault in found.findings],
+        error_with_named=errors_of(replace(baseline, fit=found.final)),
+        shape=None if found.shape is None else _shape(found.shape),
+        held_out=None if left_out is None else _held_out(names, left_out),
+        hypotheses=_hypotheses(found),
+        next_release=None if found.next_release is None else next_release_document(found.next_release),
+        fitted=fitted,
+        final=model_file(baseline.stated(found.final), expressions) if found.named else None,
+        used=_used(names, found),
+        of_sessions=[ReleaseValueDocument.of(one, session=names[one.index]) for one in found.of_releases],
     )
 
 
@@ -356,13 +347,7 @@ def refused_document(names: tuple[str, ...], model: Model, reason: str) -> Diagn
 def with_differences(document: DiagnosisDocument, shared: SharedPhysics) -> DiagnosisDocument:
     """Return a diagnosis with what was found of its sessions before it: in what each, alone, differs from the first."""
     differences = [
-        DifferenceDocument(
-            session=document.sessions[one.index],
-            parameter=one.parameter,
-            percent=one.percent,
-            sigmas=one.sigmas,
-        )
-        for one in shared.differences
+        DifferenceDocument.of(one, session=document.sessions[one.index]) for one in shared.differences
     ]
     return document.model_copy(update={"differences": differences})
 
@@ -390,33 +375,25 @@ def _noise_floor(baseline: Baseline) -> dict[str, Any]:
     return {"chi2": 1.0, "chi2_std": baseline.spread, "channels": channels, "sure": baseline.floor_is_sure}
 
 
-def _used(names: tuple[str, ...], found: Diagnosis) -> list[dict[str, Any]]:
+def _used(names: tuple[str, ...], found: Diagnosis) -> list[UsedDocument]:
     uses = zip(names, (decay.use for decay in found.decays), strict=False)
-    return [{"session": name, "words": use.words} | vars(use) for name, use in uses if use is not None]
+    return [UsedDocument.of(use, session=name) for name, use in uses if use is not None]
 
 
-def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> dict[str, Any]:
+def _suspect(suspect: Suspect, found: Diagnosis, expressions: tuple[str, ...]) -> SuspectDocument:
     confirmation = found.confirmation
     name = suspect.effect.name
     is_fitted = name in suspect.fit.model
     asked = confirmation is not None and confirmation.has_law(name)
-    return {
-        "effect": name,
-        "title": suspect.effect.title,
-        "kind": suspect.kind,
-        "channel": suspect.term.channel or None,
-        "error_after": suspect.error_after,
-        "evidence": suspect.evidence,
-        "parameters": suspect.parameters,
-        "confusable_with": suspect.confusable_with,
-        "plausible": suspect.plausible,
-        "claimed": suspect.claimed,
-        "model": model_file(suspect.stated, expressions) if is_fitted else None,
-        "confirmed": suspect.confirmed is not None if asked else None,
-        "rivals": suspect.rivals,
-        "motion_percent": suspect.motion_after,
-        "strength_known": suspect.strength_known,
-    }
+    return SuspectDocument.of(
+        suspect,
+        effect=name,
+        title=suspect.effect.title,
+        channel=suspect.term.channel or None,
+        model=model_file(suspect.stated, expressions) if is_fitted else None,
+        confirmed=suspect.confirmed is not None if asked else None,
+        motion_percent=suspect.motion_after,
+    )
 
 
 def _hypotheses(found: Diagnosis) -> list[dict[str, Any]]:
@@ -441,35 +418,30 @@ def next_release_document(chosen: NextRelease) -> dict[str, Any]:
     }
 
 
-def _finding(fault: CorrectedFault) -> dict[str, Any]:
+def _finding(fault: CorrectedFault) -> FindingDocument:
     effect = fault.term.effect
-    return {
-        "effect": effect.name,
-        "title": effect.title,
-        "channel": fault.term.channel or None,
-        "parameters": fault.parameters,
-        "chi2_drop": fault.drop,
-        "what_to_do": effect.confirming_test,
-        "words": fault.words,
-    }
+    return FindingDocument.of(
+        fault,
+        effect=effect.name,
+        title=effect.title,
+        channel=fault.term.channel or None,
+        chi2_drop=fault.drop,
+        what_to_do=effect.confirming_test,
+    )
 
 
-def _shape(shape: NonparametricForce) -> dict[str, Any]:
+def _shape(shape: NonparametricForce) -> ShapeDocument:
     curves = [
-        {
-            "coordinate": curve.coordinate,
-            "unit": curve.unit,
-            "position": curve.position[:MOST_POINTS],
-            "force_per_mass": curve.force[:MOST_POINTS],
-            "std": curve.std[:MOST_POINTS],
-        }
+        CurveDocument.of(
+            curve,
+            position=curve.position[:MOST_POINTS],
+            force_per_mass=curve.force[:MOST_POINTS],
+            std=curve.std[:MOST_POINTS],
+        )
         for curve in shape.shapes[:MOST_CURVES]
     ]
-    return {"explained": shape.explained, "coordinates": shape.coordinates, "curves": curves}
+    return ShapeDocument.of(shape, curves=curves)
 
 
-def _held_out(names: tuple[str, ...], left_out: tuple[LeftOut, ...]) -> list[dict[str, Any]]:
-    return [
-        {"session": names[one.index], "chi2": one.chi_square, "motion_percent": one.motion_percent}
-        for one in left_out
-    ]
+def _held_out(names: tuple[str, ...], left_out: tuple[LeftOut, ...]) -> list[HeldOutDocument]:
+    return [HeldOutDocument.of(one, session=names[one.index], chi2=one.chi_square) for one in left_out]

@@ -1,7 +1,7 @@
 """What all kept documents share: numbers that JSON can hold, a version, one way to read and one to write."""
 
 import math
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import AliasChoices, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
@@ -34,6 +34,12 @@ class Part(BaseModel):
     """A part of a document, made of the fields of a result; what another version added is passed over."""
 
     model_config = ConfigDict(extra="ignore", frozen=True, from_attributes=True, coerce_numbers_to_str=True)
+
+    @classmethod
+    def of(cls, result: object, **others: Any) -> Self:
+        """Make a part of the fields that a result has under the same names, and of the `others`."""
+        alike = [name for name in cls.model_fields if name not in others and hasattr(result, name)]
+        return cls.model_validate({name: getattr(result, name) for name in alike} | others)
 
     def plain(self) -> dict[str, Any]:
         """Return the keys and values that `--json` prints."""

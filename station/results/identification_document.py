@@ -124,20 +124,14 @@ def identification_document(
     name: str, result: Identification, options: Options | None = None
 ) -> IdentificationDocument:
     """Return the identification of the session `name` as it is kept; `options` are those that it was made with."""
-    return IdentificationDocument.model_validate(
-        {
-            "format": 1,
-            "session": name,
-            "record": _record(result),
-            "release": _release(result),
-            "alignment": result.alignment,
-            "wavelet": result.wavelet,
-            "restoring_force": result.restoring_force,
-            "restoring_force_without_alignment": result.without_alignment,
-            "refusals": dict(result.refusals),
-            "adequacy": result.adequacy,
-            "orders": options,
-        }
+    return IdentificationDocument.of(
+        result,
+        format=1,
+        session=name,
+        record=_record(result),
+        release=_release(result),
+        restoring_force_without_alignment=result.without_alignment,
+        orders=options,
     )
 
 

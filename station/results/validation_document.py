@@ -71,14 +71,11 @@ def validation_document(
     skipped: dict[str, str],
 ) -> ValidationDocument:
     """Return a validation as it is kept; `names` are those of the sessions predicted, `skipped` says why others were not."""
-    sessions = [
-        {"session": names[one.index], "better": one.better, "worse": one.worse} | vars(one)
-        for one in found.releases
-    ]
-    told = {"source": source, "fitted_to": fitted_to, "model": model, "sessions": sessions}
-    told |= {"skipped": [{"session": name, "reason": reason} for name, reason in skipped.items()]}
-    of_all = {name: getattr(found, name) for name in ValidationDocument.model_fields if hasattr(found, name)}
-    return ValidationDocument.model_validate({"format": 1} | of_all | told)
+    sessions = [ValidatedDocument.of(one, session=names[one.index]) for one in found.releases]
+    why = [SkippedDocument(session=name, reason=reason) for name, reason in skipped.items()]
+    return ValidationDocument.of(
+        found, format=1, source=source, fitted_to=fitted_to, model=model, sessions=sessions, skipped=why
+    )
 
 
 def read_validation(session: Session) -> ValidationDocument | None:

@@ -37,22 +37,9 @@ def sessions_csv(document: CampaignDocument) -> str:
 def trends_csv(document: CampaignDocument) -> str:
     """Return every trend that was looked for, the likeliest first."""
     header = ["parameter", "against", "slope", "std", "unit", "p_value", "sure", "sessions", "left_out"]
+    found = [[getattr(trend, name) for name in header] for trend in document.trends]
     return _written(
-        header,
-        [
-            [
-                _text(t.parameter),
-                _text(t.against),
-                repr(t.slope),
-                repr(t.std),
-                _text(t.unit),
-                repr(t.p_value),
-                t.sure,
-                t.sessions,
-                t.left_out,
-            ]
-            for t in document.trends
-        ],
+        header, [[_text(cell) if isinstance(cell, str) else cell for cell in line] for line in found]
     )
 
 
