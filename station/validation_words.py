@@ -33,13 +33,13 @@ def refusal(error: ValidationError, known: tuple[str, ...] = ()) -> str:
     first = error.errors(include_url=False)[0]
     entry = ".".join(str(part) for part in first["loc"])
     if first["type"] == "extra_forbidden":
-        return _short(f"{entry} is not known here{did_you_mean(str(first['loc'][-1]), known)}")
+        return one_line(f"{entry} is not known here{did_you_mean(str(first['loc'][-1]), known)}")
     given = first.get("input")
     shown = f" (it is {_plain(given)})" if isinstance(given, int | float | str) else ""
     if first["type"] in ("missing", "json_invalid", "string_too_long"):
         shown = ""
     words = f"{_clause(str(first['type']), first.get('ctx', {}), str(first['msg']))}{shown}"
-    return _short(f"{entry} {words}" if entry else f"the text {words}")
+    return one_line(f"{entry} {words}" if entry else f"the text {words}")
 
 
 def _clause(kind: str, context: dict[str, Any], message: str) -> str:
@@ -55,6 +55,7 @@ def _plain(value: Any) -> Any:
     return f"{value:g}" if isinstance(value, float) else value
 
 
-def _short(text: str) -> str:
+def one_line(text: str) -> str:
+    """Write a text in one line that fits a message, however much of a file it quotes."""
     line = " ".join(text.split())
     return line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."

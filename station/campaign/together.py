@@ -25,6 +25,7 @@ from station.results.campaign_document import (
     TrendDocument,
 )
 from station.results.documents import EstimateDocument
+from station.text.numbers import or_nan
 
 Array = NDArray[np.float64]
 
@@ -97,7 +98,7 @@ def parameter_series(rows: list[CampaignRow]) -> list[Series]:
         for name, unit in keys
         for of in (found(name, unit),)
     ]
-    misfit = np.array([_plain(row.result.motion_percent) for row in rows])
+    misfit = np.array([or_nan(row.result.motion_percent) for row in rows])
     if np.isfinite(misfit).any():
         series.append(Series(MISFIT, "%", misfit, np.full(len(rows), np.nan)))
     return series
@@ -107,7 +108,7 @@ def variables(rows: list[CampaignRow]) -> list[Series]:
     """List what parameters may depend on: amplitude, date and every number that is known of the tests."""
     found = []
     for unit in dict.fromkeys(row.result.unit for row in rows):
-        values = [_plain(row.result.amplitude) if row.result.unit == unit else math.nan for row in rows]
+        values = [or_nan(row.result.amplitude) if row.result.unit == unit else math.nan for row in rows]
         found.append((AMPLITUDE, unit, values))
     dates = [row.made.timestamp() / DAY if row.made else math.nan for row in rows]
     found.append((DATE, "day", dates))
@@ -119,11 +120,7 @@ def variables(rows: list[CampaignRow]) -> list[Series]:
 
 
 def _column(rows: list[CampaignRow], of: Callable[[CampaignRow], EstimateDocument | None], key: str) -> Array:
-    return np.array([_plain(getattr(estimate, key)) if (estimate := of(row)) else math.nan for row in rows])
-
-
-def _plain(value: float | None) -> float:
-    return math.nan if value is None else value
+    return np.array([or_nan(getattr(estimate, key)) if (estimate := of(row)) else math.nan for row in rows])
 
 
 def _chart(series: Series, rows: list[CampaignRow]) -> ChartDocument | None:

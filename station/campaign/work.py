@@ -68,15 +68,17 @@ def _contents(work: Work) -> dict[str, Any]:
     recording = _recording(work)
     found = locate(recording, work.options)
     result = identify(recording, work.options, found)
+    size = amplitude(result)
     content: dict[str, Any] = {
         "unit": result.decay.unit,
-        "amplitude": _size(amplitude(result)),
+        "amplitude": None if size is None else abs(size),
         "parameters": identified_parameters(result),
         "refusals": dict(result.refusals),
     }
     try:
         prepared = prepare_recording(recording, work.options, work.gain_percent, found)
-        content = _merged(content, _diagnosed(prepared) if work.diagnose else _fitted(prepared))
+        fitted = _diagnosed(prepared) if work.diagnose else _fitted(prepared)
+        content |= fitted | {"parameters": content["parameters"] | fitted["parameters"]}
         if content["amplitude"] is None:
             content["amplitude"] = prepared.amplitude
     except NotIdentifiable as refusal:
@@ -98,14 +100,6 @@ def _recording(work: Work) -> Any:
         for name, content in work.files.items():
             (folder / name).write_bytes(content)
         return Session.open(folder).recording()
-
-
-def _merged(first: dict[str, Any], second: dict[str, Any]) -> dict[str, Any]:
-    return first | second | {"parameters": first["parameters"] | second["parameters"]}
-
-
-def _size(amplitude: float | None) -> float | None:
-    return None if amplitude is None else abs(amplitude)
 
 
 def identified_parameters(result: "Identification") -> dict[str, Any]:

@@ -52,10 +52,7 @@ def open_sessions(
     """
     if len(arguments) > MOST_SESSIONS:
         raise UsageProblem(f"{len(arguments)} sessions are too many at once; give at most {MOST_SESSIONS}")
-    sessions = tuple(open_session(argument, settings.sessions) for argument in arguments)
-    folders = [session.folder.resolve() for session in sessions]
-    if len(set(folders)) < len(folders):
-        raise UsageProblem("one session was given twice; each release counts once")
+    sessions = opened_once(arguments, settings)
     ready: list[tuple[Session, PreparedDecay]] = []
     left_out: dict[str, str] = {}
     several = len(sessions) > 1
@@ -79,6 +76,14 @@ def open_sessions(
     if len(decays) > 1:
         decays = changed_on_purpose(decays, varies)
     return SessionSet(sessions, decays, varies, left_out)
+
+
+def opened_once(arguments: Sequence[str], settings: Settings) -> tuple[Session, ...]:
+    """Open sessions (or data files); UsageProblem where two arguments mean the same one."""
+    sessions = tuple(open_session(argument, settings.sessions) for argument in arguments)
+    if len({session.folder.resolve() for session in sessions}) < len(sessions):
+        raise UsageProblem("one session was given twice; each release counts once")
+    return sessions
 
 
 def declared(names: Iterable[Sequence[str]]) -> frozenset[str]:

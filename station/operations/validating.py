@@ -14,17 +14,14 @@ from identify.fitting.validation import Validated, validate
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.operations.session_set import declared, whole_library
+from station.operations.session_set import declared, opened_once, whole_library
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
+from station.results.documents import write_document
 from station.results.ladder import read_ladder
 from station.results.models import KnownModel, ModelFile, known_model, read_model_file
 from station.results.session_names import find_session
 from station.results.sessions import open_session
-from station.results.validation_document import (
-    ValidationDocument,
-    validation_document,
-    write_validation,
-)
+from station.results.validation_document import NAME, ValidationDocument, validation_document
 from station.settings import Settings
 from station.story.pipeline import Progress, silent
 from station.story.preparation import prepare_session
@@ -62,10 +59,7 @@ def validate_sessions(
     NotIdentifiable where all hold too little, UsageProblem where the model does not suit a session.
     """
     given = open_model(model, settings, whole_library(effects_file))
-    opened = tuple(open_session(argument, settings.sessions) for argument in sessions)
-    folders = [session.folder.resolve() for session in opened]
-    if len(set(folders)) < len(folders):
-        raise UsageProblem("one session was given twice; each release counts once")
+    opened = opened_once(sessions, settings)
     ready, skipped = _prepared(opened, given, settings, progress)
     names = tuple(session.folder.name for session, _ in ready)
     changed = declared(
@@ -85,7 +79,7 @@ def validate_sessions(
     fitted_to = tuple(session.folder.name for session in given.fitted_to)
     document = validation_document(given.source, fitted_to, given.file, found, names, skipped)
     for session, _ in ready:
-        write_validation(session, document)
+        write_document(session, NAME, document)
     return document
 
 

@@ -6,7 +6,6 @@ from identify.estimate import Estimate
 from identify.fitting.fit import Fit
 from station.report.findings import Findings
 from station.report.section import Section
-from station.results.models import parameters_of
 from station.story.compared import Compared
 from station.story.engineering_values import times_mass
 from station.story.measured_curves import measured_curves
@@ -76,7 +75,7 @@ def _numbers(fit: Fit) -> str:
     terms = []
     for term in fit.model.forces:
         text = term.effect.equation
-        for name, value in parameters_of(fit, term).items():
+        for name, value in fit.of(term, 0).items():
             number = with_error(value.value, value.std).replace("(error unknown)", "").strip()
             number = re.sub(rf"{SPACE}±{SPACE}[^)]*", "", number).strip("(").replace(")", "")
             number = f"({number})" if "×" in number or number.startswith("-") else number
@@ -95,7 +94,7 @@ def _parameters(fit: Fit, length: str, found: Findings) -> Table:
     rows = []
     for term in fit.model.terms:
         meanings = {parameter.name: parameter.meaning for parameter in term.effect.parameters}
-        for position, (name, value) in enumerate(parameters_of(fit, term).items()):
+        for position, (name, value) in enumerate(fit.of(term, 0).items()):
             cells = (term.effect.name, typeset_symbol(name), meanings[name])
             row: tuple[str, ...] = (
                 *cells,

@@ -1,7 +1,6 @@
 """A model as a file: effects, variants and values, checked when they are read; reading runs no code."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -18,12 +17,9 @@ from identify.fitting.initial_values import initial_values
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
-from station.validation_words import refusal
+from station.validation_words import one_line, refusal
 
 LARGEST = 1 << 20
-LONGEST = 200
-
-ParseEffect = Callable[[str], Effect]
 
 
 class _Part(BaseModel):
@@ -84,17 +80,12 @@ def model_file(fit: Fit, expressions: tuple[str, ...] = ()) -> ModelFile:
         EffectEntry(
             effect=term.effect.name,
             held=dict(term.held),
-            parameters={name: as_value(found) for name, found in parameters_of(fit, term).items()},
+            parameters={name: as_value(found) for name, found in fit.of(term, 0).items()},
         )
         for term in fit.model.terms
     )
     used = tuple(text for text in expressions if name_of(text) in fit.model)
     return ModelFile(equation=fit.model.equation, effects=entries, expressions=used)
-
-
-def parameters_of(fit: Fit, term: Term) -> dict[str, Estimate]:
-    """Return the fitted parameters of one term; a sensor's fault has one for each release, and the first counts."""
-    return fit.of(term, 0)
 
 
 def as_value(estimate: Estimate) -> Value:
@@ -113,11 +104,9 @@ def written(model: ModelFile) -> str:
     return model.model_dump_json(indent=2) + "\n"
 
 
-def read_model(
-    file: Path, library: tuple[Effect, ...] = LIBRARY, parse: ParseEffect | None = None
-) -> KnownModel:
+def read_model(file: Path, library: tuple[Effect, ...] = LIBRARY) -> KnownModel:
     """Read and check a model file; UsageProblem that names the file and the entry that is wrong."""
-    return known_model(read_model_file(file), f"the model {file}", library, parse)
+    return known_model(read_model_file(file), f"the model {file}", library)
 
 
 def read_model_file(file: Path) -> ModelFile:
@@ -134,25 +123,12 @@ def read_model_file(file: Path) -> ModelFile:
     try:
         return ModelFile.model_validate_json(content)
     except ValidationError as error:
-        raise UsageProblem(f"the model {file}: {first_fault(error)}") from error
+        raise UsageProblem(f"the model {file}: {refusal(error)}") from error
 
 
-def first_fault(error: ValidationError) -> str:
-    """Find where a document is wrong and how, in a sentence."""
-    return refusal(error)
-
-
-def short(text: str) -> str:
-    """Return a text in one line that fits a message, however much of a file it quotes."""
-    line = " ".join(text.split())
-    return line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
-
-
-def known_model(
-    model: ModelFile, where: str, library: tuple[Effect, ...] = LIBRARY, parse: ParseEffect | None = None
-) -> KnownModel:
+def known_model(model: ModelFile, where: str, library: tuple[Effect, ...] = LIBRARY) -> KnownModel:
     """Return a model with its effects looked up; UsageProblem, beginning with `where`, when one does not fit."""
-    by_name = {effect.name: effect for effect in library} | _expressions(model, where, parse)
+    by_name = {effect.name: effect for effect in library} | _expressions(model, where)
     terms: list[Term] = []
     values: dict[str, float] = {}
     for entry in model.effects:
@@ -170,13 +146,11 @@ def known_model(
     return KnownModel(Model(tuple(terms)), values, model.expressions)
 
 
-def _expressions(model: ModelFile, where: str, parse: ParseEffect | None) -> dict[str, Effect]:
-    if not model.expressions:
-        return {}
+def _expressions(model: ModelFile, where: str) -> dict[str, Effect]:
     try:
-        return {effect.name: effect for effect in map(parse or parsed_effect, model.expressions)}
+        return {effect.name: effect for effect in map(parsed_effect, model.expressions)}
     except ValueError as error:
-        raise UsageProblem(f"{where}: {short(str(error))}") from error
+        raise UsageProblem(f"{where}: {one_line(str(error))}") from error
 
 
 @lru_cache(maxsize=64)
@@ -193,7 +167,7 @@ def _held(entry: EffectEntry, effect: Effect, where: str) -> dict[str, float | s
         if dict(variant) == entry.held:
             return dict(variant)
     choices = " or ".join(str(dict(variant)) for variant in effect.variants)
-    raise UsageProblem(f"{where}: {entry.effect}: `held` is {short(str(entry.held))}; it can be {choices}")
+    raise UsageProblem(f"{where}: {entry.effect}: `held` is {one_line(str(entry.held))}; it can be {choices}")
 
 
 def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
@@ -201,7 +175,7 @@ def _values(entry: EffectEntry, term: Term, where: str) -> dict[str, float]:
     unknown = set(entry.parameters) - set(free)
     if unknown:
         raise UsageProblem(
-            f"{where}: {entry.effect} has no parameter {short(', '.join(sorted(unknown)))}; it has {', '.join(free)}"
+            f"{where}: {entry.effect} has no parameter {one_line(', '.join(sorted(unknown)))}; it has {', '.join(free)}"
         )
     corrected = isinstance(term.effect, SensorFault) and term.effect.corrected_in_every_fit
     missing = set() if corrected else set(free) - set(entry.parameters)

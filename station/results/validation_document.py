@@ -2,9 +2,8 @@
 
 from pydantic import AliasChoices, Field
 
-from daq.session import Session
 from identify.fitting.validation import UsualFrom, Validation, ValidationVerdict
-from station.results.documents import Document, Number, Part, read_document, write_document
+from station.results.documents import Document, Number, Part
 from station.results.models import ModelFile
 
 NAME = "validation.json"
@@ -76,13 +75,3 @@ def validation_document(
     return ValidationDocument.of(
         found, format=1, source=source, fitted_to=fitted_to, model=model, sessions=sessions, skipped=why
     )
-
-
-def read_validation(session: Session) -> ValidationDocument | None:
-    """Return the validation that a session keeps, None when it keeps none; UsageProblem when it was altered."""
-    return read_document(session, NAME, ValidationDocument, "validate again")
-
-
-def write_validation(session: Session, document: ValidationDocument) -> None:
-    """Write results/validation.json."""
-    write_document(session, NAME, document)

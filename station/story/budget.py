@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from daq.recording import Recording
 from station.story.engineering_values import EngineeringValue
-from station.story.preparation import MOTION
+from station.story.preparation import motion_channels
 
 
 @dataclass(frozen=True)
@@ -58,8 +58,7 @@ def calibration_of(recording: Recording, gain: float | None) -> float | None:
 
     `gain` is that between two channels: they differ by what at least one of them is off.
     """
-    first = [next((c for c in recording.channels if c.quantity == quantity), None) for quantity in MOTION]
-    stated = [channel.calibration_uncertainty for channel in first if channel is not None]
+    stated = [channel.calibration_uncertainty for channel in motion_channels(recording).values()]
     if not stated or None in stated:
         return None
     off = 0.0 if gain is None else abs(gain - 1.0)

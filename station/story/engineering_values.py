@@ -35,11 +35,7 @@ _NAMES = {
     LinearPart.DRY_FRICTION: "friction force",
     LinearPart.DAMPING: "viscous damping c",
 }
-_NAMES_OF_ANGLES = {
-    LinearPart.STIFFNESS: "stiffness K",
-    LinearPart.DRY_FRICTION: "friction moment",
-    LinearPart.DAMPING: "viscous damping c",
-}
+_NAMES_OF_ANGLES = _NAMES | {LinearPart.DRY_FRICTION: "friction moment"}
 
 
 @dataclass(frozen=True)

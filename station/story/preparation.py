@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from daq.recording import Recording
+from daq.recording import Channel, Recording
 from daq.session import Session
 from identify.errors import NotIdentifiable
 from identify.estimate import Estimate
@@ -125,6 +125,12 @@ def free_decay(recording: Recording, options: Options) -> FreeDecay:
     )
 
 
+def motion_channels(recording: Recording) -> dict[str, Channel]:
+    """Find the first channel of each quantity that is a motion, by the quantity."""
+    last_first = reversed(recording.channels)
+    return {channel.quantity: channel for channel in last_first if channel.quantity in MOTION}
+
+
 def _displacement_unit(recording: Recording) -> str:
     """Return the unit of the displacement, as the first channel that is a motion has it: m, rad, V."""
     units = [channel.unit for channel in recording.channels if channel.quantity in MOTION]
@@ -136,8 +142,8 @@ def _stated_lag(recording: Recording) -> Estimate | None:
 
     None where no delay is stated, or one of the channels is missing.
     """
-    first = {q: next((c for c in recording.channels if c.quantity == q), None) for q in MOTION}
-    low, high = first["displacement"] or first["velocity"], first["acceleration"]
+    first = motion_channels(recording)
+    low, high = first.get("displacement") or first.get("velocity"), first.get("acceleration")
     if low is None or high is None or not (low.group_delay_s or high.group_delay_s):
         return None
     std = DELAY_UNCERTAINTY * math.hypot(low.group_delay_s, high.group_delay_s)
@@ -146,9 +152,5 @@ def _stated_lag(recording: Recording) -> Estimate | None:
 
 def gain_uncertainty(recording: Recording) -> float:
     """Return the relative uncertainty of the gain between the channels, as their certificates leave it."""
-    parts = []
-    for quantity in MOTION:
-        first = next((c for c in recording.channels if c.quantity == quantity), None)
-        if first is not None and first.calibration_uncertainty is not None:
-            parts.append(first.calibration_uncertainty)
-    return math.sqrt(sum(part**2 for part in parts))
+    stated = [channel.calibration_uncertainty or 0.0 for channel in motion_channels(recording).values()]
+    return math.sqrt(sum(share**2 for share in stated))

@@ -31,7 +31,8 @@ class Estimated(Protocol):
         """Its unit."""
 
 
-def _number(value: float | None) -> float:
+def or_nan(value: float | None) -> float:
+    """Write nan where a number is not known."""
     return math.nan if value is None else value
 
 
@@ -75,7 +76,7 @@ def with_names(found: Mapping[str, Estimated], between: str = " ") -> list[str]:
     for name, values in groups.items():
         text = with_unit(values[0])
         if len(values) > 1:
-            sizes = [_number(one.value) for one in values]
+            sizes = [or_nan(one.value) for one in values]
             unit = typeset_unit(values[0].unit)
             text = f"{min(sizes):.3g} to {max(sizes):.3g} {unit} in {len(values)} releases".replace("  ", " ")
         texts.append(f"{typeset_symbol(name)}{between}{text}")

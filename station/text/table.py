@@ -12,7 +12,7 @@ from rich.console import Console
 from station.results.identification_document import IdentificationDocument, MethodDocument
 from station.text.content import Paragraph, Table
 from station.text.layout import show_parts
-from station.text.numbers import DASH, SPACE, scale, typeset_symbol, typeset_unit, with_error
+from station.text.numbers import DASH, SPACE, or_nan, scale, typeset_symbol, typeset_unit, with_error
 
 METHODS = ("WT", "RFS")
 _RAISED = {raised: f"$^{plain}$" for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789", strict=True)}
@@ -40,11 +40,7 @@ class Quantity:
         if method is None or (self.order is not None and self.order >= len(method.damping)):
             return None
         found = method.stiffness if self.order is None else method.damping[self.order]
-        return Cell(_number(found.value), _number(found.std))
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else value
+        return Cell(or_nan(found.value), or_nan(found.std))
 
 
 @dataclass(frozen=True)

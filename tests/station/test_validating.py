@@ -14,9 +14,10 @@ from daq.session import Session
 from mocks.generate import draw
 from station import exits
 from station.cli import run
+from station.results.documents import read_document
 from station.results.ladder import KeptLadder, KeptStep, write_ladder
 from station.results.models import EffectEntry, ModelFile, Value, written
-from station.results.validation_document import NAME, ValidationDocument, read_validation
+from station.results.validation_document import NAME, ValidationDocument
 from station.text import validation_text
 from station.text.layout import show
 
@@ -92,7 +93,7 @@ def test_the_true_model_in_a_file_predicts_better_and_what_is_too_short_is_skipp
         assert one["usual"]["motion_percent"] > one["model"]["motion_percent"]
     (skipped,) = found["skipped"]
     assert skipped["session"] == "short"
-    kept = read_validation(Session.open(bench / "sessions" / "b"))
+    kept = read_document(Session.open(bench / "sessions" / "b"), NAME, ValidationDocument, "")
     assert kept.plain() == found
     assert not (bench / "sessions" / "short" / "results" / NAME).exists()
 
