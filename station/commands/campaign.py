@@ -146,7 +146,7 @@ def _imported(
         raise UsageProblem(f"{folder}: no file in it{f' is of the form {names}' if names else ''}")
     given = read_recipe(recipe) if recipe else asked(meant[0], ImportOptions()) if ask else None
     place = settings.sessions / (folder.resolve().name or "files")
-    info = session_info(settings, None, None, None, None, (), varies)
+    info = session_info(settings, varies=varies)
     work = FolderImport(place, settings.sessions, given, form, known, info)
     try:
         made = list(work.sessions(files, progress))

@@ -7,20 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station import exits
-from station.commands.options import (
-    BAUD,
-    COLUMNS,
-    CONDITIONS,
-    DURATION,
-    MASS,
-    MASS_STD,
-    OPERATOR,
-    PATIENCE,
-    RATE,
-    SPECIMEN,
-    UNITS,
-    pairs,
-)
+from station.commands.options import BAUD, COLUMNS, UNITS, new_session_option, pairs, release_options
 from station.output import json_option, print_json, progress, screen
 
 MOST_TAKES = 3
@@ -36,21 +23,11 @@ if TYPE_CHECKING:
     metavar="URL",
     help="Port of the board, as /dev/ttyACM0, COM3 or socket://HOST:PORT (default: the only board that answers).",
 )
-@click.option(
-    "--session",
-    "folder",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    help="Folder of the new session (default: ./sessions/release_TIME).",
-)
-@MASS
-@MASS_STD
-@DURATION
-@RATE
+@new_session_option("Folder of the new session (default: ./sessions/release_TIME).")
+@release_options
 @click.option(
     "--pre-trigger", type=click.FloatRange(0.5, 60), metavar="S", help="Seconds kept before the release (1)."
 )
-@PATIENCE
 @click.option(
     "--level",
     type=click.FloatRange(0, min_open=True),
@@ -72,9 +49,6 @@ if TYPE_CHECKING:
 @COLUMNS
 @UNITS
 @BAUD
-@SPECIMEN
-@OPERATOR
-@CONDITIONS
 @click.option(
     "--spare",
     type=click.Path(path_type=Path),
@@ -94,11 +68,6 @@ def command(
     /,
     port: str | None,
     folder: Path | None,
-    mass: float | None,
-    mass_std: float | None,
-    specimen: str | None,
-    operator: str | None,
-    conditions: tuple[str, ...],
     spare: Path | None,
     no_viewer: bool,
     again: bool | None,
@@ -109,7 +78,7 @@ def command(
     columns: tuple[str, ...],
     units: tuple[str, ...],
     baud: int | None,
-    **timing: Any,
+    **given: Any,
 ) -> int:
     """Record one release, judge the recording, and identify it.
 
@@ -119,17 +88,16 @@ def command(
     from daq.ports import choose_port
     from station.operations.capturing import record
     from station.operations.line_boards import LineChoice, board_behind
-    from station.operations.new_session import capture_settings, new_folder, session_info
+    from station.operations.new_session import new_folder, wanted_capture
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
-    info = session_info(settings, mass, mass_std, specimen, operator, conditions)
     choice = LineChoice(
-        lines, profile, source, pairs("--column", columns), pairs("--unit", units), timing["rate"], baud
+        lines, profile, source, pairs("--column", columns), pairs("--unit", units), given["rate"], baud
     )
     named = port or settings.capture.port
     chosen = named or "" if choice.any else choose_port(named)
-    wanted = capture_settings(settings, info, **timing)
+    wanted = wanted_capture(settings, given)
     session, url = record(
         board_behind(chosen, choice, settings),
         wanted,

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from station.commands.options import NO_VIEWER
+from station.commands.options import NO_VIEWER, new_session_option
 from station.output import json_option, print_json, progress
 
 SPEED = 4.0
@@ -37,13 +37,7 @@ MADE_OF = ("stiffness", "mu_0", "mu_1", "displacement_late_s", "seed")
 @click.option("--example", metavar="NAME", help="Identify a recording that comes with the station.")
 @click.option("--list", "listed", is_flag=True, help="List the recordings that come with the station.")
 @click.option("--pty", is_flag=True, help="Connect through a pseudo terminal instead of TCP.")
-@click.option(
-    "--session",
-    "folder",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    help="Folder of the new session (default: ./sessions/demo_TIME).",
-)
+@new_session_option("Folder of the new session (default: ./sessions/demo_TIME).")
 @NO_VIEWER
 @json_option
 @click.pass_obj

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station import exits
-from station.commands.options import CONDITIONS, DURATION, MASS, MASS_STD, OPERATOR, PATIENCE, RATE, SPECIMEN
+from station.commands.options import new_session_option, release_options
 from station.output import json_option, print_json, progress, screen
 
 if TYPE_CHECKING:
@@ -26,21 +26,8 @@ if TYPE_CHECKING:
     "--limits", metavar="LOW,HIGH", help="Amplitudes that are safe, as 2mm,25mm (default: a terminal asks)."
 )
 @click.option("--unattended", is_flag=True, help="The rig holds and releases the mass itself.")
-@click.option(
-    "--session",
-    "folder",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    help="Folder of its sessions (default: ./sessions/guide_TIME).",
-)
-@MASS
-@MASS_STD
-@DURATION
-@RATE
-@PATIENCE
-@SPECIMEN
-@OPERATOR
-@CONDITIONS
+@new_session_option("Folder of its sessions (default: ./sessions/guide_TIME).")
+@release_options
 @json_option
 @click.pass_obj
 def command(
@@ -50,13 +37,8 @@ def command(
     limits: str | None,
     unattended: bool,
     folder: Path | None,
-    mass: float | None,
-    mass_std: float | None,
-    specimen: str | None,
-    operator: str | None,
-    conditions: tuple[str, ...],
     as_json: bool,
-    **timing: Any,
+    **given: Any,
 ) -> int:
     """Say what to release, record it, judge it, and say what to release next.
 
@@ -66,13 +48,12 @@ def command(
     """
     from daq.ports import choose_port
     from station.operations.guiding import GuidedTest
-    from station.operations.new_session import capture_settings, new_folder, session_info
+    from station.operations.new_session import new_folder, wanted_capture
     from station.settings import load_settings
 
     settings = load_settings(settings_file)
     chosen = limits_of(limits if limits is not None else _asked(), unattended)
-    info = session_info(settings, mass, mass_std, specimen, operator, conditions)
-    wanted = capture_settings(settings, info, **timing)
+    wanted = wanted_capture(settings, given)
     named = choose_port(port or settings.capture.port)
     place = folder or new_folder(settings.sessions, "guide")
     document = show_guided(GuidedTest(named, wanted, chosen, place, settings, unattended), as_json)

@@ -80,7 +80,7 @@ def _opened(session: str, into: str | None, mass: float | None, settings: Any) -
     from station.operations.new_session import session_info
     from station.results.sessions import import_file, open_session
 
-    info = session_info(settings, mass, None, None, None)
+    info = session_info(settings, mass)
     if into is None:
         return open_session(session, settings.sessions, info)
     return import_file(Path(session), Path(into), settings.sessions, ImportOptions(), info).sessions[0]

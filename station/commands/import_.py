@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.commands.options import COLUMNS, CONDITIONS, MASS, MASS_STD, UNITS, VARIES, number_or_name, pairs
+from station.commands.options import (
+    COLUMNS,
+    CONDITIONS,
+    MASS,
+    MASS_STD,
+    UNITS,
+    VARIES,
+    new_session_option,
+    number_or_name,
+    pairs,
+)
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
 from station.text.next_step import next_line
@@ -17,13 +27,7 @@ if TYPE_CHECKING:
 
 @click.command("import")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option(
-    "--session",
-    "folder",
-    type=click.Path(path_type=Path),
-    metavar="FOLDER",
-    help="Folder of the new session (default: ./sessions/NAME).",
-)
+@new_session_option("Folder of the new session (default: ./sessions/NAME).")
 @MASS
 @MASS_STD
 @COLUMNS

@@ -1,6 +1,8 @@
 """Options that several commands share."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -116,8 +118,6 @@ CONDITIONS = click.option(
     metavar="NAME=NUMBER",
     help='A known condition of the test, as "temperature [degC]=21.5".',
 )
-
-
 VARIES = click.option(
     "--varies", metavar="NAME,...", help="What differs between the sessions of one rig, as stiffness,inertia."
 )
@@ -138,6 +138,18 @@ UNITS = click.option(
 BAUD = click.option(
     "--baud", type=click.IntRange(min=50), metavar="BAUD", help="Baud rate of the lines (115200)."
 )
+
+
+def release_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command what can be said of a release: mass, duration, rate, patience, specimen, operator, conditions."""
+    for option in (CONDITIONS, OPERATOR, SPECIMEN, PATIENCE, RATE, DURATION, MASS_STD, MASS):
+        command = option(command)
+    return command
+
+
+def new_session_option(text: str) -> Callable[..., Any]:
+    """Make the option `--session`, passed on as `folder`: where what is made goes, as the help `text` says."""
+    return click.option("--session", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help=text)
 
 
 def pairs(option: str, given: tuple[str, ...]) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +28,10 @@ def new_folder(sessions: Path, prefix: str = "release") -> Path:
 
 def session_info(
     settings: Settings,
-    mass: float | None,
-    mass_std: float | None,
-    specimen: str | None,
-    operator: str | None,
+    mass: float | None = None,
+    mass_std: float | None = None,
+    specimen: str | None = None,
+    operator: str | None = None,
     conditions: tuple[str, ...] = (),
     varies: str | None = None,
 ) -> SessionInfo:
@@ -73,6 +74,13 @@ def _length(text: str | None) -> float | None:
     if length is None or length.si != "m" or parse_unit(text) is not None:
         raise UsageProblem(f"--release {text}: write a length with its unit, as 12mm or -8mm")
     return length.scale
+
+
+def wanted_capture(settings: Settings, given: Mapping[str, Any]) -> CaptureSettings:
+    """Say how to capture by the options of a command that has `release_options`, else by the settings."""
+    of_the_test = ("mass", "mass_std", "specimen", "operator", "conditions")
+    info = session_info(settings, **{name: given[name] for name in of_the_test})
+    return capture_settings(settings, info, **given)
 
 
 def capture_settings(settings: Settings, info: SessionInfo, **timing: Any) -> CaptureSettings:
