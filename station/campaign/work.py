@@ -1,15 +1,25 @@
 """What a worker does with one session; everything that it needs is sent to it."""
 
 import time
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
-from station.story.preparation import Options
-
-if TYPE_CHECKING:
-    from identify.fitting.baseline import Baseline
-    from identify.preprocessing.prepared_decay import PreparedDecay
-    from station.story.identification import Identification
+from daq.errors import StationError
+from daq.recording import Recording
+from daq.session import Session
+from identify.errors import NotIdentifiable
+from identify.fitting.baseline import Baseline, fit_baseline
+from identify.fitting.model_error import errors_of
+from identify.fitting.segments import segments_of
+from identify.model.model import base_model
+from identify.preprocessing.prepared_decay import PreparedDecay
+from station.results.campaign_document import SessionResult
+from station.results.identification_document import amplitude
+from station.story.identification import Identification
+from station.story.pipeline import diagnose, identify
+from station.story.preparation import Options, locate, prepare_recording
 
 
 @dataclass(frozen=True)
@@ -46,10 +56,6 @@ def perform(work: Work) -> str:
 
     Raises nothing that is the session's fault: the result says why it failed.
     """
-    from daq.errors import StationError
-    from identify.errors import NotIdentifiable
-    from station.results.campaign_document import SessionResult
-
     began = time.perf_counter()
     try:
         content = _contents(work)
@@ -60,11 +66,6 @@ def perform(work: Work) -> str:
 
 
 def _contents(work: Work) -> dict[str, Any]:
-    from identify.errors import NotIdentifiable
-    from station.results.identification_document import amplitude
-    from station.story.pipeline import identify
-    from station.story.preparation import locate, prepare_recording
-
     recording = _recording(work)
     found = locate(recording, work.options)
     result = identify(recording, work.options, found)
@@ -88,12 +89,7 @@ def _contents(work: Work) -> dict[str, Any]:
     return content
 
 
-def _recording(work: Work) -> Any:
-    from pathlib import Path
-    from tempfile import TemporaryDirectory
-
-    from daq.session import Session
-
+def _recording(work: Work) -> Recording:
     with TemporaryDirectory() as place:
         folder = Path(place) / "session"
         folder.mkdir()
@@ -102,7 +98,7 @@ def _recording(work: Work) -> Any:
         return Session.open(folder).recording()
 
 
-def identified_parameters(result: "Identification") -> dict[str, Any]:
+def identified_parameters(result: Identification) -> dict[str, Any]:
     """Collect the findings of both methods and of the alignment, by "method.parameter"."""
     found: dict[str, Any] = {}
     for method, values in (("wavelet", result.wavelet), ("restoring_force", result.restoring_force)):
@@ -114,18 +110,12 @@ def identified_parameters(result: "Identification") -> dict[str, Any]:
     return found
 
 
-def _fitted(prepared: "PreparedDecay") -> dict[str, Any]:
-    from identify.fitting.baseline import fit_baseline
-    from identify.fitting.segments import segments_of
-    from identify.model.model import base_model
-
+def _fitted(prepared: PreparedDecay) -> dict[str, Any]:
     return fit_content(fit_baseline(segments_of(prepared), base_model()))
 
 
-def fit_content(baseline: "Baseline") -> dict[str, Any]:
+def fit_content(baseline: Baseline) -> dict[str, Any]:
     """Return the parameters of a fitted model, and how far it is from the measurement."""
-    from identify.fitting.model_error import errors_of
-
     error = errors_of(baseline)
     found = baseline.stated(baseline.fit)
     return {
@@ -137,11 +127,7 @@ def fit_content(baseline: "Baseline") -> dict[str, Any]:
     }
 
 
-def _diagnosed(prepared: "PreparedDecay") -> dict[str, Any]:
-    from dataclasses import replace
-
-    from station.story.pipeline import diagnose
-
+def _diagnosed(prepared: PreparedDecay) -> dict[str, Any]:
     found, _ = diagnose((prepared,))
     content = fit_content(found.baseline)
     if found.named:

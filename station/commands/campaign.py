@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import GAIN, VARIES, known_places
+from station.commands.options import GAIN, VARIES, existing
 from station.output import json_option, print_json, progress
 
 if TYPE_CHECKING:
@@ -16,7 +16,12 @@ if TYPE_CHECKING:
 
 
 @click.command("campaign")
-@click.argument("sessions", nargs=-1, metavar="[FOLDER | SESSION...]", callback=known_places)
+@click.argument(
+    "sessions",
+    nargs=-1,
+    metavar="[FOLDER | SESSION...]",
+    callback=existing("folder, session or data file", or_all=True),
+)
 @click.option("--diagnose", is_flag=True, help="Diagnose each session too: seconds each.")
 @click.option(
     "--output",

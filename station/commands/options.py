@@ -2,47 +2,34 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
 from station.exits import UsageProblem
 
-
-def known_sessions(
-    context: click.Context, parameter: click.Parameter, value: str | tuple[str, ...]
-) -> str | tuple[str, ...]:
-    """Refuse at once a session that is not there; a name is looked for where the settings say."""
-    from station.results.session_names import refuse_unknown
-    from station.settings import load_settings
-
-    sessions = load_settings(context.obj).sessions
-    for name in (value,) if isinstance(value, str) else value:
-        refuse_unknown(name, sessions)
-    return value
+Given = TypeVar("Given", str, tuple[str, ...])
 
 
-def known_places(
-    context: click.Context, parameter: click.Parameter, value: tuple[str, ...]
-) -> tuple[str, ...]:
-    """Refuse at once what is no folder, no session and no data file; without any the settings' folder is meant."""
-    from station.results.session_names import refuse_unknown
-    from station.settings import load_settings
+def existing(
+    what: str = "session or data file", *, or_all: bool = False
+) -> Callable[[click.Context, click.Parameter, Given], Given]:
+    """Make what refuses at once an argument that is not there and no session's name where the settings say.
 
-    settings = load_settings(context.obj)
-    for name in value:
-        if name != str(settings.sessions):
-            refuse_unknown(name, settings.sessions, "folder, session or data file")
-    return value
+    `what` it may be is said in the refusal; with `or_all` the settings' folder of sessions passes, there or not.
+    """
 
+    def check(context: click.Context, parameter: click.Parameter, value: Given) -> Given:
+        from station.results.session_names import refuse_unknown
+        from station.settings import load_settings
 
-def known_model_place(context: click.Context, parameter: click.Parameter, value: str) -> str:
-    """Refuse at once a model that is neither a file nor a session."""
-    from station.results.session_names import refuse_unknown
-    from station.settings import load_settings
+        sessions = load_settings(context.obj).sessions
+        for name in (value,) if isinstance(value, str) else value:
+            if not (or_all and name == str(sessions)):
+                refuse_unknown(name, sessions, what)
+        return value
 
-    refuse_unknown(value, load_settings(context.obj).sessions, "model file or session")
-    return value
+    return check
 
 
 def known_effect(context: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
@@ -58,8 +45,8 @@ def known_effect(context: click.Context, parameter: click.Parameter, value: str 
     raise UsageProblem(f"no effect is called '{value}'{did_you_mean(value, names)}; {more}")
 
 
-SESSION = click.argument("session", callback=known_sessions)
-SESSIONS = click.argument("sessions", nargs=-1, required=True, metavar="SESSION...", callback=known_sessions)
+SESSION = click.argument("session", callback=existing())
+SESSIONS = click.argument("sessions", nargs=-1, required=True, metavar="SESSION...", callback=existing())
 MODEL = click.option(
     "--model",
     "model_file",

@@ -4,12 +4,12 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import EFFECTS, SESSIONS, VARIES, known_model_place
+from station.commands.options import EFFECTS, SESSIONS, VARIES, existing
 from station.output import json_option, print_json, progress
 
 
 @click.command("validate")
-@click.argument("model", callback=known_model_place)
+@click.argument("model", callback=existing("model file or session"))
 @SESSIONS
 @EFFECTS
 @VARIES
