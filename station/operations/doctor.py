@@ -142,21 +142,14 @@ def _levels(sample: BoardSample) -> Iterator[Finding]:
         samples = all_samples[recording.valid]
         level, noise, span = float(samples.mean()), _noise(samples), float(np.ptp(samples))
         text = f"level {level:.4g}, noise {noise:.2g}, span {span:.2g} {channel.unit}"
+        ends = ((channel.low, samples.min()), (channel.high, samples.max()))
+        near = 1.01 * (channel.resolution or 0.0)
         grade, remedy = Grade.PASS, ""
         if span == 0.0:
-            grade, remedy = (
-                Grade.FAIL,
-                "the reading never changes: check the sensor, its supply and its wire",
-            )
-        elif _at_end(channel.low, samples.min(), channel.resolution) or _at_end(
-            channel.high, samples.max(), channel.resolution
-        ):
+            grade, remedy = Grade.FAIL, "the reading never changes: check the sensor, its supply and its wire"
+        elif any(end is not None and abs(value - end) <= near for end, value in ends):
             grade, remedy = Grade.FAIL, "at the end of its range: centre the sensor, or take a wider range"
         yield Finding(grade, channel.name, text, remedy)
-
-
-def _at_end(end: float | None, value: float, step: float | None) -> bool:
-    return end is not None and abs(value - end) <= 1.01 * (step or 0.0)
 
 
 def _rate(sample: BoardSample) -> Finding:

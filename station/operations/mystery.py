@@ -3,7 +3,6 @@
 import json
 import re
 import secrets
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -30,6 +29,7 @@ from station.operations.simulated_board import simulated_board
 from station.output import print_json, progress, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
+from station.safe_text import SafeConsole
 from station.settings import Settings
 from station.story.compared import Compared
 from station.story.engineering_values import Weighing
@@ -42,8 +42,6 @@ from station.text.numbers import DASH, typeset, with_unit
 MASS_KG = 21.36
 SEEDS = 1000
 BOARD = "mocks.mystery"
-
-Say = Callable[[str, str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,21 +76,19 @@ def play(
     as_json: bool,
 ) -> None:
     """Record, compare, diagnose, refine, and reveal what was hidden; a seed of None is drawn."""
-    console = screen()
-    say = _say_nothing if as_json else _on_screen(console)
+    console = SafeConsole(quiet=True) if as_json else screen()
     chosen = secrets.randbelow(SEEDS) if seed is None else seed
-    say(
+    _say(
+        console,
         f"THE MYSTERY, number {chosen}",
         "A simulated board hides a force that the usual model does not have, or a faulty sensor. This program does not "
         "know which. It records one release to find out.",
     )
-    solved, url = solve(
-        settings, chosen, speed, pty, folder, no_viewer, say=say, console=None if as_json else console
-    )
+    solved, url = solve(settings, chosen, speed, pty, folder, no_viewer, console)
     if as_json:
         print_json(_document(solved))
     else:
-        _reveal(console, solved, say)
+        _reveal(console, solved)
     if not no_viewer:
         from station.operations.viewer_tabs import show_ladder as show
 
@@ -108,11 +104,9 @@ def solve(
     pty: bool,
     folder: Path | None,
     no_viewer: bool,
-    *,
-    say: Say,
-    console: Console | None = None,
+    console: Console,
 ) -> tuple[Solved, str | None]:
-    """Record the mystery of a seed and solve it; return what came out and the URL of the live viewer.
+    """Record the mystery of a seed and solve it, told on a console; return what came out and the live viewer's URL.
 
     The samples are a function of the seed: at any `speed`, on any line, the same are recorded.
     """
@@ -124,32 +118,27 @@ def solve(
         with simulated_board(seed, speed, pty, "--truth", str(envelope), module=BOARD) as port:
             progress(f"a simulated board answers at {port}")
             session, url = record(port, wanted, where, not no_viewer)
-        return _solve(session, settings, say, console, seed, envelope), url
+        return _solve(session, settings, console, seed, envelope), url
 
 
-def _solve(
-    session: Session, settings: Settings, say: Say, console: Console | None, seed: int, envelope: Path
-) -> Solved:
+def _solve(session: Session, settings: Settings, console: Console, seed: int, envelope: Path) -> Solved:
     sessions = SessionSet((session,), (prepare_with_floor(session, settings),))
-    say("1. COMPARE: the usual model is fitted, run freely, and laid over the recording", "")
+    _say(console, "1. COMPARE: the usual model is fitted, run freely, and laid over the recording")
     refinement = open_refinement(session, settings)
     compared, _ = compare_session(session, settings)
-    if console is not None:
-        show(console, replace(comparison_text.told(compared), brief=places(compared)))
-    say("2. DIAGNOSE: every effect of the library is added in turn, and fitted", "")
+    show(console, replace(comparison_text.told(compared), brief=places(compared)))
+    _say(console, "2. DIAGNOSE: every effect of the library is added in turn, and fitted")
     _, document = diagnose_sessions(sessions, progress=progress)
     keep(sessions, document)
-    if console is not None:
-        show(console, diagnosis_text.told(document, Weighing(MASS_KG)))
+    show(console, diagnosis_text.told(document, Weighing(MASS_KG)))
     ladder = refinement.ladder
     if document.named:
-        say(f"3. ADD: station refine {session.folder.name} --add {document.named[0]}", "")
+        _say(console, f"3. ADD: station refine {session.folder.name} --add {document.named[0]}")
         for name in document.named:
             ladder = add(replace(refinement, ladder=ladder), name)
-        if console is not None:
-            show(console, replace(ladder_text.told(ladder), brief=(ladder_text.steps_table(ladder),)))
+        show(console, replace(ladder_text.told(ladder), brief=(ladder_text.steps_table(ladder),)))
     else:
-        say("3. ADD: nothing", "The diagnosis names no effect, so none is added.")
+        _say(console, "3. ADD: nothing", "The diagnosis names no effect, so none is added.")
     if not envelope.is_file():
         raise Problem("the simulated board did not say what it had hidden; start it again")
     truth = json.loads(envelope.read_text(encoding="utf-8"))
@@ -174,8 +163,8 @@ def hidden_words(truth: dict[str, Any]) -> str:
     return f"{plain_name(truth['hidden'])}, {strength:.2f} % of the rms of {of}"
 
 
-def _reveal(console: Console, solved: Solved, say: Say) -> None:
-    say("4. WHAT WAS HIDDEN: it is read only now", "")
+def _reveal(console: Console, solved: Solved) -> None:
+    _say(console, "4. WHAT WAS HIDDEN: it is read only now")
     console.print(Padding(Text(hidden_words(solved.truth), style="bold"), (0, 1)))
     show_parts(console, [_side_by_side(solved)])
     console.print(Padding(_verdict(solved), (0, 1)))
@@ -248,14 +237,8 @@ def _document(solved: Solved) -> dict[str, Any]:
     }
 
 
-def _on_screen(console: Console) -> Say:
-    def say(title: str, text: str) -> None:
-        console.rule(Text(title, style="bold cyan"), align="left")
-        if text:
-            console.print(Padding(Text(text), (0, 1)))
-
-    return say
-
-
-def _say_nothing(title: str, text: str) -> None:
-    """Print nothing, where one JSON object is wanted."""
+def _say(console: Console, title: str, text: str = "") -> None:
+    """Print a heading, and what is said under it."""
+    console.rule(Text(title, style="bold cyan"), align="left")
+    if text:
+        console.print(Padding(Text(text), (0, 1)))
