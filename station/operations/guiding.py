@@ -110,7 +110,13 @@ def guide(test: GuidedTest, watcher: Watcher, cancelled: Callable[[], bool] = la
                 guidance(found, len(sessions), test.limits),
                 diagnosis_document(trial.names, found),
             )
-            turn |= _outcome(document, told, time.monotonic() - began)
+            turn |= {
+                "verdict": document.verdict,
+                "named": document.named,
+                "hypotheses": document.hypotheses,
+                "next_release": next_release_document(told.chosen),
+                "judged_s": time.monotonic() - began,
+            }
             keep(trial, document)
         turns.append(TurnDocument.model_validate(turn))
         watcher.judged(turns[-1], document)
@@ -169,16 +175,6 @@ def _instead(told: Guidance, limits: Limits, reason: str) -> Guidance:
         f"That told nothing ({reason}). The largest amplitude shows most.",
         Experiment(side * limits.high),
     )
-
-
-def _outcome(document: DiagnosisDocument, told: Guidance, seconds: float) -> dict[str, Any]:
-    return {
-        "verdict": document.verdict,
-        "named": document.named,
-        "hypotheses": document.hypotheses,
-        "next_release": None if told.chosen is None else next_release_document(told.chosen),
-        "judged_s": seconds,
-    }
 
 
 def _gave(told: Guidance, before: Diagnosis | None, found: Diagnosis) -> dict[str, Any]:

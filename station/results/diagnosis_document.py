@@ -299,7 +299,7 @@ def diagnosis_document(
         shape=None if found.shape is None else _shape(found.shape),
         held_out=None if left_out is None else _held_out(names, left_out),
         hypotheses=_hypotheses(found),
-        next_release=None if found.next_release is None else next_release_document(found.next_release),
+        next_release=next_release_document(found.next_release),
         fitted=fitted,
         final=model_file(baseline.stated(found.final), expressions) if found.named else None,
         used=_used(names, found),
@@ -404,18 +404,15 @@ def _hypotheses(found: Diagnosis) -> list[dict[str, Any]]:
     ]
 
 
-def next_release_document(chosen: NextRelease) -> dict[str, Any]:
-    """Return a chosen release as it is kept."""
-    best = chosen.best
-    return vars(best.experiment) | {
-        "unit": chosen.unit,
-        "between": chosen.between,
-        "nats": best.nats,
-        "scatter": best.scatter,
-        "same_nats": None if chosen.same is None else chosen.same.nats,
-        "tells_more": chosen.tells_more,
-        "words": chosen.words,
-    }
+def next_release_document(chosen: NextRelease | None) -> NextReleaseDocument | None:
+    """Return a chosen release as it is kept; None where none was chosen."""
+    if chosen is None:
+        return None
+    best, same_nats = chosen.best, None if chosen.same is None else chosen.same.nats
+    experiment = vars(best.experiment)
+    return NextReleaseDocument.of(
+        chosen, nats=best.nats, scatter=best.scatter, same_nats=same_nats, **experiment
+    )
 
 
 def _finding(fault: CorrectedFault) -> FindingDocument:
