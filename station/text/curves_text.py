@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from identify.curves.laid_over import DecayCurves
+from identify.formatting import plain_name
 
 
 def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
@@ -16,14 +17,12 @@ def curves_caption(names: Sequence[str], found: DecayCurves) -> str:
         "the viscous damper that would take as much: a cycle loses 4π times it of the energy. A linear spring with viscous "
         "damping draws two level lines."
     ]
-    laws = {laid.law.role: laid.law.name.replace("_", " ") for laid in found.laws if laid.curves}
+    laws = {laid.law.role: plain_name(laid.law.name) for laid in found.laws if laid.curves}
     if "usual" in laws:
         words.append("Thin line: the usual model, as close as it comes to these curves.")
     if "named" in laws:
         words.append(f"Thick line: the model with {laws['named']}, run freely and seen in the same way.")
-    rivals = [
-        laid.law.name.replace("_", " ") for laid in found.laws if laid.law.role == "rival" and laid.curves
-    ]
+    rivals = [plain_name(laid.law.name) for laid in found.laws if laid.law.role == "rival" and laid.curves]
     if rivals:
         words.append(f"Broken lines: what explains nearly as much, {' or '.join(rivals)}.")
     if laws and many:

@@ -9,6 +9,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.curves.laid_over import DecayCurves
 from identify.diagnosis.force_map import ForceMap
+from identify.formatting import plain_name
 from station.results.diagnosis_document import CurveDocument
 from station.story.measured_curves import MeasuredCurve
 from station.text.numbers import scale_as_recorded, three_figures
@@ -31,7 +32,7 @@ def force_maps(maps: Sequence[tuple[str, ForceMap]], unit: str) -> Picture:
         axis.plot(degrees, found.large, color=PAPER.second, lw=1.5, label="large cycles")
         axis.plot(degrees, found.small, color=PAPER.model, lw=1.3, ls="--", label="small cycles")
         axis.set(xlabel="phase of the cycle [°]", xticks=range(0, 361, 90), xlim=(0, 360))
-        axis.set_title(literal(fill(name.replace("_", " "), 20)), fontsize=8)
+        axis.set_title(literal(fill(plain_name(name), 20)), fontsize=8)
     reach = _reach(maps[0][1])
     axes[0].set_ylim(-1.5 * reach, 1.5 * reach)
     axes[0].set_ylabel(literal(f"force per unit\nmass [{unit}/s^2]"))
