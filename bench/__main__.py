@@ -39,7 +39,7 @@ SECTIONS = (
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
 HEAD = """# Measured figures
 
-Made by the commands named in each section, on two cores; not edited by hand.
+Made by the command of each section, on two cores. A section with a date was not measured again after it.
 """
 
 

@@ -80,7 +80,7 @@ def run(quick: bool) -> str:
     ratio = np.sqrt(np.mean(z**2, axis=0))
     words = ", ".join(f"{n} {r:.2f}" for n, r in zip(("K", "mu_0", "mu_1", "lag"), ratio, strict=True))
     return (
-        "No method can use more of chi-square than the usual model leaves of a record with a fiftieth of the noise (20 mm, "
-        f"median of {seeds} seeds). Half of the records are named where that reaches {SEEN:.0f}: at a strength of, in %, {half}."
+        f"The strength in % at which the usual model leaves {SEEN:.0f} of chi-square beyond the noise (20 mm, median of {seeds} "
+        f"seeds), so that half of the records can be named: {half}."
         f"\n\nRms errors over the Cramer-Rao bound, {len(z)} records with nothing hidden: {words} (wanted at most 1.2)."
     )

@@ -143,7 +143,7 @@ def run(quick: bool) -> str:
             _faults(faults),
             _pairs(pairs),
             _outside(outside),
-            _wanders(wanders),
+            f"A random walk of the spring or the damper, nothing else: {_false_names(wanders)}.",
             _parameters(single),
         )
     )
@@ -180,7 +180,7 @@ def _by_strength(outcomes: list[Outcome]) -> str:
     rows.append("| **named by the verdict** | " + " | ".join(f"**{100 * t:.1f}**" for t in told) + " |")
     seconds = np.median([o.seconds for o in outcomes])
     return (
-        f"First of the suspects, % of {seeds} seeds, by strength (rms of the effect's force over the total):\n\n"
+        f"First of the suspects, % of {seeds} seeds, by strength (rms, of the force):\n\n"
         + "\n".join([head, *rows])
         + f"\n\nAlways first from {100 * STRENGTHS[2]:g} % on: {len(always)} of {len(EFFECTS)}. Median time of a diagnosis: {seconds:.1f} s."
     )
@@ -221,34 +221,17 @@ def _outside(outcomes: list[Outcome]) -> str:
     unknown = sum(o.verdict in ("unknown_effect", "unconfirmed") for o in outcomes) / len(outcomes)
     clean = sum(o.verdict == "nothing_missing" for o in outcomes) / len(outcomes)
     return (
-        f"Effects outside the library: a name is false.\n\n{_false_names(outcomes, OUTSIDE_THE_LIBRARY, STRENGTHS[2:])}\n\n"
-        f"unknown_effect or unconfirmed in {100 * unknown:.0f} %, nothing_missing in {100 * clean:.0f} %."
+        f"Effects outside the library: {_false_names(outcomes)}; unknown_effect or unconfirmed in {100 * unknown:.0f} %, "
+        f"nothing_missing in {100 * clean:.0f} %."
     )
 
 
-def _wanders(outcomes: list[Outcome]) -> str:
-    return f"A spring or a damper that walks at random, nothing else: a name is false.\n\n{_false_names(outcomes, WANDERS, WANDERED)}"
-
-
-def _false_names(outcomes: list[Outcome], hidden: Iterable[str], strengths: tuple[float, ...]) -> str:
-    """Return how many records got a name, by what is hidden and how strongly, as markdown, and which names."""
-    lines = [
-        f"| named, of all | {' | '.join(f'{100 * s:g} %' for s in strengths)} |",
-        "|---|" + "---:|" * len(strengths),
-    ]
-    silent = []
-    for what in hidden:
-        cells = [[o for o in outcomes if o.case.hidden == what and o.case.strength == s] for s in strengths]
-        if not any(o.named for cell in cells for o in cell):
-            silent.append(what)
-            continue
-        lines.append(
-            f"| {what} | {' | '.join(f'{sum(bool(o.named) for o in cell)}/{len(cell)}' for cell in cells)} |"
-        )
+def _false_names(outcomes: list[Outcome]) -> str:
+    """Return how many records got a name where every name is false, and which."""
     names = Counter(
         f"{o.case.hidden} {100 * o.case.strength:g} %: {'+'.join(o.named)}" for o in outcomes if o.named
     )
-    return "\n".join(lines) + f"\n\nNone: {', '.join(silent) or '-'}. Names: {_counted(names)}."
+    return f"a false name in {names.total()} of {len(outcomes)} ({_counted(names)})"
 
 
 def _counted(said: Counter[str]) -> str:

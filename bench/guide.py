@@ -143,14 +143,13 @@ def run(quick: bool) -> str:
 
 def report(found: list[Outcome], draw: bool) -> str:
     """Return the tables and the calibration."""
-    text = _policies(found) + "\n\n" + _kinds(found)
-    return f"{text}\n\n{_calibration([pair for o in found for pair in o.evidence], draw=draw)}"
+    return f"{_policies(found)}\n\n{_calibration([pair for o in found for pair in o.evidence], draw=draw)}"
 
 
 def _policies(found: list[Outcome]) -> str:
     head = (
-        "| who chooses | right | false names (95 %) | claimed outside the library | releases to a right end: median, mean "
-        "(six where none came) | the same to a right verdict on two releases or more | minutes, mean |\n|---|---|---|---|---|---|---|"
+        "| who chooses | right | false names (95 %) | of these outside the library | releases to a right end: median, mean "
+        "(six where none came) | to a right verdict on two or more | minutes, mean |\n|---|---|---|---|---|---|---|"
     )
     rows, means = [], {}
     for policy in POLICIES:
@@ -173,29 +172,12 @@ def _policies(found: list[Outcome]) -> str:
         fewer = f"\n\nThe guide takes {100 * (1 - means['guide'] / means['random']):.0f} % fewer releases than random ones."
     return (
         f"{len({o.case for o in found})} hidden cases on the simulated bench (seeds {min(o.case.seed for o in found)} to "
-        f"{max(o.case.seed for o in found)}, which the guide was not made on), limits {LIMITS_WORDS}, at most six releases, all "
-        "judged together after each and ended by one rule (docs/guided.md); only the amplitudes are chosen otherwise: "
+        f"{max(o.case.seed for o in found)}, which the guide was not made on), {LIMITS_WORDS}, at most six releases, ended by "
+        "[one rule](guided.md#when-it-stops). Only the amplitudes are chosen otherwise: "
         + "; ".join(f"{policy}: {words}" for policy, words in POLICIES.items() if policy in means)
-        + ". A right end is the name that is hidden, nothing where nothing is, no name where the library has none. A minute counts "
-        "30 s of handling and 10 s of record a release.\n\n"
+        + ". Right is the name that is hidden, nothing where nothing is, no name where the library has none.\n\n"
         + "\n".join([head, *rows]) + fewer
     )  # fmt: skip
-
-
-def _kinds(found: list[Outcome]) -> str:
-    played = [policy for policy in POLICIES if any(o.policy == policy for o in found)]
-    columns = " | ".join(f"{policy}: right, median releases" for policy in played)
-    rows = [f"| hidden | {columns} |", f"|---|{'---|' * len(played)}"]
-    for kind in dict.fromkeys(o.case.kind for o in found):
-        cells = []
-        for policy in played:
-            own = [o for o in found if o.case.kind == kind and o.policy == policy]
-            counts = [o.releases if o.right else 6 for o in own]
-            cells.append(
-                f"{sum(o.right for o in own)} of {len(own)}, {statistics.median(counts):g}" if own else ""
-            )
-        rows.append(f"| {kind} | {' | '.join(cells)} |")
-    return "\n".join(rows)
 
 
 def _calibration(pairs: list[tuple[float, float, float]], draw: bool) -> str:
@@ -214,9 +196,7 @@ def _calibration(pairs: list[tuple[float, float, float]], draw: bool) -> str:
 
         expected_and_achieved(pairs)
     return (
-        f"Expected evidence against what the release gave (half of the difference of chi-square), {len(pairs)} releases of the "
-        "guide where the hypothesis that was taken for the truth is what is hidden: "
-        f"of {len(ratios)} that were expected to distinguish it, {near} gave the evidence within a factor of 5 (the median "
-        f"{middle:.2g} of it); of {len(decided)} that were expected to decide ({DECIDES:.1f} nats), {kept} gave the "
+        f"Of {len(ratios)} releases that were expected to distinguish what is hidden, {near} gave the evidence within a factor of 5 "
+        f"(the median {middle:.2g} of it); of {len(decided)} that were expected to decide ({DECIDES:.1f} nats), {kept} gave the "
         f"{RIVALS_WITHIN:.1f} nats that distinguish two.\n\n![Expected and achieved evidence](pictures/guide_expected.svg)"
     )

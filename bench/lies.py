@@ -59,9 +59,9 @@ def run(quick: bool) -> str:
     wrong = [text for batch in batches for text in batch.wrong]
     verdicts = ", ".join(f"{name} {number}" for name, number in ended.most_common())
     text = (
-        f"{count} conversations with boards of `mocks.lying_board`, of which three in four lie in messages (13 kinds) and two in "
-        f"three misbehave (24 kinds): {verdicts}. OK, and not what the board sampled: {len(wrong)}. The longest took "
-        f"{max(b.elapsed_s for b in batches):.1f} s of the board's clock ({batches[0].limit_s:.0f} allowed), the largest log "
-        f"{max(batch.log_bytes for batch in batches) / 1e6:.1f} MB, memory {max(batch.memory_mb for batch in batches):.0f} MB."
+        f"{count} conversations with boards that lie (13 kinds) or misbehave (24 kinds): {verdicts}. OK, and not what the board "
+        f"sampled: {len(wrong)}. At most {max(b.elapsed_s for b in batches):.1f} s of the board's clock "
+        f"({batches[0].limit_s:.0f} allowed), {max(batch.log_bytes for batch in batches) / 1e6:.1f} MB of log and "
+        f"{max(batch.memory_mb for batch in batches):.0f} MB of memory."
     )
     return "\n".join([text, *(f"- {said}" for said in wrong)])

@@ -35,21 +35,16 @@ def run(quick: bool) -> str:
     every = (*single, *joint, *effects, *three, *near)
     crashed = sum(o.verdict.startswith("crashed") for o in every)
     false = [o for o in (*single, *joint) if o.false or o.nameless]
-    strength = f"{100 * STRENGTH:g} %"
-    of_one = {"false": (single, "false"), "no name": (single, "nameless")}
-    of_several = {"several: false": (joint, "false"), "several: no name": (joint, "nameless")}
-    found = {f"{strength} found": (effects, "found")}
     return "\n\n".join(
         (
-            "Records of all kinds of noise at all working points. Nothing hidden: *false*, a name is given; *no name*, something "
-            "without a name is reported as missing; *several*, three and nine releases together. "
-            f"Effects of {strength}: *found*, named, and nothing else but faults that the sensors have.",
-            _table("noise", of_one | of_several | found),
-            f"False or without a name: {_said(false)}. Effects not found: {_said([o for o in effects if not o.found])}. "
-            f"Crashes: {crashed} of {len(every)}.",
+            f"Every kind of noise at every working point, nothing hidden: a name in {_share(single, 'false')}, a missing force "
+            f"without a name in {_share(single, 'nameless')}. Three or nine releases together: {_share(joint, 'false')} and "
+            f"{_share(joint, 'nameless')}. Which: {_said(false)}. Crashes: {crashed} of {len(every)}.",
+            f"An effect of {100 * STRENGTH:g} % is named, and nothing else but faults that the sensors have, in "
+            f"{_share(effects, 'found')}. Not: {_said([o for o in effects if not o.found])}.",
             f"Three effects of {100 * OF_EACH_OF_THREE:g} % at once, white noise, 4 Hz: found in {_share(three, 'found')}. "
             f"Not found: {_said([o for o in three if not o.found])}.",
-            f"Laws between the names, {strength}: several effects named instead in {_share(near, 'made_up')}. Verdicts: {_said(near)}.",
+            f"Laws between the names, {100 * STRENGTH:g} %: several effects named in {_share(near, 'made_up')}. Verdicts: {_said(near)}.",
         )
     )
 

@@ -23,10 +23,10 @@ GROWING = {"quadratic_damping", "cubic_damping", "position_dependent_damping"}
 
 
 OUTCOMES = {
-    "found": "all that is known to be there is named, and nothing that is not",
-    "missed": "something that is known to be there is not named",
-    "silent": "nothing is known to be there, and nothing is named",
-    "tolerated": "nothing is known to be there, and what is named may be",
+    "found": "all that is known to be there, and nothing else",
+    "missed": "not all that is known to be there",
+    "silent": "nothing is known to be there, nothing is named",
+    "tolerated": "what is named may be there",
     "wrong": "a name that is not there",
 }
 
