@@ -12,8 +12,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy loads: a proc
 
 import numpy as np
 
-from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.refine import refine
+from identify.diagnosis.diagnose import diagnose, refine
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
 from identify.preprocessing.prepared_decay import PreparedDecay, prepare

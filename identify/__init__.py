@@ -19,10 +19,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from identify.comparison.compare import Comparison, compare
     from identify.curves.laid_over import DecayCurves, decay_curves
-    from identify.diagnosis.diagnose import Diagnosis, diagnose
+    from identify.diagnosis.diagnose import Diagnosis, diagnose, refine
     from identify.diagnosis.found_laws import found_laws
     from identify.diagnosis.ladder import Ladder, Step, add_effect, first_step, remove_effect
-    from identify.diagnosis.refine import refine
     from identify.diagnosis.suspect import Suspect
     from identify.effects.effect import Effect, Parameter
     from identify.effects.library import LIBRARY, find_effect
@@ -84,10 +83,9 @@ __all__ = [
 _HOMES = {
     "comparison.compare": ("Comparison", "compare"),
     "curves.laid_over": ("DecayCurves", "decay_curves"),
-    "diagnosis.diagnose": ("Diagnosis", "diagnose"),
+    "diagnosis.diagnose": ("Diagnosis", "diagnose", "refine"),
     "diagnosis.found_laws": ("found_laws",),
     "diagnosis.ladder": ("Ladder", "Step", "add_effect", "first_step", "remove_effect"),
-    "diagnosis.refine": ("refine",),
     "diagnosis.suspect": ("Suspect",),
     "effects.effect": ("Effect", "Parameter"),
     "effects.library": ("LIBRARY", "find_effect"),

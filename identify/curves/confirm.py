@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from identify.curves.confirmation import Confirmation, ConfirmedEffect
+from identify.curves.curve_regression import HeldOut
 from identify.curves.curve_search import CurveSearch
-from identify.curves.held_out import HeldOut
 from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.likelihood import CurveLikelihood, Hypothesis, _Products
 from identify.effects.effect import Effect, Scales

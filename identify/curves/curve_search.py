@@ -7,11 +7,9 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.curves.averaged_law import AveragedLaw, amplitude_grid, inner_of, law_of, laws_of, values_of
-from identify.curves.curve_regression import CurveRegression, Rows
+from identify.curves.curve_regression import CurveRegression, HeldOut, Rows, cut_by_amplitude, hold_out
 from identify.curves.decay_curve import DecayCurve
-from identify.curves.held_out import HeldOut, cut_by_amplitude, hold_out
-from identify.curves.isolated_mode import IsolatedMode
-from identify.curves.simulated_curve import simulated_curve
+from identify.curves.isolated_mode import IsolatedMode, simulated_curve
 from identify.effects.effect import Scales
 from identify.fitting.own_linear import shares_of
 from identify.model.model import Model, Term

@@ -25,8 +25,7 @@ from identify.curves.averaged_law import values_of
 from identify.curves.curve_regression import CurveRegression, Rows
 from identify.curves.curve_search import CurveSearch
 from identify.curves.decay_curve import DecayCurve
-from identify.curves.isolated_mode import IsolatedMode
-from identify.curves.simulated_curve import simulated_curve
+from identify.curves.isolated_mode import IsolatedMode, simulated_curve
 from identify.effects.force_effect import ForceEffect, LinearPart
 from identify.model.model import Model
 from identify.priors import (

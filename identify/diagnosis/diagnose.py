@@ -12,7 +12,6 @@ from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of, what_can_hi
 from identify.diagnosis.judgement import judge, large_enough
 from identify.diagnosis.ladder import Ladder, Progress, add_found, step_of, without_needless_effects
 from identify.diagnosis.listed_suspects import listed_suspects
-from identify.diagnosis.next_experiment import next_experiment
 from identify.diagnosis.next_release import Limits, NextRelease, next_release
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.not_enough import is_drowned, too_few_cycles
@@ -359,3 +358,53 @@ def predicted(
     return confirm_releases(
         whole, forces, known, terms, scales_of(max(whole, key=lambda decay: decay.amplitude), {})
     )
+
+
+def refine(
+    decays: FreeDecay | PreparedDecay | Sequence[FreeDecay | PreparedDecay],
+    model: Model | None = None,
+    *,
+    library: tuple[Effect, ...] | None = None,
+    known: dict[str, float] | None = None,
+    worth: float = 0.0,
+    progress: Progress = lambda step, words: None,
+) -> Ladder:
+    """Add what is missing until nothing is, and take out again what is no longer needed; see `diagnose`."""
+    return diagnose(decays, model, library=library, known=known, worth=worth).refine(progress)
+
+
+_MORE = "Record at least eight seconds or ten cycles, from the largest amplitude that is safe."
+_AT_OTHER_LEVELS = "Drive it at half and at one and a half times the level"
+
+
+def next_experiment(
+    baseline: Baseline, verdict: str, suspects: tuple[Suspect, ...], chosen: NextRelease | None
+) -> str:
+    """Return what to record next, in a sentence."""
+    if verdict == "not_enough_data":
+        return _MORE
+    if verdict == "driven":
+        return "Stop the drive and release the mass."
+    if verdict == "sensor_fault" and not suspects[0].rivals:
+        return _confirming(suspects[0])
+    if chosen is not None:
+        together = " Diagnose it together with what there is." if verdict == "unknown_effect" else ""
+        return chosen.words + together
+    if baseline.decays[0].window.force is not None:
+        hides = verdict == "nothing_missing"
+        why = (
+            "effects hide that grow faster"
+            if hides
+            else "the shape of the missing force must be the same in each"
+        )
+        return f"{_AT_OTHER_LEVELS}: {why}."
+    if verdict == "missing_effect":
+        return _confirming(suspects[0])
+    return (
+        "Release it from half and from twice the amplitude, and diagnose these together with what there is."
+    )
+
+
+def _confirming(suspect: Suspect) -> str:
+    test = suspect.effect.confirming_test
+    return f"{test[0].upper()}{test[1:]}."

@@ -7,16 +7,19 @@ free run leaves next to nothing, where the curves cannot say.
 from dataclasses import replace
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.confirmed_fit import fit_confirmed
+from identify.diagnosis.linear_gain import states_of_term
+from identify.diagnosis.nonparametric_force import free_form
 from identify.diagnosis.ranking import Ranked, rivals_of
-from identify.diagnosis.suspects import Candidate
-from identify.diagnosis.verdict import Judgement, free_form
+from identify.diagnosis.suspects import Candidate, try_terms
+from identify.diagnosis.verdict import Judgement
 from identify.effects.force_effect import ForceEffect
 from identify.evidence.evidence import complexity
 from identify.fitting.baseline import Baseline
-from identify.fitting.clear_strength import is_clear
-from identify.fitting.fit import Fit
+from identify.fitting.fit import Fit, fit, is_far
+from identify.fitting.initial_values import initial_values
+from identify.fitting.misfit_errors import is_clear
 from identify.fitting.model_error import line_percent, motion_percent
+from identify.model.model import Model
 from identify.priors import LARGE, MOST_ALIKE, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _NEXT_LEAVES = 3.0
@@ -185,3 +188,46 @@ def is_predicted(candidate: Candidate) -> bool:
 
 def _misfit(entry: Ranked) -> float:
     return entry.candidate.fit.chi_square
+
+
+def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:
+    """Return the model with the confirmed effects, fitted to all readings; None where that only makes it worse.
+
+    It begins from the strengths that the curves give, once with the states of the model as it was and once with those
+    of the measured motion, and with the effects one after the other; the best end counts.
+    """
+    base = baseline.fit
+    model = base.model
+    strengths: dict[str, float] = {}
+    states: dict[str, float] = {}
+    for effect in found.effects:
+        model = model.plus(effect.term)
+        strengths |= effect.values
+        states |= states_of_term(base, effect.term, base.point | effect.values)
+    linear = found.linear_strengths
+    starts = (
+        base.point | linear | strengths | states,
+        initial_values(baseline.decays, model, base.point | strengths) | linear | strengths,
+    )
+    ends = [end for start in starts for end in _ends(base, model, start)]
+    ends.append(_one_after_the_other(baseline, found))
+    best = min(ends, key=lambda end: end.chi_square)
+    return best if best.chi_square < base.chi_square else None
+
+
+def _ends(base: Fit, model: Model, start: dict[str, float]) -> list[Fit]:
+    """Return the fits from a start that may be far off, grown from its first few cycles, and from the start as it is."""
+    near = fit(model, base.windows, start, base.frequency, near=True)
+    if not is_far(model, base.windows, start, base.frequency):
+        return [near]
+    return [fit(model, base.windows, start, base.frequency), near]
+
+
+def _one_after_the_other(baseline: Baseline, found: Confirmation) -> Fit:
+    """Return the fit to which each confirmed effect is added in turn, from all its starting values."""
+    end = baseline.fit
+    for effect in found.effects:
+        tried = try_terms(baseline.decays, end, (effect.term,))
+        if tried:
+            end = tried[0].fit
+    return end

@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 
-from identify.curves.fitted_law import rival_law, usual_law
-from identify.curves.laid_over import Law
+from identify.curves.laid_over import Law, rival_law, usual_law
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.effect import Effect

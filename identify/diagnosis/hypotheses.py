@@ -7,8 +7,7 @@ import numpy as np
 
 from identify.arrays import Array
 from identify.diagnosis.nonparametric_force import NonparametricForce
-from identify.diagnosis.ranking import dispersion
-from identify.diagnosis.rest_evidence import at_rest
+from identify.diagnosis.ranking import at_rest, dispersion
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect, Scales

@@ -10,12 +10,12 @@ from identify.curves.confirmation import Confirmation
 from identify.diagnosis.beside_walk import may_be_named, with_walk
 from identify.diagnosis.floor_not_reached import at_a_guess, by_curves, unclaimed
 from identify.diagnosis.line_beside import line_beside
+from identify.diagnosis.nonparametric_force import free_form
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.search import Pair
-from identify.diagnosis.several_effects import several_effects
+from identify.diagnosis.several_effects import Triple, several_effects
 from identify.diagnosis.suspects import residual_lines
-from identify.diagnosis.triples import Triple
-from identify.diagnosis.verdict import Judgement, free_form, verdict_of
+from identify.diagnosis.verdict import Judgement, verdict_of
 from identify.effects.effect import Effect
 from identify.evidence.marginal_likelihood import evidence
 from identify.fitting.baseline import Baseline

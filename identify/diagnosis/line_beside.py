@@ -17,10 +17,10 @@ from identify.effects.effect import Effect
 from identify.evidence.evidence import nothing
 from identify.evidence.marginal_likelihood import evidence
 from identify.fitting.baseline import Baseline, with_noise_beside
-from identify.fitting.common_lines import may_be_hum
 from identify.fitting.fit import fit
 from identify.fitting.initial_values import scales_of
 from identify.fitting.misfit_errors import misfit_density
+from identify.fitting.noise_colour import may_be_hum
 from identify.priors import DOUBT_AT_A_GUESS
 
 

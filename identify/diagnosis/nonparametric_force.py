@@ -10,6 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from identify.arrays import Array, Mask, frozen
+from identify.effects.force_effect import ForceEffect
+from identify.effects.user.measured_curve import COUNT, CurveForm, curve_effect
+from identify.errors import NotIdentifiable
+from identify.fitting.baseline import Baseline, force_along_motion
+from identify.fitting.fit import Fit
 from identify.preprocessing.equation_error import moving
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.signal.splines import basis, clamped_knots
@@ -97,6 +102,12 @@ def nonparametric_force(prepared: PreparedDecay, force: Array) -> NonparametricF
     shapes = _shapes(prepared, blocks, misfit, used)
     shapes = tuple(sorted(shapes, key=lambda s: chosen.index(s.coordinate) if s.coordinate in chosen else 99))
     return NonparametricForce(before / noise**2, best / noise**2, shapes, tuple(chosen))
+
+
+def free_form(baseline: Baseline, found: Fit) -> NonparametricForce:
+    """Return the free form of what a fit leaves, along the release of the largest amplitude."""
+    largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
+    return nonparametric_force(largest, force_along_motion(largest, found))
 
 
 def _within(prepared: PreparedDecay, fitted: Mask, held: Mask) -> Mask:
@@ -198,3 +209,62 @@ def _shapes(
         std = np.sqrt(np.maximum(square - mean**2, 0.0) / count)
         ranked.append((left, Shape(name, unit, frozen(middle), frozen(mean), frozen(std))))
     return tuple(shape for _, shape in sorted(ranked, key=lambda entry: entry[0]))
+
+
+_FORMS = {
+    "displacement": ("", "u"),
+    "velocity": ("", "v"),
+    "friction over displacement": ("sgn(v)", "u"),
+    "friction over speed": ("sgn(v)", "abs(v)"),
+    "time (stiffness)": ("u", "t"),
+    "time (damping)": ("v", "t"),
+    "time (friction)": ("sgn(v)", "t"),
+}
+"""What the curve multiplies and what it runs over, by the name of the free form's coordinate."""
+
+_LEAST = 1e-3
+"""Smallest share of a coefficient of the largest, below which its ratio would have no meaning."""
+
+
+def curve_of_rest(baseline: Baseline, name: str) -> tuple[ForceEffect, str]:
+    """Return the measured curve of what a fitted model leaves, as an effect called `name`, and the line that keeps it.
+
+    The coordinate is the one that explains most of cycles that were held out; the curve begins at a regression of the
+    missing force on the release of the largest amplitude. Raises NotIdentifiable where no smooth curve explains any.
+    """
+    shape = free_form(baseline, baseline.fit)
+    if not shape.shapes or not shape.coordinates:
+        raise NotIdentifiable(
+            "what the model leaves follows no curve in displacement, velocity or time, so there is none to add"
+        )
+    prepared = max(baseline.decays, key=lambda decay: decay.amplitude)
+    factor, over = _FORMS[shape.coordinates[0]]
+    form = _over_the_motion(prepared, factor, over)
+    weights = _regressed(prepared, prepared.restoring - force_along_motion(prepared, baseline.fit), form)
+    largest = int(np.argmax(np.abs(weights)))
+    form = CurveForm(factor, over, form.low, form.high, largest + 1)
+    ratios = tuple(float(weights[i] / weights[largest]) for i in range(COUNT) if i != largest)
+    return curve_effect(name, form, ratios), f"{name} = {form.formula}"
+
+
+def _over_the_motion(prepared: PreparedDecay, factor: str, over: str) -> CurveForm:
+    """Return the curve from end to end of what the motion reaches, rounded as it is kept."""
+    form = CurveForm(factor, over, 0.0, 1.0, 1)
+    motion = prepared.motion
+    position = form.position(prepared.time, motion.displacement, motion.velocity)
+    low, high = (float(f"{edge:.6g}") for edge in (np.min(position), np.max(position)))
+    return CurveForm(factor, over, 0.0 if over == "abs(v)" else low, high, 1)
+
+
+def _regressed(prepared: PreparedDecay, force: Array, form: CurveForm) -> Array:
+    """Return the six coefficients that explain most of a force along the motion, spring and friction made room for."""
+    motion = prepared.motion
+    columns = form.along(prepared.time, motion.displacement, motion.velocity)
+    usual = np.column_stack(
+        [motion.displacement, motion.velocity, np.sign(motion.velocity), np.ones(len(force))]
+    )
+    used = moving(motion)
+    design = np.column_stack([columns, usual])[used]
+    size = np.maximum(np.linalg.norm(design, axis=0), 1e-300)
+    weights = np.linalg.lstsq(design / size, force[used], rcond=1e-9)[0][:COUNT] / size[:COUNT]
+    return np.asarray(np.where(np.abs(weights) < _LEAST * np.abs(weights).max(), 0.0, weights))

@@ -8,8 +8,16 @@ from typing import TypeVar
 import numpy as np
 
 from identify.arrays import Array, Mask
-from identify.diagnosis.linear_gain import LINEAR_UP_TO, Slope, Starts, likeliest, worth_a_fit
-from identify.diagnosis.weak_presence import probes, states_of_term, with_fault
+from identify.diagnosis.linear_gain import (
+    LINEAR_UP_TO,
+    Slope,
+    Starts,
+    likeliest,
+    probes,
+    states_of_term,
+    with_fault,
+    worth_a_fit,
+)
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
 from identify.evidence.marginal_likelihood import price

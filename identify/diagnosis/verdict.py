@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from identify.curves.confirmation import Confirmation
-from identify.diagnosis.nonparametric_force import NonparametricForce, nonparametric_force
+from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.ranking import Ranked
 from identify.diagnosis.suspects import Candidate
-from identify.fitting.baseline import Baseline, force_along_motion
 from identify.fitting.fit import Fit
 from identify.fitting.random_walk import RandomWalk
 
@@ -58,9 +57,3 @@ class Judgement:
 def verdict_of(candidate: Candidate) -> Verdict:
     """Return what is said where one candidate is named."""
     return "missing_effect" if candidate.term.effect.kind == "physics" else "sensor_fault"
-
-
-def free_form(baseline: Baseline, found: Fit) -> NonparametricForce:
-    """Return the free form of what a fit leaves, along the release of the largest amplitude."""
-    largest = max(baseline.decays, key=lambda prepared: prepared.amplitude)
-    return nonparametric_force(largest, force_along_motion(largest, found))

@@ -7,7 +7,7 @@ import numpy as np
 
 from identify.arrays import Mask
 from identify.preprocessing.aligned_decay import AlignedDecay
-from identify.preprocessing.gaps import LONG_GAP
+from identify.preprocessing.sampling import LONG_GAP
 from identify.preprocessing.usable import valid_samples
 
 End = Literal["record_ends", "readings_missing", "motion_too_small", "motion_ends"]

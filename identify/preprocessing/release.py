@@ -8,10 +8,9 @@ import numpy as np
 from identify.arrays import Array, Mask
 from identify.errors import NotIdentifiable
 from identify.free_decay import FreeDecay
-from identify.preprocessing.gaps import block_means, first_gap, over_gaps, runs_of
 from identify.preprocessing.noise import floor_above_motion
 from identify.preprocessing.onset import Onset, locate
-from identify.preprocessing.sampling import too_coarse
+from identify.preprocessing.sampling import block_means, first_gap, over_gaps, runs_of, too_coarse
 from identify.preprocessing.usable import HAND_S
 from identify.signal.fractional_delay import bridge
 from identify.signal.oscillation import dominant_frequency, running_amplitude, unfree

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from daq.session import Session
-from identify.diagnosis.curve_of_rest import curve_of_rest
+from identify.diagnosis.diagnose import refine
 from identify.diagnosis.ladder import (
     Step,
     add_effect,
@@ -16,7 +16,7 @@ from identify.diagnosis.ladder import (
     share_explained,
     without_needless_effects,
 )
-from identify.diagnosis.refine import refine
+from identify.diagnosis.nonparametric_force import curve_of_rest
 from identify.effects.effect import Effect
 from identify.effects.library import find_effect
 from identify.formatting import plain_name, three_figures

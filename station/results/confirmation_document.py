@@ -3,7 +3,7 @@
 from typing import Literal
 
 from identify.curves.confirmation import Confirmation
-from identify.curves.held_out import HeldOut
+from identify.curves.curve_regression import HeldOut
 from station.results.documents import Number, Part
 
 AMPLITUDES = ("large amplitudes", "middle amplitudes", "small amplitudes")

@@ -16,8 +16,8 @@ from identify.diagnosis.verdict import Verdict
 from identify.effects.effect import Kind
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
-from identify.fitting.leave_one_out import LeftOut
 from identify.fitting.model_error import errors_of
+from identify.fitting.validation import LeftOut
 from identify.model.model import Model
 from identify.preprocessing.record_use import End
 from station.results.confirmation_document import ConfirmationDocument, confirmation_document

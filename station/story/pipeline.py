@@ -19,8 +19,8 @@ from identify.effects.library import LIBRARY
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import Baseline, fit_baseline
 from identify.fitting.initial_values import initial_values
-from identify.fitting.leave_one_out import LeftOut, leave_one_out
 from identify.fitting.segments import segments_by_release, segments_of
+from identify.fitting.validation import LeftOut, leave_one_out
 from identify.free_decay import FreeDecay
 from identify.model.model import Model, base_model
 from identify.preprocessing.aligned_decay import AlignedDecay

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from identify.arrays import Array
-from identify.curves.amplitude_curve import AmplitudeCurve
+from identify.curves.decay_curve import AmplitudeCurve
 from identify.curves.laid_over import DecayCurves, LaidOver
 from identify.formatting import plain_name
 from station.text.numbers import scale

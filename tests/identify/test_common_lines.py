@@ -6,8 +6,8 @@ from releases import drawn
 
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline, with_noise_beside
-from identify.fitting.common_lines import common_lines
 from identify.fitting.fit import fit
+from identify.fitting.noise_colour import common_lines
 from identify.model.model import Term, base_model
 from mocks.imperfections import HUM
 

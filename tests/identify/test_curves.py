@@ -5,9 +5,8 @@ import pytest
 
 from identify.curves.averaged_law import law_of
 from identify.curves.confirm import confirm_releases
-from identify.curves.curve_regression import CurveRegression
+from identify.curves.curve_regression import CurveRegression, cut_by_amplitude
 from identify.curves.decay_curve import DecayCurve
-from identify.curves.held_out import cut_by_amplitude
 from identify.curves.isolated_mode import IsolatedMode
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.suspects import candidate_terms

@@ -6,9 +6,9 @@ from decays_in_closed_form import exponential
 from scipy.integrate import solve_ivp
 
 import identify
-from identify.curves.amplitude_curve import scatter
-from identify.curves.fitted_law import rival_law, usual_law
+from identify.curves.decay_curve import scatter
 from identify.curves.isolated_mode import IsolatedMode
+from identify.curves.laid_over import rival_law, usual_law
 from identify.effects.library import find_effect
 from identify.model.model import Term
 from mocks.generate import draw

@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 from releases import CALIBRATED, drawn, hidden
 
-from identify.diagnosis.diagnose import diagnose
+from identify.diagnosis.diagnose import diagnose, refine
 from identify.diagnosis.ladder import add_effect, first_step, remove_effect
-from identify.diagnosis.refine import refine
 from identify.effects.library import LIBRARY
 from identify.effects.user import own_effect, parse_effect
 from identify.fitting.baseline import fit_baseline

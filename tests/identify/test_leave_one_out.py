@@ -7,8 +7,8 @@ from identify.effects.library import CUBIC_STIFFNESS
 from identify.errors import NotIdentifiable
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.initial_values import initial_values
-from identify.fitting.leave_one_out import leave_one_out
 from identify.fitting.segments import segments_by_release, segments_of
+from identify.fitting.validation import leave_one_out
 from identify.free_decay import FreeDecay
 from identify.model.model import Term, base_model
 from identify.preprocessing.prepared_decay import prepare

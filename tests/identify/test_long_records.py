@@ -7,8 +7,7 @@ import pytest
 from decays_in_closed_form import exponential
 
 from identify.fitting.baseline import fit_baseline
-from identify.fitting.phase_walk import drifts
-from identify.fitting.segments import segments, what_was_used
+from identify.fitting.segments import drifts, segments, what_was_used
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import prepare

@@ -5,8 +5,8 @@ import pytest
 from releases import drawn
 from scipy.interpolate import BSpline
 
-from identify.diagnosis.curve_of_rest import curve_of_rest
 from identify.diagnosis.ladder import add_effect, step_of
+from identify.diagnosis.nonparametric_force import curve_of_rest
 from identify.effects.user import parse_effect
 from identify.effects.user.measured_curve import CurveForm, read_curve
 from identify.fitting.baseline import fit_baseline

@@ -12,11 +12,11 @@ from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.jacobian import linearise
-from identify.fitting.leave_one_out import leave_one_out
 from identify.fitting.own_linear import centred, with_own_linear
 from identify.fitting.problem import Problem
 from identify.fitting.release_values import release_values, spread_sentence
 from identify.fitting.segments import segments_by_release, segments_of
+from identify.fitting.validation import leave_one_out
 from identify.model.model import base_model
 
 K, MU_1 = 614.0, 0.25

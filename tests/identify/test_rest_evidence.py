@@ -2,7 +2,7 @@ from dataclasses import replace
 
 from releases import drawn
 
-from identify.diagnosis.rest_evidence import at_rest, denied
+from identify.diagnosis.ranking import at_rest, denied
 from identify.diagnosis.suspects import try_terms
 from identify.effects.library import find_effect
 from identify.estimate import Estimate

@@ -2,7 +2,7 @@ import pytest
 from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.screening import promising_triples
+from identify.diagnosis.search import promising_triples
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.library import LIBRARY
 from identify.fitting.initial_values import scales_of

@@ -10,9 +10,8 @@ import pytest
 from rich.console import Console
 
 from identify.curves.confirmation import Confirmation, ConfirmedEffect
-from identify.curves.curve_regression import MotionError, Strengths
-from identify.curves.held_out import HeldOut
-from identify.diagnosis.explain_prediction import explain_unconfirmed
+from identify.curves.curve_regression import HeldOut, MotionError, Strengths
+from identify.diagnosis.explain import explain_unconfirmed
 from identify.effects.library import find_effect
 from identify.evidence.evidence import Evidence
 from identify.model.model import Term, base_model
