@@ -74,7 +74,7 @@ def quantity(estimate: Estimate) -> str:
     return f"{with_error(estimate.value, estimate.std)}{unit}"
 
 
-def quantities(found: Mapping[str, Estimate], between: str = " = ") -> list[str]:
+def quantities(found: Mapping[str, Estimate]) -> list[str]:
     """Return each quantity with its name before it; of one that every release has ("fc[0]", "fc[1]", ...) the range."""
     groups: dict[str, list[Estimate]] = {}
     for name, value in found.items():
@@ -86,7 +86,7 @@ def quantities(found: Mapping[str, Estimate], between: str = " = ") -> list[str]
             low, high = min(v.value for v in values), max(v.value for v in values)
             unit = "" if values[0].unit in ("", "1") else f" {values[0].unit}"
             text = f"{low:.3g} to {high:.3g}{unit} in {len(values)} releases"
-        texts.append(f"{name}{between}{text}")
+        texts.append(f"{name} = {text}")
     return texts
 
 

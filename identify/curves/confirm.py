@@ -17,7 +17,7 @@ from identify.curves.isolated_mode import IsolatedMode
 from identify.curves.likelihood import CurveLikelihood, Hypothesis, _Products
 from identify.effects.effect import Effect, Scales
 from identify.errors import NotIdentifiable
-from identify.evidence.evidence import Evidence, complexity, decide
+from identify.evidence import Evidence, complexity, decide
 from identify.model.model import Model, Term
 from identify.preprocessing.prepared_decay import PreparedDecay
 from identify.priors import DRIFTS, LARGE, LEAVES, MOST_ALIKE, RARE, SPOILS

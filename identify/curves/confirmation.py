@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from identify.curves.curve_regression import HeldOut
 from identify.curves.decay_curve import DecayCurve
-from identify.evidence.evidence import Evidence
+from identify.evidence import Evidence
 from identify.model.model import Term
 
 

@@ -9,18 +9,19 @@ from identify.curves.confirmation import Confirmation
 from identify.diagnosis.beside_walk import walk_sentence
 from identify.diagnosis.explain import explain
 from identify.diagnosis.hypotheses import Hypothesis, hypotheses_of, what_can_hide
-from identify.diagnosis.judgement import judge, large_enough
+from identify.diagnosis.judgement import judge, large_enough, listed_suspects
 from identify.diagnosis.ladder import Ladder, Progress, add_found, step_of, without_needless_effects
-from identify.diagnosis.listed_suspects import listed_suspects
 from identify.diagnosis.next_release import Limits, NextRelease, next_release
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.not_enough import is_drowned, too_few_cycles
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
 from identify.diagnosis.ranking import Ranked, rank
 from identify.diagnosis.releases_differ import (
+    ReleaseValue,
     carried,
     decided_anew,
     how_they_differ,
+    release_values,
     shared_where_alike,
     where_releases_differ,
 )
@@ -37,7 +38,6 @@ from identify.fitting.fit import Fit
 from identify.fitting.harmonic_residual import HarmonicResidual
 from identify.fitting.initial_values import scales_of
 from identify.fitting.random_walk import RandomWalk
-from identify.fitting.release_values import ReleaseValue, release_values
 from identify.fitting.segments import largest_first, prepared_of, segments_of, what_was_used
 from identify.fitting.whole_spring import as_the_whole_spring
 from identify.formatting import three_figures

@@ -10,7 +10,7 @@ from identify.diagnosis.hypotheses import Hypothesis, odds
 from identify.diagnosis.next_release import Limits, NextRelease
 from identify.diagnosis.suspects import Candidate, residual_lines
 from identify.effects.families import FAMILIES
-from identify.evidence.marginal_likelihood import evidence
+from identify.evidence import evidence
 from identify.fitting.initial_values import scales_of
 from identify.formatting import among, plain_name
 from identify.priors import DOUBT, RIVALS_WITHIN

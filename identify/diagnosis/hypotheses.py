@@ -11,7 +11,7 @@ from identify.diagnosis.ranking import at_rest, dispersion
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect, Scales
-from identify.evidence.marginal_likelihood import evidence, price
+from identify.evidence import evidence, price
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
 from identify.fitting.initial_values import reachable_starts, scales_of

@@ -11,8 +11,7 @@ import numpy as np
 from identify.arrays import Array
 from identify.diagnosis.suspects import Candidate, residual_lines
 from identify.effects.sensor_fault import SensorFault
-from identify.evidence.evidence import nothing
-from identify.evidence.marginal_likelihood import evidence
+from identify.evidence import evidence, nothing
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit
 from identify.fitting.initial_values import scales_of

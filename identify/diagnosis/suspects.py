@@ -20,7 +20,7 @@ from identify.diagnosis.linear_gain import (
 )
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
-from identify.evidence.marginal_likelihood import price
+from identify.evidence import price
 from identify.fitting.block_jacobian import BlockJacobian
 from identify.fitting.fit import FAR_OFF, Fit, fit, fit_at
 from identify.fitting.initial_values import (

@@ -102,9 +102,9 @@ def find_effect(name: str, library: tuple[Effect, ...] | None = None) -> Effect:
     raise KeyError(f"no effect is called '{name}'; there are: {', '.join(effect.name for effect in library)}")
 
 
-def fault_allowed_as(allowance: Allowance, library: tuple[Effect, ...] = LIBRARY) -> SensorFault:
+def fault_allowed_as(allowance: Allowance) -> SensorFault:
     """Return the fault that every fit allows for in a certain way; KeyError when there is none."""
-    for effect in library:
+    for effect in LIBRARY:
         if isinstance(effect, SensorFault) and effect.allowed_as == allowance:
             return effect
     raise KeyError(f"no fault is allowed for as {allowance}")

@@ -28,7 +28,7 @@ _HIGHEST = 8.0
 _LINE = 14.0
 """Times the median power from which on a bin between the harmonics holds a line, which is no noise."""
 
-_DRAWS = 200
+_DRAWS = 100
 _FEWEST = 6
 
 
@@ -61,21 +61,21 @@ class HarmonicResidual:
         return f"The noise floor is a guess here; at the motion's harmonics the residual is {times}, as noise leaves it."
 
 
-def harmonic_residual(fit: Fit, *, seed: int = 0, draws: int = _DRAWS) -> HarmonicResidual:
+def harmonic_residual(fit: Fit) -> HarmonicResidual:
     """Return the power of a fit's residual at once, twice and three times the motion's frequency, against that off them.
 
-    Of all releases together, in units of the noise, whitened where it is coloured; the same seed gives the same answer.
+    Of all releases together, in units of the noise, whitened where it is coloured, with the same draws each time.
     """
     problem = Problem(fit.model, fit.windows, fit.frequency)
     residual, jacobian = linearise(problem, fit.theta)
     if not np.isfinite(residual).all():
         return HarmonicResidual(np.inf, 0.0, {})
     tangent = jacobian.tangent(np.diag(jacobian.normal()) > 0.0)
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(0)
     noise = np.concatenate(
         [
-            *(w.draw_noise(c, random, draws) for w in fit.windows for c in w.channels),
-            np.zeros((len(problem.expected), draws)),
+            *(w.draw_noise(c, random, _DRAWS) for w in fit.windows for c in w.channels),
+            np.zeros((len(problem.expected), _DRAWS)),
         ]
     )
     columns = np.column_stack([residual, tangent.free(noise)])

@@ -70,9 +70,9 @@ class Term:
         """Return the identity of an internal state at the start of a release."""
         return ParameterId(self.effect.name, f"state{place}", release, "state")
 
-    def by_name(self, values: Mapping[str, float], release: int | None = None) -> dict[str, float]:
+    def by_name(self, values: Mapping[str, float]) -> dict[str, float]:
         """Return values of parameters, given by their own names, by the names of unknowns."""
-        return {str(self.parameter(name, release)): value for name, value in values.items()}
+        return {str(self.parameter(name)): value for name, value in values.items()}
 
 
 @dataclass(frozen=True, eq=False)

@@ -109,10 +109,10 @@ def with_reversals(pair: Pair, found: Agreement) -> Pair:
     return replace(pair, excess=excess, jumps=np.where(placed, 0.0, pair.jumps))
 
 
-def correct(decay: FreeDecay, alignment: Alignment, *, gain: bool = True) -> FreeDecay:
+def correct(decay: FreeDecay, alignment: Alignment) -> FreeDecay:
     """Return the decay with the displacement (or velocity) moved earlier by the lag, a true fractional delay.
 
-    With `gain` the acceleration is divided by its gain, so that it is the second derivative of the displacement.
+    The acceleration is divided by its gain, so that it is the second derivative of the displacement.
     Samples that the move takes from beyond the record, or from a lost sample, are marked as not valid.
     """
     name = "displacement" if decay.displacement is not None else "velocity"
@@ -121,7 +121,7 @@ def correct(decay: FreeDecay, alignment: Alignment, *, gain: bool = True) -> Fre
         raise NotIdentifiable("There is only one channel: nothing to move it against.")
     moved, known = read_at_shift(values, alignment.lag.value * decay.rate, decay.valid)
     valid = known if decay.valid is None else known & decay.valid
-    acceleration = decay.acceleration / alignment.gain.value if gain else decay.acceleration
+    acceleration = decay.acceleration / alignment.gain.value
     return decay.with_(
         **{name: moved, "acceleration": acceleration, "valid": None if bool(valid.all()) else valid}
     )

@@ -71,7 +71,6 @@ class _Burst(NamedTuple):
     start: int
     stop: int
     amplitude: float
-    from_record_start: bool
 
 
 def release_of(decay: FreeDecay) -> Release:
@@ -206,11 +205,7 @@ def _bursts(lead: _Channel, period: float) -> list[_Burst]:
         half = np.flatnonzero(amplitude[first : peak + 1] < 0.5 * amplitude[peak])
         start = first + int(half[-1]) if len(half) else first
         stop = _where_it_ends(amplitude, peak, floor, lap)
-        bursts.append(
-            _Burst(
-                start * step, min(stop * step, len(lead.values)), float(amplitude[peak]), start <= 1.2 * lap
-            )
-        )
+        bursts.append(_Burst(start * step, min(stop * step, len(lead.values)), float(amplitude[peak])))
         position = max(stop, peak + 1)
     return bursts
 

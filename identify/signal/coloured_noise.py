@@ -108,11 +108,6 @@ class Whitening:
         gains, scale = _gains(*self._model, np.ascontiguousarray(self.used))
         return gains, scale
 
-    @property
-    def log_determinant(self) -> float:
-        """The logarithm of the determinant of the covariance of the used readings, in units of the white noise's."""
-        return float(-2.0 * np.sum(np.log(self._filter[1][self.used])))
-
     def __call__(self, values: Array) -> Array:
         """Return values (n,) or (n, k), in units of the white noise, whitened; 0 where not used."""
         transition, seen, _ = self._model

@@ -14,7 +14,20 @@ from numpy import fft
 from numpy.typing import NDArray
 
 from identify.arrays import Array, Mask
-from identify.signal.fast_length import fast_length
+
+
+def fast_length(least: int) -> int:
+    """Return the next number from `least` up whose prime factors are 11 at most."""
+    length = max(least, 1)
+    while True:
+        rest = length
+        for prime in (2, 3, 5, 7, 11):
+            while rest % prime == 0:
+                rest //= prime
+        if rest == 1:
+            return length
+        length += 1
+
 
 Complex = NDArray[np.complex128]
 _REACH = 4.0  # the window is cut at 4 standard deviations, where it is 3e-4

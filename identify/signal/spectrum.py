@@ -6,13 +6,12 @@ from identify.arrays import Array
 
 
 def strongest_lines(
-    values: Array, rate: float, time: float, count: int, *, keep_off: tuple[float, float] | None = None
+    values: Array, rate: float, time: float, count: int
 ) -> tuple[tuple[float, float, float], ...]:
     """Return the strongest lines of a residual, one after the other, as (frequency Hz, amplitude, phase rad).
 
     A line is `amplitude sin(2 pi f t + phase)` with t counted so that the first value lies at `time` s. Each is refined
-    between the bins of the spectrum and taken out before the next is looked for. Lines between
-    the two frequencies of `keep_off` are passed over.
+    between the bins of the spectrum and taken out before the next is looked for.
     """
     n = len(values)
     taper = np.hanning(n)
@@ -20,8 +19,6 @@ def strongest_lines(
     size = 4 * n
     frequency = np.fft.rfftfreq(size, 1.0 / rate)
     allowed = (frequency > 1.5 * rate / n) & (frequency < 0.498 * rate)
-    if keep_off is not None:
-        allowed &= (frequency < keep_off[0]) | (frequency > keep_off[1])
     left = values - values.mean()
     lines = []
     for _ in range(count):

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky_banded, solve_banded
 
 from identify.arrays import Array, Mask
-from identify.signal.fast_length import fast_length
-from identify.signal.morlet import Complex
+from identify.signal.morlet import Complex, fast_length
 
 WINDOW_CYCLES = 2.0
 ROWS_PER_CYCLE = 4
@@ -165,21 +164,21 @@ def solve(white: Array, right: Array) -> LeastSquares:
     )
 
 
-def widened(covariance: Array, solution: LeastSquares, blocks: int = 6) -> Array:
+def widened(covariance: Array, solution: LeastSquares) -> Array:
     """Return `covariance` (p, p) raised to what the solution does when one stretch of the record is left out.
 
-    The jackknife over `blocks` stretches: a model that fails differently at large and at small amplitudes shows
+    The jackknife over six stretches: a model that fails differently at large and at small amplitudes shows
     it there, however smooth its residual.
     """
     rows = len(solution.white)
-    edges = np.linspace(0, rows, blocks + 1).astype(int)
+    edges = np.linspace(0, rows, 7).astype(int)
     moves = []
     for a, b in pairwise(edges):
         share = solution.gain[:, a:b] @ solution.design[a:b]  # of the solution that these rows hold
         moves.append(
             -np.linalg.pinv(np.eye(len(share)) - share) @ solution.gain[:, a:b] @ solution.white[a:b]
         )
-    spread = np.sqrt((blocks - 1) / blocks * np.sum((np.array(moves) - np.mean(moves, axis=0)) ** 2, axis=0))
+    spread = np.sqrt(5 / 6 * np.sum((np.array(moves) - np.mean(moves, axis=0)) ** 2, axis=0))
     stated = np.sqrt(np.diag(covariance)) + 1e-300
     raised = np.maximum(1.0, spread / stated)
     return np.asarray(covariance * np.outer(raised, raised))

@@ -15,12 +15,11 @@ from identify.preprocessing.decimation import block_averaged
 from identify.preprocessing.usable import CHANNELS
 from identify.signal.averaging import backbone_factors, envelope_factors
 from identify.signal.fractional_delay import bridge
-from identify.signal.hilbert import hilbert_envelope
 from identify.signal.morlet import scalogram
 from identify.signal.order_selection import choose_order
 from identify.summary import Summarised, Summary
 from identify.units import damping_unit, stiffness_unit, with_mass
-from identify.wavelet.envelope import EnvelopeFit, PhaseFit
+from identify.wavelet.envelope import EnvelopeFit, PhaseFit, hilbert_envelope
 from identify.wavelet.ridge_fit import (
     Observed,
     RidgeFit,

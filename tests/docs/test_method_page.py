@@ -29,7 +29,7 @@ def value(module, name):
         ("signal.weak_form", "ROWS_PER_CYCLE", lambda x: f"{WORDS[x]} starts a cycle"),
         ("wavelet.ridge_fit", "WIDTH_CYCLES", lambda x: "standard deviation is one cycle" if x == 1 else "?"),
         ("fitting.fit", "_GROWTH", lambda x: f"grows over {', '.join(f'{n:g}' for n in x)} cycles"),
-        ("fitting.floor", "_BAND_ABOVE", lambda x: "above eight times" if x == 8 else "?"),
+        ("fitting.baseline", "_BAND_ABOVE", lambda x: "above eight times" if x == 8 else "?"),
         ("priors", "ADEQUATE", lambda x: rf"\max({x:g}\,\sigma_{{\text{{floor}}}}"),
         ("priors", "BENEFIT_OF_DOUBT", lambda x: f"and {x:g} if it had to be guessed"),
         ("priors", "SPEAKS_AGAINST", lambda x: rf"only if $p \ge {x:g}$"),

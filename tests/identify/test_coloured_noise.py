@@ -27,14 +27,6 @@ def test_the_filter_whitens_over_gaps_exactly():
     np.testing.assert_allclose(whitened, np.eye(int(used.sum())), atol=1e-12)  # rounding of 150 steps
 
 
-def test_the_filter_keeps_the_likelihood():
-    used = np.ones(100, dtype=bool)
-    whitening = Whitening(PARTS, RATE, used)
-    sign, logarithm = np.linalg.slogdet(covariance(100))
-    assert sign == 1.0
-    assert whitening.log_determinant == pytest.approx(logarithm, rel=1e-10)
-
-
 def test_the_autocovariance_is_the_closed_form():
     found = np.eye(80)[0] + autocovariance(PARTS, np.arange(80.0), RATE)
     np.testing.assert_allclose(found, covariance(80)[0], rtol=1e-12)

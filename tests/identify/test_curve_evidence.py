@@ -12,7 +12,7 @@ from identify.curves.likelihood import Added, CurveLikelihood
 from identify.diagnosis.diagnose import diagnose
 from identify.diagnosis.suspects import candidate_terms
 from identify.effects.library import LIBRARY, find_effect
-from identify.evidence.evidence import complexity, decide
+from identify.evidence import complexity, decide
 from identify.fitting.initial_values import scales_of
 from identify.free_decay import FreeDecay
 from identify.model.model import base_model

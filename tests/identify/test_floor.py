@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from test_fit import fitted
 
-from identify.fitting.floor import refine_floor
+from identify.fitting.baseline import refine_floor
 from identify.preprocessing.noise import Noise
 
 

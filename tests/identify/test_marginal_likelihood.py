@@ -7,8 +7,7 @@ from releases import drawn, ready
 from identify.diagnosis.ranking import rank
 from identify.diagnosis.search import singles
 from identify.effects.library import find_effect
-from identify.evidence.evidence import nothing
-from identify.evidence.marginal_likelihood import _cost, evidence
+from identify.evidence import _cost, evidence, nothing
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.initial_values import scales_of

@@ -7,14 +7,13 @@ import pytest
 from releases import drawn
 
 from identify.diagnosis.diagnose import diagnose
-from identify.diagnosis.releases_differ import where_releases_differ
+from identify.diagnosis.releases_differ import release_values, spread_sentence, where_releases_differ
 from identify.effects.library import find_effect
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.fit import fit
 from identify.fitting.jacobian import linearise
 from identify.fitting.own_linear import centred, with_own_linear
 from identify.fitting.problem import Problem
-from identify.fitting.release_values import release_values, spread_sentence
 from identify.fitting.segments import segments_by_release, segments_of
 from identify.fitting.validation import leave_one_out
 from identify.model.model import base_model

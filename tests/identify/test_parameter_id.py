@@ -43,4 +43,3 @@ def test_a_release_has_a_number_only_among_several():
 def test_values_by_own_names_become_values_by_the_unknowns_names():
     term = Term(find_effect("end_stop"), {"side": 1.0})
     assert term.by_name({"ks": 3.0, "gap": 0.01}) == {"end_stop.ks": 3.0, "end_stop.gap": 0.01}
-    assert term.by_name({"gap": 0.02}, 1) == {"end_stop.gap[1]": 0.02}

@@ -5,7 +5,7 @@ import pytest
 from scipy import fft, ndimage
 from scipy.interpolate import BSpline
 
-from identify.signal.fast_length import fast_length
+from identify.signal.morlet import fast_length
 from identify.signal.running import running_maximum, running_median, running_minimum
 from identify.signal.splines import basis, clamped_knots, spline_and_derivatives
 

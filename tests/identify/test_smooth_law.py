@@ -3,7 +3,7 @@
 import pytest
 from releases import ready
 
-from identify.evidence.smooth_law import smooth_law_beside
+from identify.diagnosis.beside_walk import smooth_law_beside
 from identify.fitting.baseline import fit_baseline
 from identify.fitting.random_walk import walk_beside
 from identify.model.model import base_model

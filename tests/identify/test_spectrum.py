@@ -25,12 +25,6 @@ def test_lines_come_strongest_first():
     assert [round(f) for f, _, _ in found] == [60, 97, 20]
 
 
-def test_lines_that_are_to_be_kept_off_are_passed_over():
-    both = line(20.0, 0.1, 0.3) + line(60.0, 0.5, 2.0)
-    ((f, _, _),) = strongest_lines(both, RATE, 0.0, 1, keep_off=(50.0, 70.0))
-    assert f == pytest.approx(20.0, abs=0.01)
-
-
 def test_a_residual_of_zeros_has_no_lines():
     assert strongest_lines(np.zeros(N), RATE, 0.0, 3) == ()
 

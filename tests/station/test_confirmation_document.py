@@ -13,7 +13,7 @@ from identify.curves.confirmation import Confirmation, ConfirmedEffect
 from identify.curves.curve_regression import HeldOut, MotionError, Strengths
 from identify.diagnosis.explain import explain_unconfirmed
 from identify.effects.library import find_effect
-from identify.evidence.evidence import Evidence
+from identify.evidence import Evidence
 from identify.model.model import Term, base_model
 from station.report.loop import suspects
 from station.results.confirmation_document import confirmation_document

@@ -1,0 +1,178 @@
+"""The evidence for several effects, and the one table that turns it into a verdict.
+
+The evidence for one more effect where noise is known: how much more probable the readings are with it than without.
+
+The marginal likelihood of the model with the effect over that of the model without, by Laplace's approximation at the fit
+(MacKay, *Information Theory, Inference, and Learning Algorithms*, 2003, ch. 28): half of the gain in chi-square, less what
+it costs to have found the effect's own numbers anywhere in the ranges where they may lie. What both models have in common
+counts in neither.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from identify.arrays import Array
+from identify.effects.effect import Effect, Scales
+from identify.effects.force_effect import ForceEffect
+from identify.fitting.fit import Fit
+from identify.fitting.initial_values import reachable_starts
+from identify.fitting.parameter_layout import Unknown
+from identify.model.model import Term
+from identify.priors import DOUBT, MOST_ALIKE, STRENGTHS
+
+Decided = Literal["nothing", "named", "no name", "may drift", "too many"]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The evidence for one more law: `nats` of each against the model without it, by name, and what it decides.
+
+    `names` are those that are not distinguishable, the one that leads first; `explains` is "frequency" or "loss".
+    """
+
+    nats: dict[str, float]
+    verdict: Decided
+    names: tuple[str, ...] = ()
+    explains: str = ""
+
+    @property
+    def lead(self) -> str | None:
+        """The law that leads, named or not; None where nothing is more likely than any."""
+        return self.names[0] if self.names else None
+
+    def led_by(self, name: str) -> "Evidence":
+        """Return the same evidence with another of the names that are not distinguishable in the lead."""
+        return replace(self, names=(name, *(other for other in self.names if other != name)))
+
+    def of(self, explains: str) -> "Evidence":
+        """Return the same evidence of what its leader explains."""
+        return replace(self, explains=explains)
+
+
+def nothing(nats: Sequence[float]) -> float:
+    """Return the probability that none of several effects is there, from the evidence for each (nats).
+
+    None is as probable as all together to begin with, and these as one another.
+    """
+    if not nats:
+        return 1.0
+    most = max(0.0, *nats)
+    none = len(nats) * float(np.exp(-most))
+    return none / (none + float(np.sum(np.exp(np.array(nats) - most))))
+
+
+def decide(
+    nats: Mapping[str, float],
+    effects: Mapping[str, Effect],
+    *,
+    unnamed: float = -np.inf,
+    beside: float = -np.inf,
+    drift_weighed: bool = False,
+) -> Evidence:
+    """Decide what the evidence for several laws names: the one table of verdicts.
+
+    None is as probable as all laws together to begin with, and these as one another. The laws that are not distinguishable
+    are the likeliest ones that leave out DOUBT of the probability at most. `unnamed` is the evidence for a law without a
+    name in their place, as probable as each to begin with, and `beside` that for one beside the leader. Laws of time stand
+    for any drift unless a drift is part of every hypothesis (`drift_weighed`).
+
+    | probability | verdict |
+    |---|---|
+    | of none above DOUBT | nothing |
+    | of a law without a name in their place above DOUBT, or of none beside the leader below DOUBT | no name |
+    | of the laws of time above DOUBT, if it is a law | may drift |
+    | of any MOST_ALIKE laws below 1 - DOUBT | too many |
+    | else | named: those that are not distinguishable, the likeliest first |
+    """
+    places = list(effects)
+    order = sorted(
+        nats, key=lambda name: (-round(nats[name], 1), places.index(name))
+    )  # of equal ones the library's first
+    if nothing(tuple(nats.values())) > DOUBT:
+        return Evidence(dict(nats), "nothing")
+    most = max(nats.values())
+    weight = {name: float(np.exp(nats[name] - most)) for name in order}
+    total = sum(weight.values())
+    above = np.cumsum([weight[name] for name in order])
+    near = tuple(order[: 1 + int(np.searchsorted(above, (1.0 - DOUBT) * total))])
+    if np.exp(unnamed - most) > DOUBT * (total + np.exp(unnamed - most)) or nothing((beside,)) < DOUBT:
+        return Evidence(dict(nats), "no name", near)
+    if not drift_weighed and sum(weight[name] for name in order if effects[name].of_time) > DOUBT * total:
+        return Evidence(dict(nats), "may drift", near)
+    return Evidence(dict(nats), "named" if len(near) <= MOST_ALIKE else "too many", near)
+
+
+def complexity(effect: Effect) -> int:
+    """Count an effect's own constants, and add how rare it is: of those that are not distinguishable the least leads.
+
+    One that may be the whole of a linear law, as gravity of an angle's spring, has no strength of its own.
+    """
+    own_strength = not (isinstance(effect, ForceEffect) and effect.may_be_all_of is not None)
+    return own_strength + len(effect.inner) + effect.rarity
+
+
+_ROUNDING = 1e-12
+"""Least eigenvalue of a matrix of correlations: what is below it is rounding."""
+
+
+def evidence(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> float:
+    """Return the evidence (nats) for all that a fit has in its model beyond the `base`, against the base alone.
+
+    `dispersion` is by how much a misfit that nothing explains widens the noise: 1 where the floor is sure.
+    """
+    return 0.5 * (base.chi_square - found.chi_square) / dispersion - price(base, found, scales, dispersion)
+
+
+def price(base: Fit, found: Fit, scales: Scales, dispersion: float = 1.0) -> float:
+    """Return what it costs to have found all that a fit has beyond the `base` in the ranges where it may lie, in nats."""
+    terms = {term.effect.name: term for term in found.model.terms if term.effect.name not in base.model}
+    own = [j for j, unknown in enumerate(found.unknowns) if unknown.name not in base.names]
+    widths = np.array([_width(found.unknowns[j], float(found.theta[j]), terms, scales) for j in own])
+    counts = widths > 0.0  # a strength of none has gained nothing and costs nothing
+    places = np.array(own, dtype=int)[counts]
+    cost = _cost(dispersion * found.covariance[np.ix_(places, places)], widths[counts])
+    return cost + float(sum(np.log(len(term.effect.variants)) for term in terms.values()))
+
+
+def _cost(covariance: Array, widths: Array) -> float:
+    """Return the logarithm of the ranges over the volume in them that the readings leave, in nats.
+
+    ln det(1 + (2 pi C)^-1) / 2 of the covariance C in squares of the ranges, by correlations: what the readings do not
+    determine costs nothing, however large its variance.
+    """
+    variance = np.diag(covariance) / widths**2
+    known = np.isfinite(variance) & (variance > 0.0)
+    size, variance = np.sqrt(np.diag(covariance)[known]), variance[known]
+    alone = covariance[np.ix_(known, known)] / np.outer(size, size)
+    share = np.sqrt(variance / (variance + 0.5 / np.pi))
+    within = alone * np.outer(share, share)
+    np.fill_diagonal(within, 1.0)
+    return 0.5 * float(np.sum(np.log1p(0.5 / np.pi / variance))) + 0.5 * (_log_det(within) - _log_det(alone))
+
+
+def _log_det(correlations: Array) -> float:
+    return float(np.sum(np.log(np.maximum(np.linalg.eigvalsh(correlations), _ROUNDING))))
+
+
+def _width(unknown: Unknown, value: float, terms: dict[str, Term], scales: Scales) -> float:
+    """Return the width of the range in which an unknown may lie, in its unit: the inverse of its prior density at a value.
+
+    Uniform for states, phases and the frequencies of lines, else in the logarithm, over what a fit may reach.
+    """
+    if unknown.id.role != "parameter":
+        between = unknown.high - unknown.low
+        return between if np.isfinite(between) else 2.0 * unknown.size
+    term = terms[unknown.id.effect]
+    if term.effect.line and unknown.unit == "rad":
+        return 2.0 * np.pi
+    if term.effect.line and unknown.unit == "Hz":
+        return 0.5 * scales.rate
+    starts = (start.get(unknown.id.parameter, 0.0) for start in reachable_starts(term, scales))
+    sizes = sorted(abs(size) for size in starts if size)
+    if len(sizes) > 1 and sizes[0] < sizes[-1]:
+        return float(np.log(sizes[-1] / sizes[0])) * abs(value)
+    sides = 1.0 if np.isfinite(unknown.low) else 2.0
+    return sides * float(np.log(STRENGTHS[-1] / STRENGTHS[0])) * abs(value)
