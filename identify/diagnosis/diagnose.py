@@ -15,7 +15,7 @@ from identify.diagnosis.next_release import Limits, NextRelease, next_release
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.not_enough import is_drowned, too_few_cycles
 from identify.diagnosis.other_modes import OtherMode, modes_sentence, other_modes
-from identify.diagnosis.ranking import Ranked, rank
+from identify.diagnosis.ranking import rank
 from identify.diagnosis.releases_differ import (
     ReleaseValue,
     carried,
@@ -32,7 +32,7 @@ from identify.diagnosis.suspects import candidate_terms
 from identify.diagnosis.verdict import HEADLINES, Judgement, Verdict
 from identify.effects.effect import Effect
 from identify.effects.library import LIBRARY
-from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor, with_noise_beside
+from identify.fitting.baseline import Baseline, fit_baseline, refit_at_floor, with_floor
 from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.fit import Fit
 from identify.fitting.harmonic_residual import HarmonicResidual
@@ -299,7 +299,7 @@ def _searched(
 ) -> tuple[Baseline, Judgement]:
     """Return what is to be said of a model, and the baseline that it was judged against.
 
-    That is not the `first` where releases differ, or where the noise is seen only once what hides it is fitted.
+    That is not the `first` where releases differ.
     """
     baseline = where_releases_differ(first)
     predict = cache(lambda: predicted(baseline, whole, library))
@@ -309,23 +309,7 @@ def _searched(
     baseline, ranked = decided_anew(first, baseline, ranked, fitted)
     progress("judging whether one effect explains it, or several together")
     judgement = judge(baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, predict)
-    if judgement.verdict == "unknown_effect" and baseline.floor_is_sure:
-        before, (baseline, ranked) = baseline, _seen_again(baseline, judgement.final, ranked, fitted)
-        if baseline is not before:
-            judgement = judge(
-                baseline, ranked, unnamed_faults(baseline.decays, baseline.fit), library, predict
-            )
     return baseline, judgement
-
-
-def _seen_again(
-    baseline: Baseline, found: Fit, ranked: tuple[Ranked, ...], library: tuple[Effect, ...]
-) -> tuple[Baseline, tuple[Ranked, ...]]:
-    """Return the baseline with the noise that a better fit leaves, and its suspects; as they were where that is no other."""
-    clearer = with_noise_beside(baseline, found)
-    if clearer is baseline:
-        return baseline, ranked
-    return clearer, rank(clearer, singles(clearer, library))
 
 
 def _worth_a_fit(

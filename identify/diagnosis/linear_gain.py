@@ -2,8 +2,7 @@
 
 Where a model is so near the truth that a small force moves its prediction in proportion, one run for each value of an
 effect's inner parameters tells, before any fit, nearly what a fit would: what the model's own parameters can follow of
-the misfit, and of the change that the effect makes, is left out. Memory that starts anywhere, and faults that act out of
-proportion, may gain more.
+the misfit, and of the change that the effect makes, is left out.
 """
 
 from dataclasses import dataclass
@@ -113,25 +112,11 @@ Starts = tuple[dict[str, float], ...]
 _PRESENT = 1e-5
 """Share of the acceleration that the probed force has: it moves the readings by a few units of noise."""
 
-_MEMORY_LEAVES = 0.85
-_LEAVES = 0.5
-"""Share of chi-square that may be left, by linear gain, of a term that is worth a fit; of one with memory more."""
-
-_OUT_OF_PROPORTION_LEAVES = 1.0
-"""The same of a fault that acts out of proportion, up to a misfit of `_LARGE` times the noise."""
-
-_LARGE = 30.0
-_ENOUGH = 150
-"""Starting values of one term: of more, every second is left out, or two of three, for what is left need not be close."""
-
 _FEWEST_PLACES, _MOST_NUMBERS = 100, 2_000_000
 """Places of one force among which the largest gain is sought, and numbers in its columns where there are more."""
 
 _INDEPENDENT = 1e-6
 """Size of a direction, as a share of the largest, that counts as none."""
-
-_NEAR = 1.5
-"""Multiple of the goal below which every term is worth a fit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,37 +137,6 @@ class Slope:
     def free_of_known(self, columns: Array) -> Array:
         """Return what the model's own parameters cannot follow of columns (n, m)."""
         return self.jacobian.tangent().free(columns)
-
-
-def worth_a_fit(
-    decays: tuple[PreparedDecay, ...],
-    slope: Slope,
-    terms: tuple[Term, ...],
-    scales: Scales,
-    goal: float,
-) -> tuple[Term, ...]:
-    """Return the terms that may bring a fit's chi-square to a `goal`, or half of the way."""
-    bases = [slope.residual]
-    changes: list[list[Array]] = []
-    for term in terms:
-        changes.append(_changes(decays, slope, term, scales))
-        bases += changes[-1]
-    free = slope.free_of_known(np.column_stack(bases))
-    misfit, cost = free[:, 0], slope.base.chi_square
-    follows = float(misfit @ misfit)  # a parameter at its bound may be freed by what is added
-    size = np.maximum(np.sum(free**2, axis=0), 1e-300)
-    along = misfit @ free
-    kept, first = [], 1
-    for term, columns in zip(terms, changes, strict=True):
-        own = slice(first, first + len(columns))
-        first += len(columns)
-        gain = along[own] ** 2 / size[own]
-        if term.is_force and term.effect.one_sided and not term.force.states:
-            gain = np.where(along[own] < 0.0, gain, 0.0)
-        most = float(np.max(gain, initial=0.0))
-        if follows - most <= max(_NEAR * goal, _left(term, slope.base) * cost):
-            kept.append(term)
-    return tuple(kept)
 
 
 def likeliest(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scales: Scales) -> Starts:
@@ -219,29 +173,3 @@ def _gain(misfit: Array, columns: Array, term: Term) -> float:
     basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
     kept = sizes > _INDEPENDENT * max(sizes, default=0.0)
     return float(np.sum((basis[:, kept].T @ misfit) ** 2))
-
-
-def _left(term: Term, base: Fit) -> float:
-    """Return the share of chi-square that the linear gain of a term may leave."""
-    if not term.is_force and term.fault.held_at_first:
-        return _OUT_OF_PROPORTION_LEAVES if base.reduced < _LARGE else _MEMORY_LEAVES
-    if not term.is_force:
-        return _LEAVES
-    return _MEMORY_LEAVES if term.force.states else _LEAVES
-
-
-def _changes(decays: tuple[PreparedDecay, ...], slope: Slope, term: Term, scales: Scales) -> list[Array]:
-    """Return by how much a weak presence of a term changes the misfit, (n,) for each of its starting values."""
-    base = slope.base
-    if _left(term, base) >= 1.0:
-        return []
-    problem = Problem(base.model.plus(term), base.windows, base.frequency, coarse=True)
-    changes = []
-    starts = term_starts(term, scales, fine=True)
-    for start in starts[:: len(starts) // _ENOUGH + 1]:
-        if term.is_force:
-            points = probes(decays, base, problem, term, start, _PRESENT)
-        else:
-            points = [problem.theta(with_fault(base, term, start))]
-        changes += [problem.residuals(point) - slope.residual for point in points]
-    return [change for change in changes if np.isfinite(change).all()]

@@ -104,9 +104,6 @@ def _correlation_length(values: Array) -> float:
     return float(1.0 + 2.0 * correlation[1 : below[0] if len(below) else n].sum())
 
 
-DENIED = -6.0
-"""Nats below which the rest rules a candidate out."""
-
 _SAME = 4.0
 """Standard errors within which two frequencies are one."""
 
@@ -135,11 +132,6 @@ def at_rest(decays: tuple[PreparedDecay, ...], candidate: Candidate) -> float:
         sigma = max(candidate.fit.windows[i].sigma[channel], float(np.std(left)) * 0.5)
         total += 0.5 * float(still @ still - left @ left) / sigma**2
     return total
-
-
-def denied(decays: tuple[PreparedDecay, ...], candidate: Candidate) -> bool:
-    """Whether the rest rules a candidate out."""
-    return at_rest(decays, candidate) < DENIED
 
 
 def _line_of_held_mass(decays: tuple[PreparedDecay, ...], candidate: Candidate) -> float:

@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.ranking import at_rest, denied
+from identify.diagnosis.ranking import at_rest
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect, Scales
 from identify.effects.library import LIBRARY
@@ -211,8 +211,8 @@ def pairs(
     """Return the most promising pairs of effects, best first.
 
     Forces that explain most together, by equation error, are fitted first; unless one of these pairs reaches the floor,
-    what goes best with the best single candidates follows, faults of sensors among them. Where the floor is sure, the
-    first plausible pair that reaches it ends the search.
+    what goes best with the best single candidates follows, faults of sensors among them. The first
+    plausible pair that reaches it ends the search.
     """
     found: list[Pair] = []
     best = _distinct(tried)[0] if tried else None
@@ -220,27 +220,14 @@ def pairs(
         for first, terms in stage(baseline, tried, library):
             polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
             goal = baseline.highest * first.fit.degrees
-            seconds = try_terms(
-                baseline.decays, first.fit, terms, polished=polished, goal=goal, promising=stage is _screened
-            )
-            seconds = _after_rest(baseline, seconds)
-            if seconds:
-                found.append(Pair(first, seconds[0]))
-            if baseline.floor_is_sure and _reached(baseline, found):
-                break
-        if _reached(baseline, found):
-            break
+            seconds = try_terms(baseline.decays, first.fit, terms, polished=polished, goal=goal)
+            if not seconds:
+                continue
+            pair = Pair(first, min(seconds, key=lambda c: c.score - 2.0 * at_rest(baseline.decays, c)))
+            if pair.plausible and baseline.adequate(pair.second.fit):
+                return (pair,)
+            found.append(pair)
     return tuple(sorted(found, key=lambda pair: (not pair.plausible, pair.second.score)))
-
-
-def _after_rest(baseline: Baseline, tried: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
-    """Return the candidates that the rest before the release allows, in the order of what it adds to their scores."""
-    allowed = (c for c in tried if not denied(baseline.decays, c))
-    return tuple(sorted(allowed, key=lambda c: c.score - 2.0 * at_rest(baseline.decays, c)))
-
-
-def _reached(baseline: Baseline, found: list[Pair]) -> bool:
-    return any(pair.plausible and baseline.adequate(pair.second.fit) for pair in found)
 
 
 def _screened(

@@ -16,7 +16,6 @@ from identify.diagnosis.linear_gain import (
     probes,
     states_of_term,
     with_fault,
-    worth_a_fit,
 )
 from identify.effects.effect import Effect, Scales
 from identify.effects.sensor_fault import SensorFault
@@ -61,13 +60,12 @@ _LEADERS = 3
 _BEHIND = 2.0
 """Multiple of the best chi-square up to which every suspect is polished to the end: it may be a rival."""
 
+
 _ASTRAY = 1.1
 """Multiple of chi-square without a term above which its first steps have led away, and it is begun from hardly there."""
 
 _HARDLY = 1e-6
 """Share of the acceleration that a force has where it is hardly there."""
-
-_IMPLAUSIBLE = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +124,6 @@ def try_terms(
     *,
     polished: int = _POLISHED,
     goal: float | None = None,
-    promising: bool = False,
     by_gain: bool = False,
     counted: Callable[[int, int], None] = lambda done, whole: None,
 ) -> tuple[Candidate, ...]:
@@ -134,17 +131,13 @@ def try_terms(
 
     From each start the term's inner parameters are held at first, so that all others can make room for it. The most
     promising ones, `polished` of them, are then fitted freely: the first few to the end, the others until they creep
-    with twice the best of these still below. Where only a `goal` of chi-square counts, terms that cannot come near it are
-    left out by their linear gain, and a fit that creeps towards it is left; where equation error has found the terms
-    `promising`, it is asked first only near the floor: from afar a misfit is not linear in what is missing. There fits
-    begin at the places of the largest linear gains, too, if `by_gain`. `counted` is told how many fits are done,
+    with twice the best of these still below. Where only a `goal` of chi-square
+    counts, a fit that creeps towards it is left. Near the floor fits begin at the places of the largest linear gains, too,
+    if `by_gain`. `counted` is told how many fits are done,
     and of how many at most.
     """
     scales = scales_of(decays[0], residual_lines(base))
-    slope = Slope.of(base) if goal is not None or base.reduced < LINEAR_UP_TO else None
-    if goal is not None and slope is not None and not (promising and base.reduced >= LINEAR_UP_TO):
-        terms = worth_a_fit(decays, slope, terms, scales, goal)
-    near = slope if base.reduced < LINEAR_UP_TO else None
+    near = Slope.of(base) if base.reduced < LINEAR_UP_TO else None
     floor = 0.0 if goal is None else goal
     done, whole = count(1), len(terms) + min(polished, len(terms))
 
@@ -213,8 +206,7 @@ def _begin(
     if weak is None:
         starts = _promising(decays, base, problem.model, term, likely[:_BY_LINEAR_GAIN], _STARTS) + starts
     for start in starts:
-        theta = _nearer(problem, start, base) if slope is None else problem.theta(start)
-        theta = np.clip(theta, problem.low, problem.high)
+        theta = np.clip(problem.theta(start), problem.low, problem.high)
         begun = None if slope is None else _from_slope(slope, problem, theta, inner)
         found = minimise(
             problem, theta, steps=_FIRST_STEPS, tolerance=1.0, held=inner, begun=begun, goal=goal
@@ -281,21 +273,6 @@ def _from_base(
     return [point for point in points if np.isfinite(problem.residuals(point)).all()]
 
 
-def _nearer(problem: Problem, start: dict[str, float], base: Fit) -> Array:
-    """Return a start with the states, lags and offsets of a fit without the term, where it is nearer with them.
-
-    At the very first readings of a record that begins in mid-decay the measured motion does not give them.
-    """
-    points = [
-        problem.theta(p) for p in (start, start | {name: e.value for name, e in base.nuisances.items()})
-    ]
-    costs = []
-    for point in points:
-        residual = problem.residuals(np.clip(point, problem.low, problem.high))
-        costs.append(float(residual @ residual) if np.isfinite(residual).all() else np.inf)
-    return points[int(np.argmin(costs))]
-
-
 def _finish(base: Fit, begun: _Beginning, scales: Scales, goal: float) -> Candidate:
     start = {u.name: float(t) for u, t in zip(begun.problem.unknowns, begun.theta, strict=True)}
     near = begun.cost <= base.chi_square
@@ -323,8 +300,6 @@ def score_candidate(found: Fit, base: Fit, term: Term, scales: Scales) -> Candid
     values = {name: estimate.value for name, estimate in found.of(term, len(found.windows) - 1).items()}
     at_fault = replace(scales, peaks={term.channel: scales.peaks[term.channel]}) if term.channel else scales
     plausible = term.effect.plausible(values, at_fault)
-    if not plausible:
-        score += _IMPLAUSIBLE
     return Candidate(term, found, score, base.chi_square - found.chi_square, plausible)
 
 
