@@ -1,0 +1,35 @@
+"""The keys of `--json` that the page of commands names are those of the documents."""
+
+import re
+
+import pytest
+
+from station.results.campaign_document import CampaignDocument
+from station.results.diagnosis_document import DiagnosisDocument
+from station.results.documents import Document
+from station.results.guide_document import GuideDocument
+from station.results.identification_document import IdentificationDocument
+from station.results.validation_document import ValidationDocument
+from tests.docs.test_pages import COMMANDS_PAGE
+
+OF_EVERY_DOCUMENT = {"format", "session", "sessions", "together", "rivals", "expressions", "model_is", "model_remark"}
+"""Keys that the page states once for all commands, or that repeat a part that it names."""
+
+
+@pytest.mark.parametrize(
+    ("command", "document"),
+    [
+        ("identify SESSION", IdentificationDocument),
+        ("diagnose SESSION...", DiagnosisDocument),
+        ("validate MODEL SESSION...", ValidationDocument),
+        ("campaign [FOLDER | SESSION...]", CampaignDocument),
+        ("guide", GuideDocument),
+    ],
+)
+def test_the_keys_of_a_command_are_those_of_its_document(command: str, document: type[Document]) -> None:
+    section = COMMANDS_PAGE.read_text(encoding="utf-8").split(f"## `station {command} --json`\n")[1]
+    rows = re.findall(r"^\| (`.+?) \|", section.split("\n## ")[0], re.MULTILINE)
+    named = {key for row in rows for key in re.findall(r"`(\w+)`", row)}
+    fields = set(document.model_fields)
+    assert named <= fields | OF_EVERY_DOCUMENT, "keys on the page that no document has"
+    assert fields - OF_EVERY_DOCUMENT <= named, "keys of the document that the page leaves out"
