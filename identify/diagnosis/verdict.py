@@ -39,7 +39,7 @@ class Judgement:
     the fit with what was found; `shape` the free form, when something is missing that has no name. `corrected` tells
     that a fault which every fit corrects decides, not a candidate that was tried. `confirmation` is what curves
     predict, None where they were not asked. `too_small` is what was removed, in % of the motion, by what is sure and
-    too small to be named; 0 where that is not so. `wander` is what a slow walk of spring and damper explains, where a
+    too small to be named; 0 where that is not so. `walk` is what a random walk of spring and damper explains, where a
     name is not told from it, or where it is what is left beside a name; None elsewhere.
     """
 

@@ -20,7 +20,7 @@ from station.operations.new_session import new_folder
 from station.text.capture_progress import STATES
 from station.text.numbers import scale_as_recorded
 from station.workbench.scope import Scope, ScopeTrace
-from station.workbench.shelf import describe, rename
+from station.workbench.stored_sessions import describe, rename
 
 
 @dataclass(frozen=True)

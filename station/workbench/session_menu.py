@@ -11,7 +11,7 @@ from station.workbench import widgets
 from station.workbench.app_state import AppState
 from station.workbench.session_state import SessionState
 from station.workbench.sessions_panel import address_of
-from station.workbench.shelf import describe, rename, to_bin
+from station.workbench.stored_sessions import describe, rename, to_bin
 from station.workbench.worker import Cancelled, Failed, Job
 
 

@@ -14,7 +14,7 @@ from station.workbench import widgets
 from station.workbench.app_state import AppState
 from station.workbench.import_choices import ImportChoices
 from station.workbench.session_list import Entry
-from station.workbench.shelf import plain_name
+from station.workbench.stored_sessions import plain_name
 from station.workbench.view_models import Campaign, ImportQuestion
 from station.workbench.waiting import Waiting
 from station.workbench.worker import Cancelled, Failed

@@ -12,7 +12,16 @@ from station.results.identification_document import IdentificationDocument
 from station.results.validation_document import ValidationDocument
 from tests.docs.test_pages import COMMANDS_PAGE
 
-OF_EVERY_DOCUMENT = {"format", "session", "sessions", "together", "rivals", "expressions", "model_is", "model_remark"}
+OF_EVERY_DOCUMENT = {
+    "format",
+    "session",
+    "sessions",
+    "together",
+    "rivals",
+    "expressions",
+    "model_is",
+    "model_remark",
+}
 """Keys that the page states once for all commands, or that repeat a part that it names."""
 
 

@@ -12,7 +12,7 @@ from station.results.session_names import find_session, session_folder
 BEGAN = datetime(2026, 1, 1, 12, tzinfo=UTC)
 
 
-def shelf(folder, *names):
+def stored(folder, *names):
     """Make sessions of these names, each a minute after the one before."""
     for number, name in enumerate(names):
         (folder / name).mkdir(parents=True)
@@ -22,30 +22,30 @@ def shelf(folder, *names):
 
 
 def test_any_beginning_that_only_one_session_has_is_its_name(tmp_path):
-    sessions = shelf(tmp_path, "mystery_7_20260101_120000", "release_20260101_120100")
+    sessions = stored(tmp_path, "mystery_7_20260101_120000", "release_20260101_120100")
     for beginning in ("mystery_7", "mystery_7_2026", "mys", "m"):
         assert find_session(beginning, sessions).name == "mystery_7_20260101_120000"
 
 
 def test_a_name_in_full_wins_over_a_beginning(tmp_path):
-    sessions = shelf(tmp_path, "decay", "decay-2", "last", "later")
+    sessions = stored(tmp_path, "decay", "decay-2", "last", "later")
     assert find_session("decay", sessions).name == "decay"
     assert find_session("last", sessions).name == "last"
 
 
 def test_mystery_7_is_not_mystery_70(tmp_path):
-    sessions = shelf(tmp_path, "mystery_7_20260101_120000", "mystery_70_20260101_120100")
+    sessions = stored(tmp_path, "mystery_7_20260101_120000", "mystery_70_20260101_120100")
     assert find_session("mystery_7", sessions).name == "mystery_7_20260101_120000"
 
 
 def test_last_is_the_session_that_was_made_last(tmp_path):
-    sessions = shelf(tmp_path, "zebra", "alpha")
+    sessions = stored(tmp_path, "zebra", "alpha")
     assert find_session("last", sessions).name == "alpha"
     assert find_session("last", tmp_path / "none") is None
 
 
 def test_a_folder_that_is_given_by_its_path_is_that_folder(tmp_path):
-    sessions = shelf(tmp_path / "sessions", "one")
+    sessions = stored(tmp_path / "sessions", "one")
     assert session_folder(str(sessions / "one"), tmp_path / "elsewhere") == sessions / "one"
 
 
@@ -54,7 +54,7 @@ def test_an_ambiguous_beginning_is_one_sentence_with_five_candidates_and_code_2(
     command, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
-    shelf(tmp_path / "sessions", *(f"decay_{number}" for number in range(7)))
+    stored(tmp_path / "sessions", *(f"decay_{number}" for number in range(7)))
     assert run([command, "decay"]) == exits.USAGE
     said = capsys.readouterr().err.strip()
     assert len(said.splitlines()) == 1
@@ -64,6 +64,6 @@ def test_an_ambiguous_beginning_is_one_sentence_with_five_candidates_and_code_2(
 @pytest.mark.parametrize("command", ["info", "verify", "recover"])
 def test_a_name_that_nothing_begins_with_is_a_sentence_and_code_2(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    shelf(tmp_path / "sessions", "decay")
+    stored(tmp_path / "sessions", "decay")
     assert run([command, "nowhere"]) == exits.USAGE
     assert "nowhere: there is no such session" in capsys.readouterr().err

@@ -36,7 +36,7 @@ class Bench:
     mysteries: Callable[[], Path]
 
     def fresh(self, mystery: str, called: str) -> str:
-        """Put a copy of a mystery on the shelf, untouched by other tests; return its address."""
+        """Put a copy of a mystery into the folder of sessions, untouched by other tests; return its address."""
         place = self.folder / "sessions" / called
         shutil.rmtree(place, ignore_errors=True)  # of a test that is begun anew
         shutil.copytree(self.mysteries() / mystery, place)

@@ -6,7 +6,7 @@ import pytest
 from starlette.exceptions import HTTPException
 
 from station.workbench.guard import LARGEST_BODY, Guard
-from station.workbench.shelf import plain_name
+from station.workbench.stored_sessions import plain_name
 
 
 def test_the_browser_is_sent_to_the_page_without_the_token_among_its_arguments(tmp_path):

@@ -1,4 +1,4 @@
-"""Small parts of the page: what is said of a suspect, the shelf, the scope, doubles, colours."""
+"""Small parts of the page: what is said of a suspect, stored sessions, the scope, doubles, colours."""
 
 import os
 import re
@@ -12,10 +12,10 @@ from daq.recording import Channel
 from station.exits import UsageProblem
 from station.story.residual import explained_words
 from station.workbench import doubles as notes
-from station.workbench import shelf
+from station.workbench import stored_sessions
 from station.workbench.scope import ScopeTrace
 
-CSS = Path(shelf.__file__).parent / "static" / "bench.css"
+CSS = Path(stored_sessions.__file__).parent / "static" / "bench.css"
 
 
 @pytest.mark.parametrize(
@@ -44,11 +44,11 @@ def kept(tmp_path):
 def test_a_session_is_renamed_described_and_put_into_a_bin_from_which_it_comes_back(kept):
     from daq.session import Session, list_sessions
 
-    place = shelf.rename(kept, "second try")
+    place = stored_sessions.rename(kept, "second try")
     assert (place.name, Session.open(place).info.name) == ("second_try", "second_try")
-    shelf.describe(place, remarks="bolt M8 loose", mass_kg=3.5)
+    stored_sessions.describe(place, remarks="bolt M8 loose", mass_kg=3.5)
     assert (Session.open(place).info.remarks, Session.open(place).info.mass_kg) == ("bolt M8 loose", 3.5)
-    binned = shelf.to_bin(place)
+    binned = stored_sessions.to_bin(place)
     assert list_sessions(place.parent) == ()
     binned.rename(place)
     assert [summary.folder for summary in list_sessions(place.parent)] == [place]
@@ -58,14 +58,14 @@ def test_a_session_is_renamed_described_and_put_into_a_bin_from_which_it_comes_b
 def test_a_name_that_is_none_leaves_the_session_where_it_is(kept, wanted):
     if not wanted.strip():
         with pytest.raises(UsageProblem, match="needs a name"):
-            shelf.rename(kept, wanted)
+            stored_sessions.rename(kept, wanted)
     else:
-        assert shelf.rename(kept, wanted).parent == kept.parent
+        assert stored_sessions.rename(kept, wanted).parent == kept.parent
 
 
 def test_a_mass_below_nothing_is_refused_in_words(kept):
     with pytest.raises(UsageProblem, match=r"must be more than 0 kg, not -3 kg"):
-        shelf.describe(kept, mass_kg=-3.0)
+        stored_sessions.describe(kept, mass_kg=-3.0)
 
 
 def test_the_scope_knows_zero_noise_and_the_swing_that_counts_as_a_release():

@@ -135,7 +135,7 @@ def test_a_session_that_a_stranger_named_is_only_text(visit, bench):
         shutil.rmtree(bench.folder / "sessions" / name)
 
 
-def test_an_address_leads_nowhere_but_to_sessions_on_the_shelf(visit, bench):
+def test_an_address_leads_nowhere_but_to_stored_sessions(visit, bench):
     page = visit.page
     page.goto(f"{bench.address}/?session=..%2F..%2Fetc")
     page.get_by_text("There is no session called ../../etc").wait_for()
