@@ -376,19 +376,15 @@ def run(quick: bool) -> str:
     for row in found:
         print(*row, sep="\n    ", file=sys.stderr)
     changes = list(next(iter(said.values())))[1:]
-    rows = []
-    for change in changes:
-        counts = [
-            sum(kind == k and c == change for _, c, k, _ in found)
-            for kind in ("verdict", "suspects", "digits")
-        ]
-        moved = max(told["as it is"].moved(told[change]) for told in said.values())
-        rows.append(f"| {change} | {'/'.join(str(n) for n in counts)} | {100.0 * moved:.1g} |")
-    table = "| what is changed | other names/order/digits | evidence moves by, % |\n|---|---:|---:|\n"
+    moved = ", ".join(
+        f"{change} {100.0 * max(told['as it is'].moved(told[change]) for told in said.values()):.1g}"
+        for change in changes
+    )
     rest = "".join(f"\n- {title}, {change}: {kind}: {where[:200]}" for title, change, kind, where in found)
     return (
-        f"{table}{chr(10).join(rows)}\n\n{len(said)} records: the hidden releases, the examples, a rig of each kind. Compared: all that "
-        f"`station diagnose` prints. Evidence: in % of it or of one nat.{rest}"
+        f"Other names, another order or other digits in all that `station diagnose` prints of {len(said)} records (the hidden "
+        f"releases, the examples, a rig of each kind): in {len(found)}. The evidence moves by at most (% of it or of one nat): "
+        f"{moved}.{rest}"
     )
 
 

@@ -71,14 +71,12 @@ def run(quick: bool) -> str:
     seeds = 1 if quick else SEEDS
     fast = _tried(FAST, range(1, seeds + 1))
     real = (0, []) if quick else _tried(1.0, range(1, 2))
-    lines = ["| run | injected | ended as promised |", "|---|---:|---:|"]
-    for name, (tried, broken) in (("sixteen times as fast as life", fast), ("in real time", real)):
-        if tried:
-            lines.append(f"| {name} | {tried} | {tried - len(broken)} |")
-    lines += [
-        "",
-        f"Every row of docs/faults.md on each of its lines, {seeds} seed(s).",
+    lines = [
+        f"Of {tried} faults {name}, {tried - len(broken)} ended as promised."
+        for name, (tried, broken) in (("sixteen times as fast as life", fast), ("in real time", real))
+        if tried
     ]
+    lines += [f"Every row of [faults](faults.md) on each of its lines, {seeds} seed(s)."]
     lines += [f"- broken: {text}" for text in (*fast[1], *real[1])]
     lines += [
         "",
