@@ -6,6 +6,7 @@ import io
 import os
 import socket
 import time
+import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from unittest import mock
@@ -20,7 +21,8 @@ from station import cli
 from station.operations import new_session
 
 PAGE = Path(__file__).parents[2] / "docs" / "faults.md"
-COLUMNS = ["fault", "injected", "exit", "words", "gaps", "verdict", "reason"]
+COLUMNS = ["fault", "exit", "words", "gaps", "verdict", "reason"]
+INJECTED = tomllib.loads((Path(__file__).parent / "faults.toml").read_text(encoding="utf-8"))
 BECAUSE = ", because"
 LINES = ("pty", "tcp")
 NOBODY = 65534
@@ -55,7 +57,7 @@ def promises(page: Path = PAGE) -> tuple[Promise, ...]:
     """Return what the page's tables promise; AssertionError where there is none.
 
     A row may hold several faults that end alike, with semicolons between them. A table of three columns names in its
-    head the verdict of all its rows.
+    head the verdict of all its rows, and says what to do.
     """
     found: list[Promise] = []
     header: list[str] = []
@@ -67,20 +69,18 @@ def promises(page: Path = PAGE) -> tuple[Promise, ...]:
             header = cells
         elif cells[0].strip("-") and header == COLUMNS:
             found += _promised(*cells)
-        elif cells[0].strip("-") and header[:2] == COLUMNS[:2] and header[2].endswith(BECAUSE):
-            verdict = header[2].removesuffix(BECAUSE)
-            found += _promised(*cells[:2], "0", f"verdict: {verdict.split()[0]}", "none", verdict, cells[2])
+        elif cells[0].strip("-") and header[1].endswith(BECAUSE):
+            verdict = header[1].removesuffix(BECAUSE)
+            found += _promised(cells[0], "0", f"verdict: {verdict.split()[0]}", "none", verdict, cells[1])
     assert found, "no table of faults"
     return tuple(found)
 
 
-def _promised(
-    faults: str, injected: str, code: str, words: str, gaps: str, verdict: str, reason: str
-) -> list[Promise]:
+def _promised(faults: str, code: str, words: str, gaps: str, verdict: str, reason: str) -> list[Promise]:
     """The promises of a row."""
     return [
-        Promise(*_lines(fault), _plain(done), int(code), _plain(words), gaps, verdict, _plain(reason))
-        for fault, done in zip(faults.split("; "), injected.split("; "), strict=True)
+        Promise(name, lines, INJECTED[name], int(code), _plain(words), gaps, verdict, _plain(reason))
+        for name, lines in map(_lines, faults.split("; "))
     ]
 
 

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from fault_bench import REAL_TIME, Promise, broken_promises, inject, promises
+from fault_bench import INJECTED, REAL_TIME, Promise, broken_promises, inject, promises
 
 from mocks.broken_sensors import BROKEN_SENSORS
 from mocks.faults import NAMES
@@ -59,6 +59,7 @@ def test_a_fault_ends_as_the_page_promises(tmp_path: Path, promise: Promise, lin
 def test_the_page_promises_something_of_every_fault_that_the_double_knows() -> None:
     injected = " ".join(row.injected for row in ROWS)
     assert [name for name in (*NAMES, *MISCONFIGURATIONS, *BROKEN_SENSORS) if name not in injected] == []
+    assert sorted(INJECTED) == sorted(row.fault for row in ROWS)
 
 
 def test_a_broken_promise_is_noticed(tmp_path: Path) -> None:
