@@ -417,7 +417,7 @@ def _unclear(suspect: Suspect, before: float) -> str:
     strength = suspect.parameters.get(suspect.effect.strength.name)
     if suspect.kind != "physics" or not suspect.claimed or share < _NEARLY_ALL or strength is None:
         return ""
-    if is_clear(suspect.fit, suspect.term, predicted=False):
+    if is_clear(suspect.fit, suspect.term):
         return ""
     return (
         f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves, but "

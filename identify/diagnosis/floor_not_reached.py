@@ -31,10 +31,7 @@ from identify.fitting.misfit_errors import is_clear, misfit_density
 from identify.fitting.model_error import line_percent, motion_percent
 from identify.fitting.noise_colour import may_be_hum
 from identify.model.model import Model
-from identify.priors import DOUBT_AT_A_GUESS, LARGE, MOST_ALIKE, NEGLIGIBLE, NEXT_TO_NOTHING
-
-_NEXT_LEAVES = 3.0
-"""A force that leaves less than this many times as much is not told apart from it."""
+from identify.priors import DOUBT_AT_A_GUESS, LARGE, NEGLIGIBLE, NEXT_TO_NOTHING
 
 _THE_SAME = 0.05
 """Relative difference up to which a strength is the one predicted: one in thirty of those between -1 and 2 times it."""
@@ -58,7 +55,7 @@ def at_a_guess(baseline: Baseline, alone: Judgement, found: Confirmation | None)
     lead = predicted or min(alike, key=lambda entry: complexity(entry.candidate.term.effect))
     best = lead.candidate
     of_one_kind = predicted is not None or len({entry.candidate.term.effect.of_time for entry in alike}) == 1
-    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term, predicted=False)
+    clear = best.term.effect.kind != "physics" or is_clear(best.fit, best.term)
     if not (of_one_kind and clear):
         return by_curves(baseline, alone.ranked, found, best.fit)
     rest = tuple(entry for entry in alone.ranked if entry is not lead)
@@ -90,15 +87,15 @@ def by_curves(
 ) -> Judgement:
     """Return the judgement of a misfit above the floor: what the curves confirm, however much of it that explains.
 
-    `best` is the fit that comes closest, named or not.
+    `best` is the fit that comes closest, named or not. Where the floor is known, half an explanation is not a name.
     """
     if found is not None and found.driven:
         return Judgement("driven", ranked, baseline.fit, confirmation=found)
-    whole = None if found is None else _worthy(baseline, found)
+    confirmed = found is not None and bool(found.effects) and not baseline.floor_is_sure
+    whole = fit_confirmed(baseline, found) if confirmed and found is not None else None
     if found is not None and whole is not None:
         return _of_confirmed(baseline, ranked, found, whole)
-    contradicted = found is not None and bool(found.effects)
-    alone = None if contradicted else _by_free_run(baseline, ranked, found)
+    alone = _by_free_run(baseline, ranked, found)
     if alone is not None:
         return alone
     if not baseline.floor_is_sure and motion_percent(baseline.fit) < NEGLIGIBLE:
@@ -108,18 +105,6 @@ def by_curves(
         return Judgement("unknown_effect", ranked, best, shape=shape, confirmation=found)
     shape = free_form(baseline, baseline.fit)
     return Judgement("unconfirmed", ranked, baseline.fit, shape=shape, confirmation=found)
-
-
-def _worthy(baseline: Baseline, found: Confirmation) -> Fit | None:
-    """Return the fit with what curves confirm; None where that is nothing, or its free run does not bear it out.
-
-    One strength at least must be clear of none. Where the floor is known, half an explanation is not a name.
-    """
-    whole = fit_confirmed(baseline, found) if found.effects else None
-    if whole is None or not any(is_clear(whole, e.term, predicted=True) for e in found.effects):
-        return None
-    left = whole.chi_square / baseline.fit.chi_square
-    return None if baseline.floor_is_sure and left > NEXT_TO_NOTHING else whole
 
 
 def _of_confirmed(
@@ -143,50 +128,27 @@ def _by_free_run(
 ) -> Judgement | None:
     """Return the judgement of one force that the free run singles out where curves confirm none, if there is one.
 
-    Either the amplitude beats and a force without a curve, a second oscillator, leaves much less than any other; or
-    one leaves next to nothing of what the model left, and far less than all but a few others,
-    among which no law of time, and whose strength is clear of none.
+    Either the amplitude beats and a force without a curve, a second oscillator, leaves much less; or the best, no law of
+    time, leaves next to nothing of what the model left, and its strength is clear of none.
     """
-    plausible = sorted((entry for entry in ranked if entry.candidate.plausible), key=_misfit)
-    if not plausible or plausible[0].candidate.term.effect.kind != "physics":
+    plausible = (entry for entry in ranked if entry.candidate.plausible)
+    best = min(plausible, key=lambda entry: entry.candidate.fit.chi_square, default=None)
+    if best is None or best.candidate.term.effect.kind != "physics":
         return None
-    first = plausible[0]
-    unseen = found is not None and found.beats and not found.has_law(first.candidate.name)
-    beats = unseen and _misfit(first) < _LINE_LEAVES * baseline.fit.chi_square
-    near = [
-        entry
-        for entry in plausible
-        if entry.candidate.term.effect.kind == "physics" and _misfit(entry) < _NEXT_LEAVES * _misfit(first)
-    ]
-    simplest = min(near, key=lambda entry: (complexity(entry.candidate.term.effect), _misfit(entry)))
-    predicted = next((entry for entry in near if is_predicted(entry.candidate)), None)
-    best = first if beats else predicted or simplest
-    left = _misfit(best) / baseline.fit.chi_square
-    drifts = any(entry.candidate.term.effect.of_time for entry in near)
-    apart = len(near) <= MOST_ALIKE and (predicted is not None or not drifts)
-    if not (beats or (left < NEXT_TO_NOTHING and apart and not baseline.floor_is_sure)):
-        return None
-    clear = is_clear(best.candidate.fit, best.candidate.term, predicted=False)
-    if not beats and not clear:  # a mode that hardly moves the first
+    final, term = best.candidate.fit, best.candidate.term
+    left = final.chi_square / baseline.fit.chi_square
+    beats = found is not None and found.beats and not found.has_law(best.candidate.name)
+    second = beats and left < _LINE_LEAVES
+    all_of_it = left < NEXT_TO_NOTHING and not term.effect.of_time and not baseline.floor_is_sure
+    if not second and not (all_of_it and is_clear(final, term)):
         return None
     rest = tuple(replace(entry, claimed=False) for entry in ranked if entry is not best)
-    final = best.candidate.fit
-    shape = free_form(baseline, final)
-    rivals = () if beats else tuple(entry.candidate.name for entry in near if entry is not best)
-    return Judgement(
-        "missing_effect",
-        (replace(best, claimed=True, alike=rivals), *rest),
-        final,
-        shape=shape,
-        confirmation=found,
-    )
+    named = (replace(best, claimed=True), *rest)
+    return Judgement("missing_effect", named, final, shape=free_form(baseline, final), confirmation=found)
 
 
 def is_predicted(candidate: Candidate) -> bool:
-    """Whether a force has the very strength that the linear part it makes alone has: it has no constant of its own then.
-
-    A law with constants to spare, a drift among them, must leave a third of what such a force leaves to be told from it.
-    """
+    """Whether a force has the very strength that the linear part it makes alone has: it has no constant of its own then."""
     effect = candidate.term.effect
     part = effect.may_be_all_of if isinstance(effect, ForceEffect) else None
     name = None if part is None else candidate.fit.model.linear_strength(part)
@@ -195,10 +157,6 @@ def is_predicted(candidate: Candidate) -> bool:
     values = candidate.fit.parameters
     whole = values[str(name)].value
     return abs(values[str(candidate.term.strength)].value - whole) < _THE_SAME * whole
-
-
-def _misfit(entry: Ranked) -> float:
-    return entry.candidate.fit.chi_square
 
 
 def fit_confirmed(baseline: Baseline, found: Confirmation) -> Fit | None:

@@ -23,9 +23,6 @@ from identify.fitting.corrected_faults import CorrectedFault, unnamed_faults
 from identify.fitting.initial_values import scales_of
 from identify.fitting.model_error import motion_percent, removed_percent
 
-_DECISIVE = 12.0
-"""Nats of evidence below which a force is not claimed while a sensor is known to be faulty: mend that first."""
-
 
 def judge(
     baseline: Baseline,
@@ -39,19 +36,15 @@ def judge(
     Where the floor is not reached, or could only be guessed, chi-square names nothing: `predict` is asked what the
     curves of the decay confirm. There a line of a sensor is allowed for beside a force.
     """
-    faulty = _faulty(baseline, faults)
     beside = None if baseline.floor_is_sure else line_beside(baseline, ranked, library)
     if beside is not None:
-        judged = _judged(beside.baseline, beside.ranked, True, library, predict)  # a sensor has a line
+        judged = _judged(beside.baseline, beside.ranked, library, predict)
         alone = ranked[0].candidate.fit
         as_good = baseline.adequate(alone) and alone.reduced <= judged.final.reduced
         if judged.verdict == "missing_effect" and not as_good:  # two are not preferred to a better one
             return beside.named_with(judged)
-    judged = _judged(baseline, ranked, faulty, library, predict)
-    if (
-        judged.verdict == "nothing_missing" and judged.final is not baseline.fit
-    ):  # a line is excused, and explains its part
-        faulty = _faulty(baseline, unnamed_faults(baseline.decays, judged.final))
+    judged = _judged(baseline, ranked, library, predict)
+    faulty = any(fault.p_value < baseline.alpha for fault in faults)
     if judged.verdict == "nothing_missing" and faulty:  # but a sensor's fault, which every fit has corrected
         return replace(judged, verdict="sensor_fault", corrected=True)
     return with_walk(baseline, judged)
@@ -76,14 +69,9 @@ def large_enough(baseline: Baseline, judgement: Judgement, worth: float) -> Judg
     return Judgement("nothing_missing", ranked, baseline.fit, confirmation=told, too_small=removed)
 
 
-def _faulty(baseline: Baseline, faults: tuple[CorrectedFault, ...]) -> bool:
-    return any(fault.p_value < baseline.alpha for fault in faults)
-
-
 def _judged(
     baseline: Baseline,
     ranked: tuple[Ranked, ...],
-    faulty: bool,
     library: tuple[Effect, ...],
     predict: Callable[[], Confirmation | None],
 ) -> Judgement:
@@ -92,8 +80,6 @@ def _judged(
     if top is None or not top.claimed:
         return _without_claim(baseline, ranked, predict)
     best = top.candidate
-    if best.term.effect.kind == "physics" and top.evidence < _DECISIVE and faulty:
-        return Judgement("sensor_fault", ranked, baseline.fit, corrected=True)
     if baseline.adequate(best.fit):
         if not best.plausible:
             shape = free_form(baseline, baseline.fit)

@@ -21,21 +21,17 @@ from identify.priors import DOUBT, DOUBT_AT_A_GUESS, RIVALS_WITHIN
 
 @dataclass(frozen=True, eq=False)
 class Ranked:
-    """A candidate with its evidence (nats), and whether it may be `claimed`.
-
-    `alike` are names of forces that the free run does not tell from it, where the floor was only a guess.
-    """
+    """A candidate with its evidence (nats), and whether it may be `claimed`."""
 
     candidate: Candidate
     evidence: float
     claimed: bool
-    alike: tuple[str, ...] = ()
 
 
 def rivals_of(entry: Ranked, ranked: tuple[Ranked, ...]) -> tuple[str, ...]:
     """Return the names of the claimed candidates that explain the record as well as one of them does."""
-    if not entry.claimed or entry.alike:
-        return entry.alike
+    if not entry.claimed:
+        return ()
     return tuple(
         other.candidate.name
         for other in ranked
