@@ -5,13 +5,8 @@ from typing import Literal
 
 from identify.diagnosis.diagnose import Diagnosis
 from identify.diagnosis.experiment import Experiment, signed_amplitude
-from identify.diagnosis.free_exponent import from_members
 from identify.diagnosis.hypotheses import Hypothesis, odds
 from identify.diagnosis.next_release import Limits, NextRelease
-from identify.diagnosis.suspects import Candidate, residual_lines
-from identify.effects.families import FAMILIES
-from identify.evidence import evidence
-from identify.fitting.initial_values import scales_of
 from identify.formatting import among, plain_name
 from identify.priors import DOUBT, RIVALS_WITHIN
 
@@ -30,7 +25,7 @@ MOST = 6
 class Guidance:
     """Where a guided test stands: its `state`, why in `words`, the next `experiment` to go on with; `chosen` has why.
 
-    `named` is what was found when it is over.
+    `named` is what was found when it is over, `alike` what no release distinguishes from it.
     """
 
     state: State
@@ -38,6 +33,7 @@ class Guidance:
     experiment: Experiment | None = None
     chosen: NextRelease | None = None
     named: tuple[str, ...] = ()
+    alike: tuple[tuple[str, ...], ...] = ()
 
     @property
     def over(self) -> bool:
@@ -115,12 +111,11 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits
         words = "Something is missing that has no name here."
         return Guidance("no_name", words, None, chosen)
     named, near = leading(found), _near(found)
-    law = _between_the_names(found) if len(named) == 1 else None
-    better = named if law is None and named != found.named else (law,) if law is not None else None
-    if better is not None and not near:
-        closer = "a free exponent explains" if law is not None else "these explain"
-        words = f"{_named(better)}: {_lower(found.named)} would do nearly, but {closer} the releases better."
-        return Guidance("confirmed", words, None, chosen, better)
+    if named != found.named and not near:
+        words = (
+            f"{_named(named)}: {_lower(found.named)} would do nearly, but this explains the releases better."
+        )
+        return Guidance("confirmed", words, None, chosen, named)
     if all(_less_simple(found, one) for one in near):
         simplest = " as the simplest law" if near else ""
         words = f"{_named(named)}: confirmed by {releases} releases{simplest}. {_not_excluded(found, near, limits)}"
@@ -129,13 +124,12 @@ def _no_more(found: Diagnosis, releases: int, chosen: NextRelease | None, limits
     words = f"{_named(named)}, or {alike}: no release within the limits distinguishes them."
     if chosen is not None and chosen.instead is not None and not chosen.hidden:
         words = f"{_named(named)}, or what is the same here. {chosen.words}"
-    return Guidance("alike", words, None, chosen, named)
+    return Guidance("alike", words, None, chosen, named, tuple(one.names for one in near))
 
 
 def leading(found: Diagnosis) -> tuple[str, ...]:
-    """Return what a verdict names; of several effects those that lead, with one exchanged where that explains more."""
-    lead = found.hypotheses[0]
-    return lead.names if len(found.named) > 1 and len(lead.names) > 1 else found.named
+    """Return what a verdict names; or what leads beside it: a free exponent, or one of several effects exchanged."""
+    return found.hypotheses[0].names if found.named else ()
 
 
 def _not_excluded(found: Diagnosis, near: list[Hypothesis], limits: Limits) -> str:
@@ -165,22 +159,6 @@ def _have(near: list[Hypothesis]) -> str:
 
 def _s(near: list[Hypothesis]) -> str:
     return "s" if len(near) == 1 else ""
-
-
-def _between_the_names(found: Diagnosis) -> str | None:
-    """Return the law of a free exponent that what is named is a member of, where its odds leave the name DOUBT at most."""
-    own = found.suspects[0]
-    member = Candidate(own.term, own.fit, own.fit.chi_square, 0.0, True)
-    baseline = found.baseline
-    scales = scales_of(baseline.decays[0], residual_lines(baseline.fit))
-    for family in FAMILIES:
-        if own.effect.name not in family.members:
-            continue
-        for law in from_members(baseline, family, (member,), baseline.fit.degrees):
-            gain = evidence(baseline.fit, law.fit, scales) - evidence(baseline.fit, own.fit, scales)
-            if gain >= RIVALS_WITHIN and law.plausible:
-                return law.name
-    return None
 
 
 def _settled(found: Diagnosis) -> bool:

@@ -6,11 +6,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from identify.arrays import Array
+from identify.diagnosis.free_exponent import from_members
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.ranking import at_rest, dispersion
 from identify.diagnosis.suspect import Suspect
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect, Scales
+from identify.effects.families import FAMILIES
 from identify.evidence import evidence, price
 from identify.fitting.baseline import Baseline
 from identify.fitting.fit import Fit, fit
@@ -63,8 +65,9 @@ class Hypothesis:
         return self.shape is None and self.walk is None
 
     def contains(self, other: "Hypothesis") -> bool:
-        """Whether another is this one with something left out, so that it can follow all that the other does."""
-        return set(other.fit.model.names) <= set(self.fit.model.names)
+        """Whether another is this one with something left out or its exponent held, so that it can follow all it does."""
+        held = (family.members for family in FAMILIES if family.effect.name in self.names)
+        return set(other.fit.model.names) <= set(self.fit.model.names).union(*held)
 
 
 def hypotheses_of(
@@ -97,7 +100,9 @@ def hypotheses_of(
         few = len(found) <= _SUSPECTS + bool(named) or (quiet and suspect.effect.shows_detection_limit)
         if name in rivals or (suspect.plausible and few):
             found.setdefault((name,), _within_reach(baseline.decays, suspect, recorded))
-    for one in _swapped(baseline, suspects, named, final):
+    judged = {(), *((suspect.effect.name,) for suspect in suspects)}
+    near = [suspect for suspect in suspects if (suspect.effect.name,) in found] if len(named) == 1 else ()
+    for one in (*_swapped(baseline, suspects, named, final), *_between_the_names(baseline, near)):
         found.setdefault(one.names, one)
     widened = dispersion(baseline, [one.fit for one in found.values() if one.names])
     weighed = [
@@ -113,7 +118,10 @@ def hypotheses_of(
     weighed = [_beside_all(one, len(suspects)) for one in weighed]
     nameless = [one.log_odds for one in weighed if not one.has_law]
     if named:
-        weighed = [_as_judged(one, weighed, tuple(named), rivals) for one in weighed]
+        unknown = [one for one in weighed if one.names not in judged]
+        weighed = [
+            one if one in unknown else _as_judged(one, weighed, tuple(named), rivals) for one in weighed
+        ]
     elif nameless:
         farthest = max(nameless) - _apart(len(weighed) - len(nameless))
         weighed = [
@@ -179,6 +187,14 @@ def _swapped(
     return found
 
 
+def _between_the_names(baseline: Baseline, suspects: Sequence[Suspect]) -> list[Hypothesis]:
+    """Return the laws of a free exponent that suspects are members of."""
+    tried = tuple(Candidate(s.term, s.fit, s.fit.chi_square, 0.0, True) for s in suspects)
+    goal = float(baseline.fit.degrees)
+    laws = [law for family in FAMILIES for law in from_members(baseline, family, tried, goal)]
+    return [Hypothesis((law.name,), law.fit, 0.0) for law in laws if law.plausible]
+
+
 def _within_reach(decays: Sequence[PreparedDecay], suspect: Suspect, scales: Scales) -> Hypothesis:
     """Return a suspect as a hypothesis; a law of time with its inner parameters within what the library may reach.
 
@@ -225,7 +241,7 @@ def _as_judged(
     A rival of what is named is no farther behind it than what is not distinguishable, all else together no nearer.
     """
     leads = next(other.log_odds for other in weighed if other.names == named)
-    if one.names == named or len(one.names) > 1:  # several effects exchanged: the verdict did not try them
+    if one.names == named:
         return one
     if one.names and one.names[0] in rivals:
         lowest = -np.inf if one.within else leads - RIVALS_WITHIN

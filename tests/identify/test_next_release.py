@@ -99,8 +99,19 @@ def test_a_record_of_its_own_costs_a_hypothesis_nothing_and_what_denies_it_much(
     assert costs[1] > 100.0
 
 
-def test_beside_what_is_named_only_what_can_still_hide_is_asked_for():
+def test_a_free_exponent_is_open_beside_the_name_that_is_one_of_its_values():
     specimen = Specimen("quadratic_damping", 0.02, 11)
+    found = diagnose((specimen.release(12.0), specimen.release(-12.0, 1)))
+    name, law = found.hypotheses[:2]
+    assert (found.named, name.names) == (("quadratic_damping",), found.named)
+    assert law.names == ("power_law_damping",)
+    assert law.contains(name)
+    assert not name.contains(law)
+    assert found.next_within(LIMITS).between == (law.title, name.title)
+
+
+def test_beside_what_is_named_only_what_can_still_hide_is_asked_for():
+    specimen = Specimen("position_dependent_damping", 0.02, 11)
     found = diagnose((specimen.release(12.0), specimen.release(-12.0, 1)))
     assert odds(found.hypotheses)[0] > 1.0 - DOUBT
     chosen = found.next_within(LIMITS)
