@@ -42,14 +42,15 @@ class Outcome:
     first_right: int = 0
     why: str = ""
     asked: list[float] = field(default_factory=list)
+    alike: tuple[tuple[str, ...], ...] = ()
 
     @property
     def right(self) -> bool:
-        return self.case.right(self.state, self.named)
+        return self.case.right(self.state, self.named, *self.alike)
 
     @property
     def false(self) -> bool:
-        return self.case.false(self.state, self.named)
+        return self.case.false(self.state, self.named, *self.alike)
 
 
 def play(case: Case, policy: str) -> Outcome:
@@ -89,8 +90,10 @@ def play(case: Case, policy: str) -> Outcome:
         if told.over or (policy == "same" and (first_right or number == SAME - 1)):
             break
     state, named = (told.state, told.named) if told is not None and told.over else ("given_up", ())
-    words = told.words if told is not None else ""
-    return Outcome(case, policy, state, named, number + 1, seconds, evidence, first_right, words, asked)
+    words, alike = (told.words, told.alike) if told is not None else ("", ())
+    return Outcome(
+        case, policy, state, named, number + 1, seconds, evidence, first_right, words, asked, alike
+    )
 
 
 def _said(verdict: str) -> str:

@@ -41,6 +41,7 @@ KINDS = {
 }  # fmt: skip
 ALSO_RIGHT = {
     "freeplay": ({"end_stop"},),
+    "freeplay+quadratic_damping": ({"end_stop", "quadratic_damping"},),
     "lugre_friction": ({"dahl_friction", "stribeck_friction"}, {"dahl_friction"}),
     "bouc_wen_hysteresis": ({"hysteresis"},),
 }
@@ -97,19 +98,22 @@ class Case:
         sample = draw(self.hidden, strength, seed, parameters=pinned, **(fixed | start))
         return prepare(FreeDecay(sample.rate, sample.displacement, sample.acceleration, mass=21.36))
 
-    def right(self, state: str, named: tuple[str, ...]) -> bool:
-        """Whether that is what is hidden."""
+    def right(self, state: str, *names: tuple[str, ...]) -> bool:
+        """Whether that is what is hidden; of several `names` that are not distinguishable, whether each is."""
         if self.kind == "nothing":
             return state == "nothing"
         if self.kind == "outside":
             return state == "no_name"
-        wanted = (set((self.hidden or "").split("+")), *ALSO_RIGHT.get(self.hidden or "", ()))
-        return state in ("confirmed", "alike") and set(named) in wanted
+        hidden = set((self.hidden or "").split("+"))
+        wanted = (hidden, *ALSO_RIGHT.get(self.hidden or "", ()))
+        return state in ("confirmed", "alike") and all(set(named) in wanted for named in names)
 
-    def false(self, state: str, named: tuple[str, ...]) -> bool:
-        """Whether something is confirmed that is not there."""
-        wanted = set((self.hidden or "").split("+")).union(*ALSO_RIGHT.get(self.hidden or "", ()))
-        return state in ("confirmed", "alike") and not set(named) <= wanted
+    def false(self, state: str, *names: tuple[str, ...]) -> bool:
+        """Whether something is claimed that is not there; of several `names` that are not distinguishable, whether none is."""
+        there = set((self.hidden or "").split("+")).union(*ALSO_RIGHT.get(self.hidden or "", ()))
+        return state in ("confirmed", "alike") and not any(
+            named and there.issuperset(named) for named in names
+        )
 
 
 FRESH = 2000
