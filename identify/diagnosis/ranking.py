@@ -100,6 +100,9 @@ def _correlation_length(values: Array) -> float:
     return float(1.0 + 2.0 * correlation[1 : below[0] if len(below) else n].sum())
 
 
+DENIED = -6.0
+"""Nats below which the rest rules a candidate out."""
+
 _SAME = 4.0
 """Standard errors within which two frequencies are one."""
 

@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from identify.arrays import Array
-from identify.diagnosis.ranking import at_rest
+from identify.diagnosis.ranking import DENIED, at_rest
 from identify.diagnosis.suspects import Candidate, candidate_terms, residual_lines, try_terms
 from identify.effects.effect import Effect, Scales
 from identify.effects.library import LIBRARY
@@ -221,9 +221,13 @@ def pairs(
             polished = _POLISHED_BESIDE_BEST if first is best else _POLISHED_SECONDS
             goal = baseline.highest * first.fit.degrees
             seconds = try_terms(baseline.decays, first.fit, terms, polished=polished, goal=goal)
-            if not seconds:
+            rests = [at_rest(baseline.decays, candidate) for candidate in seconds]
+            allowed = [
+                (c.score - 2.0 * nats, c) for c, nats in zip(seconds, rests, strict=True) if nats > DENIED
+            ]
+            if not allowed:
                 continue
-            pair = Pair(first, min(seconds, key=lambda c: c.score - 2.0 * at_rest(baseline.decays, c)))
+            pair = Pair(first, min(allowed, key=lambda one: one[0])[1])
             if pair.plausible and baseline.adequate(pair.second.fit):
                 return (pair,)
             found.append(pair)
