@@ -63,16 +63,18 @@ class GuideScreen:
         line = Text(f" {headline(document)}", style=STYLES.get(document.verdict, "bold red"))
         self._console.print(line.append(late, style="dim"))
         self._console.print(Padding(odds_chart(turn.hypotheses, self._odds), (0, 0, 0, 1)))
-        if turn.gave_nats is not None and turn.expected_nats is not None:
-            self._console.print(labelled("it gave", gave(turn), WIDTH))
-        self._odds = {one.title: one.odds or 0.0 for one in turn.hypotheses}
+        if told := gave(turn):
+            self._console.print(labelled("it gave", told, WIDTH))
+        self._odds = odds_of(turn.hypotheses)
 
 
 def gave(turn: TurnDocument) -> str:
-    """Return the evidence that a release gave between two hypotheses, beside what was expected of it, in a clause."""
+    """Return the evidence that a release gave between two hypotheses, beside what was expected of it; "" where none was."""
+    if turn.gave_nats is None or turn.expected_nats is None:
+        return ""
     one, other = turn.between
-    nats, expected = turn.gave_nats or 0.0, turn.expected_nats or 0.0
-    return f"{nats:.0f} nats for {one} against {other}; about {expected:.0f} were expected"
+    nats = f"{turn.gave_nats:.0f}".replace("-", "−")
+    return f"{nats} nats for {one} against {other}; about {turn.expected_nats:.0f} were expected"
 
 
 def to_do(told: Guidance) -> str:
@@ -93,9 +95,19 @@ def odds_chart(hypotheses: list[HypothesisDocument], before: dict[str, float]) -
         table.add_column(justify=column, no_wrap=True)
     for one in hypotheses[:SHOWN]:
         odds = one.odds or 0.0
-        was = f"(was {percent(before[one.title])})" if one.title in before else "(new)" if before else ""
-        table.add_row(Text(one.title), Text(bar(odds), style="cyan"), percent(odds), Text(was, style="dim"))
+        was = Text(odds_before(one, before), style="dim")
+        table.add_row(Text(one.title), Text(bar(odds), style="cyan"), percent(odds), was)
     return table
+
+
+def odds_of(hypotheses: list[HypothesisDocument]) -> dict[str, float]:
+    """Return the odds of hypotheses by their titles."""
+    return {one.title: one.odds or 0.0 for one in hypotheses}
+
+
+def odds_before(one: HypothesisDocument, before: dict[str, float]) -> str:
+    """Return what the odds of a hypothesis were before the last release, in brackets; "" after the first one."""
+    return f"(was {percent(before[one.title])})" if one.title in before else "(new)" if before else ""
 
 
 def bar(share: float) -> str:

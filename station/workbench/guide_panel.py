@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from nicegui import ui
@@ -23,7 +23,7 @@ from station.results.guide_document import TurnDocument
 from station.settings import Settings
 from station.text.capture_progress import STATES
 from station.text.diagnosis_text import headline
-from station.text.guide_text import ENDINGS, percent, to_do
+from station.text.guide_text import ENDINGS, gave, odds_before, odds_of, percent, to_do
 from station.text.layout import sentence
 from station.workbench import widgets
 from station.workbench.capture_panel import MYSTERIES, MYSTERY_KG, MYSTERY_SPEED
@@ -34,13 +34,18 @@ _SHOWN = 5
 
 @dataclass(frozen=True)
 class GuideNow:
-    """Where a guided test stands: what to do, why, how the capture goes, the last verdict and its odds."""
+    """Where a guided test stands: what to do, why, how the capture goes, the last verdict, its odds, and those before.
+
+    `gave` is the evidence that the last release gave, beside what was expected of it.
+    """
 
     to_do: str = ""
     why: str = ""
     capture: str = "asking the board"
     verdict: str = ""
+    gave: str = ""
     odds: tuple[HypothesisDocument, ...] = ()
+    before: dict[str, float] = field(default_factory=dict)
     finished: bool = False
 
 
@@ -78,9 +83,12 @@ class GuideRun(CaptureObserver):
         self.now = replace(self.now, verdict=f"So far: {answer}")
 
     def judged(self, turn: TurnDocument, document: DiagnosisDocument | None) -> None:
-        """Note the verdict and the odds."""
-        verdict = f"It told nothing: {turn.problem}" if document is None else headline(document)
-        self.now = replace(self.now, verdict=verdict, odds=tuple(turn.hypotheses[:_SHOWN]) or self.now.odds)
+        """Note the verdict, the odds, and what the release gave."""
+        if document is None:
+            self.now = replace(self.now, verdict=f"It told nothing: {turn.problem}", gave="")
+            return
+        odds, before = tuple(turn.hypotheses[:_SHOWN]), odds_of(list(self.now.odds))
+        self.now = replace(self.now, verdict=headline(document), gave=gave(turn), odds=odds, before=before)
 
     def _run(self) -> None:
         try:
@@ -170,9 +178,11 @@ class GuidePanel:
             widgets.label(now.why, "small wrap")
             widgets.label(now.capture, "small faint wrap")
             widgets.label(now.verdict, "strong wrap")
+            if now.gave:
+                widgets.label(f"It gave {now.gave}.", "small wrap")
             for one in now.odds:
                 odds = one.odds or 0.0
-                widgets.label(f"{one.title}: {percent(odds)}", "small")
+                widgets.label(f"{one.title}: {percent(odds)} {odds_before(one, now.before)}", "small")
                 ui.linear_progress(odds, show_value=False).props(f'aria-label="odds of {one.title}"')
             if not now.finished:
                 widgets.button("Stop", self._run.cancel, "Stop the guided test")

@@ -63,6 +63,8 @@ def test_what_a_release_gave_stands_beside_what_was_expected_of_it():
     )
     words = gave(turn.model_copy(update={"expected_nats": 40.2, "gave_nats": 37.0}))
     assert words == "37 nats for end stop against freeplay; about 40 were expected"
+    assert gave(turn.model_copy(update={"expected_nats": None, "gave_nats": None})) == ""
+    assert gave(turn.model_copy(update={"expected_nats": 51.0, "gave_nats": -1.2})).startswith("−1 nats")
 
 
 def test_a_rejected_recording_is_taken_again_and_at_last_given_up():
