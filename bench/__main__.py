@@ -8,6 +8,7 @@ import argparse
 import importlib
 import re
 import sys
+from datetime import date
 from pathlib import Path
 
 SECTIONS = (
@@ -39,7 +40,7 @@ SECTIONS = (
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
 HEAD = """# Measured figures
 
-Made by the command of each section, on two cores. A section with a date was not measured again after it.
+Made by the command of each section, on two cores, on its date. Later changes of the code are not in it.
 """
 
 
@@ -70,7 +71,7 @@ def main(arguments: list[str]) -> int:
             continue
         title = getattr(module, "TITLE", name.capitalize())
         command = f"python -m bench {name}{' --quick' if chosen.quick else ''}"
-        section = f"## {title}\n\n`{command}`\n\n{body}"
+        section = f"## {title}\n\n`{command}`, {date.today().isoformat()}\n\n{body}"
         print(section, flush=True)
         if chosen.write or not chosen.quick:
             write_section(PAGE, name, section)

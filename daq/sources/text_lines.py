@@ -35,10 +35,6 @@ class LineCutter:
             whole, self._skipping = whole[1:], False
         return self._text(whole)
 
-    def restart(self) -> None:
-        """Forget the line that is not complete."""
-        self._rest, self._skipping = b"", True
-
     @staticmethod
     def _text(lines: list[bytes]) -> list[str]:
         return [line.decode("utf-8", "replace").strip("\r\0 \t") for line in lines if len(line) <= LONGEST]

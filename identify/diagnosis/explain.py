@@ -3,6 +3,7 @@
 import numpy as np
 
 from identify.curves.confirmation import Confirmation
+from identify.diagnosis.explain_prediction import explain_confirmed, explain_driven, explain_unconfirmed
 from identify.diagnosis.nonparametric_force import NonparametricForce
 from identify.diagnosis.not_enough import why_not_enough
 from identify.diagnosis.suspect import Suspect
@@ -13,7 +14,6 @@ from identify.effects.sensor_fault import SensorFault
 from identify.fitting.baseline import Baseline
 from identify.fitting.corrected_faults import CorrectedFault
 from identify.fitting.fit import Fit
-from identify.fitting.misfit_errors import is_clear
 from identify.fitting.model_error import line_percent, motion_percent, removed_percent
 from identify.formatting import (
     EXPLAINS_NOTHING,
@@ -370,108 +370,3 @@ def _limit(suspects: tuple[Suspect, ...]) -> str:
                 f"{plain_name(suspect.effect.name)} beyond ±{3.0 * strength.std:.2g} {strength.unit}"
             )
     return f"It would have shown {' or '.join(words)}." if words else ""
-
-
-_NEARLY_ALL = 0.99
-"""Share of what the model leaves above the noise that a force must explain to be spoken of though its strength is unsure."""
-
-_KINDS = {"frequency": "the frequency", "loss": "the loss per cycle"}
-
-
-def explain_confirmed(suspects: tuple[Suspect, ...], found: Confirmation) -> str:
-    """Return what is missing, what it predicts, and what has no name."""
-    sentences = []
-    for suspect in suspects:
-        effect = suspect.confirmed
-        if effect is None:
-            continue
-        numbers = ", ".join(quantities(suspect.parameters))
-        alike = f"; {_among(effect.rivals)} would explain it nearly as well" if effect.rivals else ""
-        sentences.append(
-            f"The missing effect is {plain_name(suspect.effect.name)} ({numbers}), which moves "
-            f"{_KINDS[effect.explains]} with the amplitude: the error of prediction falls from "
-            f"{three_figures(effect.before)} to {three_figures(effect.after)} % of the motion. The evidence against a "
-            f"drift of the rig, or a law without a name, is {effect.nats:.0f} nats{alike}."
-        )
-    return " ".join([*sentences, _prediction(found), *_undecided(found)])
-
-
-def explain_unconfirmed(found: Confirmation, suspects: tuple[Suspect, ...], before: float) -> str:
-    """Return that something is left which no effect predicts, how much it is, and what may be behind it.
-
-    `before` is the reduced chi-square of the model as it is.
-    """
-    size = three_figures(_share(found))
-    others = "the other" if found.parts == 2 else "all the others"
-    basis = "each range of amplitudes from the others" if found.one_record else f"each release from {others}"
-    words = [f"The model leaves {size} % of the motion when it predicts {basis}."]
-    words += _undecided(found) or [
-        "No effect of the library explains it better than a drift of the rig would."
-    ]
-    return " ".join([*words, *(_unclear(suspect, before) for suspect in suspects[:1])]).strip()
-
-
-def _unclear(suspect: Suspect, before: float) -> str:
-    """Return that a force would explain nearly all of it, were its strength clear of none; "" where it is not so."""
-    share = (before - suspect.error_after) / (before - 1.0) if before > 1.0 else 0.0
-    strength = suspect.parameters.get(suspect.effect.strength.name)
-    if suspect.kind != "physics" or not suspect.claimed or share < _NEARLY_ALL or strength is None:
-        return ""
-    if is_clear(suspect.fit, suspect.term):
-        return ""
-    return (
-        f"{plain_name(suspect.effect.name).capitalize()} would explain {share_words(share)} of what the model leaves, but "
-        "its strength, "
-        f"{quantities({suspect.effect.strength.name: strength})[0]}, is not clear of zero."
-    )
-
-
-def explain_driven(found: Confirmation, unit: str) -> str:
-    """Return that the motion does not die away, and at which amplitude and frequency it goes on."""
-    curve = next(curve for curve in found.curves if curve.driven)
-    frequency = float(np.median(curve.frequency[len(curve) // 2 :])) / (2.0 * np.pi)
-    late = curve.late
-    beats = (
-        ""
-        if not curve.beats_late
-        else f", beating between {three_figures(late.min())} and {three_figures(late.max())} {unit}"
-    )
-    return (
-        f"The motion does not die away: over the last two fifths of the record its amplitude stays at "
-        f"{three_figures(float(np.mean(late)))} {unit} and {three_figures(frequency)} Hz{beats}. Something drives it; a "
-        "free decay is needed to name a force. Stop the drive and release the mass, or record the driving force as a "
-        "channel of its own."
-    )
-
-
-def _prediction(found: Confirmation) -> str:
-    """Return on how many parts the prediction is confirmed, and the error before and after."""
-    before, after = found.usual.typical("motion"), found.found.typical("motion")
-    left = "" if after < 1.0 else f"; what is left, {three_figures(after)} % of the motion, has no name"
-    basis = f"Confirmed on {found.better} of {found.parts} other releases"
-    if found.one_record:
-        basis = f"Confirmed within this record, on {found.better} of {found.parts} ranges of amplitude from the rest"
-    return (
-        f"{basis}: prediction error {three_figures(before)} to {three_figures(after)} % of the motion{left}."
-    )
-
-
-def _undecided(found: Confirmation) -> list[str]:
-    """Return what changes though nothing is named for it, and what would tell."""
-    sentences, too = [], " too" if found.effects else ""
-    another = "a second release" if found.one_record else "another release"
-    for what, names in found.undecided.items():
-        alike = f"{_among(names)} explain it alike" if len(names) > 1 else f"{_among(names)} would explain it"
-        sentences.append(
-            f"{_KINDS[what].capitalize()} changes{too}, and {alike}, so none is named: {another} from a quarter of the "
-            "amplitude distinguishes time from amplitude."
-        )
-    return sentences
-
-
-def _share(found: Confirmation) -> float:
-    return float(np.round(found.usual.typical("motion"), 6))
-
-
-def _among(names: tuple[str, ...]) -> str:
-    return among([plain_name(name) for name in names])

@@ -212,7 +212,7 @@ def pairs(
 
     Forces that explain most together, by equation error, are fitted first; unless one of these pairs reaches the floor,
     what goes best with the best single candidates follows, faults of sensors among them. The first
-    plausible pair that reaches it ends the search.
+    plausible pair that reaches the floor ends the search, and is the only one.
     """
     found: list[Pair] = []
     best = _distinct(tried)[0] if tried else None

@@ -11,7 +11,7 @@ from rich.console import Console
 
 from identify.curves.confirmation import Confirmation, ConfirmedEffect
 from identify.curves.curve_regression import HeldOut, MotionError, Strengths
-from identify.diagnosis.explain import explain_unconfirmed
+from identify.diagnosis.explain_prediction import explain_unconfirmed
 from identify.effects.library import find_effect
 from identify.evidence import Evidence
 from identify.model.model import Term, base_model
