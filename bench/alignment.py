@@ -79,7 +79,7 @@ def _lag_table(samples: list[Sample]) -> str:
     rows.append(
         _lag_row("rest to rest, from 0.5 cm", [(s, _decay(s, release=_release_of(s))) for s in small])
     )
-    return "\n".join(rows) + ("\n\nThe release from 0.5 cm moves for a second only.")
+    return "\n".join(rows)
 
 
 def _lag_row(name: str, records: list[tuple[Sample, FreeDecay]]) -> str:

@@ -81,6 +81,6 @@ def run(quick: bool) -> str:
     words = ", ".join(f"{n} {r:.2f}" for n, r in zip(("K", "mu_0", "mu_1", "lag"), ratio, strict=True))
     return (
         f"The strength in % at which the usual model leaves {SEEN:.0f} of chi-square beyond the noise (20 mm, median of {seeds} "
-        f"seeds), so that half of the records can be named: {half}."
-        f"\n\nRms errors over the Cramer-Rao bound, {len(z)} records with nothing hidden: {words} (wanted at most 1.2)."
+        f"seeds): {half}."
+        f"\n\nRms errors over the Cramer-Rao bound, {len(z)} records: {words} (wanted at most 1.2)."
     )

@@ -105,7 +105,7 @@ def run(quick: bool) -> str:
             *rows,
             "",
             "Two channels of 16 bits; the Mega in simavr, the LM3S6965 in QEMU, whose UART sends at once. Missed: not read in "
-            "time. Jitter: latest less earliest start of a sample, as the board reports it.",
+            "time. Jitter: latest less earliest start of a sample.",
         ]
     )
 

@@ -175,10 +175,10 @@ def _policies(found: list[Outcome]) -> str:
         fewer = f"\n\nThe guide takes {100 * (1 - means['guide'] / means['random']):.0f} % fewer releases than random ones."
     return (
         f"{len({o.case for o in found})} hidden cases on the simulated bench (seeds {min(o.case.seed for o in found)} to "
-        f"{max(o.case.seed for o in found)}, which the guide was not made on), {LIMITS_WORDS}, at most six releases, ended by "
-        "[one rule](guided.md#when-it-stops). Only the amplitudes are chosen otherwise: "
+        f"{max(o.case.seed for o in found)}), {LIMITS_WORDS}, at most six releases ([when it stops](guided.md#when-it-stops)). "
+        "Right is the name that is hidden, nothing where nothing is, no name where the library has none. Amplitudes are chosen: "
         + "; ".join(f"{policy}: {words}" for policy, words in POLICIES.items() if policy in means)
-        + ". Right is the name that is hidden, nothing where nothing is, no name where the library has none.\n\n"
+        + ".\n\n"
         + "\n".join([head, *rows]) + fewer
     )  # fmt: skip
 
@@ -200,6 +200,6 @@ def _calibration(pairs: list[tuple[float, float, float]], draw: bool) -> str:
         expected_and_achieved(pairs)
     return (
         f"Of {len(ratios)} releases that were expected to distinguish what is hidden, {near} gave the evidence within a factor of 5 "
-        f"(the median {middle:.2g} of it); of {len(decided)} that were expected to decide ({DECIDES:.1f} nats), {kept} gave the "
+        f"(median {middle:.2g}); of {len(decided)} that were expected to decide ({DECIDES:.1f} nats), {kept} gave the "
         f"{RIVALS_WITHIN:.1f} nats that distinguish two.\n\n![Expected and achieved evidence](pictures/guide_expected.svg)"
     )

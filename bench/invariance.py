@@ -382,8 +382,8 @@ def run(quick: bool) -> str:
     )
     rest = "".join(f"\n- {title}, {change}: {kind}: {where[:200]}" for title, change, kind, where in found)
     return (
-        f"Other names, another order or other digits in all that `station diagnose` prints of {len(said)} records (the hidden "
-        f"releases, the examples, a rig of each kind): in {len(found)}. The evidence moves by at most (% of it or of one nat): "
+        f"Other names, another order or other digits in what `station diagnose` prints of {len(said)} records (hidden releases, "
+        f"examples, rigs): in {len(found)}. The evidence moves by at most (% of it or of one nat): "
         f"{moved}.{rest}"
     )
 

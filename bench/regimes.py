@@ -39,8 +39,8 @@ def run(quick: bool) -> str:
         (
             f"Every kind of noise at every working point, nothing hidden: a name in {_share(single, 'false')}, a missing force "
             f"without a name in {_share(single, 'nameless')}. Three or nine releases together: {_share(joint, 'false')} and "
-            f"{_share(joint, 'nameless')}. Which: {_said(false)}. Crashes: {crashed} of {len(every)}.",
-            f"An effect of {100 * STRENGTH:g} % is named, and nothing else but faults that the sensors have, in "
+            f"{_share(joint, 'nameless')}: {_said(false)}. Crashes: {crashed} of {len(every)}.",
+            f"An effect of {100 * STRENGTH:g} % is named, and nothing else but real sensor faults, in "
             f"{_share(effects, 'found')}. Not: {_said([o for o in effects if not o.found])}.",
             f"Three effects of {100 * OF_EACH_OF_THREE:g} % at once, white noise, 4 Hz: found in {_share(three, 'found')}. "
             f"Not found: {_said([o for o in three if not o.found])}.",

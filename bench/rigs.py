@@ -176,7 +176,7 @@ def _of_pairs(pairs: list[Pair]) -> str:
         usual, named = (statistics.median(getattr(pair, kind) for pair in own) for kind in ("usual", "named"))
         told.append(f"{rig} {_better(own)} of {len(own)} ({usual:.3g} → {named:.3g})")
     return (
-        f"Each other release of a rig, predicted from one on which something is named: the named model is better on {_better(pairs)} of "
+        f"Other releases of a rig, predicted from one on which something is named: the named model is better on {_better(pairs)} of "
         f"{len(pairs)} pairs (median error, % of the motion): {'; '.join(told)}."
     )
 

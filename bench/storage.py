@@ -277,8 +277,7 @@ def run(quick: bool) -> str:
     lines.append("")
     lines.append(
         f"Captures of {DURATION_S:g} s in real time, {AT_ONCE} at once. Of {due} samples that came more than {PROMISE_S * 1e3:.0f} ms "
-        f"before a kill {sum(k.missing for k in killed)} are missing ({kept} kept); every recovered session verifies. From a "
-        "failing disk the session goes to `--spare`."
+        f"before a kill {sum(k.missing for k in killed)} are missing ({kept} kept); every recovered session verifies."
     )
     if bad:
         lines += ["", "Failed: " + "; ".join(bad[:10])]

@@ -91,7 +91,7 @@ def _table(rows, found: tuple[float, float], repetitions: int) -> list[str]:
     return [
         *lines,
         "",
-        f"{repetitions} clicks and {4 * repetitions} suspects in Debian's Chromium without a graphics card, from the mouse's event to the "
+        f"{repetitions} clicks and {4 * repetitions} suspects in Chromium without a graphics card, from the mouse's event to the "
         f"drawn frame; load {load:.1f} a core.",
     ]
 
