@@ -23,7 +23,7 @@ from pathlib import Path
 if __name__ != "__main__":
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-TITLE = "The same record, told otherwise"
+TITLE = "The same record in another form"
 ROOT = Path(__file__).resolve().parents[1]
 DATA = Path(os.environ.get("STATION_DATA", ROOT / ".." / "shared" / "data"))
 JITTER = 1e-12
