@@ -176,9 +176,9 @@ def _policies(found: list[Outcome]) -> str:
     return (
         f"{len({o.case for o in found})} hidden cases on the simulated bench (seeds {min(o.case.seed for o in found)} to "
         f"{max(o.case.seed for o in found)}), {LIMITS_WORDS}, at most six releases ([when it stops](guided.md#when-it-stops)). "
-        "Right is the name that is hidden, nothing where nothing is, no name where the library has none. Amplitudes are chosen: "
-        + "; ".join(f"{policy}: {words}" for policy, words in POLICIES.items() if policy in means)
-        + ".\n\n"
+        "Right is the name that is hidden, nothing where nothing is, no name where the library has none. "
+        + "; ".join(f"{policy}: {words}" for policy, words in POLICIES.items() if policy in means and policy != "guide")
+        + "\n\n"
         + "\n".join([head, *rows]) + fewer
     )  # fmt: skip
 
