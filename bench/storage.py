@@ -265,7 +265,7 @@ def run(quick: bool) -> str:
         f"| `kill -9` at a random moment, then `station recover` | {kills} | {sum(not (k.wrong or k.missing) for k in killed)} |",
     ]
     lines.append(
-        "| disk full, read-only or unmounted, folder deleted or renamed, before or in mid-capture "
+        "| disk full, read-only or unmounted, folder deleted or renamed "
         f"| {len(ended)} | {sum(not what for what in ended)} |"
     )
     with tempfile.TemporaryDirectory() as name:

@@ -65,7 +65,7 @@ def run(quick: bool) -> str:
     return (
         f"Decoded on one core, best of five runs: {least:.0f} MB/s (16 samples of 2 x i16 a frame; at least 50 wanted) to "
         f"{most:.0f} MB/s (60 of 2 x f64).\n\nOf {damaged} frames with 1 to 4 bits flipped, bytes dropped, inserted or "
-        f"duplicated, {wrong} were taken for a message that was not sent; {as_sent} came as sent (faults that undid themselves)."
+        f"duplicated, {wrong} were taken for a message that was not sent; {as_sent} came as sent."
     )
 
 

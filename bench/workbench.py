@@ -70,8 +70,8 @@ def run(quick: bool) -> str:
             page.wait_for_function(READY)
             opened.append(time.perf_counter() - before)
     rows = [
-        ("pointing at a suspect to its map, residual and ghost bar", previews, "0.1 s"),
-        ("click on Add to the new step and its curve, 8 s session, warm", adds, "1 s"),
+        ("pointing at a suspect to its picture", previews, "0.1 s"),
+        ("click on Add to the new step and its curve", adds, "1 s"),
         ("click on a step to its curve", backs, "1 s"),
         ("address to all pictures, session known", opened, ""),
     ]
@@ -86,7 +86,7 @@ def _table(rows, found: tuple[float, float], repetitions: int) -> list[str]:
     ]
     diagnosis, previews_ready = found
     lines.append(f"| Diagnose to the cards | {diagnosis:.1f} s | | 5 s |")
-    lines.append(f"| Diagnose to all previews, the measured curve last | {previews_ready:.1f} s | | |")
+    lines.append(f"| Diagnose to all previews | {previews_ready:.1f} s | | |")
     load = os.getloadavg()[0] / (os.cpu_count() or 1)
     return [
         *lines,

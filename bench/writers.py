@@ -110,8 +110,7 @@ def rows(folder: Path, quick: bool) -> tuple[list[str], list[str]]:
     bad += [f"two refinements {i}: {what}" for i, what in enumerate(refined) if what]
     return [
         f"| two processes write results into one session at once | {2 * each} | {2 * each - missing} |",
-        f"| `kill -9` while results are written, then `station recover`: one whole change | {kills} | "
+        f"| `kill -9` while results are written, then `station recover` | {kills} | "
         f"{sum(not what for _, what in killed)} |",
-        f"| two `station refine --add` at once: the loser is told | {pairs} | "
-        f"{sum(not what for what in refined)} |",
+        f"| two `station refine --add` at once | {pairs} | {sum(not what for what in refined)} |",
     ], bad
