@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import GAIN, VARIES, existing
+from station.commands.options import GAIN, VARIES, existing, pass_settings
 from station.output import json_option, print_json, progress
+from station.settings import Settings
 
 if TYPE_CHECKING:
     from station.campaign.crew import Crew
     from station.campaign.metadata import Known
     from station.results.campaign_document import CampaignDocument
-    from station.settings import Settings
 
 
 @click.command("campaign")
@@ -50,9 +50,9 @@ if TYPE_CHECKING:
 @click.option("--scheduler", metavar="ADDRESS", help="Use this Dask cluster instead, as tcp://host:8786.")
 @GAIN
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     sessions: tuple[str, ...],
     diagnose: bool,
     output: Path | None,
@@ -78,13 +78,11 @@ def command(
     from station.campaign.sources import FOLDER, default_folder, find_sources, is_folder_of_files
     from station.campaign.together import campaign_document
     from station.operations.identifying import NothingIdentified
-    from station.settings import load_settings
     from station.text import campaign_text
     from station.text.campaign_progress import CampaignProgress
     from station.text.campaign_table import SESSIONS, TRENDS, sessions_csv, trends_csv
     from station.text.layout import tell
 
-    settings = load_settings(settings_file)
     known, notes = read_metadata(metadata) if metadata is not None else ({}, ())
     for note in notes:
         progress(note)
@@ -123,7 +121,7 @@ def command(
 
 def _imported(
     arguments: tuple[str, ...],
-    settings: "Settings",
+    settings: Settings,
     said: tuple[Path | None, bool, str | None, str | None],
     metadata: Path | None,
     known: "dict[str, Known]",

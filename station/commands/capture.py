@@ -7,14 +7,22 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station import exits
-from station.commands.options import BAUD, COLUMNS, UNITS, new_session_option, pairs, release_options
+from station.commands.options import (
+    BAUD,
+    COLUMNS,
+    UNITS,
+    new_session_option,
+    pairs,
+    pass_settings,
+    release_options,
+)
 from station.output import json_option, print_json, progress, screen
+from station.settings import Settings
 
 MOST_TAKES = 3
 
 if TYPE_CHECKING:
     from daq.session import Session
-    from station.settings import Settings
 
 
 @click.command("capture")
@@ -62,9 +70,9 @@ if TYPE_CHECKING:
     help="Take a rejected release again without asking, twice at most; or never ask (default: a terminal asks).",
 )
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     /,
     port: str | None,
     folder: Path | None,
@@ -89,9 +97,7 @@ def command(
     from station.operations.capturing import record
     from station.operations.line_boards import LineChoice, board_behind
     from station.operations.new_session import new_folder, wanted_capture
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     choice = LineChoice(
         lines, profile, source, pairs("--column", columns), pairs("--unit", units), given["rate"], baud
     )
@@ -132,7 +138,7 @@ def take_again(session: "Session", again: bool | None, as_json: bool) -> bool:
 
 
 def finish(
-    session: "Session", url: str | None, settings: "Settings", as_json: bool, note: str = "", **more: Any
+    session: "Session", url: str | None, settings: Settings, as_json: bool, note: str = "", **more: Any
 ) -> None:
     """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""
     from station.operations.capturing import show_result

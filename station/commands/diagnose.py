@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, FULL, GAIN, MODEL, SESSIONS, VARIES
+from station.commands.options import EFFECTS, FULL, GAIN, MODEL, SESSIONS, VARIES, pass_settings
 from station.output import json_option, print_json, progress
+from station.settings import Settings
 from station.suggestions import MEASURED_CURVE
 
 if TYPE_CHECKING:
@@ -32,9 +33,9 @@ ANOTHER = "ANOTHER_RELEASE"
 @FULL
 @click.option("--no-viewer", is_flag=True, hidden=True, expose_value=False)  # scripts of before give it
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     sessions: tuple[str, ...],
     model_file: Path | None,
     effects_file: Path | None,
@@ -61,9 +62,7 @@ def command(
         refuse_if_too_little,
     )
     from station.results.diagnosis_document import with_differences
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     opened = open_or_refuse(sessions, settings, gain_percent, as_json, varies)
     for name, why in opened.left_out.items():
         progress(f"{name} is left out: {why}")

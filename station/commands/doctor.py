@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 import click
 
 from station import exits
+from station.commands.options import pass_settings
 from station.output import json_option, print_json, screen
+from station.settings import Settings
 
 if TYPE_CHECKING:
     from station.operations.doctor import Finding
@@ -25,15 +27,13 @@ if TYPE_CHECKING:
     help="How long to sample; swing the mass meanwhile to have the wiring checked.",
 )
 @json_option
-@click.pass_obj
-def command(settings_file: str | None, port: str | None, seconds: float, as_json: bool) -> int:
+@pass_settings
+def command(settings: Settings, port: str | None, seconds: float, as_json: bool) -> int:
     """Check the computer, the port and the board: PASS, WARN or FAIL, and the remedy.
 
     Ends with 0 unless a check FAILs, with 3 then.
     """
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     findings = list(
         _examine(port or settings.capture.port, settings.sessions, settings.capture.rate, seconds)
     )

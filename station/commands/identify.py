@@ -4,9 +4,10 @@ from typing import Any
 
 import click
 
-from station.commands.options import MASS_INSTEAD, SESSION
+from station.commands.options import MASS_INSTEAD, SESSION, pass_settings
 from station.exits import UsageProblem
 from station.output import json_option, print_json
+from station.settings import Settings
 
 
 @click.command("identify")
@@ -22,9 +23,9 @@ from station.output import json_option, print_json
     help="Write the viewer's recording too, and open it where there is a screen.",
 )
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     session: str,
     mass: float | None,
     into: str | None,
@@ -41,10 +42,8 @@ def command(
     from dataclasses import replace
 
     from station.operations.identifying import identify_session, refuse_if_nothing
-    from station.settings import load_settings
     from station.story.preparation import options_for
 
-    settings = load_settings(settings_file)
     opened = _opened(session, into, mass, settings)
     options = options_for(opened, settings, mass)
     if max_order is not None:

@@ -16,9 +16,11 @@ from station.commands.options import (
     new_session_option,
     number_or_name,
     pairs,
+    pass_settings,
 )
 from station.exits import UsageProblem
 from station.output import json_option, print_json, screen
+from station.settings import Settings
 from station.text.next_step import next_line
 
 if TYPE_CHECKING:
@@ -69,9 +71,9 @@ if TYPE_CHECKING:
 @CONDITIONS
 @VARIES
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     /,
     file: Path,
     folder: Path | None,
@@ -101,9 +103,7 @@ def command(
     from station.results.kept_recipes import NONE
     from station.results.sessions import import_file
     from station.safe_text import harmless
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     chosen = {name: number_or_name(value) for name, value in pairs("--column", columns).items()}
     options = ImportOptions(
         columns=chosen, units=pairs("--unit", units), angle_from=_two("--angle-from", angle_from), **others

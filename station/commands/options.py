@@ -1,14 +1,27 @@
 """Options that several commands share."""
 
 from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
 from station.exits import UsageProblem
+from station.settings import load_settings
 
 Given = TypeVar("Given", str, tuple[str, ...])
+
+
+def pass_settings(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the settings as its first argument; UsageProblem where the file that was named is none."""
+
+    @click.pass_obj
+    @wraps(command)
+    def with_settings(file: str | None, /, *args: Any, **given: Any) -> Any:
+        return command(load_settings(file), *args, **given)
+
+    return with_settings
 
 
 def existing(
@@ -21,7 +34,6 @@ def existing(
 
     def check(context: click.Context, parameter: click.Parameter, value: Given) -> Given:
         from station.results.session_names import refuse_unknown
-        from station.settings import load_settings
 
         sessions = load_settings(context.obj).sessions
         for name in (value,) if isinstance(value, str) else value:

@@ -4,8 +4,10 @@ from typing import Any
 
 import click
 
+from station.commands.options import pass_settings
 from station.exits import Problem, code_of
 from station.output import json_option, print_json, screen
+from station.settings import Settings
 from station.text.next_step import next_line
 
 
@@ -22,8 +24,8 @@ class NotRecovered(Problem):
 @click.command("recover")
 @click.argument("sessions", nargs=-1)
 @json_option
-@click.pass_obj
-def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool) -> None:
+@pass_settings
+def command(settings: Settings, sessions: tuple[str, ...], as_json: bool) -> None:
     """Finish SESSIONS that were cut off (default: all of them).
 
     An unsealed session is sealed: everything up to the last whole record is
@@ -33,9 +35,8 @@ def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool)
     from daq.errors import StationError
     from daq.session import recover, unsealed_sessions
     from station.results.session_names import session_folder
-    from station.settings import load_settings
 
-    root = load_settings(settings_file).sessions
+    root = settings.sessions
     if sessions:
         folders = [session_folder(name, root) for name in sessions]
     else:

@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSION, known_effect
+from station.commands.options import EFFECTS, GAIN, MODEL, NO_VIEWER, SESSION, known_effect, pass_settings
 from station.exits import UsageProblem
 from station.output import json_option, print_json, progress
+from station.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -36,9 +37,9 @@ if TYPE_CHECKING:
 @GAIN
 @NO_VIEWER
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     session: str,
     added: str | None,
     removed: str | None,
@@ -62,9 +63,7 @@ def command(
     from station.operations.refining import add, go_to, open_refinement, refine_to_floor, remove
     from station.results.ladder import ladder_document, write_ladder
     from station.results.sessions import open_session
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     refinement = open_refinement(opened, settings, model_file, effects_file, gain_percent, reset=reset)
     ladder = refinement.ladder

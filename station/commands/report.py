@@ -4,8 +4,9 @@ from pathlib import Path
 
 import click
 
-from station.commands.options import MASS_INSTEAD, SESSION
+from station.commands.options import MASS_INSTEAD, SESSION, pass_settings
 from station.output import json_option, print_json, progress, screen
+from station.settings import Settings
 from station.text.next_step import next_line
 
 
@@ -21,9 +22,9 @@ from station.text.next_step import next_line
 @click.option("--diagnose", is_flag=True, help="Diagnose first (takes some seconds).")
 @click.option("--open", "with_browser", is_flag=True, help="Open it in the browser.")
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None,
+    settings: Settings,
     session: str,
     output: Path | None,
     mass: float | None,
@@ -38,9 +39,7 @@ def command(
     """
     from station.report.write import write_report
     from station.results.sessions import open_session
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     report = write_report(opened, output, settings=settings, mass=mass, diagnose=diagnose, progress=progress)
     if as_json:

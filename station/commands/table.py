@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import SESSIONS
+from station.commands.options import SESSIONS, pass_settings
 from station.exits import UsageProblem
 from station.output import print_json, progress
+from station.settings import Settings
 from station.text.next_step import next_line
 
 if TYPE_CHECKING:
@@ -19,8 +20,8 @@ FORMATS = ("text", "csv", "latex", "json")
 @SESSIONS
 @click.option("--format", "form", type=click.Choice(FORMATS), default="text", show_default=True)
 @click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
-@click.pass_obj
-def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_json: bool) -> None:
+@pass_settings
+def command(settings: Settings, sessions: tuple[str, ...], form: str, as_json: bool) -> None:
     """Print Table 1 (each release) and Table 2 (mean, spread) of SESSIONS.
 
     Sessions are identified on the way. Angles and lengths do not go into one
@@ -29,10 +30,8 @@ def command(settings_file: str | None, sessions: tuple[str, ...], form: str, as_
     from identify.errors import NotIdentifiable
     from station.operations.identifying import identify_session, kept_options
     from station.results.sessions import open_session
-    from station.settings import load_settings
     from station.text import table
 
-    settings = load_settings(settings_file)
     documents: list[IdentificationDocument] = []
     folders = []
     for name in sessions:

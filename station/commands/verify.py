@@ -4,9 +4,10 @@ from typing import Any
 
 import click
 
-from station.commands.options import SESSIONS
+from station.commands.options import SESSIONS, pass_settings
 from station.exits import STORAGE, Problem
 from station.output import json_option, print_json, screen
+from station.settings import Settings
 from station.text.next_step import next_line
 
 
@@ -20,14 +21,13 @@ class Altered(Problem):
 @click.command("verify")
 @SESSIONS
 @json_option
-@click.pass_obj
-def command(settings_file: str | None, sessions: tuple[str, ...], as_json: bool) -> None:
+@pass_settings
+def command(settings: Settings, sessions: tuple[str, ...], as_json: bool) -> None:
     """Check SESSIONS against their manifests; one flipped bit is found."""
     from daq.session import verify
     from station.results.session_names import session_folder
-    from station.settings import load_settings
 
-    root = load_settings(settings_file).sessions
+    root = settings.sessions
     checked = [verify(session_folder(name, root)) for name in sessions]
     if as_json:
         print_json({"ok": all(one.ok for one in checked), "sessions": [_entry(one) for one in checked]})

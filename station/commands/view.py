@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from station.commands.options import SESSION
+from station.commands.options import SESSION, pass_settings
 from station.output import json_option, print_json, progress, screen
+from station.settings import Settings
 from station.text.next_step import next_line
 
 if TYPE_CHECKING:
@@ -24,9 +25,9 @@ if TYPE_CHECKING:
 )
 @click.option("--no-viewer", is_flag=True, help="Write the recording only.")
 @json_option
-@click.pass_obj
+@pass_settings
 def command(
-    settings_file: str | None, session: str, screenshot: Path | None, no_viewer: bool, as_json: bool
+    settings: Settings, session: str, screenshot: Path | None, no_viewer: bool, as_json: bool
 ) -> None:
     """Open SESSION in the viewer: capture, alignment, both methods, results,
     and the steps of its refinement.
@@ -35,9 +36,7 @@ def command(
     """
     from station.operations.identifying import identify_session, kept_options, write_view
     from station.results.sessions import open_session
-    from station.settings import load_settings
 
-    settings = load_settings(settings_file)
     opened = open_session(session, settings.sessions)
     result, _ = identify_session(opened, kept_options(opened, settings))
     from station.operations.viewer_tabs import kept_tabs
