@@ -12,11 +12,10 @@ from station.commands.options import (
     COLUMNS,
     UNITS,
     new_session_option,
-    pairs,
     pass_settings,
     release_options,
 )
-from station.output import json_option, print_json, progress, screen
+from station.output import json_option, print_json, progress, say
 from station.settings import Settings
 
 MOST_TAKES = 3
@@ -83,8 +82,8 @@ def command(
     lines: bool,
     profile: str | None,
     source: str | None,
-    columns: tuple[str, ...],
-    units: tuple[str, ...],
+    columns: dict[str, str | int],
+    units: dict[str, str],
     baud: int | None,
     **given: Any,
 ) -> int:
@@ -93,29 +92,21 @@ def command(
     Hold the mass still until the station is armed, then let it go.
     """
     from daq.failover import is_temporary
-    from daq.ports import choose_port
+    from daq.sources.open_source import LineOptions
     from station.operations.capturing import record
-    from station.operations.line_boards import LineChoice, board_behind
+    from station.operations.line_boards import board_behind
     from station.operations.new_session import new_folder, wanted_capture
 
-    choice = LineChoice(
-        lines, profile, source, pairs("--column", columns), pairs("--unit", units), given["rate"], baud
-    )
-    named = port or settings.capture.port
-    chosen = named or "" if choice.any else choose_port(named)
+    told = LineOptions(None, columns, units, given["rate"], baud)
+    board = board_behind(port, settings, told, lines, profile, source)
     wanted = wanted_capture(settings, given)
-    session, url = record(
-        board_behind(chosen, choice, settings),
-        wanted,
-        folder or new_folder(settings.sessions),
-        not no_viewer,
-        spare,
-    )
+    place = folder or new_folder(settings.sessions)
+    session, url = record(board(), wanted, place, not no_viewer, spare)
     for number in range(2, MOST_TAKES + 1):
         if not take_again(session, again, as_json):
             break
         place = folder.with_name(f"{folder.name}_{number}") if folder else new_folder(settings.sessions)
-        session, url = record(board_behind(chosen, choice, settings), wanted, place, not no_viewer, spare)
+        session, url = record(board(), wanted, place, not no_viewer, spare)
     finish(session, url, settings, as_json)
     return exits.ELSEWHERE if is_temporary(session.folder) else exits.DONE
 
@@ -160,7 +151,7 @@ def finish(
     if not as_json:
         tell(told(session.folder.name, result))
         if note:
-            screen().print(note, markup=False, soft_wrap=True)
+            say(note)
     file = show_result(url, session, result)
     progress(f"viewer's recording: {file}")
     if as_json:
@@ -173,5 +164,5 @@ def finish(
         print_json(known | more)
     else:
         line = next_line(next_command(result), session.folder)
-        screen().print(line, markup=False, soft_wrap=True)
+        say(line)
     refuse_if_nothing(result)

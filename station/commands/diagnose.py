@@ -41,7 +41,7 @@ def command(
     effects_file: Path | None,
     gain_percent: float | None,
     worth: float,
-    varies: str,
+    varies: tuple[str, ...],
     anyway: bool,
     full: bool,
     as_json: bool,

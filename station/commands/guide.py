@@ -78,15 +78,12 @@ def show_guided(test: "GuidedTest", as_json: bool) -> "GuideDocument":
 
 def limits_of(text: str, unattended: bool = False) -> "Limits":
     """Return the limits of a rig from "2mm,25mm"; UsageProblem for what is none."""
-    from daq.importing.units import parse_scaled_unit, parse_unit
     from identify.diagnosis.next_release import Limits
+    from station.operations.new_session import metres
 
-    lengths = []
-    for word in text.split(","):
-        length = parse_scaled_unit(word.strip())
-        if length is None or length.si != "m" or parse_unit(word.strip()) is not None:
-            raise exits.UsageProblem(f"--limits {text}: write two lengths with their units, as 2mm,25mm")
-        lengths.append(length.scale)
+    lengths = [length for word in text.split(",") if (length := metres(word)) is not None]
+    if len(lengths) <= text.count(","):
+        raise exits.UsageProblem(f"--limits {text}: write two lengths with their units, as 2mm,25mm")
     if len(lengths) != 2 or not 0.0 < lengths[0] < lengths[1]:
         raise exits.UsageProblem(
             f"--limits {text}: write the smallest and the largest safe amplitude, both above 0, as 2mm,25mm"

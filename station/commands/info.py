@@ -6,7 +6,7 @@ import click
 
 from station.commands.options import SESSION, pass_settings
 from station.exits import UsageProblem
-from station.output import json_option, print_json, screen
+from station.output import json_option, print_json, say, screen
 from station.settings import Settings
 
 
@@ -80,7 +80,7 @@ def _print(document: dict[str, Any], rate: float, model: str) -> None:
     lines += [("flagged", line) for line in flagged_lines(document["flags"], rate)]
     lines += [("note", note) for note in document["notes"]]
     show_parts(console, facts(lines))
-    console.print(next_line(_next(document["results"]), document["session"]), markup=False, soft_wrap=True)
+    say(next_line(_next(document["results"]), document["session"]))
 
 
 def _next(results: list[str]) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from station.commands.options import pass_settings
-from station.output import json_option, print_json, screen
+from station.output import json_option, print_json, say, screen
 from station.settings import Settings
 from station.text.next_step import next_line
 
@@ -66,4 +66,4 @@ def _print(found: Any) -> None:
         rows.append((summary.folder.name, made, info.state.value, getattr(info, "verdict", "") or "", mass))
     head = ("session", "made", "state", "verdict", "mass")
     show_parts(screen(), [Table("", head, tuple(rows), texts=5)])
-    screen().print(next_line("info", found[-1].folder), markup=False, soft_wrap=True)
+    say(next_line("info", found[-1].folder))

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from station.commands.options import BAUD, COLUMNS, UNITS, pairs, pass_settings
+from station.commands.options import BAUD, COLUMNS, UNITS, pass_settings
 from station.output import json_option, print_json, progress, screen
 from station.settings import Settings
 
@@ -29,8 +29,8 @@ def command(
     settings: Settings,
     name: str | None,
     port: str,
-    columns: tuple[str, ...],
-    units: tuple[str, ...],
+    columns: dict[str, str | int],
+    units: dict[str, str],
     rate: float | None,
     baud: int | None,
     as_json: bool,
@@ -49,7 +49,7 @@ def command(
 
     if name is not None:
         profile_file(name, profiles_of(settings))
-    told = LineOptions(None, pairs("--column", columns), pairs("--unit", units), rate, baud)
+    told = LineOptions(None, columns, units, rate, baud)
 
     def decide(sample: "Sample") -> "LineFormat":
         if not as_json:

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from station.commands.options import MASS_INSTEAD, SESSION, pass_settings
-from station.output import json_option, print_json, progress, screen
+from station.output import json_option, print_json, progress, say
 from station.settings import Settings
 from station.text.next_step import next_line
 
@@ -47,12 +47,11 @@ def command(
             {"session": opened.folder.name, "report": str(report.path.resolve()), "left_out": report.left_out}
         )
     else:
-        console = screen()
-        console.print(f"report: {report.path}", markup=False, soft_wrap=True)
+        say(f"report: {report.path}")
         for name, reason in sorted(report.left_out.items()):
-            console.print(f"left out: {name.replace('_', ' ')}: {reason}", markup=False, soft_wrap=True)
+            say(f"left out: {name.replace('_', ' ')}: {reason}")
         if not with_browser:
-            console.print(next_line("report", session, "--open"), markup=False, soft_wrap=True)
+            say(next_line("report", session, "--open"))
     if with_browser:
         import webbrowser
 

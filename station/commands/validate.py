@@ -22,7 +22,7 @@ def command(
     model: str,
     sessions: tuple[str, ...],
     effects_file: Path | None,
-    varies: str,
+    varies: tuple[str, ...],
     hold: bool,
     as_json: bool,
 ) -> None:

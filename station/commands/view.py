@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from station.commands.options import SESSION, pass_settings
-from station.output import json_option, print_json, progress, screen
+from station.output import json_option, print_json, progress, say
 from station.settings import Settings
 from station.text.next_step import next_line
 
@@ -55,7 +55,7 @@ def command(
     if as_json:
         print_json(document)
     else:
-        screen().print(next_line("report", opened.folder), markup=False, soft_wrap=True)
+        say(next_line("report", opened.folder))
 
 
 def show_session(session: "Session", result: "Identification") -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from daq.errors import NotASession
 from daq.session import Session
 from identify.errors import NotIdentifiable
-from station.exits import NOT_IDENTIFIABLE, Problem, UsageProblem
+from station.exits import Answered, UsageProblem
 from station.operations.current_model import kept_identification
 from station.operations.record_floor import with_floor
 from station.results.documents import write_document
@@ -23,13 +23,6 @@ if TYPE_CHECKING:
     from station.views.tab import Tab
 
 VIEW = "identification.rrd"
-
-
-class NothingIdentified(Problem):
-    """Neither method could identify anything; the message says why."""
-
-    exit_code = NOT_IDENTIFIABLE
-    reported = True
 
 
 def identify_session(session: Session, options: Options) -> tuple[Identification, IdentificationDocument]:
@@ -72,10 +65,10 @@ def kept_options(session: Session, settings: Settings, mass: float | None = None
 
 
 def refuse_if_nothing(result: Identification) -> None:
-    """Raise NothingIdentified when both methods refused."""
+    """Raise Answered when both methods refused."""
     if result.wavelet is None and result.restoring_force is None:
         reasons = dict.fromkeys(result.refusals[step] for step in ("wavelet", "restoring_force"))
-        raise NothingIdentified("nothing could be identified: " + "; ".join(reasons))
+        raise Answered("nothing could be identified: " + "; ".join(reasons))
 
 
 def write_view(

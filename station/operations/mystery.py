@@ -23,7 +23,7 @@ from station.operations.record_floor import prepare_with_floor
 from station.operations.refining import add, open_refinement
 from station.operations.session_set import SessionSet
 from station.operations.simulated_board import MASS_KG, on_simulated, record_simulated, simulated_capture
-from station.output import print_json, progress, screen
+from station.output import print_json, progress, say, screen
 from station.results.diagnosis_document import DiagnosisDocument
 from station.results.ladder import KeptLadder, ladder_document
 from station.safe_text import SafeConsole
@@ -148,7 +148,7 @@ def _reveal(console: Console, solved: Solved) -> None:
     show_parts(console, [_side_by_side(solved)])
     console.print(Padding(_verdict(solved), (0, 1)))
     for line in (next_line("report", solved.session.folder), " another: station demo --mystery"):
-        console.print(line, markup=False, soft_wrap=True)
+        say(line)
 
 
 def places(compared: Compared) -> tuple[Part, ...]:

@@ -32,7 +32,7 @@ from station.results.models import known_model, name_of, parsed_effect, written
 from station.settings import Settings
 from station.story.pipeline import Progress
 from station.story.residual import residual_words
-from station.suggestions import MEASURED_CURVE, did_you_mean
+from station.suggestions import MEASURED_CURVE, did_you_mean, no_such_effect
 
 Seen = Callable[[KeptLadder, str], None]
 
@@ -269,10 +269,7 @@ def _found(name: str, library: tuple[Effect, ...]) -> Effect:
     try:
         return find_effect(name, library)
     except KeyError as error:
-        raise UsageProblem(
-            f"no effect is called '{name}'{did_you_mean(name, [effect.name for effect in library])}; see `station "
-            'effects`, or write one as "magnet = a*u/(1+(u/b)**2)"'
-        ) from error
+        raise no_such_effect(name, [effect.name for effect in library]) from error
 
 
 def _parsed(text: str, library: tuple[Effect, ...]) -> Effect:

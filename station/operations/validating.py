@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from daq.errors import StationError
 from daq.session import Session
 from identify.effects.effect import Effect
 from identify.effects.force_effect import LinearPart
@@ -14,6 +13,7 @@ from identify.fitting.validation import Validated, validate
 from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
+from station.operations.session_curves import diagnosed_beside, opened_or_none, prepared_or_none
 from station.operations.session_set import declared, opened_once, whole_library
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.documents import write_document
@@ -47,12 +47,12 @@ def validate_sessions(
     effects_file: Path | None = None,
     *,
     hold: bool = False,
-    varies: str = "",
+    varies: tuple[str, ...] = (),
     progress: Progress = silent,
 ) -> ValidationDocument:
     """Predict sessions by a model (a file, or a session that keeps one); keep the document in each of them.
 
-    `varies` names, with commas, what was changed on purpose from what the model was fitted to, beside what the sessions'
+    `varies` names what was changed on purpose from what the model was fitted to, beside what the sessions'
     metadata say: each session has its own of that.
 
     Sessions that hold too little, and those that the model was fitted to, are skipped, which is said. Raises
@@ -62,11 +62,10 @@ def validate_sessions(
     opened = opened_once(sessions, settings)
     ready, skipped = _prepared(opened, given, settings, progress)
     names = tuple(session.folder.name for session, _ in ready)
-    changed = declared(
-        [*(session.info.varies for session, _ in ready), *([varies.split(",")] if varies else ())]
-    )
+    changed = declared([varies, *(session.info.varies for session, _ in ready)])
     decays = changed_on_purpose([decay for _, decay in ready], changed, _spring_of(given))
-    own = changed_on_purpose(_own_decays(given, settings), changed, _spring_of(given))
+    known = [prepared_or_none(session, settings) for session in given.fitted_to]
+    own = changed_on_purpose([decay for decay in known if decay is not None], changed, _spring_of(given))
     progress(f"fitting the usual model, and predicting {len(decays)} session{'s' * (len(decays) != 1)}")
 
     def report(one: Validated) -> None:
@@ -109,12 +108,8 @@ def _spring_of(given: GivenModel) -> float:
 def _session_of(file: Path) -> tuple[Session, ...]:
     """Return the session in whose results a model file lies, if it does."""
     folder = file.resolve().parent
-    if folder.name != "results":
-        return ()
-    try:
-        return (Session.open(folder.parent),)
-    except (StationError, OSError):
-        return ()
+    session = opened_or_none(folder.parent) if folder.name == "results" else None
+    return () if session is None else (session,)
 
 
 def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:
@@ -130,7 +125,7 @@ def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:
             f"{session.folder.name} keeps no model but the usual one; `station diagnose` or `station refine` it first, "
             "or give a model file"
         )
-    return file, _diagnosed_together(session, diagnosis)
+    return file, (session, *diagnosed_beside(session, diagnosis))
 
 
 def _found_by(diagnosis: DiagnosisDocument) -> ModelFile | None:
@@ -139,16 +134,6 @@ def _found_by(diagnosis: DiagnosisDocument) -> ModelFile | None:
         return diagnosis.final
     alone = diagnosis.named and not diagnosis.together
     return diagnosis.suspects[0].model if alone and diagnosis.suspects else diagnosis.fitted
-
-
-def _diagnosed_together(session: Session, diagnosis: DiagnosisDocument) -> tuple[Session, ...]:
-    """Return a session with those beside it that were diagnosed together with it."""
-    found = [session]
-    for name in diagnosis.sessions:
-        folder = session.folder.parent / name
-        if name != session.folder.name and folder.is_dir():
-            found.append(Session.open(folder))
-    return tuple(found)
 
 
 def _prepared(
@@ -197,17 +182,6 @@ def _check_suits(given: GivenModel, name: str, decay: PreparedDecay) -> None:
                     f"{name} has a displacement in {unit}, the model another unit: {entry.effect}.{parameter} is in "
                     f"{value.unit}, not in {expected}; validate it on sessions in the unit that it was fitted in"
                 )
-
-
-def _own_decays(given: GivenModel, settings: Settings) -> tuple[PreparedDecay, ...]:
-    """Return the releases that the model was fitted to, as far as they are known and still can be prepared."""
-    found = []
-    for session in given.fitted_to:
-        try:
-            found.append(prepare_session(session, settings))
-        except (NotIdentifiable, StationError):
-            continue
-    return tuple(found)
 
 
 def _percent(value: float) -> str:
