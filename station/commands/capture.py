@@ -132,8 +132,7 @@ def finish(
     session: "Session", url: str | None, settings: Settings, as_json: bool, note: str = "", **more: Any
 ) -> None:
     """Print the verdict, identify, show; `note` follows what is printed, `more` goes into the JSON object."""
-    from station.operations.capturing import show_result
-    from station.operations.identifying import identify_session, refuse_if_nothing
+    from station.operations.identifying import identify_session, refuse_if_nothing, write_view
     from station.story.preparation import options_for
     from station.text.identification_text import next_command, told
     from station.text.layout import tell
@@ -152,7 +151,11 @@ def finish(
         tell(told(session.folder.name, result))
         if note:
             say(note)
-    file = show_result(url, session, result)
+    file = write_view(session, result)
+    if url is not None:
+        from station.views import show
+
+        show.send(url, session.folder.name, result)
     progress(f"viewer's recording: {file}")
     if as_json:
         known = {

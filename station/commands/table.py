@@ -6,20 +6,20 @@ import click
 
 from station.commands.options import SESSIONS, pass_settings
 from station.exits import UsageProblem
-from station.output import print_json, progress
+from station.output import json_option, print_json, progress
 from station.settings import Settings
 from station.text.next_step import next_line
 
 if TYPE_CHECKING:
     from station.results.identification_document import IdentificationDocument
 
-FORMATS = ("text", "csv", "latex", "json")
+FORMATS = ("text", "csv", "latex")
 
 
 @click.command("table")
 @SESSIONS
 @click.option("--format", "form", type=click.Choice(FORMATS), default="text", show_default=True)
-@click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
+@json_option
 @pass_settings
 def command(settings: Settings, sessions: tuple[str, ...], form: str, as_json: bool) -> None:
     """Print Table 1 (each release) and Table 2 (mean, spread) of SESSIONS.
@@ -55,7 +55,7 @@ def command(settings: Settings, sessions: tuple[str, ...], form: str, as_json: b
             "some sessions have a mass and some have none: K has no common unit; give --mass on import"
         )
     tables = table.make_tables(documents)
-    if as_json or form == "json":
+    if as_json:
         print_json(table.as_json(tables))
     else:
         writers = {"text": table.as_text, "csv": table.as_csv, "latex": table.as_latex}

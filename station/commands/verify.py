@@ -1,7 +1,5 @@
 """`station verify`: does every file of a session still hold what was written?"""
 
-from dataclasses import asdict
-
 import click
 
 from station.commands.options import SESSIONS, pass_settings
@@ -23,7 +21,16 @@ def command(settings: Settings, sessions: tuple[str, ...], as_json: bool) -> Non
     root = settings.sessions
     checked = [verify(session_folder(name, root)) for name in sessions]
     if as_json:
-        entries = [asdict(one) | {"session": str(one.folder), "ok": one.ok} for one in checked]
+        entries = [
+            {
+                "session": str(c.folder),
+                "ok": c.ok,
+                "files": c.files,
+                "problems": c.problems,
+                "remarks": c.remarks,
+            }
+            for c in checked
+        ]
         print_json({"ok": all(one.ok for one in checked), "sessions": entries})
     else:
         for one in checked:

@@ -8,8 +8,9 @@ from identify.errors import NotIdentifiable
 from identify.model.model import base_model
 from station.exits import Answered, UsageProblem
 from station.operations.current_model import CurrentModel, current_model
-from station.operations.session_set import SessionSet, declared, open_sessions, whole_library
+from station.operations.session_set import SessionSet, declared, open_sessions
 from station.output import print_json
+from station.own_effects import whole_library
 from station.results.diagnosis_document import (
     DiagnosisDocument,
     diagnosis_document,

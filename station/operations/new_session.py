@@ -89,20 +89,15 @@ def wanted_capture(settings: Settings, given: Mapping[str, Any]) -> CaptureSetti
     return capture_settings(settings, info, **given)
 
 
-def capture_settings(settings: Settings, info: SessionInfo, **timing: Any) -> CaptureSettings:
+def capture_settings(settings: Settings, info: SessionInfo, **given: Any) -> CaptureSettings:
     """Say how to capture: options where they were given, else the settings."""
-
-    def chosen(option: str, default: float) -> float:
-        given = timing.get(option)
-        return default if given is None else float(given)
-
-    known = settings.capture
+    known = settings.capture.model_copy(update={name: v for name, v in given.items() if v is not None})
     return CaptureSettings(
-        duration_s=chosen("duration", known.duration),
-        rate_hz=chosen("rate", known.rate),
-        pre_trigger_s=chosen("pre_trigger", known.pre_trigger),
-        trigger_timeout_s=chosen("patience", known.patience),
-        trigger_level=timing.get("level"),
-        release_from=_release_from(timing.get("release")),
+        duration_s=known.duration,
+        rate_hz=known.rate,
+        pre_trigger_s=known.pre_trigger,
+        trigger_timeout_s=known.patience,
+        trigger_level=given.get("level"),
+        release_from=_release_from(given.get("release")),
         info=info,
     )

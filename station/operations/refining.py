@@ -25,7 +25,7 @@ from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.current_model import first_model
 from station.operations.record_floor import prepare_with_floor
-from station.operations.session_set import whole_library
+from station.own_effects import whole_library
 from station.results.documents import Errors, seen
 from station.results.ladder import LADDER, KeptLadder, KeptStep, kept_step, read_ladder, write_ladder
 from station.results.models import known_model, name_of, parsed_effect, written

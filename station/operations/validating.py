@@ -14,7 +14,8 @@ from identify.model.model import base_model
 from identify.preprocessing.prepared_decay import PreparedDecay
 from station.exits import UsageProblem
 from station.operations.session_curves import diagnosed_beside, opened_or_none, prepared_or_none
-from station.operations.session_set import declared, opened_once, whole_library
+from station.operations.session_set import declared, opened_once
+from station.own_effects import whole_library
 from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
 from station.results.documents import write_document
 from station.results.ladder import read_ladder
