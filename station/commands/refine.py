@@ -11,8 +11,6 @@ from station.output import json_option, print_json, progress
 from station.settings import Settings
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from daq.session import Session
     from station.results.ladder import KeptLadder
 
@@ -57,7 +55,9 @@ def command(
     The model, and every step of the ladder that led to it, are kept in the
     session. Without an option the ladder is printed.
     """
-    _refuse_several({"--add": added, "--remove": removed, "--auto": auto, "--to": number is not None})
+    steps = {"--add": added, "--remove": removed, "--auto": auto, "--to": number is not None}
+    if len(wanted := [option for option, given in steps.items() if given]) > 1:
+        raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
     from dataclasses import replace
 
     from station.operations.refining import add, go_to, open_refinement, refine_to_floor, remove
@@ -91,12 +91,6 @@ def command(
 
         if viewer_tabs.show_ladder(replace(refinement, ladder=ladder)):
             progress("the viewer shows the ladder: one tab a step")
-
-
-def _refuse_several(steps: "Mapping[str, object]") -> None:
-    wanted = [option for option, given in steps.items() if given]
-    if len(wanted) > 1:
-        raise UsageProblem(f"{' and '.join(wanted)} do not go together; one step at a time")
 
 
 def _next(session: "Session", ladder: "KeptLadder") -> tuple[str | Path, ...]:

@@ -34,21 +34,17 @@ def identify_session(session: Session, options: Options) -> tuple[Identification
     found = locate(recording, options)
     result = identify(recording, options, found)
     try:
+        doubt = recording_doubt(session.manifest())
+    except NotASession:  # it is not sealed
+        doubt = ""
+    try:
         prepared = with_floor(session, prepare_recording(recording, options, found=found))
-        result = with_adequacy(result, prepared, _doubt(session))
+        result = with_adequacy(result, prepared, doubt)
     except NotIdentifiable as refusal:
         result = replace(result, refusals=result.refusals | {"adequacy": str(refusal)})
     document = identification_document(session.folder.name, result, options)
     write_document(session, NAME, document)
     return result, document
-
-
-def _doubt(session: Session) -> str:
-    """Say what the verdict holds against the recording's values; "" for a session that is not sealed."""
-    try:
-        return recording_doubt(session.manifest())
-    except NotASession:
-        return ""
 
 
 def kept_options(session: Session, settings: Settings, mass: float | None = None) -> Options:

@@ -16,11 +16,10 @@ from station.exits import UsageProblem
 from station.operations.session_curves import diagnosed_beside, opened_or_none, prepared_or_none
 from station.operations.session_set import declared, opened_once
 from station.own_effects import whole_library
-from station.results.diagnosis_document import DiagnosisDocument, read_diagnosis
+from station.results.diagnosis_document import read_diagnosis
 from station.results.documents import write_document
 from station.results.ladder import read_ladder
 from station.results.models import KnownModel, ModelFile, known_model, read_model_file
-from station.results.session_names import find_session
 from station.results.sessions import open_session
 from station.results.validation_document import NAME, ValidationDocument, validation_document
 from station.settings import Settings
@@ -33,7 +32,7 @@ OWN = "the model was fitted to it"
 
 @dataclass(frozen=True, eq=False)
 class GivenModel:
-    """A model to be validated: what it is from, what it was fitted to, and its units by parameter."""
+    """A model to be validated: what it is from, its file with the units of its parameters, and what it was fitted to."""
 
     source: str
     file: ModelFile
@@ -87,30 +86,21 @@ def open_model(argument: str, settings: Settings, library: tuple[Effect, ...]) -
     """Return the model in a file, or the one that a session keeps: that of its ladder, else that of its diagnosis."""
     path = Path(argument)
     if path.is_file():
-        file = read_model_file(path)
-        known = known_model(file, f"the model {path}", library)
-        return GivenModel(argument, file, known, _session_of(path))
-    if not path.is_dir() and find_session(argument, settings.sessions) is None:
-        raise UsageProblem(
-            f"{argument}: there is no such model file or session (sessions are looked for in {settings.sessions.resolve()})"
-        )
-    session = open_session(argument, settings.sessions)
-    file, fitted_to = _kept_model(session)
-    known = known_model(file, f"the model of {session.folder.name}", library)
-    return GivenModel(session.folder.name, file, known, fitted_to)
+        file, source, said = read_model_file(path), argument, f"the model {path}"
+        place = path.resolve().parent
+        session = opened_or_none(place.parent) if place.name == "results" else None
+        fitted_to = () if session is None else (session,)
+    else:
+        session = open_session(argument, settings.sessions)
+        source, said = session.folder.name, f"the model of {session.folder.name}"
+        file, fitted_to = _kept_model(session)
+    return GivenModel(source, file, known_model(file, said, library), fitted_to)
 
 
 def _spring_of(given: GivenModel) -> float:
     """Return the stiffness of a model, 1/s^2; 0 where it has none."""
     strength = given.known.model.linear_strength(LinearPart.STIFFNESS)
     return 0.0 if strength is None else float(given.known.values[str(strength)])
-
-
-def _session_of(file: Path) -> tuple[Session, ...]:
-    """Return the session in whose results a model file lies, if it does."""
-    folder = file.resolve().parent
-    session = opened_or_none(folder.parent) if folder.name == "results" else None
-    return () if session is None else (session,)
 
 
 def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:
@@ -120,21 +110,15 @@ def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:
     if ladder is not None and set(ladder.top.effects) != usual:
         return ladder.top.model, (session,)
     diagnosis = read_diagnosis(session)
-    file = None if diagnosis is None else _found_by(diagnosis)
+    file = diagnosis and (
+        diagnosis.final or diagnosis.fitted
+    )  # with what it named, else that which was asked about
     if diagnosis is None or file is None or set(file.names) == usual:
         raise UsageProblem(
             f"{session.folder.name} keeps no model but the usual one; `station diagnose` or `station refine` it first, "
             "or give a model file"
         )
     return file, (session, *diagnosed_beside(session, diagnosis))
-
-
-def _found_by(diagnosis: DiagnosisDocument) -> ModelFile | None:
-    """Return the model with what a diagnosis named; that which was asked about where it named nothing."""
-    if diagnosis.final is not None:
-        return diagnosis.final
-    alone = diagnosis.named and not diagnosis.together
-    return diagnosis.suspects[0].model if alone and diagnosis.suspects else diagnosis.fitted
 
 
 def _prepared(
