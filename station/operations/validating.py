@@ -85,6 +85,7 @@ def validate_sessions(
 def open_model(argument: str, settings: Settings, library: tuple[Effect, ...]) -> GivenModel:
     """Return the model in a file, or the one that a session keeps: that of its ladder, else that of its diagnosis."""
     path = Path(argument)
+    fitted_to: tuple[Session, ...]
     if path.is_file():
         file, source, said = read_model_file(path), argument, f"the model {path}"
         place = path.resolve().parent
@@ -110,9 +111,8 @@ def _kept_model(session: Session) -> tuple[ModelFile, tuple[Session, ...]]:
     if ladder is not None and set(ladder.top.effects) != usual:
         return ladder.top.model, (session,)
     diagnosis = read_diagnosis(session)
-    file = diagnosis and (
-        diagnosis.final or diagnosis.fitted
-    )  # with what it named, else that which was asked about
+    # The model with what it named, else that which was asked about.
+    file = None if diagnosis is None else diagnosis.final or diagnosis.fitted
     if diagnosis is None or file is None or set(file.names) == usual:
         raise UsageProblem(
             f"{session.folder.name} keeps no model but the usual one; `station diagnose` or `station refine` it first, "
