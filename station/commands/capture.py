@@ -10,6 +10,7 @@ from station import exits
 from station.commands.options import (
     BAUD,
     COLUMNS,
+    NO_VIEWER,
     UNITS,
     new_session_option,
     pass_settings,
@@ -62,7 +63,7 @@ if TYPE_CHECKING:
     metavar="FOLDER",
     help="Where the session goes when its disk fails (default: a terminal asks, else a temporary folder: exit 10).",
 )
-@click.option("--no-viewer", is_flag=True, help="No live view.")
+@NO_VIEWER
 @click.option(
     "--again/--no-again",
     default=None,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from station.commands.options import EFFECTS, FULL, GAIN, MODEL, SESSIONS, VARIES, pass_settings
+from station.exits import Answered
 from station.output import json_option, print_json, progress
 from station.settings import Settings
 from station.suggestions import MEASURED_CURVE
@@ -54,16 +55,19 @@ def command(
     `refine` the one that `station identify` found at orders of your choice,
     else the usual one: stiffness, dry and viscous friction.
     """
-    from station.operations.diagnosing import (
-        diagnose_sessions,
-        keep,
-        open_or_refuse,
-        physics_shared,
-        refuse_if_too_little,
-    )
-    from station.results.diagnosis_document import with_differences
+    from identify.errors import NotIdentifiable
+    from identify.model.model import base_model
+    from station.operations.diagnosing import diagnose_sessions, keep, physics_shared
+    from station.operations.session_set import declared, open_sessions
+    from station.results.diagnosis_document import refused_document, with_differences
 
-    opened = open_or_refuse(sessions, settings, gain_percent, as_json, varies)
+    try:
+        opened = open_sessions(sessions, settings, gain_percent, declared([varies]))
+    except NotIdentifiable as refusal:
+        if as_json:
+            names = tuple(Path(session).name for session in sessions)
+            print_json(refused_document(names, base_model(), str(refusal)).plain())
+        raise Answered(f"not enough data: {refusal}") from refusal
     for name, why in opened.left_out.items():
         progress(f"{name} is left out: {why}")
     shared = physics_shared(opened, anyway, progress)
@@ -81,7 +85,8 @@ def command(
         weighing = weighing_of(opened.sessions[0], settings, opened.decays[0].window.unit)
         folders = [session.folder for session in opened.sessions]
         tell(told(document, weighing, full=full), *next_step(folders, document), full=full)
-    refuse_if_too_little(document)
+    if document.verdict == "not_enough_data":
+        raise Answered(f"not enough data: {document.explanation}")
 
 
 def next_step(folders: "list[Path]", document: "DiagnosisDocument") -> tuple[str | Path, ...]:

@@ -11,6 +11,8 @@ from station.commands.options import (
     CONDITIONS,
     MASS,
     MASS_STD,
+    OPERATOR,
+    SPECIMEN,
     UNITS,
     VARIES,
     new_session_option,
@@ -64,8 +66,8 @@ if TYPE_CHECKING:
     "--accept", is_flag=True, help="Take the recipe that is proposed where the file does not say all."
 )
 @click.option("--keep-offset", is_flag=True, help="Leave gravity in an acceleration.")
-@click.option("--specimen", help="What was tested.")
-@click.option("--operator", help="Who tested it.")
+@SPECIMEN
+@OPERATOR
 @CONDITIONS
 @VARIES
 @json_option

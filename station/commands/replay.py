@@ -2,7 +2,7 @@
 
 import click
 
-from station.commands.options import SESSION, pass_settings
+from station.commands.options import NO_VIEWER, SESSION, pass_settings
 from station.output import json_option
 from station.settings import Settings
 
@@ -16,7 +16,7 @@ from station.settings import Settings
     show_default=True,
     help="Times real time; 0: as fast as it goes.",
 )
-@click.option("--no-viewer", is_flag=True, help="No live view.")
+@NO_VIEWER
 @json_option
 @pass_settings
 def command(settings: Settings, session: str, speed: float, no_viewer: bool, as_json: bool) -> None:

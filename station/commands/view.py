@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from station.commands.options import SESSION, pass_settings
+from station.commands.options import NO_VIEWER, SESSION, pass_settings
 from station.output import json_option, print_json, progress, say
 from station.settings import Settings
 from station.text.next_step import next_line
@@ -19,7 +19,7 @@ from station.text.next_step import next_line
     metavar="DIR",
     help="Write a picture of every tab into DIR; needs no screen.",
 )
-@click.option("--no-viewer", is_flag=True, help="Write the recording only.")
+@NO_VIEWER
 @json_option
 @pass_settings
 def command(

@@ -4,43 +4,17 @@ from pathlib import Path
 
 from identify.comparison.shared_physics import OTHER_BENCH, SharedPhysics, shared_physics
 from identify.diagnosis.diagnose import Diagnosis
-from identify.errors import NotIdentifiable
-from identify.model.model import base_model
-from station.exits import Answered, UsageProblem
+from station.exits import UsageProblem
 from station.operations.current_model import CurrentModel, current_model
-from station.operations.session_set import SessionSet, declared, open_sessions
-from station.output import print_json
+from station.operations.session_set import SessionSet
 from station.own_effects import whole_library
 from station.results.diagnosis_document import (
     DiagnosisDocument,
     diagnosis_document,
-    refused_document,
     write_diagnosis,
 )
-from station.settings import Settings
 from station.story.pipeline import Progress, diagnose, silent
 from station.text.next_step import command_line
-
-
-def open_or_refuse(
-    arguments: tuple[str, ...],
-    settings: Settings,
-    gain_percent: float | None,
-    as_json: bool,
-    varies: tuple[str, ...] = (),
-) -> SessionSet:
-    """Open the sessions; where all hold too little, print the verdict as JSON if asked and raise Answered.
-
-    `varies` names what was changed on purpose between them.
-    """
-    changed = declared([varies])
-    try:
-        return open_sessions(arguments, settings, gain_percent, changed)
-    except NotIdentifiable as refusal:
-        if as_json:
-            names = tuple(Path(argument).name for argument in arguments)
-            print_json(refused_document(names, base_model(), str(refusal)).plain())
-        raise Answered(f"not enough data: {refusal}") from refusal
 
 
 def physics_shared(sessions: SessionSet, anyway: bool, progress: Progress) -> SharedPhysics | None:
@@ -108,9 +82,3 @@ def keep(sessions: SessionSet, document: DiagnosisDocument) -> None:
     """Write results/diagnosis.json into each session."""
     for session in sessions.sessions:
         write_diagnosis(session, document)
-
-
-def refuse_if_too_little(document: DiagnosisDocument) -> None:
-    """Raise Answered when that is the verdict."""
-    if document.verdict == "not_enough_data":
-        raise Answered(f"not enough data: {document.explanation}")
